@@ -1,0 +1,36 @@
+#pragma once
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+
+#include "base/error.h"
+#include "scene/pose.h"
+#include "scene/scene.h"
+
+namespace candela {
+
+// How the command line asks for a camera: an explicit eye and target, a camera by name or index, or nothing.
+struct CameraRequest {
+  std::optional<glm::dvec3> eye, target;
+  std::optional<double> yfov_deg;
+  std::string camera;  // name or index; empty: the first camera in node order, else framing
+};
+
+// A camera placed in the world, for one image size. Depth is reversed; projections are in double.
+struct View {
+  glm::dvec3 position{0};           // world
+  glm::dmat4 view_from_relative{1}; // rotation only: relative space has world axes and its origin at `position`
+  glm::dmat4 clip_from_view{1};
+  glm::dmat4 clip_from_relative{1};
+  bool perspective = true;
+  double near_m = 0.01, far_m = 0;  // far only for orthographic
+  double tan_x = 1, tan_y = 1;      // perspective half-angle tangents, or orthographic half sizes in metres
+  std::string name;                 // "camera 'Main'" or "framed bounds", for the log and the metadata
+  std::vector<std::string> notes;   // for example zfar ignored
+};
+
+// Errors (usage): unknown camera; eye equals target; (input): a camera with unusable values.
+// bounds: world bounds of what is drawn, for framing and for an orthographic far plane.
+Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px, int height_px, const DAabb& bounds);
+
+}  // namespace candela

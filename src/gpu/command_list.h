@@ -1,0 +1,51 @@
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+
+#include "graph/handle.h"
+#include "graph/pipeline_desc.h"
+
+namespace candela {
+
+// What a pass records into. It gives a resource only if the pass declared it (else it stops and names both); it owns no memory
+// and places no barrier. Images and buffers reach shaders by bindless index and by device address, in push constants.
+class CommandList {
+ public:
+  virtual ~CommandList() = default;
+
+  // Bindless indices into the one descriptor set (shaders/lib/bindless.glsl), for the access the pass declared.
+  virtual uint32_t sampled(ImageHandle image) = 0;   // texture2D / texture2DMS / utexture2D arrays
+  virtual uint32_t storage(ImageHandle image) = 0;   // image2D arrays
+  virtual uint64_t address(BufferHandle buffer) = 0;
+  virtual glm::uvec2 size(ImageHandle image) = 0;
+
+  virtual void bind(PipelineHandle pipeline) = 0;
+  virtual void push_bytes(const void* data, uint32_t bytes) = 0;
+  template <class T>
+  void push(const T& constants) {
+    static_assert(sizeof(T) <= 128);
+    push_bytes(&constants, sizeof(T));
+  }
+
+  // Threads, not groups: divided by the workgroup size that the bound shader's SPIR-V states, rounded up.
+  virtual void dispatch(uint32_t threads_x, uint32_t threads_y = 1, uint32_t threads_z = 1) = 0;
+
+  struct Attachment {
+    ImageHandle image;        // version written by this pass; version 1 clears, later ones load
+    ImageHandle resolve{};    // optional
+  };
+  virtual void begin_rendering(std::span<const Attachment> colors, ImageHandle depth) = 0;  // viewport and scissor: whole image
+  virtual void end_rendering() = 0;
+  // cull: none, or back faces; mirrored: front faces are clockwise (negative determinant).
+  virtual void set_cull(bool cull_back, bool mirrored) = 0;
+  virtual void draw(uint32_t vertices, uint32_t instances = 1) = 0;
+  virtual void bind_index_buffer(BufferHandle indices) = 0;  // 32-bit
+  virtual void draw_indexed_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
+                                           uint64_t counts_offset, uint32_t max_draws) = 0;
+
+  virtual void copy_to_buffer(ImageHandle image, BufferHandle buffer) = 0;  // tightly packed rows
+};
+
+}  // namespace candela

@@ -1,0 +1,46 @@
+#pragma once
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <string_view>
+
+// The one table that says what a use of a resource means to Vulkan (DESIGN section 5). Pure; no device.
+namespace candela {
+
+enum class Access : uint8_t {
+  // images
+  color_attachment,        // written; cleared by its first writer, loaded (and blended) by later ones
+  depth_attachment,        // tested and written
+  depth_test,              // tested only (EQUAL after a pre-pass); may be shared with sampling
+  resolve_attachment,      // written by the end of a multisampled rendering
+  sampled_fragment,
+  sampled_compute,
+  storage_image_write,     // compute
+  storage_image_read_write,
+  transfer_source,         // images and buffers
+  transfer_destination,
+  // buffers
+  vertex_read,             // storage buffer read in the vertex shader (vertices are pulled)
+  fragment_read,
+  graphics_read,           // vertex and fragment shader
+  compute_read,
+  compute_write,           // and read: a storage buffer written by compute
+  fragment_write,          // integer atomics from fragment shaders (counters)
+  index_read,
+  indirect_read,
+  host_read,               // after the frame, by the CPU
+};
+constexpr int access_count = int(Access::host_read) + 1;
+
+struct AccessInfo {
+  VkPipelineStageFlags2 stages;
+  VkAccessFlags2 mask;
+  VkImageLayout layout;             // UNDEFINED for buffer-only accesses
+  VkImageUsageFlags image_usage;    // 0 for buffer-only accesses
+  VkBufferUsageFlags buffer_usage;  // 0 for image-only accesses
+  bool writes;
+  std::string_view name;
+};
+const AccessInfo& access_info(Access access);
+
+}  // namespace candela

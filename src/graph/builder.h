@@ -1,0 +1,95 @@
+#pragma once
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "graph/plan.h"
+
+namespace candela {
+
+class CommandList;  // gpu/command_list.h; the graph only passes it on
+
+using RecordFunction = std::function<void(CommandList&)>;
+
+// Collects declarations; compile_graph turns them into a plan. Wrong use (a stale handle, a write of an imported resource, a
+// use outside a pass, an access that does not fit an image or a buffer) is a defect of ours: it throws GraphError, which
+// names pass and resource (tests refuse on purpose; in the program it ends as an internal error).
+class GraphError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class GraphBuilder {
+ public:
+  // Resources filled before the frame by the scene upload; read-only in the graph.
+  BufferHandle import_buffer(BufferDesc desc);
+
+  // Opens a pass; every declaration up to end_pass or abandon_pass belongs to it.
+  void begin_pass(std::string name, Queue queue = Queue::main);
+  ImageHandle create(ImageDesc desc);    // version 0: nothing in it yet; must be written before it is read
+  BufferHandle create(BufferDesc desc);
+  // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns.
+  void read(ImageHandle image, Access access, std::string_view what);
+  void read(BufferHandle buffer, Access access, std::string_view what);
+  // The same for an optional input: returns false for an empty handle, and nothing is declared.
+  bool read_optional(ImageHandle image, Access access);
+  bool read_optional(BufferHandle buffer, Access access);
+  ImageHandle write(ImageHandle image, Access access);
+  BufferHandle write(BufferHandle buffer, Access access);
+  PipelineHandle pipeline(ComputePipelineDesc desc);
+  PipelineHandle pipeline(GraphicsPipelineDesc desc);
+  // Closes the pass. Returns false when a required input was missing: then nothing of it is kept and the reason is.
+  bool end_pass(RecordFunction record);
+
+  void leave_out(std::string pass, std::string reason);
+  // Marks what the frame is for: these keep their producers alive. Buffers with memory host_read, usually.
+  void sink(BufferHandle buffer);
+  void sink(ImageHandle image);
+
+  struct Pass {
+    std::string name;
+    Queue queue;
+    std::vector<PlanUse> uses;
+    std::vector<int> pipelines;
+    RecordFunction record;
+  };
+  struct Resource {
+    std::variant<ImageDesc, BufferDesc> desc;
+    bool imported = false;
+    int version = 0;          // newest
+    int creator = -1;         // declared pass that made it
+  };
+  const std::vector<Pass>& passes() const { return passes_; }
+  const std::vector<Resource>& resources() const { return resources_; }
+  const std::vector<PipelineDesc>& pipelines() const { return pipelines_; }
+  const std::vector<LeftOut>& left_out() const { return left_out_; }
+  const std::vector<int>& sinks() const { return sinks_; }
+
+ private:
+  std::vector<Pass> passes_;
+  std::vector<Resource> resources_;
+  std::vector<PipelineDesc> pipelines_;
+  std::vector<LeftOut> left_out_;
+  std::vector<int> sinks_;
+  bool open_ = false;
+  std::string missing_;  // why the open pass will be left out
+};
+
+struct CompiledGraph {
+  FramePlan plan;
+  std::vector<RecordFunction> record;  // parallel to plan.passes
+};
+
+// validate, prune (reference counts from the sinks; dropped passes are listed as "nobody reads NAME"), order (declaration
+// order, which is topological), make physical (usage unions, lifetimes), alias (interval colouring, size-sorted first fit),
+// barriers. Throws GraphError for a graph that cannot be right (read of a version nobody made, cycle).
+CompiledGraph compile_graph(const GraphBuilder& builder);
+
+// The named steps, for tests. Each takes the plan so far and returns it with more filled in.
+std::vector<bool> prune(const GraphBuilder& builder, std::vector<LeftOut>& left_out);
+void alias_memory(FramePlan& plan);
+void place_barriers(FramePlan& plan);
+
+}  // namespace candela

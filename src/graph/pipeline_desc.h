@@ -1,0 +1,46 @@
+#pragma once
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+// What a pass asks of the compiler: plain values, part of the plan, hashed and printed. One pipeline layout serves all: the
+// bindless set and 128 bytes of push constants.
+namespace candela {
+
+struct SpecConstant {
+  uint32_t id;
+  std::string name;  // for the print-out: HAS_LIGHTS
+  uint32_t value;    // bits of an int, uint, bool or float
+  bool operator==(const SpecConstant&) const = default;
+};
+
+struct ComputePipelineDesc {
+  std::string shader;  // file below shaders/, "cull.comp"
+  std::vector<SpecConstant> constants;
+  bool operator==(const ComputePipelineDesc&) const = default;
+};
+
+enum class Blend : uint8_t { none, premultiplied_over, additive };
+
+struct GraphicsPipelineDesc {
+  std::string vertex_shader, fragment_shader;  // fragment empty: depth only
+  std::vector<SpecConstant> constants;         // both stages
+  VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  std::vector<VkFormat> color_formats;
+  VkFormat depth_format = VK_FORMAT_UNDEFINED;
+  uint32_t samples = 1;
+  VkCompareOp depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;  // reversed depth
+  bool depth_test = false, depth_write = false;
+  Blend blend = Blend::none;
+  // cull mode and front face are dynamic state: CommandList::set_cull.
+  bool operator==(const GraphicsPipelineDesc&) const = default;
+};
+
+struct PipelineHandle {
+  int index = -1;
+  explicit operator bool() const { return index >= 0; }
+};
+
+}  // namespace candela

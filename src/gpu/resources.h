@@ -1,0 +1,71 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "gpu/device.h"
+
+namespace candela::gpu {
+
+// A buffer with its memory. Device buffers have an address; host ones are mapped for their whole life.
+class Buffer {
+ public:
+  enum class Memory { device, upload, host_read };  // upload: host-visible, written by the CPU, read by the GPU in place
+  Buffer() = default;
+  Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Memory memory, Device::Purpose purpose, const char* name);
+  ~Buffer();
+  Buffer(Buffer&& other) noexcept;
+  Buffer& operator=(Buffer&& other) noexcept;
+  VkBuffer handle() const { return buffer_; }
+  uint64_t size() const { return size_; }
+  uint64_t address() const { return address_; }
+  std::byte* mapped() const { return mapped_; }
+  explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
+
+ private:
+  Device* device_ = nullptr;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  uint64_t size_ = 0, address_ = 0;
+  std::byte* mapped_ = nullptr;
+};
+
+// One mip chain of a texture on the CPU, tightly packed levels.
+struct TextureData {
+  VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
+  uint32_t width = 0, height = 0;
+  std::vector<std::vector<std::byte>> levels;  // at least one
+};
+
+class Texture {  // sampled image, device memory
+ public:
+  Texture() = default;
+  Texture(Device& device, const TextureData& shape, const char* name);  // contents come through Uploader
+  ~Texture();
+  Texture(Texture&& other) noexcept;
+  Texture& operator=(Texture&& other) noexcept;
+  VkImage image() const { return image_; }
+  VkImageView view() const { return view_; }
+
+ private:
+  Device* device_ = nullptr;
+  VkImage image_ = VK_NULL_HANDLE;
+  VkImageView view_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+};
+
+// Copies bytes into device buffers and textures through staging memory; flush() submits and waits.
+class Uploader {
+ public:
+  explicit Uploader(Device& device);
+  ~Uploader();
+  void to_buffer(Buffer& target, uint64_t offset, std::span<const std::byte> bytes);
+  void to_texture(Texture& target, const TextureData& data);  // ends in SHADER_READ_ONLY_OPTIMAL
+  void flush();
+
+ private:
+  struct Hidden;
+  std::unique_ptr<Hidden> hidden_;
+};
+
+}  // namespace candela::gpu

@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/knob.h"
+#include "image/io.h"
+#include "scene/view.h"
+
+namespace candela {
+
+// Frames per second as a fraction, so that frame/fps is exact in double: 24, 23.976 (= 24000/1001), 30000/1001.
+struct FrameRate {
+  int64_t numerator = 24, denominator = 1;
+  double seconds(int64_t frame) const { return double(frame) * double(denominator) / double(numerator); }
+  std::string text() const;
+};
+Expected<FrameRate> parse_frame_rate(const std::string& text);
+// Inclusive, as the field writes them: "0-249", "1-100x5", "2,4,10-20", "-5--1". In the order written, without duplicates.
+Expected<std::vector<int64_t>> parse_frame_list(const std::string& text);
+
+// Everything that decides a picture, as a plain value. Written into EXR metadata as JSON, so that any frame can be made again.
+struct Job {
+  std::string scene;
+  std::string animation = "all";     // "all", "none", an index or a name
+  CameraRequest camera;
+  int width_px = 1280, height_px = 720;
+  int samples = 4;                   // MSAA 4 or 1
+  std::string technique = "brute-force";
+  std::string quality = "high";      // draft, normal, high, exact: rungs of every knob's ladder
+  std::vector<KnobSetting> settings; // --set PASS.KNOB=VALUE, over the quality
+  std::string sky;                   // equirectangular .hdr or .exr
+  float exposure_ev = 0;
+  std::string tonemap = "agx";       // agx, none, reinhard, aces, neutral, rec709
+  std::vector<std::string> layers;   // beside beauty
+  std::string background = "transparent";  // or "R,G,B" linear, used where there is no sky
+  uint64_t seed = 0;
+  // Encoding.
+  bool exr_float = false;            // beauty as float instead of half
+  ExrCompression exr_compression = ExrCompression::zip;
+  int png_bits = 8;
+  bool dither = true;
+  bool timings_in_metadata = false;
+  bool allow_nonfinite = false;
+};
+std::string job_json(const Job& job);            // stable order; one line
+Expected<Job> job_from_json(const std::string& text);
+// Identity of a frame's picture: the job, the scene's and the sky's content, the device and the version.
+Hash128 frame_identity(const Job& job, const Hash128& scene_content, const std::string& device, double time_s);
+
+// How the run is made; none of it changes a pixel.
+struct RunSettings {
+  std::string device;                // as DeviceOptions::which
+  bool validate = false;
+  std::string shader_folder;
+  bool timed = false;
+  double timeout_s = 600;
+};
+
+}  // namespace candela

@@ -1,0 +1,28 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "image/image.h"
+#include "render/session.h"
+
+namespace candela {
+
+// Non-finite pixels of a frame: how many, the first one (x, y, layer).
+struct NonFinite {
+  uint64_t count = 0;
+  int x = 0, y = 0;
+  std::string layer;
+};
+
+// The frame as a linear image with all layers and metadata (camera matrices, frame, fps, job, plan hash, device, version;
+// timings on request). Pre-exposure is removed. frame: absent when the job was given a time.
+FloatImage linear_image(const FrameResult& frame, const Job& job, const Session& session, std::optional<int64_t> frame_number, FrameRate rate, NonFinite& nonfinite);
+DisplayImage display_image(const FrameResult& frame, const Job& job);  // straight alpha
+
+// Writes one finished frame to every path (the ending chooses EXR or PNG), each atomically; fills timings with read_back and encode.
+Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& session, std::optional<int64_t> frame_number, FrameRate rate,
+                             const std::vector<std::filesystem::path>& paths);
+
+}  // namespace candela

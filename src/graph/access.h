@@ -35,12 +35,17 @@ constexpr int access_count = int(Access::host_read) + 1;
 struct AccessInfo {
   VkPipelineStageFlags2 stages;
   VkAccessFlags2 mask;
-  VkImageLayout layout;             // UNDEFINED for buffer-only accesses
+  VkImageLayout layout;             // UNDEFINED for buffer-only accesses; see image_layout
   VkImageUsageFlags image_usage;    // 0 for buffer-only accesses
   VkBufferUsageFlags buffer_usage;  // 0 for image-only accesses
   bool writes;
   std::string_view name;
 };
 const AccessInfo& access_info(Access access);
+
+// The layout an image of this format has under an access; barriers, attachments and descriptors must all agree on it. As in
+// the table, except that a depth image is sampled in the layout that depth_test uses, so one pass can test and sample it.
+VkImageLayout image_layout(Access access, VkFormat format);
+bool is_depth_format(VkFormat format);
 
 }  // namespace candela

@@ -26,16 +26,18 @@ class GraphBuilder {
   // Resources filled before the frame by the scene upload; read-only in the graph.
   BufferHandle import_buffer(BufferDesc desc);
 
-  // Opens a pass; every declaration up to end_pass or abandon_pass belongs to it.
+  // Opens a pass; every declaration up to end_pass belongs to it.
   void begin_pass(std::string name, Queue queue = Queue::main);
   ImageHandle create(ImageDesc desc);    // version 0: nothing in it yet; must be written before it is read
   BufferHandle create(BufferDesc desc);
-  // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns.
+  // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns. A zeroed
+  // buffer may be read at version 0. host_read is no access of a pass: sink() stands for it.
   void read(ImageHandle image, Access access, std::string_view what);
   void read(BufferHandle buffer, Access access, std::string_view what);
   // The same for an optional input: returns false for an empty handle, and nothing is declared.
   bool read_optional(ImageHandle image, Access access);
   bool read_optional(BufferHandle buffer, Access access);
+  // The new version. An empty handle counts as a missing required input, and comes back empty.
   ImageHandle write(ImageHandle image, Access access);
   BufferHandle write(BufferHandle buffer, Access access);
   PipelineHandle pipeline(ComputePipelineDesc desc);
@@ -44,7 +46,8 @@ class GraphBuilder {
   bool end_pass(RecordFunction record);
 
   void leave_out(std::string pass, std::string reason);
-  // Marks what the frame is for: these keep their producers alive. Buffers with memory host_read, usually.
+  // Marks what the frame is for: these keep their producers alive. Buffers with memory host_read, usually. An empty handle is
+  // no sink: what it stood for was left out.
   void sink(BufferHandle buffer);
   void sink(ImageHandle image);
 
@@ -52,7 +55,7 @@ class GraphBuilder {
     std::string name;
     Queue queue;
     std::vector<PlanUse> uses;
-    std::vector<int> pipelines;
+    std::vector<int> pipelines;  // into pipelines()
     RecordFunction record;
   };
   struct Resource {
@@ -60,6 +63,7 @@ class GraphBuilder {
     bool imported = false;
     int version = 0;          // newest
     int creator = -1;         // declared pass that made it
+    int left_out = -1;        // into left_out(): made by a pass that was left out; its handles are refused, the place stays
   };
   const std::vector<Pass>& passes() const { return passes_; }
   const std::vector<Resource>& resources() const { return resources_; }
@@ -68,12 +72,29 @@ class GraphBuilder {
   const std::vector<int>& sinks() const { return sinks_; }
 
  private:
+  template <class Handle>
+  Resource& resource_of(Handle handle);  // refuses stale, foreign and discarded handles
+  template <class Handle>
+  void read_any(Handle handle, Access access, std::string_view what);
+  template <class Handle>
+  Handle write_any(Handle handle, Access access);
+  template <class Desc>
+  int create_any(Desc desc);
+  template <class Desc>
+  PipelineHandle pipeline_any(Desc desc);
+  void check_fits(const Resource& resource, Access access) const;
+  void check_together(const Resource& resource, const PlanUse& use) const;
+  void require_open(std::string_view call) const;
+  std::string missing_reason(std::string_view what) const;
+  void discard_pass();
+  [[noreturn]] void refuse(std::string_view resource, std::string_view problem) const;
+
   std::vector<Pass> passes_;
   std::vector<Resource> resources_;
-  std::vector<PipelineDesc> pipelines_;
+  std::vector<PipelineDesc> pipelines_;  // without duplicates
   std::vector<LeftOut> left_out_;
   std::vector<int> sinks_;
-  bool open_ = false;
+  bool open_ = false;    // passes_.back() is being declared
   std::string missing_;  // why the open pass will be left out
 };
 
@@ -87,7 +108,7 @@ struct CompiledGraph {
 // barriers. Throws GraphError for a graph that cannot be right (read of a version nobody made, cycle).
 CompiledGraph compile_graph(const GraphBuilder& builder);
 
-// The named steps, for tests. Each takes the plan so far and returns it with more filled in.
+// The named steps, for tests. prune says which declared passes stay; the others fill in more of the plan.
 std::vector<bool> prune(const GraphBuilder& builder, std::vector<LeftOut>& left_out);
 void alias_memory(FramePlan& plan);
 void place_barriers(FramePlan& plan);

@@ -38,6 +38,8 @@ struct GraphicsPipelineDesc {
   bool operator==(const GraphicsPipelineDesc&) const = default;
 };
 
+// Place in the list of the pass that declared it: the executor binds plan.pipelines[plan.passes[i].pipelines[index]]. So a pass
+// can only bind what it declared, and pruning and merging never invalidate a handle that a recording closure holds.
 struct PipelineHandle {
   int index = -1;
   explicit operator bool() const { return index >= 0; }

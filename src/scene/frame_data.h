@@ -44,6 +44,7 @@ struct FrameData {
   std::vector<glm::mat4> joint_matrices;       // relative_from_bind
   std::vector<float> morph_weights;
   std::vector<LightItem> lights;               // in node order; zero intensity ones left out
+  bool perspective = true;                     // of the view
 };
 
 // World bounds of everything visible at this pose.

@@ -24,6 +24,7 @@ struct Pose {
   std::vector<Material> materials;              // copies, with animated values
   std::vector<Light> lights;
   std::vector<Camera> cameras;
+  std::vector<std::string> warnings;            // animated values that had to be clamped or left out, one line each
 };
 
 // time_s before the first key: its value; past the last key of a channel: the last value. No looping (docs/decisions.md).

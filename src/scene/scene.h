@@ -65,6 +65,8 @@ struct MorphTarget {  // deltas; each array is empty or vertex_count long
   std::vector<glm::vec3> position, normal, tangent;
 };
 
+struct DeformationBounds;  // deformation_bounds.h
+
 // One glTF primitive, expanded: strips, fans and loops become lists, missing indices become 0..n-1. Attribute arrays are empty
 // or vertex_count long. Positions in mesh space; quantized and normalised attributes are already floats.
 struct MeshSection {
@@ -81,6 +83,8 @@ struct MeshSection {
   std::vector<uint32_t> index;
   std::vector<MorphTarget> morph;
   Aabb bounds;                      // of position, computed, not trusted from the file
+  // Per joint and per morph target, made once after loading by prepare_deformation_bounds; null: made anew where needed.
+  std::shared_ptr<const DeformationBounds> deformation_bounds;
 };
 
 struct Mesh {

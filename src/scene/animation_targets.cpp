@@ -1,0 +1,271 @@
+#include "scene/animation_targets.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace candela {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double tiny = 1e-6;  // stands in for "greater than zero"
+
+struct Property {
+  const char* name;
+  double lowest = -infinity, highest = infinity;
+};
+
+Property property_of(TargetPath path) {
+  using enum TargetPath;
+  constexpr double right_angle = std::numbers::pi / 2;
+  switch (path) {
+    case node_translation:
+      return {"translation"};
+    case node_rotation:
+      return {"rotation"};
+    case node_scale:
+      return {"scale"};
+    case node_weights:
+      return {"weights"};
+    case node_visible:
+      return {"visible"};
+    case material_base_color:
+      return {"baseColorFactor", 0, 1};
+    case material_metallic:
+      return {"metallicFactor", 0, 1};
+    case material_roughness:
+      return {"roughnessFactor", 0, 1};
+    case material_emissive:
+      return {"emissiveFactor", 0, 1};
+    case material_emissive_strength:
+      return {"emissiveStrength", 0};
+    case material_alpha_cutoff:
+      return {"alphaCutoff", 0};
+    case material_normal_scale:
+      return {"normalTexture/scale"};
+    case material_occlusion_strength:
+      return {"occlusionTexture/strength", 0, 1};
+    case material_ior:
+      return {"ior", 0};
+    case material_specular:
+      return {"specularFactor", 0, 1};
+    case material_specular_color:
+      return {"specularColorFactor", 0};
+    case texture_offset:
+      return {"KHR_texture_transform/offset"};
+    case texture_rotation:
+      return {"KHR_texture_transform/rotation"};
+    case texture_scale:
+      return {"KHR_texture_transform/scale"};
+    case light_color:
+      return {"color", 0, 1};
+    case light_intensity:
+      return {"intensity", 0};
+    case light_range:
+      return {"range", tiny};
+    case light_inner_cone:
+      return {"innerConeAngle", 0, right_angle};
+    case light_outer_cone:
+      return {"outerConeAngle", tiny, right_angle};
+    case camera_yfov:
+      return {"yfov", tiny, std::numbers::pi - tiny};
+    case camera_aspect:
+      return {"aspectRatio", tiny};
+    case camera_near:
+      return {"znear", 0};
+    case camera_far:
+      return {"zfar", tiny};
+    case camera_xmag:
+      return {"xmag"};
+    case camera_ymag:
+      return {"ymag"};
+  }
+  return {"value"};
+}
+
+const char* array_of(TargetPath path) {
+  if (path <= TargetPath::node_visible) return "nodes";
+  if (path <= TargetPath::texture_scale) return "materials";
+  return path <= TargetPath::light_outer_cone ? "lights" : "cameras";
+}
+
+void warn(AnimationTarget& target, const AnimationChannel& channel, double value, const std::string& instead) {
+  target.pose.warnings.push_back(fmt::format(
+      "/{}/{} {}: animation '{}' gives {} at {} s; {}", array_of(channel.path), channel.object,
+      property_of(channel.path).name, target.animation ? target.animation->name : "", value, target.time_s, instead));
+}
+
+// One number into its place: checked as float, for a double may be finite and its float not.
+template <class T>
+void assign(AnimationTarget& target, const AnimationChannel& channel, T& destination, double value) {
+  const Property property = property_of(channel.path);
+  if (!std::isfinite(float(value))) {
+    if (channel.path == TargetPath::light_intensity) destination = T(0);
+    return warn(target, channel, value, fmt::format("{} is taken", destination));
+  }
+  // An index of refraction of 0 has its own meaning; between 0 and 1 there is nothing.
+  const double lowest = channel.path == TargetPath::material_ior && value != 0 ? 1 : property.lowest;
+  const double inside = std::min(std::max(value, lowest), property.highest);
+  if (inside != value) warn(target, channel, value, fmt::format("{} is taken", inside));
+  destination = T(inside);
+}
+
+// A vector property, whole or one component of it.
+template <class V>
+void assign_vector(AnimationTarget& target, const AnimationChannel& channel, V& destination,
+                   std::span<const double> values, int component) {
+  if (component >= 0) {
+    if (component < int(V::length()) && !values.empty()) assign(target, channel, destination[component], values[0]);
+    return;
+  }
+  for (size_t c = 0; c < values.size() && c < size_t(V::length()); ++c)
+    assign(target, channel, destination[int(c)], values[c]);
+}
+
+TextureSlot* texture_slot(Material& material, int element) {
+  switch (TextureSlotName(element)) {
+    case TextureSlotName::base_color:
+      return &material.base_color_texture;
+    case TextureSlotName::orm:
+      return &material.orm_texture;
+    case TextureSlotName::occlusion:
+      return &material.occlusion_texture;
+    case TextureSlotName::normal:
+      return &material.normal_texture;
+    case TextureSlotName::emissive:
+      return &material.emissive_texture;
+    case TextureSlotName::specular:
+      return &material.specular_texture;
+    case TextureSlotName::specular_color:
+      return &material.specular_color_texture;
+  }
+  return nullptr;
+}
+
+void apply_weights(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
+  std::vector<float>& weights = target.pose.node_weights[size_t(channel.object)];
+  if (channel.element >= 0) {
+    if (size_t(channel.element) < weights.size()) assign(target, channel, weights[size_t(channel.element)], values[0]);
+    return;
+  }
+  for (size_t i = 0; i < values.size() && i < weights.size(); ++i) assign(target, channel, weights[i], values[i]);
+}
+
+void apply_to_node(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
+  NodeState& node = target.nodes[size_t(channel.object)];
+  switch (channel.path) {
+    case TargetPath::node_translation:
+      return assign_vector(target, channel, node.translation, values, channel.element);
+    case TargetPath::node_scale:
+      return assign_vector(target, channel, node.scale, values, channel.element);
+    case TargetPath::node_rotation:
+      if (values.size() == 4) node.rotation = glm::dquat(values[3], values[0], values[1], values[2]);
+      return;
+    case TargetPath::node_visible:
+      node.visible = values[0] != 0;
+      return;
+    default:
+      return apply_weights(target, channel, values);
+  }
+}
+
+void apply_to_material(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
+  using enum TargetPath;
+  Material& m = target.pose.materials[size_t(channel.object)];
+  TextureSlot* slot = texture_slot(m, channel.element);
+  switch (channel.path) {
+    case material_base_color:
+      return assign_vector(target, channel, m.base_color, values, channel.element);
+    case material_metallic:
+      return assign(target, channel, m.metallic, values[0]);
+    case material_roughness:
+      return assign(target, channel, m.roughness, values[0]);
+    case material_emissive:
+      return assign_vector(target, channel, m.emissive, values, channel.element);
+    case material_emissive_strength:
+      return assign(target, channel, m.emissive_strength, values[0]);
+    case material_alpha_cutoff:
+      return assign(target, channel, m.alpha_cutoff, values[0]);
+    case material_normal_scale:
+      return assign(target, channel, m.normal_scale, values[0]);
+    case material_occlusion_strength:
+      return assign(target, channel, m.occlusion_strength, values[0]);
+    case material_ior:
+      return assign(target, channel, m.ior, values[0]);
+    case material_specular:
+      return assign(target, channel, m.specular, values[0]);
+    case material_specular_color:
+      return assign_vector(target, channel, m.specular_color, values, channel.element);
+    case texture_offset:
+      return slot ? assign_vector(target, channel, slot->offset, values, -1) : void();
+    case texture_scale:
+      return slot ? assign_vector(target, channel, slot->scale, values, -1) : void();
+    case texture_rotation:
+      return slot ? assign(target, channel, slot->rotation_rad, values[0]) : void();
+    default:
+      return;
+  }
+}
+
+void apply_to_light(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
+  using enum TargetPath;
+  Light& light = target.pose.lights[size_t(channel.object)];
+  switch (channel.path) {
+    case light_color:
+      return assign_vector(target, channel, light.color, values, channel.element);
+    case light_intensity:
+      return assign(target, channel, light.intensity, values[0]);
+    case light_range:
+      return assign(target, channel, light.range_m, values[0]);
+    case light_inner_cone:
+      return assign(target, channel, light.inner_cone_rad, values[0]);
+    case light_outer_cone:
+      return assign(target, channel, light.outer_cone_rad, values[0]);
+    default:
+      return;
+  }
+}
+
+void apply_to_camera(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
+  using enum TargetPath;
+  Camera& camera = target.pose.cameras[size_t(channel.object)];
+  switch (channel.path) {
+    case camera_yfov:
+      return assign(target, channel, camera.yfov_rad, values[0]);
+    case camera_aspect:
+      return assign(target, channel, camera.aspect, values[0]);
+    case camera_near:
+      return assign(target, channel, camera.near_m, values[0]);
+    case camera_far:
+      return assign(target, channel, camera.far_m, values[0]);
+    case camera_xmag:
+      return assign(target, channel, camera.xmag, values[0]);
+    case camera_ymag:
+      return assign(target, channel, camera.ymag, values[0]);
+    default:
+      return;
+  }
+}
+
+}  // namespace
+
+void apply_channel(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
+  if (channel.object < 0 || values.empty()) return;
+  const size_t object = size_t(channel.object);
+  if (channel.path <= TargetPath::node_visible) {
+    if (object >= target.nodes.size()) return;
+    const bool moves = channel.path <= TargetPath::node_scale;
+    if (moves && target.scene.nodes[object].has_matrix)
+      return warn(target, channel, values[0], "a node with a matrix may not be animated, so the matrix stands");
+    return apply_to_node(target, channel, values);
+  }
+  if (channel.path <= TargetPath::texture_scale)
+    return object < target.pose.materials.size() ? apply_to_material(target, channel, values) : void();
+  if (channel.path <= TargetPath::light_outer_cone)
+    return object < target.pose.lights.size() ? apply_to_light(target, channel, values) : void();
+  return object < target.pose.cameras.size() ? apply_to_camera(target, channel, values) : void();
+}
+
+}  // namespace candela

@@ -1,0 +1,120 @@
+#include "scene/pose.h"
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+
+#include "math/transforms.h"
+#include "scene/animation_targets.h"
+
+namespace candela {
+namespace {
+
+std::string animation_names(const Scene& scene) {
+  if (scene.animations.empty()) return "the file has no animations";
+  std::string names = "there are";
+  for (size_t i = 0; i < scene.animations.size(); ++i)
+    names += fmt::format("{} {} '{}'", i ? "," : "", i, scene.animations[i].name);
+  return names;
+}
+
+// A quaternion of the file need not have unit length, and double asks for more digits than its floats hold.
+glm::dquat unit(glm::dquat q) {
+  const double length = glm::length(q);
+  return length > 1e-12 && std::isfinite(length) ? q / length : glm::dquat(1, 0, 0, 0);
+}
+
+size_t morph_target_count(const Mesh& mesh) {
+  size_t count = 0;
+  for (const MeshSection& section : mesh.sections) count = std::max(count, section.morph.size());
+  return count;
+}
+
+// The node's own weights, else the mesh's, else 0 for each target.
+std::vector<float> initial_weights(const Scene& scene, const Node& node) {
+  if (node.mesh < 0) return {};
+  const Mesh& mesh = scene.meshes[size_t(node.mesh)];
+  std::vector<float> weights = node.weights.empty() ? mesh.default_weights : node.weights;
+  weights.resize(morph_target_count(mesh), 0.0f);
+  return weights;
+}
+
+void place_nodes(const Scene& scene, const std::vector<NodeState>& nodes, Pose& pose) {
+  pose.world_from_node.assign(scene.nodes.size(), glm::dmat4(1.0));
+  pose.node_visible.assign(scene.nodes.size(), false);
+  std::vector<bool> placed(scene.nodes.size(), false);
+  for (int n : scene.order) {
+    const Node& node = scene.nodes[size_t(n)];
+    const NodeState& state = nodes[size_t(n)];
+    const glm::dmat4 local =
+        node.has_matrix ? node.matrix : compose_trs(state.translation, unit(state.rotation), state.scale);
+    const bool has_parent = node.parent >= 0 && placed[size_t(node.parent)];
+    placed[size_t(n)] = true;
+    pose.world_from_node[size_t(n)] = has_parent ? pose.world_from_node[size_t(node.parent)] * local : local;
+    pose.node_visible[size_t(n)] = state.visible && (!has_parent || pose.node_visible[size_t(node.parent)]);
+  }
+}
+
+// Two animated cone angles may cross, though each is in its range.
+void order_cones(Pose& pose) {
+  for (size_t i = 0; i < pose.lights.size(); ++i) {
+    Light& light = pose.lights[i];
+    if (light.type != LightType::spot || light.inner_cone_rad <= light.outer_cone_rad) continue;
+    pose.warnings.push_back(
+        fmt::format("/lights/{} innerConeAngle: {} is greater than outerConeAngle {}, which is taken for both", i,
+                    light.inner_cone_rad, light.outer_cone_rad));
+    light.inner_cone_rad = light.outer_cone_rad;
+  }
+}
+
+}  // namespace
+
+Expected<AnimationChoice> choose_animations(const Scene& scene, const std::string& which) {
+  AnimationChoice choice;
+  if (which == "none") return choice;
+  if (which == "all") {
+    choice.animations.resize(scene.animations.size());
+    std::iota(choice.animations.begin(), choice.animations.end(), 0);
+    return choice;
+  }
+  for (size_t i = 0; i < scene.animations.size(); ++i)
+    if (scene.animations[i].name == which) return AnimationChoice{{int(i)}};
+  int index = -1;
+  const auto [end, error] = std::from_chars(which.data(), which.data() + which.size(), index);
+  const bool number = error == std::errc() && end == which.data() + which.size();
+  if (number && index >= 0 && size_t(index) < scene.animations.size()) return AnimationChoice{{index}};
+  return fail(ErrorKind::usage, scene.path, "no animation '{}': {}; or give all or none", which,
+              animation_names(scene));
+}
+
+Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double time_s) {
+  Pose pose;
+  pose.materials = scene.materials;
+  pose.lights = scene.lights;
+  pose.cameras = scene.cameras;
+  std::vector<NodeState> nodes;
+  nodes.reserve(scene.nodes.size());
+  pose.node_weights.reserve(scene.nodes.size());
+  for (const Node& node : scene.nodes) {
+    nodes.push_back({node.translation, node.scale, node.rotation, node.visible});
+    pose.node_weights.push_back(initial_weights(scene, node));
+  }
+
+  std::vector<int> in_file_order = animations.animations;
+  std::sort(in_file_order.begin(), in_file_order.end());
+  std::vector<double> values;
+  for (int a : in_file_order) {
+    const Animation& animation = scene.animations[size_t(a)];
+    AnimationTarget target{scene, pose, nodes, &animation, time_s};
+    for (const AnimationChannel& channel : animation.channels) {
+      values.assign(size_t(channel.components), 0.0);
+      sample_channel(channel, time_s, values);
+      apply_channel(target, channel, values);
+    }
+  }
+  order_cones(pose);
+  place_nodes(scene, nodes, pose);
+  return pose;
+}
+
+}  // namespace candela

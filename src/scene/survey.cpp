@@ -1,0 +1,166 @@
+#include "scene/survey.h"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace candela {
+namespace {
+
+// Counts stop at the top instead of starting over.
+void add(uint32_t& count, uint64_t more) {
+  count = uint32_t(std::min<uint64_t>(uint64_t(count) + more, std::numeric_limits<uint32_t>::max()));
+}
+
+bool emits(const Material& m) { return !m.unlit && m.emissive_strength > 0 && m.emissive != glm::vec3(0); }
+
+bool has_transform(const TextureSlot& slot) {
+  return slot.offset != glm::vec2(0) || slot.scale != glm::vec2(1) || slot.rotation_rad != 0;
+}
+
+void use_texture(SceneFacts& facts, const TextureSlot& slot, bool& any) {
+  if (!slot) return;
+  any = true;
+  facts.image_used[size_t(slot.image)] = true;
+  if (slot.uv_set == 1) facts.any_uv1 = true;
+  if (has_transform(slot)) facts.any_texture_transform = true;
+}
+
+// An unlit material shows its base colour alone, so nothing else of it counts.
+void use_material(SceneFacts& facts, const Material& m) {
+  use_texture(facts, m.base_color_texture, facts.any_base_texture);
+  if (m.unlit) return;
+  use_texture(facts, m.orm_texture, facts.any_orm_texture);
+  use_texture(facts, m.occlusion_texture, facts.any_occlusion_texture);
+  use_texture(facts, m.normal_texture, facts.any_normal_texture);
+  use_texture(facts, m.specular_texture, facts.any_specular_texture);
+  use_texture(facts, m.specular_color_texture, facts.any_specular_texture);
+  if (m.ior != 1.5f || m.specular != 1 || m.specular_color != glm::vec3(1) || m.specular_texture ||
+      m.specular_color_texture)
+    facts.any_specular = true;
+  if (!emits(m)) return;
+  facts.emissive = true;
+  use_texture(facts, m.emissive_texture, facts.any_emissive_texture);
+}
+
+void count_item(SceneFacts& facts, const DrawItem& item, const MeshSection& section, const Material& material,
+                const FrameData& frame) {
+  add(facts.draw_items, 1);
+  const bool unlit =
+      material.unlit || section.normal.empty();  // no normal: lines and points, which the specification leaves unlit
+  const bool blend = material.alpha_mode == AlphaMode::blend;
+  if (blend) {
+    add(facts.blend_items, 1);
+    add(unlit ? facts.blend_unlit_items : facts.blend_lit_items, 1);
+  } else {
+    add(material.alpha_mode == AlphaMode::mask ? facts.mask_items : facts.opaque_items, 1);
+    add(unlit ? facts.unlit_items : facts.lit_items, 1);
+  }
+  if (item.deformed >= 0) {
+    const Deformation& deformation = frame.deformations[size_t(item.deformed)];
+    add(facts.deformed_items, 1);
+    add(facts.skinned_items, deformation.joint_count > 0);
+    add(facts.morphed_items, deformation.weight_count > 0);
+  }
+  switch (section.topology) {
+    case Topology::triangles:
+      add(facts.triangles, section.index.size() / 3);
+      break;
+    case Topology::lines:
+      add(facts.lines, section.index.size() / 2);
+      break;
+    case Topology::points:
+      add(facts.points, section.index.size());
+      break;
+  }
+  if (!section.color.empty()) facts.any_vertex_color = true;
+}
+
+void count_lights(SceneFacts& facts, const FrameData& frame) {
+  for (const LightItem& light : frame.lights) {
+    switch (light.type) {
+      case LightType::point:
+        add(facts.point_lights, 1);
+        break;
+      case LightType::spot:
+        add(facts.spot_lights, 1);
+        break;
+      case LightType::directional:
+        add(facts.directional_lights, 1);
+        break;
+    }
+  }
+}
+
+nlohmann::ordered_json indices(const std::vector<bool>& used) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < used.size(); ++i)
+    if (used[i]) list.push_back(i);
+  return list;
+}
+
+}  // namespace
+
+SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment) {
+  SceneFacts facts;
+  facts.environment = environment;
+  facts.perspective = frame.perspective;
+  facts.material_used.assign(pose.materials.size(), false);
+  facts.image_used.assign(scene.images.size(), false);
+  const Material default_material;
+  for (const DrawItem& item : frame.items) {
+    const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
+    const bool has_material = item.material >= 0;
+    const Material& material = has_material ? pose.materials[size_t(item.material)] : default_material;
+    count_item(facts, item, section, material, frame);
+    if (has_material && !facts.material_used[size_t(item.material)]) {
+      facts.material_used[size_t(item.material)] = true;
+      use_material(facts, material);
+    }
+  }
+  for (const Deformation& deformation : frame.deformations)
+    add(facts.deformed_vertices, scene.meshes[deformation.mesh].sections[deformation.section].position.size());
+  count_lights(facts, frame);
+  return facts;
+}
+
+std::string facts_json(const SceneFacts& f) {
+  const nlohmann::ordered_json json = {
+      {"draw_items", f.draw_items},
+      {"opaque_items", f.opaque_items},
+      {"mask_items", f.mask_items},
+      {"blend_items", f.blend_items},
+      {"lit_items", f.lit_items},
+      {"unlit_items", f.unlit_items},
+      {"blend_lit_items", f.blend_lit_items},
+      {"blend_unlit_items", f.blend_unlit_items},
+      {"deformed_items", f.deformed_items},
+      {"skinned_items", f.skinned_items},
+      {"morphed_items", f.morphed_items},
+      {"deformed_vertices", f.deformed_vertices},
+      {"triangles", f.triangles},
+      {"lines", f.lines},
+      {"points", f.points},
+      {"point_lights", f.point_lights},
+      {"spot_lights", f.spot_lights},
+      {"directional_lights", f.directional_lights},
+      {"emissive", f.emissive},
+      {"environment", f.environment},
+      {"perspective", f.perspective},
+      {"any_normal_texture", f.any_normal_texture},
+      {"any_base_texture", f.any_base_texture},
+      {"any_orm_texture", f.any_orm_texture},
+      {"any_occlusion_texture", f.any_occlusion_texture},
+      {"any_emissive_texture", f.any_emissive_texture},
+      {"any_specular_texture", f.any_specular_texture},
+      {"any_vertex_color", f.any_vertex_color},
+      {"any_uv1", f.any_uv1},
+      {"any_texture_transform", f.any_texture_transform},
+      {"any_specular", f.any_specular},
+      {"materials_used", indices(f.material_used)},
+      {"images_used", indices(f.image_used)},
+  };
+  return json.dump(2);
+}
+
+}  // namespace candela

@@ -1,0 +1,259 @@
+#include "scene/view.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "math/transforms.h"
+
+namespace candela {
+namespace {
+
+constexpr double default_yfov_rad = std::numbers::pi / 4;
+constexpr double largest_near_m = 0.01;
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+bool is_finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+struct ImageSize {
+  int width_px, height_px;
+  double aspect() const { return double(width_px) / double(height_px); }
+};
+
+glm::dvec3 any_perpendicular(glm::dvec3 v) {
+  const glm::dvec3 a = glm::abs(v);
+  const glm::dvec3 axis = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
+                          : a.y <= a.z             ? glm::dvec3(0, 1, 0)
+                                                   : glm::dvec3(0, 0, 1);
+  return glm::normalize(glm::cross(v, axis));
+}
+
+glm::dvec3 direction_or_zero(glm::dvec3 v) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? v / length : glm::dvec3(0);
+}
+
+// Right, up and back of a camera node without its scale: where it looks is kept first, then which way is up; a mirrored
+// node thus gives an unmirrored picture. An axis scaled to nothing is rebuilt from the other two.
+glm::dmat3 camera_axes(const glm::dmat4& world, std::vector<std::string>& notes) {
+  glm::dvec3 right = direction_or_zero(glm::dvec3(world[0])), up = direction_or_zero(glm::dvec3(world[1]));
+  glm::dvec3 back = direction_or_zero(glm::dvec3(world[2]));
+  const glm::dvec3 none(0);
+  if (back == none) back = direction_or_zero(glm::cross(right, up));
+  if (back == none) {
+    notes.push_back(
+        "the camera's node is scaled to nothing, so its direction is lost; it looks along its remaining axis or -Z");
+    back = right != none ? any_perpendicular(right) : up != none ? any_perpendicular(up) : glm::dvec3(0, 0, 1);
+  }
+  up = direction_or_zero(up - back * glm::dot(up, back));
+  if (up == none) up = direction_or_zero(glm::cross(back, right));
+  if (up == none) up = any_perpendicular(back);
+  return glm::dmat3(glm::cross(up, back), up, back);
+}
+
+void place(View& view, glm::dvec3 position, const glm::dmat3& axes) {
+  view.position = position;
+  view.view_from_relative = glm::dmat4(glm::transpose(axes));
+}
+
+void set_perspective(View& view, double yfov_rad, double near_m, ImageSize size) {
+  view.perspective = true;
+  view.tan_y = std::tan(yfov_rad / 2);
+  view.tan_x = view.tan_y * size.aspect();
+  view.near_m = near_m;
+  view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, near_m);
+}
+
+View finished(View view) {
+  view.clip_from_relative = view.clip_from_view * view.view_from_relative;
+  return view;
+}
+
+// A finite, non-empty box to look at, whatever is (not) in the scene.
+DAabb box_to_frame(const DAabb& bounds, std::vector<std::string>& notes) {
+  const glm::dvec3 centre = bounds.centre();
+  if (!bounds.empty() && is_finite(centre) && glm::length(bounds.extent()) > 0 &&
+      std::isfinite(glm::length(bounds.extent())))
+    return bounds;
+  if (!bounds.empty() && is_finite(centre)) return {centre - 1.0, centre + 1.0};  // a single point
+  notes.push_back("nothing to frame: the view is of the origin");
+  return {glm::dvec3(-1), glm::dvec3(1)};
+}
+
+// From where a viewer shows a model: its front is +Z (glTF 3.4), seen from slightly right and above. The bounding
+// sphere fits into the narrower field of view, with a margin of 5 %.
+View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const DAabb& bounds) {
+  View view;
+  const DAabb box = box_to_frame(bounds, view.notes);
+  const glm::dvec3 target = request.target.value_or(box.centre());
+  const double radius = glm::length(box.extent()) + glm::length(box.centre() - target);
+  const double tan_y = std::tan(yfov_rad / 2), narrow = std::atan(tan_y * std::min(1.0, size.aspect()));
+  const double distance = 1.05 * radius / std::sin(narrow);
+  const double yaw = radians(30), pitch = radians(20);
+  const glm::dvec3 back(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch));
+  const glm::dvec3 eye = target + back * distance;
+  place(view, eye, glm::dmat3(look_at_pose(back, glm::dvec3(0))));
+  set_perspective(view, yfov_rad, std::min({largest_near_m, 0.01 * distance, 0.5 * (distance - radius)}), size);
+  view.name = "framed bounds";
+  return finished(std::move(view));
+}
+
+Expected<View> from_eye(const CameraRequest& request, double yfov_rad, ImageSize size, const DAabb& bounds) {
+  View view;
+  const glm::dvec3 eye = *request.eye;
+  glm::dvec3 target = request.target.value_or(eye - glm::dvec3(0, 0, 1));
+  if (!request.target) {
+    const DAabb box = box_to_frame(bounds, view.notes);
+    if (box.centre() != eye) target = box.centre();
+  }
+  if (eye == target)
+    return fail(ErrorKind::usage, "",
+                "the eye equals the target, so there is no direction to look in; move one of them");
+  const double distance = glm::length(target - eye);
+  if (!std::isfinite(distance) || !(distance > 0))
+    return fail(ErrorKind::usage, "", "the eye and the target are too far apart or too close");
+  // From the direction alone: at 1e6 m the difference is exact, while unit vectors of the positions are not.
+  place(view, eye, glm::dmat3(look_at_pose((eye - target) / distance, glm::dvec3(0))));
+  set_perspective(view, yfov_rad, std::min(largest_near_m, 0.01 * distance), size);
+  view.name = "eye and target";
+  return finished(std::move(view));
+}
+
+std::string camera_names(const Scene& scene) {
+  if (scene.cameras.empty()) return "the file has no cameras";
+  std::string names = "there are";
+  for (size_t i = 0; i < scene.cameras.size(); ++i)
+    names += fmt::format("{} {} '{}'", i ? "," : "", i, scene.cameras[i].name);
+  return names;
+}
+
+// The first reachable node that carries the wanted camera; -1 in `which` takes any.
+int node_of_camera(const Scene& scene, int which) {
+  for (int n : scene.order) {
+    const int camera = scene.nodes[size_t(n)].camera;
+    if (camera >= 0 && (which < 0 || camera == which)) return n;
+  }
+  return -1;
+}
+
+// A name of a camera, else of a camera's node, else an index.
+Expected<int> find_camera_node(const Scene& scene, const std::string& wanted) {
+  int camera = -1;
+  for (size_t i = 0; i < scene.cameras.size() && camera < 0; ++i)
+    if (scene.cameras[i].name == wanted) camera = int(i);
+  if (camera < 0) {
+    for (int n : scene.order)
+      if (scene.nodes[size_t(n)].camera >= 0 && scene.nodes[size_t(n)].name == wanted) return n;
+    int index = -1;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+    const bool number = error == std::errc() && end == wanted.data() + wanted.size();
+    if (number && index >= 0 && size_t(index) < scene.cameras.size()) camera = index;
+  }
+  if (camera < 0) return fail(ErrorKind::usage, scene.path, "no camera '{}': {}", wanted, camera_names(scene));
+  const int node = node_of_camera(scene, camera);
+  if (node < 0)
+    return fail(
+        ErrorKind::usage, scene.path,
+        "camera '{}' stands nowhere: no node of the scene carries it; choose another or give --eye and --target",
+        wanted);
+  return node;
+}
+
+Expected<void> set_file_perspective(View& view, const Camera& camera, const CameraRequest& request, ImageSize size,
+                                    const std::string& place_of) {
+  const double yfov = request.yfov_deg ? radians(*request.yfov_deg) : camera.yfov_rad;
+  if (!(yfov > 0 && yfov < std::numbers::pi))
+    return fail(ErrorKind::input, place_of, "yfov is {} rad; it must lie between 0 and pi", yfov);
+  if (!(camera.near_m > 0 && std::isfinite(camera.near_m)))
+    return fail(ErrorKind::input, place_of, "znear is {} m; it must be greater than 0", camera.near_m);
+  set_perspective(view, yfov, camera.near_m, size);
+  if (std::isfinite(camera.far_m))
+    view.notes.push_back(fmt::format("zfar {} m is ignored: the projection has no far plane", camera.far_m));
+  if (camera.aspect > 0 && std::abs(camera.aspect / size.aspect() - 1) > 1e-3)
+    view.notes.push_back(fmt::format("aspectRatio {:.4g} is ignored: the image has {:.4g}, and yfov is kept",
+                                     camera.aspect, size.aspect()));
+  return {};
+}
+
+// A far plane behind everything that is drawn.
+double far_from_bounds(const View& view, const DAabb& bounds) {
+  double far_m = view.near_m + 1;
+  if (!bounds.empty() && is_finite(bounds.extent())) {
+    const DAabb in_view = transformed(bounds, view.view_from_relative * relative_from_world(view.position));
+    far_m = std::max(far_m, -in_view.min.z * 1.001);
+  }
+  return far_m;
+}
+
+Expected<void> set_file_orthographic(View& view, const Camera& camera, const CameraRequest& request, ImageSize size,
+                                     const DAabb& bounds, const std::string& place_of) {
+  const double xmag = std::abs(camera.xmag), ymag = std::abs(camera.ymag);
+  if (!(xmag > 0 && ymag > 0 && std::isfinite(xmag) && std::isfinite(ymag)))
+    return fail(ErrorKind::input, place_of, "xmag {} and ymag {} must not be 0", camera.xmag, camera.ymag);
+  if (!(camera.near_m >= 0 && std::isfinite(camera.near_m)))
+    return fail(ErrorKind::input, place_of, "znear is {} m; it must not be negative", camera.near_m);
+  view.perspective = false;
+  view.near_m = camera.near_m;
+  view.far_m = std::isfinite(camera.far_m) ? camera.far_m : far_from_bounds(view, bounds);
+  if (!(view.far_m > view.near_m))
+    return fail(ErrorKind::input, place_of, "zfar {} m must be greater than znear {} m", camera.far_m, camera.near_m);
+  view.tan_y = ymag;
+  view.tan_x = ymag * size.aspect();
+  if (std::abs(view.tan_x / xmag - 1) > 1e-3)
+    view.notes.push_back(
+        fmt::format("xmag {:.4g} becomes {:.4g}: ymag is kept, and the width follows the image", xmag, view.tan_x));
+  if (camera.xmag < 0 || camera.ymag < 0) view.notes.push_back("a negative xmag or ymag is taken as positive");
+  if (request.yfov_deg) view.notes.push_back("yfov is ignored: the camera is orthographic");
+  view.clip_from_view = orthographic_reversed(view.tan_x, view.tan_y, view.near_m, view.far_m);
+  return {};
+}
+
+Expected<View> from_file(const Scene& scene, const Pose& pose, int node, const CameraRequest& request, ImageSize size,
+                         const DAabb& bounds) {
+  const int index = scene.nodes[size_t(node)].camera;
+  const Camera& camera = pose.cameras[size_t(index)];
+  const std::string place_of = fmt::format("{}: /cameras/{} '{}'", scene.path, index, camera.name);
+  View view;
+  view.name = camera.name.empty() ? fmt::format("camera {}", index) : fmt::format("camera '{}'", camera.name);
+  const glm::dmat4& world = pose.world_from_node[size_t(node)];
+  if (!is_finite(glm::dvec3(world[3])))
+    return fail(ErrorKind::input, place_of, "its node /nodes/{} has no finite position", node);
+  place(view, glm::dvec3(world[3]), camera_axes(world, view.notes));
+  const Expected<void> set = camera.perspective ? set_file_perspective(view, camera, request, size, place_of)
+                                                : set_file_orthographic(view, camera, request, size, bounds, place_of);
+  if (!set) return std::unexpected(set.error());
+  return finished(std::move(view));
+}
+
+Expected<void> check_request(const CameraRequest& request, ImageSize size) {
+  if (size.width_px < 1 || size.height_px < 1)
+    return fail(ErrorKind::usage, "", "an image of {}x{} pixels cannot be rendered", size.width_px, size.height_px);
+  if ((request.eye && !is_finite(*request.eye)) || (request.target && !is_finite(*request.target)))
+    return fail(ErrorKind::usage, "", "eye and target must be finite numbers");
+  if (request.yfov_deg && !(*request.yfov_deg > 0 && *request.yfov_deg < 180))
+    return fail(ErrorKind::usage, "", "yfov is {} degrees; it must lie between 0 and 180", *request.yfov_deg);
+  if (!request.camera.empty() && (request.eye || request.target))
+    return fail(ErrorKind::usage, "", "give either camera '{}' or an eye and a target, not both", request.camera);
+  return {};
+}
+
+}  // namespace
+
+Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
+                         int height_px, const DAabb& bounds) {
+  const ImageSize size{width_px, height_px};
+  if (const Expected<void> checked = check_request(request, size); !checked) return std::unexpected(checked.error());
+  const double yfov_rad = request.yfov_deg ? radians(*request.yfov_deg) : default_yfov_rad;
+  if (request.eye) return from_eye(request, yfov_rad, size, bounds);
+  if (!request.camera.empty()) {
+    const Expected<int> node = find_camera_node(scene, request.camera);
+    if (!node) return std::unexpected(node.error());
+    return from_file(scene, pose, *node, request, size, bounds);
+  }
+  const int first = request.target ? -1 : node_of_camera(scene, -1);
+  if (first >= 0) return from_file(scene, pose, first, request, size, bounds);
+  return framed(request, yfov_rad, size, bounds);
+}
+
+}  // namespace candela

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# Checks the tree against the rules of the design: check_tree.sh includes|text|length ROOT. Prints FILE:LINE: reason for each
+# break and exits 1 when there is one.
+set -euo pipefail
+rule=$1
+cd -- "$2"
+
+sources() { find src shaders -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.c' -o -name '*.vert' -o -name '*.frag' -o -name '*.comp' -o -name '*.glsl' \) -print0; }
+
+includes() {
+  sources | xargs -0 -r awk '
+    # ours: modules and single headers that a module may include, besides itself. "shared" is shaders/shared.
+    BEGIN {
+      ours["base"] = ""
+      ours["math"] = "base"
+      ours["image"] = "base math"
+      ours["metrics"] = "base math image"
+      ours["scene"] = "base math image"
+      ours["graph"] = "base"
+      ours["gpu"] = "base math image scene graph shared"
+      ours["passes"] = "base math graph shared gpu/command_list.h scene/survey.h"
+      ours["techniques"] = "base math graph passes scene/survey.h"
+      ours["reference"] = "base math image scene"
+      ours["render"] = "base math image metrics scene graph gpu passes techniques reference shared"
+      ours["bench"] = ours["render"] " render"
+      ours["report"] = ours["bench"] " bench"
+      ours["cli"] = ours["report"] " report"
+      ours["main.cpp"] = "cli"
+      ours["shared"] = ""
+      # Libraries that stop at the modules named.
+      only["OpenImageIO"] = only["OpenEXR"] = "image"
+      only["vulkan"] = "graph gpu"
+      only["glslang"] = only["SPIRV"] = only["spirv-tools"] = "gpu"
+      only["tiny_gltf.h"] = only["meshoptimizer.h"] = only["draco"] = "scene"
+      only["stb"] = only["stb_image.h"] = only["stb_image_write.h"] = "image scene"
+      only["CLI"] = "cli"
+    }
+    function in_list(list, word,   n, i, part) {
+      n = split(list, part, " ")
+      for (i = 1; i <= n; i++) if (part[i] == word) return 1
+      return 0
+    }
+    function stem(path) { sub(/.*\//, "", path); sub(/\..*/, "", path); return path }
+    function broken(reason) { printf "%s:%d: %s\n", FILENAME, FNR, reason; bad = 1 }
+    FNR == 1 {
+      split(FILENAME, folder, "/")
+      glsl = folder[1] == "shaders"
+      module = glsl && folder[2] != "shared" ? "shader" : folder[2]
+    }
+    !/^[ \t]*#[ \t]*include[ \t]*["<]/ { next }
+    {
+      quoted = $0 ~ /^[ \t]*#[ \t]*include[ \t]*"/
+      name = $0
+      sub(/^[^"<]*["<]/, "", name)
+      sub(/[">].*/, "", name)
+      split(name, part, "/")
+      top = part[1]
+      if (!quoted) {
+        if (top in only && !in_list(only[top], module)) broken(module " may not include <" name ">: only " only[top] " may")
+        next
+      }
+      if (module == "shader") {
+        if (top != "shared" && top != "lib") broken("a shader may include shared/ and lib/ only, not \"" name "\"")
+        next
+      }
+      if (name !~ /\// || name ~ /(^|\/)\.\.?\//) { broken("\"" name "\" does not say its module"); next }
+      if (!(module in ours)) { broken("module " module " is not in the table of tests/arch/check_tree.sh"); next }
+      if (top == module) {
+        if (module == "passes" && stem(name) != stem(FILENAME) && name != "passes/pass.h") broken("passes may not include each other: \"" name "\"")
+        next
+      }
+      if (!in_list(ours[module], top) && !in_list(ours[module], name)) broken(module " may not include \"" name "\"")
+    }
+    END { exit bad }'
+}
+
+text() {
+  local unfinished='T''ODO|F''IXME|X''XX'
+  { sources; find cmake .ci run CMakeLists.txt CMakePresets.json bench tests/CMakeLists.txt -type f \
+      \( -name '*.cmake' -o -name '*.txt' -o -name '*.sh' -o -name run -o -name CMakePresets.json \) -print0; } |
+    xargs -0 -r awk -v unfinished="(^|[^A-Za-z])($unfinished)([^A-Za-z]|$)" '
+    function broken(reason) { printf "%s:%d: %s\n", FILENAME, FNR, reason; bad = 1 }
+    FNR == 1 && /^#!/ { next }
+    $0 ~ unfinished { broken("unfinished") }
+    /(^|[ \t"=(,:])\/(home|work|root|Users|mnt|opt|tmp|var|usr)\// { broken("absolute path") }
+    # XML needs the name spaces that the W3C chose.
+    /https?:\/\/[A-Za-z0-9]/ && !/https?:\/\/www\.w3\.org\// { broken("URL with a host name") }
+    /(deb|archive|snapshot|security)\.(debian|ubuntu)|pypi\.|pythonhosted|npmjs|crates\.io|ghcr\.io|docker\.io/ { broken("host name of a registry") }
+    END { exit bad }'
+}
+
+length_limit=500
+length() {
+  sources | xargs -0 -r awk -v limit="$length_limit" '
+    FNR == limit + 1 { printf "%s:%d: longer than %d lines: split it by idea\n", FILENAME, FNR, limit; bad = 1 }
+    END { exit bad }'
+}
+
+case $rule in
+  includes | text | length) "$rule" ;;
+  *) printf 'unknown rule: %s\n' "$rule" >&2; exit 2 ;;
+esac

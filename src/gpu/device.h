@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -61,6 +62,11 @@ class Device {
   uint64_t timestamp_mask() const { return timestamp_mask_; }  // 0: the queue has no timestamps
   // Messages of the validation layer so far (warnings and errors), each once. Any message fails a test or a --validate job.
   std::vector<std::string> validation_messages() const;
+
+  // For the messages of the validation layer and for debuggers; without validation they do nothing.
+  void set_name(VkObjectType type, uint64_t handle, std::string_view name) const;
+  void begin_label(VkCommandBuffer commands, const std::string& name) const;
+  void end_label(VkCommandBuffer commands) const;
 
   // Memory in use now and at its highest, by purpose (for --timings).
   struct MemoryUse { uint64_t scene = 0, frame = 0, readback = 0, staging = 0, peak = 0; };

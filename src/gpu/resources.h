@@ -20,6 +20,7 @@ class Buffer {
   uint64_t size() const { return size_; }
   uint64_t address() const { return address_; }
   std::byte* mapped() const { return mapped_; }
+  void invalidate() const;  // host_read: makes what the device wrote visible to the CPU; after the wait, before the read
   explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
 
  private:

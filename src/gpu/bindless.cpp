@@ -1,0 +1,162 @@
+#include "gpu/bindless.h"
+
+#include <mutex>
+
+#include "base/check.h"
+
+namespace candela::gpu {
+
+namespace {
+constexpr uint32_t max_sampled = 16384, max_samplers = 512, max_storage = 2048;
+
+// Indices in use; the lowest free one is given out first, so that equal jobs get equal indices.
+class Slots {
+ public:
+  explicit Slots(uint32_t capacity) : used_(capacity, false) {}
+  uint32_t take(const char* what) {
+    const auto found = std::find(used_.begin() + first_free_, used_.end(), false);
+    if (found == used_.end())
+      throw GpuError(VK_ERROR_OUT_OF_POOL_MEMORY, fmt::format("more than {} {}", used_.size(), what));
+    *found = true;
+    first_free_ = uint32_t(found - used_.begin()) + 1;
+    return first_free_ - 1;
+  }
+  void give(uint32_t index) {
+    CHECK(index < used_.size() && used_[index]);
+    used_[index] = false;
+    first_free_ = std::min(first_free_, index);
+  }
+  uint32_t capacity() const { return uint32_t(used_.size()); }
+
+ private:
+  std::vector<bool> used_;
+  uint32_t first_free_ = 0;
+};
+
+bool equal(const VkSamplerCreateInfo& a, const VkSamplerCreateInfo& b) {
+  const auto key = [](const VkSamplerCreateInfo& s) {
+    return std::tie(s.flags, s.magFilter, s.minFilter, s.mipmapMode, s.addressModeU, s.addressModeV, s.addressModeW,
+                    s.mipLodBias, s.anisotropyEnable, s.maxAnisotropy, s.compareEnable, s.compareOp, s.minLod, s.maxLod,
+                    s.borderColor, s.unnormalizedCoordinates);
+  };
+  return key(a) == key(b);
+}
+}  // namespace
+
+struct Bindless::Hidden {
+  Slots sampled{max_sampled}, storage{max_storage};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  std::vector<std::pair<VkSamplerCreateInfo, VkSampler>> samplers;
+  std::mutex mutex;
+};
+
+Bindless::Bindless(Device& device) : hidden_(std::make_unique<Hidden>()), device_(device) {
+  VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v12};
+  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
+  const uint32_t counts[] = {std::min(max_sampled, v12.maxPerStageDescriptorUpdateAfterBindSampledImages),
+                             std::min(max_samplers, v12.maxPerStageDescriptorUpdateAfterBindSamplers),
+                             std::min(max_storage, v12.maxPerStageDescriptorUpdateAfterBindStorageImages)};
+  hidden_->sampled = Slots(counts[0]);
+  hidden_->storage = Slots(counts[2]);
+  const VkDescriptorType types[] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLER,
+                                    VK_DESCRIPTOR_TYPE_STORAGE_IMAGE};
+  VkDescriptorSetLayoutBinding bindings[3]{};
+  VkDescriptorBindingFlags flags[3];
+  VkDescriptorPoolSize sizes[3];
+  for (uint32_t i = 0; i < 3; ++i) {
+    bindings[i].binding = i;
+    bindings[i].descriptorType = types[i];
+    bindings[i].descriptorCount = counts[i];
+    bindings[i].stageFlags = VK_SHADER_STAGE_ALL;
+    flags[i] = VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT | VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT;
+    sizes[i] = {types[i], counts[i]};
+  }
+  VkDescriptorSetLayoutBindingFlagsCreateInfo flags_info{
+      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO, nullptr, 3, flags};
+  VkDescriptorSetLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, &flags_info};
+  layout_info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT;
+  layout_info.bindingCount = 3;
+  layout_info.pBindings = bindings;
+  VK_CHECK(vkCreateDescriptorSetLayout(device.handle(), &layout_info, nullptr, &set_layout_));
+
+  VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool_info.flags = VK_DESCRIPTOR_POOL_CREATE_UPDATE_AFTER_BIND_BIT;
+  pool_info.maxSets = 1;
+  pool_info.poolSizeCount = 3;
+  pool_info.pPoolSizes = sizes;
+  VK_CHECK(vkCreateDescriptorPool(device.handle(), &pool_info, nullptr, &hidden_->pool));
+  VkDescriptorSetAllocateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  set_info.descriptorPool = hidden_->pool;
+  set_info.descriptorSetCount = 1;
+  set_info.pSetLayouts = &set_layout_;
+  VK_CHECK(vkAllocateDescriptorSets(device.handle(), &set_info, &set_));
+
+  const VkPushConstantRange range{VK_SHADER_STAGE_ALL, 0, 128};
+  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  info.setLayoutCount = 1;
+  info.pSetLayouts = &set_layout_;
+  info.pushConstantRangeCount = 1;
+  info.pPushConstantRanges = &range;
+  VK_CHECK(vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout_));
+  device.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, uint64_t(set_), "bindless");
+  device.set_name(VK_OBJECT_TYPE_PIPELINE_LAYOUT, uint64_t(layout_), "bindless");
+}
+
+Bindless::~Bindless() {
+  for (const auto& [info, sampler] : hidden_->samplers) vkDestroySampler(device_.handle(), sampler, nullptr);
+  vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
+  vkDestroyDescriptorPool(device_.handle(), hidden_->pool, nullptr);
+  vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
+}
+
+namespace {
+void write_descriptor(VkDevice device, VkDescriptorSet set, uint32_t binding, VkDescriptorType type, uint32_t index,
+                      const VkDescriptorImageInfo& info) {
+  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, binding, index, 1, type, &info};
+  vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+}
+}  // namespace
+
+uint32_t Bindless::add_sampled(VkImageView view, VkImageLayout layout) {
+  std::lock_guard lock(hidden_->mutex);
+  const uint32_t index = hidden_->sampled.take("sampled images");
+  write_descriptor(device_.handle(), set_, 0, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, index, {VK_NULL_HANDLE, view, layout});
+  return index;
+}
+
+uint32_t Bindless::add_storage(VkImageView view) {
+  std::lock_guard lock(hidden_->mutex);
+  const uint32_t index = hidden_->storage.take("storage images");
+  write_descriptor(device_.handle(), set_, 2, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, index,
+                   {VK_NULL_HANDLE, view, VK_IMAGE_LAYOUT_GENERAL});
+  return index;
+}
+
+uint32_t Bindless::add_sampler(const VkSamplerCreateInfo& info) {
+  CHECK(info.pNext == nullptr);
+  std::lock_guard lock(hidden_->mutex);
+  auto& samplers = hidden_->samplers;
+  for (uint32_t i = 0; i < samplers.size(); ++i)
+    if (equal(samplers[i].first, info)) return i;
+  if (samplers.size() >= max_samplers)
+    throw GpuError(VK_ERROR_OUT_OF_POOL_MEMORY, fmt::format("more than {} samplers", max_samplers));
+  VkSampler sampler = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateSampler(device_.handle(), &info, nullptr, &sampler));
+  samplers.emplace_back(info, sampler);
+  const uint32_t index = uint32_t(samplers.size()) - 1;
+  write_descriptor(device_.handle(), set_, 1, VK_DESCRIPTOR_TYPE_SAMPLER, index,
+                   {sampler, VK_NULL_HANDLE, VK_IMAGE_LAYOUT_UNDEFINED});
+  return index;
+}
+
+void Bindless::remove_sampled(uint32_t index) {
+  std::lock_guard lock(hidden_->mutex);
+  hidden_->sampled.give(index);
+}
+void Bindless::remove_storage(uint32_t index) {
+  std::lock_guard lock(hidden_->mutex);
+  hidden_->storage.give(index);
+}
+
+}  // namespace candela::gpu

@@ -1,0 +1,297 @@
+#include "gpu/device_select.h"
+
+#include <cctype>
+#include <cstring>
+
+namespace candela::gpu {
+
+namespace {
+
+constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
+
+template <class T>
+struct Feature {
+  const char* name;
+  VkBool32 T::*member;
+};
+// clang-format off
+constexpr Feature<VkPhysicalDeviceFeatures> required_core[] = {
+    {"shaderInt64", &VkPhysicalDeviceFeatures::shaderInt64},
+    {"multiDrawIndirect", &VkPhysicalDeviceFeatures::multiDrawIndirect},
+    {"drawIndirectFirstInstance", &VkPhysicalDeviceFeatures::drawIndirectFirstInstance},
+    {"shaderStorageImageWriteWithoutFormat", &VkPhysicalDeviceFeatures::shaderStorageImageWriteWithoutFormat},
+    {"shaderStorageImageReadWithoutFormat", &VkPhysicalDeviceFeatures::shaderStorageImageReadWithoutFormat},
+    {"shaderSampledImageArrayDynamicIndexing", &VkPhysicalDeviceFeatures::shaderSampledImageArrayDynamicIndexing},
+    {"shaderStorageImageArrayDynamicIndexing", &VkPhysicalDeviceFeatures::shaderStorageImageArrayDynamicIndexing},
+    {"fragmentStoresAndAtomics", &VkPhysicalDeviceFeatures::fragmentStoresAndAtomics},
+    {"independentBlend", &VkPhysicalDeviceFeatures::independentBlend},
+};
+constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
+    {"samplerAnisotropy", &VkPhysicalDeviceFeatures::samplerAnisotropy},
+    {"sampleRateShading", &VkPhysicalDeviceFeatures::sampleRateShading},
+    {"depthClamp", &VkPhysicalDeviceFeatures::depthClamp},
+    {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics},
+    {"textureCompressionBC", &VkPhysicalDeviceFeatures::textureCompressionBC},
+    {"shaderInt16", &VkPhysicalDeviceFeatures::shaderInt16},
+};
+constexpr Feature<VkPhysicalDeviceVulkan11Features> required_11[] = {
+    {"shaderDrawParameters", &VkPhysicalDeviceVulkan11Features::shaderDrawParameters},
+};
+constexpr Feature<VkPhysicalDeviceVulkan12Features> required_12[] = {
+    {"descriptorIndexing", &VkPhysicalDeviceVulkan12Features::descriptorIndexing},
+    {"runtimeDescriptorArray", &VkPhysicalDeviceVulkan12Features::runtimeDescriptorArray},
+    {"descriptorBindingPartiallyBound", &VkPhysicalDeviceVulkan12Features::descriptorBindingPartiallyBound},
+    {"descriptorBindingSampledImageUpdateAfterBind",
+     &VkPhysicalDeviceVulkan12Features::descriptorBindingSampledImageUpdateAfterBind},
+    {"descriptorBindingStorageImageUpdateAfterBind",
+     &VkPhysicalDeviceVulkan12Features::descriptorBindingStorageImageUpdateAfterBind},
+    {"shaderSampledImageArrayNonUniformIndexing",
+     &VkPhysicalDeviceVulkan12Features::shaderSampledImageArrayNonUniformIndexing},
+    {"bufferDeviceAddress", &VkPhysicalDeviceVulkan12Features::bufferDeviceAddress},
+    {"scalarBlockLayout", &VkPhysicalDeviceVulkan12Features::scalarBlockLayout},
+    {"drawIndirectCount", &VkPhysicalDeviceVulkan12Features::drawIndirectCount},
+    {"hostQueryReset", &VkPhysicalDeviceVulkan12Features::hostQueryReset},
+};
+constexpr Feature<VkPhysicalDeviceVulkan13Features> required_13[] = {
+    {"synchronization2", &VkPhysicalDeviceVulkan13Features::synchronization2},
+    {"dynamicRendering", &VkPhysicalDeviceVulkan13Features::dynamicRendering},
+    {"maintenance4", &VkPhysicalDeviceVulkan13Features::maintenance4},
+    {"shaderDemoteToHelperInvocation", &VkPhysicalDeviceVulkan13Features::shaderDemoteToHelperInvocation},
+};
+// clang-format on
+
+template <class T, size_t N>
+void list_missing(const T& present, const Feature<T> (&required)[N], std::string& missing) {
+  for (const Feature<T>& feature : required)
+    if (!(present.*feature.member)) missing += (missing.empty() ? "" : ", ") + std::string(feature.name);
+}
+
+template <class T, size_t N>
+void enable(T& wanted, const Feature<T> (&features)[N], const T* if_present = nullptr) {
+  for (const Feature<T>& feature : features)
+    if (!if_present || if_present->*feature.member) wanted.*feature.member = VK_TRUE;
+}
+
+std::string type_name(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
+    default: return "other";
+  }
+}
+
+std::string driver_class(VkDriverId id) {
+  switch (id) {
+    case VK_DRIVER_ID_MESA_LLVMPIPE: return "lavapipe";
+    case VK_DRIVER_ID_NVIDIA_PROPRIETARY: return "nvidia";
+    case VK_DRIVER_ID_MESA_RADV: return "radv";
+    case VK_DRIVER_ID_AMD_PROPRIETARY:
+    case VK_DRIVER_ID_AMD_OPEN_SOURCE: return "amd";
+    case VK_DRIVER_ID_INTEL_OPEN_SOURCE_MESA: return "anv";
+    case VK_DRIVER_ID_INTEL_PROPRIETARY_WINDOWS: return "intel";
+    case VK_DRIVER_ID_GOOGLE_SWIFTSHADER: return "swiftshader";
+    case VK_DRIVER_ID_MESA_VENUS: return "venus";
+    case VK_DRIVER_ID_MOLTENVK: return "moltenvk";
+    default: return "other";
+  }
+}
+
+// Lower is better.
+int rank(const DeviceInfo& info) {
+  if (info.type == "discrete") return 0;
+  if (info.type == "integrated") return 1;
+  if (info.type == "virtual") return 2;
+  return info.is_cpu ? 4 : 3;
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+bool all_digits(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
+}
+
+std::string describe(std::span<const DeviceInfo> devices) {
+  if (devices.empty()) return "no Vulkan device at all; install mesa-vulkan-drivers from bookworm-backports";
+  std::string text = "there is ";
+  for (const DeviceInfo& device : devices)
+    text += fmt::format("{}{}: {} ({}{})", &device == devices.data() ? "" : ", ", device.index, device.name, device.type,
+                        device.unusable.empty() ? "" : ", unusable: " + device.unusable);
+  return text;
+}
+
+bool matches(const DeviceInfo& device, std::string_view which) {
+  if (which.empty()) return true;
+  const std::string wanted = lower(which);
+  if (wanted == "cpu") return device.is_cpu;
+  if (wanted == "gpu") return !device.is_cpu;
+  if (all_digits(wanted) && wanted.size() <= 2) return device.index == std::stoi(wanted);
+  std::string uuid = wanted;
+  std::erase(uuid, '-');
+  return uuid == device.uuid || lower(device.name).find(wanted) != std::string::npos;
+}
+
+DeviceInfo describe_physical(VkPhysicalDevice physical, int index) {
+  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+  VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, &v11};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  VkPhysicalDeviceProperties basic;
+  vkGetPhysicalDeviceProperties(physical, &basic);
+  if (basic.apiVersion >= VK_API_VERSION_1_2) properties.pNext = &v12;
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+
+  DeviceInfo info;
+  info.index = index;
+  info.name = basic.deviceName;
+  info.type = type_name(basic.deviceType);
+  info.is_cpu = basic.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  info.driver = fmt::format("{} {}", v12.driverName, v12.driverInfo);
+  info.device_class = driver_class(v12.driverID);
+  info.api_major = VK_API_VERSION_MAJOR(basic.apiVersion);
+  info.api_minor = VK_API_VERSION_MINOR(basic.apiVersion);
+  info.subgroup_size = v11.subgroupSize;
+  for (uint8_t byte : v11.deviceUUID) info.uuid += fmt::format("{:02x}", byte);
+  VkPhysicalDeviceMemoryProperties memory;
+  vkGetPhysicalDeviceMemoryProperties(physical, &memory);
+  for (uint32_t heap = 0; heap < memory.memoryHeapCount; ++heap)
+    if (memory.memoryHeaps[heap].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+      info.memory_bytes = std::max<uint64_t>(info.memory_bytes, memory.memoryHeaps[heap].size);
+  return info;
+}
+
+// What to do about a device that lacks something.
+std::string remedy(const DeviceInfo& info) {
+  if (info.device_class == "lavapipe")
+    return "this lavapipe is too old; install mesa-vulkan-drivers from bookworm-backports (Mesa 23 or newer)";
+  return "install a newer driver or choose another device with --device";
+}
+
+std::string why_unusable(VkPhysicalDevice physical, const DeviceInfo& info) {
+  if (info.api_major < 1 || (info.api_major == 1 && info.api_minor < 3))
+    return fmt::format("Vulkan {}.{} where 1.3 is needed: {}", info.api_major, info.api_minor, remedy(info));
+  DeviceFeatures present;
+  vkGetPhysicalDeviceFeatures2(physical, &present.core);
+  const std::string missing = missing_features(present);
+  return missing.empty() ? "" : fmt::format("lacks {}: {}", missing, remedy(info));
+}
+
+// The queue family that does graphics and compute; the families are one bit set each, and the first that fits is taken.
+bool find_queue(Candidate& candidate) {
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, families.data());
+  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  for (uint32_t i = 0; i < count; ++i) {
+    if ((families[i].queueFlags & needed) != needed) continue;
+    candidate.queue_family = i;
+    candidate.timestamp_bits = families[i].timestampValidBits;
+    return true;
+  }
+  return false;
+}
+
+bool has_validation_layer() {
+  uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, validation_layer) == 0; });
+}
+
+}  // namespace
+
+DeviceFeatures::DeviceFeatures() {
+  core.pNext = &v11;
+  v11.pNext = &v12;
+  v12.pNext = &v13;
+}
+
+std::string missing_features(const DeviceFeatures& present) {
+  std::string missing;
+  list_missing(present.core.features, required_core, missing);
+  list_missing(present.v11, required_11, missing);
+  list_missing(present.v12, required_12, missing);
+  list_missing(present.v13, required_13, missing);
+  return missing;
+}
+
+void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
+  enable(wanted.core.features, required_core);
+  enable(wanted.core.features, optional_core, &present.core.features);
+  enable(wanted.v11, required_11);
+  enable(wanted.v12, required_12);
+  enable(wanted.v13, required_13);
+}
+
+std::vector<Candidate> find_candidates(VkInstance instance) {
+  uint32_t count = 0;
+  if (vkEnumeratePhysicalDevices(instance, &count, nullptr) != VK_SUCCESS) return {};
+  std::vector<VkPhysicalDevice> physical(count);
+  if (vkEnumeratePhysicalDevices(instance, &count, physical.data()) != VK_SUCCESS) return {};
+  std::vector<Candidate> candidates;
+  for (uint32_t i = 0; i < count; ++i) {
+    Candidate candidate;
+    candidate.physical = physical[i];
+    candidate.info = describe_physical(physical[i], int(i));
+    candidate.info.unusable = why_unusable(physical[i], candidate.info);
+    if (!find_queue(candidate) && candidate.info.unusable.empty())
+      candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(physical[i], &properties);
+    candidate.timestamp_period_ns = properties.limits.timestampPeriod;
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_view which) {
+  int best = -1, unusable = -1;
+  for (int i = 0; i < int(devices.size()); ++i) {
+    if (!matches(devices[i], which)) continue;
+    if (!devices[i].unusable.empty()) {
+      if (unusable < 0) unusable = i;
+    } else if (best < 0 || rank(devices[i]) < rank(devices[best])) {
+      best = i;
+    }
+  }
+  if (best >= 0) return best;
+  if (unusable >= 0)
+    return fail(ErrorKind::device, "", "the device {} cannot be used: it {}", devices[unusable].name,
+                devices[unusable].unusable);
+  if (which.empty()) return fail(ErrorKind::device, "", "{}", describe(devices));
+  return fail(ErrorKind::device, "", "no device matches --device {}; {}", which, describe(devices));
+}
+
+Expected<VkInstance> create_instance(bool validate, const void* next) {
+  if (validate && !has_validation_layer())
+    return fail(ErrorKind::device, "", "{} is not installed; install vulkan-validationlayers", validation_layer);
+  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.pApplicationName = "candela";
+  application.pEngineName = "candela";
+  application.apiVersion = VK_API_VERSION_1_3;
+  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, next};
+  info.pApplicationInfo = &application;
+  if (validate) {
+    info.enabledLayerCount = 1;
+    info.ppEnabledLayerNames = &validation_layer;
+    info.enabledExtensionCount = uint32_t(std::size(extensions));
+    info.ppEnabledExtensionNames = extensions;
+  }
+  VkInstance instance = VK_NULL_HANDLE;
+  const VkResult result = vkCreateInstance(&info, nullptr, &instance);
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+    return fail(ErrorKind::device, "", "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports");
+  if (result != VK_SUCCESS)
+    return fail(ErrorKind::device, "", "Vulkan does not start (vkCreateInstance: error {})", int(result));
+  return instance;
+}
+
+}  // namespace candela::gpu

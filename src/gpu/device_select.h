@@ -1,0 +1,42 @@
+#pragma once
+#include <vulkan/vulkan_core.h>
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "gpu/device.h"
+
+// Finding the device: what there is, what it lacks, which one is meant.
+namespace candela::gpu {
+
+// The features that every frame may use. Copies would point at the wrong chain, so there are none.
+struct DeviceFeatures {
+  DeviceFeatures();
+  DeviceFeatures(const DeviceFeatures&) = delete;
+  DeviceFeatures& operator=(const DeviceFeatures&) = delete;
+  VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
+  VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+};
+// Names of required features that `present` has not, separated by commas; empty when it has all.
+std::string missing_features(const DeviceFeatures& present);
+// Sets in `wanted` all required features, and the optional ones that `present` has.
+void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted);
+
+struct Candidate {
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  DeviceInfo info;
+  uint32_t queue_family = 0;
+  uint32_t timestamp_bits = 0;
+  double timestamp_period_ns = 1;
+};
+std::vector<Candidate> find_candidates(VkInstance instance);
+
+// Index into `devices` of the one that `which` means (DeviceOptions::which). Pure.
+Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_view which);
+
+Expected<VkInstance> create_instance(bool validate, const void* next);
+
+}  // namespace candela::gpu

@@ -1,0 +1,273 @@
+#include "gpu/pipelines.h"
+
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cstring>
+#include <exception>
+#include <set>
+
+#include "base/check.h"
+#include "base/files.h"
+#include "base/log.h"
+#include "gpu/frame_runner.h"
+#include "gpu/workgroup_size.h"
+
+namespace candela::gpu {
+
+namespace {
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string key_of(const std::vector<SpecConstant>& constants) {
+  std::string key;
+  for (const SpecConstant& c : constants) key += fmt::format(" {}={}", c.id, c.value);
+  return key;
+}
+std::string key_of(const ComputePipelineDesc& d) { return d.shader + key_of(d.constants); }
+std::string key_of(const GraphicsPipelineDesc& d) {
+  std::string key = fmt::format("{}|{}{}|{}|", d.vertex_shader, d.fragment_shader, key_of(d.constants), int(d.topology));
+  for (const VkFormat format : d.color_formats) key += fmt::format("{},", int(format));
+  return key + fmt::format("|{} {} {} {} {} {}", int(d.depth_format), d.samples, int(d.depth_compare), d.depth_test,
+                           d.depth_write, int(d.blend));
+}
+std::string key_of(const PipelineDesc& desc) {
+  return std::visit([](const auto& d) { return key_of(d); }, desc);
+}
+
+std::vector<std::string> shaders_of(const PipelineDesc& desc) {
+  if (const auto* compute = std::get_if<ComputePipelineDesc>(&desc)) return {compute->shader};
+  const auto& graphics = std::get<GraphicsPipelineDesc>(desc);
+  if (graphics.fragment_shader.empty()) return {graphics.vertex_shader};
+  return {graphics.vertex_shader, graphics.fragment_shader};
+}
+
+// VkSpecializationInfo points into its parts, so they live together.
+struct Specialization {
+  explicit Specialization(const std::vector<SpecConstant>& constants) {
+    for (const SpecConstant& c : constants) {
+      entries.push_back({c.id, uint32_t(values.size() * 4), 4});
+      values.push_back(c.value);
+    }
+    info = {uint32_t(entries.size()), entries.data(), values.size() * 4, values.data()};
+  }
+  Specialization(const Specialization&) = delete;
+  Specialization& operator=(const Specialization&) = delete;
+  std::vector<VkSpecializationMapEntry> entries;
+  std::vector<uint32_t> values;
+  VkSpecializationInfo info{};
+};
+
+VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
+  VkPipelineColorBlendAttachmentState state{};
+  state.colorWriteMask =
+      VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  state.blendEnable = blend != Blend::none;
+  state.srcColorBlendFactor = state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  state.dstColorBlendFactor = state.dstAlphaBlendFactor =
+      blend == Blend::additive ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  state.colorBlendOp = state.alphaBlendOp = VK_BLEND_OP_ADD;
+  return state;
+}
+
+}  // namespace
+
+Pipelines::Pipelines(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder)
+    : device_(device), bindless_(bindless), compiler_(std::move(compiler)), cache_folder_(std::move(cache_folder)) {
+  load_cache();
+}
+
+Pipelines::~Pipelines() {
+  for (const auto& [key, pipeline] : pipelines_) vkDestroyPipeline(device_.handle(), pipeline.handle, nullptr);
+  for (const auto& [file, shader] : shaders_) vkDestroyShaderModule(device_.handle(), shader.module, nullptr);
+  vkDestroyPipelineCache(device_.handle(), cache_, nullptr);
+}
+
+std::filesystem::path Pipelines::cache_file() const {
+  if (cache_folder_.empty()) return {};
+  const Hash128 driver = hash128(device_.info().driver + device_.info().name);
+  return cache_folder_ / "pipelines" / fmt::format("{}-{}.bin", device_.info().uuid, driver.hex().substr(0, 8));
+}
+
+// The file is the hash of the data, then the data: drivers are not required to survive a damaged cache. A file of another
+// driver has another name, and drivers refuse data whose header is not theirs.
+void Pipelines::load_cache() {
+  std::vector<std::byte> data;
+  const std::filesystem::path path = cache_file();
+  std::error_code absent;
+  if (!path.empty() && std::filesystem::exists(path, absent)) {
+    Hash128 stated;
+    if (auto bytes = read_file(path); bytes && bytes->size() > sizeof stated) {
+      std::memcpy(&stated, bytes->data(), sizeof stated);
+      const auto payload = std::span(*bytes).subspan(sizeof stated);
+      if (hash128(payload) == stated) data.assign(payload.begin(), payload.end());
+    }
+  }
+  VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  info.initialDataSize = data.size();
+  info.pInitialData = data.data();
+  if (vkCreatePipelineCache(device_.handle(), &info, nullptr, &cache_) != VK_SUCCESS) {
+    info.initialDataSize = 0;
+    VK_CHECK(vkCreatePipelineCache(device_.handle(), &info, nullptr, &cache_));
+  }
+}
+
+void Pipelines::save_cache() {
+  const std::filesystem::path path = cache_file();
+  size_t size = 0;
+  if (path.empty() || vkGetPipelineCacheData(device_.handle(), cache_, &size, nullptr) != VK_SUCCESS || size == 0) return;
+  std::vector<std::byte> bytes(sizeof(Hash128) + size);
+  if (vkGetPipelineCacheData(device_.handle(), cache_, &size, bytes.data() + sizeof(Hash128)) != VK_SUCCESS) return;
+  bytes.resize(sizeof(Hash128) + size);
+  const Hash128 hash = hash128(std::span(bytes).subspan(sizeof(Hash128)));
+  std::memcpy(bytes.data(), &hash, sizeof hash);
+  std::error_code error;
+  std::filesystem::create_directories(path.parent_path(), error);
+  if (const auto written = write_file_atomically(path, bytes); !written)
+    log::debug("pipeline cache: {}", written.error().text());
+}
+
+Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareTimes& times) {
+  std::set<std::string> missing;
+  for (const PipelineDesc& desc : wanted)
+    for (const std::string& file : shaders_of(desc))
+      if (!shaders_.contains(file)) missing.insert(file);
+  if (missing.empty()) return {};
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<std::string> files(missing.begin(), missing.end());
+  std::vector<Expected<ShaderCompiler::Result>> results(files.size());
+  tbb::parallel_for(size_t(0), files.size(), [&](size_t i) { results[i] = compiler_.compile(files[i]); });
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (!results[i]) return std::unexpected(results[i].error());
+    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    info.codeSize = results[i]->spirv.size() * 4;
+    info.pCode = results[i]->spirv.data();
+    Shader shader;
+    VK_CHECK(vkCreateShaderModule(device_.handle(), &info, nullptr, &shader.module));
+    device_.set_name(VK_OBJECT_TYPE_SHADER_MODULE, uint64_t(shader.module), files[i]);
+    shader.spirv = std::move(results[i]->spirv);
+    shaders_.emplace(files[i], std::move(shader));
+    ++times.shaders;
+    times.shaders_from_cache += results[i]->from_cache;
+  }
+  times.compile_ms += ms_since(start);
+  return {};
+}
+
+Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDesc> wanted, PrepareTimes& times) {
+  std::vector<PipelineDesc> missing;
+  std::vector<std::string> missing_keys;
+  for (const PipelineDesc& desc : wanted) {
+    const std::string key = key_of(desc);
+    if (pipelines_.contains(key) || std::find(missing_keys.begin(), missing_keys.end(), key) != missing_keys.end()) continue;
+    missing.push_back(desc);
+    missing_keys.push_back(key);
+  }
+  if (const auto compiled = compile(missing, times); !compiled) return std::unexpected(compiled.error());
+  if (!missing.empty()) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<Pipeline> made(missing.size());
+    std::vector<std::exception_ptr> failures(missing.size());
+    tbb::parallel_for(size_t(0), missing.size(), [&](size_t i) {
+      try {
+        made[i] = std::visit([&](const auto& desc) { return make(desc); }, missing[i]);
+      } catch (...) {
+        failures[i] = std::current_exception();
+      }
+    });
+    for (size_t i = 0; i < missing.size(); ++i) {
+      if (!made[i].handle) continue;
+      device_.set_name(VK_OBJECT_TYPE_PIPELINE, uint64_t(made[i].handle), missing_keys[i]);
+      pipelines_.emplace(missing_keys[i], made[i]);
+      ++times.pipelines;
+    }
+    for (const std::exception_ptr& failure : failures)
+      if (failure) std::rethrow_exception(failure);
+    times.pipeline_ms += ms_since(start);
+    save_cache();
+  }
+  std::vector<const Pipeline*> result;
+  for (const PipelineDesc& desc : wanted) result.push_back(&pipelines_.at(key_of(desc)));
+  return result;
+}
+
+VkShaderModule Pipelines::module(const std::string& file) const { return shaders_.at(file).module; }
+
+Pipeline Pipelines::make(const ComputePipelineDesc& desc) const {
+  const Specialization specialization(desc.constants);
+  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = module(desc.shader);
+  info.stage.pName = "main";
+  info.stage.pSpecializationInfo = &specialization.info;
+  info.layout = bindless_.layout();
+  Pipeline pipeline;
+  pipeline.workgroup = workgroup_size(shaders_.at(desc.shader).spirv, desc.constants);
+  CHECK_MSG(pipeline.workgroup[0] * pipeline.workgroup[1] * pipeline.workgroup[2] > 0, desc.shader);
+  VK_CHECK(vkCreateComputePipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle));
+  return pipeline;
+}
+
+Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
+  const Specialization specialization(desc.constants);
+  std::vector<VkPipelineShaderStageCreateInfo> stages;
+  const auto add_stage = [&](VkShaderStageFlagBits stage, const std::string& file) {
+    VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+    info.stage = stage;
+    info.module = module(file);
+    info.pName = "main";
+    info.pSpecializationInfo = &specialization.info;
+    stages.push_back(info);
+  };
+  add_stage(VK_SHADER_STAGE_VERTEX_BIT, desc.vertex_shader);
+  if (!desc.fragment_shader.empty()) add_stage(VK_SHADER_STAGE_FRAGMENT_BIT, desc.fragment_shader);
+
+  const VkPipelineVertexInputStateCreateInfo vertex_input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+  assembly.topology = desc.topology;
+  VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+  viewport.viewportCount = viewport.scissorCount = 1;
+  VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  raster.lineWidth = 1;
+  VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+  multisample.rasterizationSamples = VkSampleCountFlagBits(desc.samples);
+  VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+  depth.depthTestEnable = desc.depth_test;
+  depth.depthWriteEnable = desc.depth_write;
+  depth.depthCompareOp = desc.depth_compare;
+  const std::vector<VkPipelineColorBlendAttachmentState> attachments(desc.color_formats.size(), blend_state(desc.blend));
+  VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  blend.attachmentCount = uint32_t(attachments.size());
+  blend.pAttachments = attachments.data();
+  const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                           VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE};
+  VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+  dynamic.dynamicStateCount = uint32_t(std::size(dynamic_states));
+  dynamic.pDynamicStates = dynamic_states;
+  VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+  rendering.colorAttachmentCount = uint32_t(desc.color_formats.size());
+  rendering.pColorAttachmentFormats = desc.color_formats.data();
+  rendering.depthAttachmentFormat = desc.depth_format;
+
+  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};
+  info.stageCount = uint32_t(stages.size());
+  info.pStages = stages.data();
+  info.pVertexInputState = &vertex_input;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &multisample;
+  info.pDepthStencilState = &depth;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+  info.layout = bindless_.layout();
+  Pipeline pipeline;
+  pipeline.bind_point = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  VK_CHECK(vkCreateGraphicsPipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle));
+  return pipeline;
+}
+
+}  // namespace candela::gpu

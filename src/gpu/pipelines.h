@@ -1,0 +1,55 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/bindless.h"
+#include "gpu/device.h"
+#include "gpu/shader_compiler.h"
+#include "graph/plan.h"
+
+namespace candela::gpu {
+
+struct PrepareTimes;
+
+struct Pipeline {
+  VkPipeline handle = VK_NULL_HANDLE;
+  VkPipelineBindPoint bind_point = VK_PIPELINE_BIND_POINT_COMPUTE;
+  std::array<uint32_t, 3> workgroup{};  // compute only
+};
+
+// Pipelines by description, made once and kept; behind them a VkPipelineCache on disk, one file for each device and driver.
+class Pipelines {
+ public:
+  Pipelines(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);
+  ~Pipelines();
+  Pipelines(const Pipelines&) = delete;
+  Pipelines& operator=(const Pipelines&) = delete;
+  // Parallel to `wanted`. Compiles and builds, in parallel, those that are not there yet, and adds what that cost to `times`.
+  Expected<std::vector<const Pipeline*>> get(std::span<const PipelineDesc> wanted, PrepareTimes& times);
+  std::filesystem::path cache_file() const;
+
+ private:
+  Expected<void> compile(std::span<const PipelineDesc> wanted, PrepareTimes& times);
+  Pipeline make(const ComputePipelineDesc& desc) const;
+  Pipeline make(const GraphicsPipelineDesc& desc) const;
+  VkShaderModule module(const std::string& file) const;
+  void load_cache();
+  void save_cache();
+
+  Device& device_;
+  Bindless& bindless_;
+  ShaderCompiler compiler_;
+  std::filesystem::path cache_folder_;
+  VkPipelineCache cache_ = VK_NULL_HANDLE;
+  struct Shader {
+    std::vector<uint32_t> spirv;
+    VkShaderModule module = VK_NULL_HANDLE;
+  };
+  std::map<std::string, Shader> shaders_;      // by file
+  std::map<std::string, Pipeline> pipelines_;  // by key; nodes stay where they are
+};
+
+}  // namespace candela::gpu

@@ -1,0 +1,168 @@
+#include "gpu/shader_compiler.h"
+
+#include <glslang/Public/ResourceLimits.h>
+#include <glslang/Public/ShaderLang.h>
+#include <glslang/SPIRV/GlslangToSpv.h>
+#include <glslang/build_info.h>
+
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <set>
+
+#include "base/files.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "gpu/shader_files.h"
+
+namespace candela::gpu {
+
+namespace {
+
+constexpr uint32_t spirv_magic = 0x07230203;
+
+// Everything about the compiler that changes its output: part of the cache key.
+std::string compiler_identity() {
+  return fmt::format("glslang {}.{}.{}{} generator {} vulkan 1.3 spirv 1.6", GLSLANG_VERSION_MAJOR,
+                     GLSLANG_VERSION_MINOR, GLSLANG_VERSION_PATCH, GLSLANG_VERSION_FLAVOR,
+                     glslang::GetSpirvGeneratorVersion());
+}
+
+std::optional<EShLanguage> stage_of(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending == ".vert") return EShLangVertex;
+  if (ending == ".frag") return EShLangFragment;
+  if (ending == ".comp") return EShLangCompute;
+  return std::nullopt;
+}
+
+// Hands glslang the files that are loaded already. A second inclusion of a file with #pragma once is empty.
+class Includer : public glslang::TShader::Includer {
+ public:
+  explicit Includer(const ShaderFiles& files) : files_(files) {}
+  IncludeResult* includeLocal(const char* include, const char* includer, size_t) override {
+    const ShaderFile* file = files_.resolve(include, includer && *includer ? includer : files_.files[0].name);
+    if (!file) return nullptr;
+    const bool again = !seen_.insert(file).second && file->once;
+    return new IncludeResult(file->name, file->text.data(), again ? 0 : file->text.size(), nullptr);
+  }
+  void releaseInclude(IncludeResult* result) override { delete result; }
+
+ private:
+  const ShaderFiles& files_;
+  std::set<const ShaderFile*> seen_;
+};
+
+// "ERROR: lib/brdf.glsl:12: 'x' : undeclared identifier" becomes place and message.
+Error compile_error(const ShaderFiles& files, std::string_view log) {
+  Error error{ErrorKind::input, {}, files.files[0].name};
+  bool first = true;
+  while (!log.empty()) {
+    std::string_view line = log.substr(0, log.find('\n'));
+    log.remove_prefix(std::min(log.size(), line.size() + 1));
+    if (!line.starts_with("ERROR: ")) continue;
+    line.remove_prefix(7);
+    if (line.find("compilation errors") != std::string_view::npos) continue;
+    const size_t colon = line.find(':');
+    const size_t after = colon == std::string_view::npos ? colon : line.find(": ", colon + 1);
+    if (!first || after == std::string_view::npos) {
+      error.message += (error.message.empty() ? "" : "; ") + std::string(line);
+      continue;
+    }
+    first = false;
+    error.place = line.substr(0, after);
+    error.message = line.substr(after + 2);
+    const ShaderFile* file = files.find(std::string(line.substr(0, colon)));
+    if (file && !file->included_by.empty()) error.place += ", included by " + file->included_by;
+  }
+  if (error.message.empty()) error.message = "does not compile, and the compiler gives no reason";
+  return error;
+}
+
+Expected<std::vector<uint32_t>> translate(const ShaderFiles& files, EShLanguage stage) {
+  static std::once_flag initialized;
+  std::call_once(initialized, [] { glslang::InitializeProcess(); });
+  const ShaderFile& root = files.files[0];
+  const char* text = root.text.data();
+  const char* name = root.name.c_str();
+  const int length = int(root.text.size());
+  glslang::TShader shader(stage);
+  shader.setStringsWithLengthsAndNames(&text, &length, &name, 1);
+  shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
+  shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, 100);
+  shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
+  shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_6);
+  const auto messages = EShMessages(EShMsgSpvRules | EShMsgVulkanRules);
+  Includer includer(files);
+  if (!shader.parse(GetDefaultResources(), 460, false, messages, includer))
+    return std::unexpected(compile_error(files, shader.getInfoLog()));
+  glslang::TProgram program;
+  program.addShader(&shader);
+  if (!program.link(messages)) return std::unexpected(compile_error(files, program.getInfoLog()));
+  std::vector<uint32_t> spirv;
+  glslang::SpvOptions options;
+  options.disableOptimizer = true;  // drivers optimise; the code stays what the source says
+  glslang::GlslangToSpv(*program.getIntermediate(stage), spirv, &options);
+  return spirv;
+}
+
+// A cache file is the hash of its words, then the words.
+std::optional<std::vector<uint32_t>> read_cached(const std::filesystem::path& path) {
+  std::error_code absent;
+  if (!std::filesystem::exists(path, absent)) return std::nullopt;
+  const auto bytes = read_file(path);
+  if (!bytes || bytes->size() < sizeof(Hash128) + 5 * 4 || bytes->size() % 4 != 0) return std::nullopt;
+  const auto words = std::span(*bytes).subspan(sizeof(Hash128));
+  Hash128 stated;
+  std::memcpy(&stated, bytes->data(), sizeof stated);
+  if (hash128(words) != stated) return std::nullopt;
+  std::vector<uint32_t> spirv(words.size() / 4);
+  std::memcpy(spirv.data(), words.data(), words.size());
+  if (spirv[0] != spirv_magic) return std::nullopt;
+  return spirv;
+}
+
+// A cache that cannot be written costs time, never the result.
+void write_cached(const std::filesystem::path& path, const std::vector<uint32_t>& spirv) {
+  const auto words = std::as_bytes(std::span(spirv));
+  const Hash128 hash = hash128(words);
+  std::vector<std::byte> bytes(sizeof hash + words.size());
+  std::memcpy(bytes.data(), &hash, sizeof hash);
+  std::memcpy(bytes.data() + sizeof hash, words.data(), words.size());
+  std::error_code error;
+  std::filesystem::create_directories(path.parent_path(), error);
+  if (const auto written = write_file_atomically(path, bytes); !written)
+    log::debug("shader cache: {}", written.error().text());
+}
+
+}  // namespace
+
+ShaderCompiler::ShaderCompiler(std::filesystem::path shader_folder, std::filesystem::path cache)
+    : shader_folder_(std::move(shader_folder)), cache_(std::move(cache)) {}
+
+Expected<ShaderCompiler::Result> ShaderCompiler::compile(const std::string& file) const {
+  const std::optional<EShLanguage> stage = stage_of(file);
+  if (!stage) return fail(ErrorKind::input, file, "a shader's name ends in .vert, .frag or .comp");
+  const Expected<ShaderFiles> files = load_shader_files(shader_folder_, file);
+  if (!files) return std::unexpected(files.error());
+  Result result;
+  for (const ShaderFile& f : files->files) result.files.push_back(f.name);
+
+  std::filesystem::path cached;
+  if (!cache_.empty()) {
+    const Hash128 key = hash128(fmt::format("{} stage {} {}", files->hash().hex(), int(*stage), compiler_identity()));
+    cached = cache_ / "spirv" / (key.hex() + ".spv");
+    if (auto spirv = read_cached(cached)) {
+      result.spirv = std::move(*spirv);
+      result.from_cache = true;
+      return result;
+    }
+  }
+  Expected<std::vector<uint32_t>> spirv = translate(*files, *stage);
+  if (!spirv) return std::unexpected(spirv.error());
+  result.spirv = std::move(*spirv);
+  if (!cached.empty()) write_cached(cached, result.spirv);
+  return result;
+}
+
+}  // namespace candela::gpu

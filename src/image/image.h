@@ -9,15 +9,17 @@ namespace candela {
 
 enum class ChannelType : uint8_t { half, float32, uint32 };
 
-// A named plane of an image; `data` holds width*height samples, rows from the top, as float or (uint32) bit-exact integers.
+// A named plane of an image; `data` holds width*height samples, rows from the top, as float or (uint32) bit-exact
+// integers.
 struct Channel {
-  std::string name;  // field's names: R G B A, depth.Z, normal.X ... (docs/outputs.md)
+  std::string name;                         // field's names: R G B A, depth.Z, normal.X ... (docs/outputs.md)
   ChannelType type = ChannelType::float32;  // how it is stored in a file
-  std::vector<float> f;     // used when type != uint32
-  std::vector<uint32_t> u;  // used when type == uint32
+  std::vector<float> f;                     // used when type != uint32
+  std::vector<uint32_t> u;                  // used when type == uint32
 };
 
-// Values are scene-linear Rec.709 unless said otherwise. metadata: name -> text, number or matrix, written into EXR headers.
+// Values are scene-linear Rec.709 unless said otherwise. metadata: name -> text, number or matrix, written into EXR
+// headers.
 struct MetadataEntry {
   std::string name;
   enum class Kind { text, number, integer, matrix44 } kind = Kind::text;
@@ -27,7 +29,9 @@ struct MetadataEntry {
 };
 
 struct FloatImage {
-  int width = 0, height = 0;
+  int width = 0, height = 0;  // of the data window
+  // Where the data window lies in the display window, and the display window's size; 0: both windows are the same.
+  int origin_x = 0, origin_y = 0, display_width = 0, display_height = 0;
   std::vector<Channel> channels;
   std::vector<MetadataEntry> metadata;
   const Channel* find(std::string_view name) const {

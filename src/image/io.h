@@ -5,18 +5,21 @@
 #include "base/error.h"
 #include "image/image.h"
 
-// All file formats stop here. EXR goes through OpenEXR, encoded PNG, JPEG and HDR textures in memory through stb (the decoder
-// that tinygltf carries); PNG output and every other format through OpenImageIO, which lives in a module opened at first use.
+// All file formats stop here. EXR goes through OpenEXR, encoded PNG, JPEG and HDR textures in memory through stb (the
+// decoder that tinygltf carries); PNG output and every other format through OpenImageIO, which lives in a module opened
+// at first use.
 namespace candela {
 
 enum class ExrCompression { none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab };
 Expected<ExrCompression> exr_compression_from_name(std::string_view name);
 
-// Atomic (temporary name, fsync, rename). Bytes depend on the image alone: no date, no host. Errors: output.
-Expected<void> write_exr(const std::filesystem::path& path, const FloatImage& image, ExrCompression compression = ExrCompression::zip);
+// Half channels: finite values beyond half's range are stored as its largest. Atomic (temporary name, fsync, rename). Bytes depend on the image alone: no date, no host. Errors: output.
+Expected<void> write_exr(const std::filesystem::path& path, const FloatImage& image,
+                         ExrCompression compression = ExrCompression::zip);
 Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image);
 
-// Any format, to float; 8- and 16-bit files give code values / max in [0,1], not decoded. Errors: input, names the file.
+// Any format, to float; 8- and 16-bit files give code values / max in [0,1], not decoded. Errors: input, names the
+// file.
 Expected<FloatImage> read_image(const std::filesystem::path& path);
 
 // A texture as the GPU takes it: RGBA, 8 or 16 bits a channel, or float (HDR).
@@ -26,12 +29,14 @@ struct DecodedImage {
   int source_channels = 4;  // channels the file had: 1 grey, 2 grey+alpha, 3, 4
   std::vector<std::byte> pixels;
 };
-struct ImageInfo { int width = 0, height = 0, channels = 0, bits = 8; };
+struct ImageInfo {
+  int width = 0, height = 0, channels = 0, bits = 8;
+};
 // Reads only the header. `place` names the image in errors.
 Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::string& place);
 // PNG, JPEG, (Radiance) HDR. Refuses sizes over max_side, and pixel counts that no file of this length could encode.
 Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const std::string& place, int max_side = 16384);
-// An equirectangular environment (.hdr or .exr) as rgba32f.
+// An equirectangular environment (.hdr or .exr) as rgba32f. Non-finite and negative values become 0 with a warning.
 Expected<DecodedImage> read_environment(const std::filesystem::path& path);
 
 }  // namespace candela

@@ -54,7 +54,10 @@ int read(const char* path, float* (*begin)(void*, int, int, int, const char*), v
   const OIIO::ImageSpec& spec = input->spec();
   if (spec.depth > 1 || spec.deep) return refuse("volumes and deep images are not read", message, message_size);
   std::string names;
-  for (int c = 0; c < spec.nchannels; ++c) names += (c ? "\n" : "") + spec.channel_name(c);
+  for (int c = 0; c < spec.nchannels; ++c) {
+    if (c > 0) names += '\n';
+    names += std::string(spec.channel_name(c));
+  }
   float* target = begin(context, spec.width, spec.height, spec.nchannels, names.c_str());
   if (!target) return refuse("the image is too large", message, message_size);
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, target))

@@ -1,0 +1,19 @@
+#pragma once
+#include <span>
+#include <string>
+
+#include "base/error.h"
+#include "image/io.h"
+
+// OpenEXR in memory; files are read and written whole around it, so that a full disk is seen by our own write and
+// close.
+namespace candela {
+
+inline constexpr int max_exr_side = 65536;
+
+bool is_exr(std::span<const std::byte> bytes);
+Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compression, const std::string& place);
+// Every flat part whose data window is the first part's; channels of later parts carry the part's name as layer.
+Expected<FloatImage> decode_exr(std::span<const std::byte> bytes, const std::string& place);
+
+}  // namespace candela

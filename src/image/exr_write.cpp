@@ -1,0 +1,189 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfFramesPerSecond.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfRationalAttribute.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfThreading.h>
+
+#include <cstring>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "base/check.h"
+#include "base/files.h"
+#include "image/exr.h"
+
+namespace candela {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Imf::Compression>, 10> compressions = {{
+    {"none", Imf::NO_COMPRESSION},
+    {"rle", Imf::RLE_COMPRESSION},
+    {"zips", Imf::ZIPS_COMPRESSION},
+    {"zip", Imf::ZIP_COMPRESSION},
+    {"piz", Imf::PIZ_COMPRESSION},
+    {"pxr24", Imf::PXR24_COMPRESSION},
+    {"b44", Imf::B44_COMPRESSION},
+    {"b44a", Imf::B44A_COMPRESSION},
+    {"dwaa", Imf::DWAA_COMPRESSION},
+    {"dwab", Imf::DWAB_COMPRESSION},
+}};
+
+// OpenEXR ignores write errors while it closes a file (the table of line offsets is written by a destructor). Memory
+// cannot fail so; the disk is written afterwards by code that checks.
+class MemoryOutput : public Imf::OStream {
+ public:
+  MemoryOutput() : Imf::OStream("memory") {}
+  void write(const char data[], int count) override {
+    const size_t end = position_ + size_t(count);
+    if (bytes.size() < end) bytes.resize(end);
+    std::memcpy(bytes.data() + position_, data, size_t(count));
+    position_ = end;
+  }
+  uint64_t tellp() override { return position_; }
+  void seekp(uint64_t position) override { position_ = position; }
+  std::string bytes;
+
+ private:
+  size_t position_ = 0;
+};
+
+// The names that say how the pixels are stored: metadata may not replace them.
+bool is_structural(std::string_view name) {
+  static const std::set<std::string_view> names = {
+      "channels",          "chromaticities", "chunkCount", "compression",      "dataWindow",
+      "displayWindow",     "lineOrder",      "name",       "pixelAspectRatio", "screenWindowCenter",
+      "screenWindowWidth", "tiles",          "type",       "version"};
+  return names.contains(name);
+}
+
+Expected<void> add_metadata(Imf::Header& header, const MetadataEntry& entry, const std::string& place) {
+  if (entry.name.empty() || entry.name.size() > 255 || is_structural(entry.name))
+    return fail(ErrorKind::output, place,
+                "metadata \"{}\" cannot be written: the name is empty, too long or reserved by OpenEXR", entry.name);
+  const char* name = entry.name.c_str();
+  switch (entry.kind) {
+    case MetadataEntry::Kind::text:
+      header.insert(name, Imf::StringAttribute(entry.text));
+      break;
+    case MetadataEntry::Kind::number:
+      // The standard's own type for this name is a ratio; compositors look for nothing else.
+      if (entry.name == "framesPerSecond")
+        header.insert(name, Imf::RationalAttribute(Imf::guessExactFps(entry.number)));
+      else
+        header.insert(name, Imf::DoubleAttribute(entry.number));
+      break;
+    case MetadataEntry::Kind::integer:
+      header.insert(name, Imf::IntAttribute(int(entry.number)));
+      break;
+    case MetadataEntry::Kind::matrix44: {
+      CHECK(entry.matrix.size() == 16);
+      Imath::M44f matrix;
+      std::memcpy(matrix.getValue(), entry.matrix.data(), sizeof(float) * 16);
+      header.insert(name, Imf::M44fAttribute(matrix));
+      break;
+    }
+  }
+  return {};
+}
+
+// A finite value beyond half's range is stored as half's largest: infinity would say that the renderer produced one.
+std::vector<uint16_t> to_half(const std::vector<float>& values) {
+  std::vector<uint16_t> halves(values.size());
+  for (size_t i = 0; i < values.size(); ++i) {
+    const float v = values[i];
+    halves[i] = Imath::half(std::isfinite(v) ? std::clamp(v, -65504.0f, 65504.0f) : v).bits();
+  }
+  return halves;
+}
+
+// Threads compress blocks of lines; the blocks are written in order, so the bytes do not depend on how many there are.
+void start_threads() {
+  static std::once_flag once;
+  std::call_once(
+      once, [] { Imf::setGlobalThreadCount(int(std::min(8u, std::max(1u, std::thread::hardware_concurrency())))); });
+}
+
+Imf::Header header_of(const FloatImage& image, ExrCompression compression) {
+  const Imath::Box2i data(Imath::V2i(image.origin_x, image.origin_y),
+                          Imath::V2i(image.origin_x + image.width - 1, image.origin_y + image.height - 1));
+  const bool own_display = image.display_width > 0 && image.display_height > 0;
+  const Imath::Box2i display =
+      own_display ? Imath::Box2i(Imath::V2i(0, 0), Imath::V2i(image.display_width - 1, image.display_height - 1))
+                  : data;
+  Imf::Header header(display, data);
+  header.compression() = compressions[size_t(compression)].second;
+  Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec.709 with the D65 white point
+  return header;
+}
+
+}  // namespace
+
+Expected<ExrCompression> exr_compression_from_name(std::string_view name) {
+  std::string known;
+  for (size_t i = 0; i < compressions.size(); ++i) {
+    if (compressions[i].first == name) return ExrCompression(i);
+    known += (known.empty() ? "" : ", ") + std::string(compressions[i].first);
+  }
+  return fail(ErrorKind::usage, {}, "unknown EXR compression \"{}\"; use one of {}", name, known);
+}
+
+Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compression, const std::string& place) try {
+  CHECK(image.width > 0 && image.height > 0 && !image.channels.empty());
+  start_threads();
+  Imf::Header header = header_of(image, compression);
+  for (const MetadataEntry& entry : image.metadata)
+    if (auto added = add_metadata(header, entry, place); !added) return std::unexpected(added.error());
+
+  const size_t count = size_t(image.width) * size_t(image.height);
+  std::vector<std::vector<uint16_t>> halves(image.channels.size());
+  Imf::FrameBuffer frame;
+  const Imath::V2i corner(image.origin_x, image.origin_y);
+  for (size_t i = 0; i < image.channels.size(); ++i) {
+    const Channel& channel = image.channels[i];
+    CHECK_MSG(!header.channels().findChannel(channel.name), "two channels have the same name: " + channel.name);
+    CHECK_MSG((channel.type == ChannelType::uint32 ? channel.u.size() : channel.f.size()) == count, channel.name);
+    const void* pixels = channel.f.data();
+    Imf::PixelType type = Imf::FLOAT;
+    if (channel.type == ChannelType::half) {
+      halves[i] = to_half(channel.f);
+      pixels = halves[i].data();
+      type = Imf::HALF;
+    } else if (channel.type == ChannelType::uint32) {
+      pixels = channel.u.data();
+      type = Imf::UINT;
+    }
+    const size_t size = type == Imf::HALF ? 2 : 4;
+    header.channels().insert(channel.name, Imf::Channel(type));
+    frame.insert(channel.name,
+                 Imf::Slice::Make(type, pixels, corner, image.width, image.height, size, size * size_t(image.width)));
+  }
+  MemoryOutput output;
+  {
+    Imf::OutputFile file(output, header);
+    file.setFrameBuffer(frame);
+    file.writePixels(image.height);
+  }
+  return std::move(output.bytes);
+} catch (const std::bad_alloc&) {
+  return fail(ErrorKind::out_of_memory, place, "not enough memory to encode the image");
+} catch (const std::exception& e) {
+  return fail(ErrorKind::output, place, "OpenEXR cannot encode the image: {}", e.what());
+}
+
+Expected<void> write_exr(const std::filesystem::path& path, const FloatImage& image, ExrCompression compression) {
+  auto bytes = encode_exr(image, compression, path.string());
+  if (!bytes) return std::unexpected(bytes.error());
+  return write_file_atomically(path, std::string_view(*bytes));
+}
+
+}  // namespace candela

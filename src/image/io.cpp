@@ -1,0 +1,181 @@
+#include "image/io.h"
+
+#include <cstring>
+
+#include "base/check.h"
+#include "base/files.h"
+#include "base/log.h"
+#include "image/exr.h"
+#include "image/hdr.h"
+#include "image/oiio.h"
+
+namespace candela {
+namespace {
+
+FloatImage from_interleaved(const float* pixels, int width, int height, int channels,
+                            const std::vector<std::string>& names, int stride) {
+  FloatImage image{.width = width, .height = height};
+  const size_t count = size_t(width) * size_t(height);
+  for (int c = 0; c < channels; ++c) {
+    Channel& channel = image.channels.emplace_back();
+    channel.name = names[size_t(c)];
+    channel.f.resize(count);
+    for (size_t i = 0; i < count; ++i) channel.f[i] = pixels[i * size_t(stride) + size_t(c)];
+  }
+  return image;
+}
+
+// Grey stays one channel (Y, as OpenEXR names luminance), so that a comparison sees the difference from colour.
+FloatImage from_decoded(const DecodedImage& decoded) {
+  const size_t count = decoded.pixels.size() / (decoded.format == DecodedImage::Format::rgba8    ? 1
+                                                : decoded.format == DecodedImage::Format::rgba16 ? 2
+                                                                                                 : 4);
+  std::vector<float> values(count);
+  if (decoded.format == DecodedImage::Format::rgba32f) {
+    std::memcpy(values.data(), decoded.pixels.data(), decoded.pixels.size());
+  } else if (decoded.format == DecodedImage::Format::rgba16) {
+    const auto* codes = reinterpret_cast<const uint16_t*>(decoded.pixels.data());
+    for (size_t i = 0; i < count; ++i) values[i] = float(codes[i]) / 65535.0f;
+  } else {
+    for (size_t i = 0; i < count; ++i) values[i] = float(uint8_t(decoded.pixels[i])) / 255.0f;
+  }
+  const int width = decoded.width, height = decoded.height;
+  switch (decoded.source_channels) {
+    case 1:
+      return from_interleaved(values.data(), width, height, 1, {"Y"}, 4);
+    case 2: {
+      FloatImage image = from_interleaved(values.data(), width, height, 4, {"Y", "", "", "A"}, 4);
+      image.channels.erase(image.channels.begin() + 1, image.channels.begin() + 3);
+      return image;
+    }
+    case 3:
+      return from_interleaved(values.data(), width, height, 3, {"R", "G", "B"}, 4);
+    default:
+      return from_interleaved(values.data(), width, height, 4, {"R", "G", "B", "A"}, 4);
+  }
+}
+
+struct ReadTarget {
+  int width = 0, height = 0, channels = 0;
+  std::vector<std::string> names;
+  std::vector<float> pixels;
+};
+
+float* begin_read(void* context, int width, int height, int channels, const char* names) {
+  constexpr int64_t max_values = int64_t(1) << 31;
+  auto& target = *static_cast<ReadTarget*>(context);
+  if (width <= 0 || height <= 0 || channels <= 0 || width > max_exr_side || height > max_exr_side ||
+      int64_t(width) * height > max_values / channels)
+    return nullptr;
+  target.width = width, target.height = height, target.channels = channels;
+  std::string_view rest = names;
+  for (int c = 0; c < channels; ++c) {
+    const size_t end = std::min(rest.find('\n'), rest.size());
+    target.names.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  target.pixels.resize(size_t(width) * size_t(height) * size_t(channels));
+  return target.pixels.data();
+}
+
+Expected<FloatImage> read_through_module(const std::filesystem::path& path) {
+  auto table = open_oiio(path.string(), ErrorKind::input);
+  if (!table) return std::unexpected(table.error());
+  ReadTarget target;
+  std::array<char, 512> reason{};
+  if ((*table)->read(path.c_str(), begin_read, &target, reason.data(), reason.size()) != 0)
+    return fail(ErrorKind::input, path.string(), "is not a readable image: {}", reason.data());
+  return from_interleaved(target.pixels.data(), target.width, target.height, target.channels, target.names,
+                          target.channels);
+}
+
+bool is_png_or_jpeg(std::span<const std::byte> bytes) {
+  return bytes.size() >= 3 &&
+         (std::memcmp(bytes.data(), "\x89PN", 3) == 0 || std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0);
+}
+
+Expected<DecodedImage> environment_from_exr(const FloatImage& image, const std::string& place) {
+  const Channel* grey = image.find("Y");
+  std::array<const Channel*, 3> colour = {image.find("R"), image.find("G"), image.find("B")};
+  if (!colour[0] && grey) colour = {grey, grey, grey};
+  for (const Channel* channel : colour)
+    if (!channel || channel->type == ChannelType::uint32)
+      return fail(ErrorKind::input, place, "an environment needs the channels R, G and B, or Y");
+  DecodedImage decoded{image.width, image.height, DecodedImage::Format::rgba32f, grey ? 1 : 3, {}};
+  const size_t count = size_t(image.width) * size_t(image.height);
+  decoded.pixels.resize(count * 16);
+  auto* out = reinterpret_cast<float*>(decoded.pixels.data());
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t c = 0; c < 3; ++c) out[i * 4 + c] = colour[c]->f[i];
+    out[i * 4 + 3] = 1.0f;
+  }
+  return decoded;
+}
+
+// One infinite or NaN texel would spread over the whole frame by filtering; light cannot be negative.
+void make_usable(DecodedImage& image, const std::string& place) {
+  auto* texels = reinterpret_cast<float*>(image.pixels.data());
+  size_t nonfinite = 0, negative = 0;
+  for (size_t i = 0; i < image.pixels.size() / 16; ++i) {
+    bool has_nonfinite = false, has_negative = false;
+    for (size_t c = 0; c < 3; ++c) {
+      float& value = texels[i * 4 + c];
+      has_nonfinite |= !std::isfinite(value);
+      has_negative |= value < 0 && std::isfinite(value);
+      if (!std::isfinite(value) || value < 0) value = 0;
+    }
+    nonfinite += has_nonfinite;
+    negative += has_negative;
+  }
+  if (nonfinite) log::warning("{}: {} texels are not finite; those values are taken as 0", place, nonfinite);
+  if (negative) log::warning("{}: {} texels are negative; those values are taken as 0", place, negative);
+}
+
+}  // namespace
+
+Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image) {
+  CHECK(image.width > 0 && image.height > 0 && (image.channels == 3 || image.channels == 4) &&
+        (image.bits == 8 || image.bits == 16));
+  CHECK(image.pixels.size() ==
+        size_t(image.width) * size_t(image.height) * size_t(image.channels) * size_t(image.bits / 8));
+  auto table = open_oiio(path.string(), ErrorKind::output);
+  if (!table) return std::unexpected(table.error());
+  std::string encoded;
+  const auto sink = [](void* context, const void* bytes, uint64_t size) {
+    static_cast<std::string*>(context)->assign(static_cast<const char*>(bytes), size);
+  };
+  std::array<char, 512> reason{};
+  if ((*table)->encode_png(image.width, image.height, image.channels, image.bits, image.pixels.data(), sink, &encoded,
+                           reason.data(), reason.size()) != 0)
+    return fail(ErrorKind::output, path.string(), "cannot encode PNG: {}", reason.data());
+  return write_file_atomically(path, std::string_view(encoded));
+}
+
+Expected<FloatImage> read_image(const std::filesystem::path& path) {
+  auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  if (is_exr(*bytes)) return decode_exr(*bytes, path.string());
+  if (!is_png_or_jpeg(*bytes) && !is_hdr(*bytes)) return read_through_module(path);
+  auto decoded = decode_image(*bytes, path.string(), max_exr_side);
+  if (!decoded) return std::unexpected(decoded.error());
+  return from_decoded(*decoded);
+}
+
+Expected<DecodedImage> read_environment(const std::filesystem::path& path) {
+  auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  Expected<DecodedImage> decoded;
+  if (is_exr(*bytes)) {
+    auto image = decode_exr(*bytes, path.string());
+    if (!image) return std::unexpected(image.error());
+    decoded = environment_from_exr(*image, path.string());
+  } else if (is_hdr(*bytes)) {
+    decoded = decode_hdr(*bytes, path.string(), max_exr_side);
+  } else {
+    return fail(ErrorKind::input, path.string(), "an environment must be Radiance HDR (.hdr) or OpenEXR (.exr)");
+  }
+  if (decoded) make_usable(*decoded, path.string());
+  return decoded;
+}
+
+}  // namespace candela

@@ -1,0 +1,37 @@
+// The vertex shader of every pass that shades the scene. Varyings are centroid: never extrapolated off the triangle, so that a
+// partly covered pixel shades a point of the surface (TECHNIQUES 3.1).
+invariant gl_Position;
+layout(location = 0) out flat uvec2 out_ids;  // material, object
+layout(location = 1) centroid out vec3 out_position;
+layout(location = 2) centroid out vec3 out_normal;
+layout(location = 3) centroid out vec4 out_tangent;
+layout(location = 4) centroid out vec2 out_uv0;
+layout(location = 5) centroid out vec2 out_uv1;
+layout(location = 6) centroid out vec4 out_color;
+
+void main() {
+  const uint v = gl_VertexIndex;
+  const Item item = load_item(gl_InstanceIndex);
+  const Geometry g = load_geometry(item.geometry);
+  const Transform t = TransformsRef(frame.transforms).t[item.transform];
+  const uint64_t base = deformable_base(g);
+  out_ids = uvec2(item.material, item.object_id);
+  out_position = relative_position(item, g, v);
+  gl_Position = clip_position(out_position);
+  gl_PointSize = 1.0;
+  if (IS_UNLIT == 0) {
+    out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0)) : vec3(0.0);
+    if (HAS_NORMAL_TEXTURE != 0) {
+      out_tangent = vec4(0.0);
+      if (g.tangent != absent) {
+        const vec4 tangent = load4(base, g.tangent + 4u * v);
+        // The handedness is that of mesh space: a mirrored transform turns the bitangent over.
+        const float mirrored = dot(t.row0.xyz, cross(t.row1.xyz, t.row2.xyz)) < 0.0 ? -1.0 : 1.0;
+        out_tangent = vec4(normalize_or(transform_vector(t, tangent.xyz), vec3(0.0)), tangent.w * mirrored);
+      }
+    }
+  }
+  if (HAS_TEXTURES != 0) out_uv0 = g.uv0 != absent ? load2(frame.vertices, g.uv0 + 2u * v) : vec2(0.0);
+  if (HAS_UV1 != 0) out_uv1 = g.uv1 != absent ? load2(frame.vertices, g.uv1 + 2u * v) : vec2(0.0);
+  if (HAS_VERTEX_COLOR != 0) out_color = g.color != absent ? load4(frame.vertices, g.color + 4u * v) : vec4(1.0);
+}

@@ -1,0 +1,16 @@
+// What the scene's visible materials use, as specialization constants: an absent feature leaves neither branch nor fetch in the
+// shader. Ids and names are those of passes/features.cpp.
+layout(constant_id = 0) const int HAS_BASE_TEXTURE = 0;
+layout(constant_id = 1) const int HAS_ORM_TEXTURE = 0;
+layout(constant_id = 2) const int HAS_OCCLUSION_TEXTURE = 0;
+layout(constant_id = 3) const int HAS_NORMAL_TEXTURE = 0;
+layout(constant_id = 4) const int HAS_EMISSIVE_TEXTURE = 0;
+layout(constant_id = 5) const int HAS_SPECULAR_TEXTURE = 0;
+layout(constant_id = 6) const int HAS_VERTEX_COLOR = 0;
+layout(constant_id = 7) const int HAS_UV1 = 0;
+layout(constant_id = 8) const int HAS_TEXTURE_TRANSFORM = 0;
+layout(constant_id = 9) const int HAS_LIGHTS = 0;
+layout(constant_id = 10) const int HAS_AMBIENT = 0;
+layout(constant_id = 11) const int IS_MASKED = 0;
+layout(constant_id = 12) const int IS_UNLIT = 0;
+layout(constant_id = 13) const int HAS_TEXTURES = 0;       // any of the above: UVs are passed on

@@ -1,0 +1,94 @@
+// What a fragment's material says of its surface. Needs lib/scene.glsl and the feature constants of lib/features.glsl.
+
+struct Varyings {
+  vec3 relative_position, normal;
+  vec4 tangent;
+  vec2 uv0, uv1;
+  vec4 color;
+};
+
+struct Surface {
+  vec3 base_color;
+  float alpha;
+  float metallic, roughness, occlusion;
+  vec3 normal;            // unit, shading, towards the viewer's side
+  vec3 emission;
+  vec3 dielectric_f0;
+  float dielectric_f90;
+};
+
+vec2 texture_uv(TextureRef r, Varyings v) {
+  const vec2 uv = HAS_UV1 != 0 && r.uv_set == 1u ? v.uv1 : v.uv0;
+  if (HAS_TEXTURE_TRANSFORM == 0) return uv;
+  return vec2(dot(r.u_row, vec3(uv, 1.0)), dot(r.v_row, vec3(uv, 1.0)));
+}
+vec4 sample_texture(TextureRef r, Varyings v) {
+  return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)], samplers[nonuniformEXT(r.sampler_index)])), texture_uv(r, v));
+}
+
+// Base colour with alpha: all that the depth pre-pass and unlit surfaces need.
+vec4 surface_base_color(Material m, Varyings v) {
+  vec4 c = m.base_color;
+  if (HAS_VERTEX_COLOR != 0) c *= v.color;
+  if (HAS_BASE_TEXTURE != 0 && m.base_texture.texture != absent) c *= sample_texture(m.base_texture, v);
+  return c;
+}
+
+// glTF 2.0, 3.9.4: opaque ignores alpha, mask is all or nothing, blend covers.
+float surface_coverage(Material m, float alpha) {
+  if ((m.flags & material_blended) != 0u) return clamp(alpha, 0.0, 1.0);
+  if ((m.flags & material_masked) != 0u) return alpha < m.alpha_cutoff ? 0.0 : 1.0;
+  return 1.0;
+}
+
+vec3 surface_emission(Material m, Varyings v) {
+  vec3 e = m.emissive;
+  if (HAS_EMISSIVE_TEXTURE != 0 && m.emissive_texture.texture != absent) e *= sample_texture(m.emissive_texture, v).rgb;
+  return e;
+}
+
+// Normal, bitangent frame as MikkTSpace wants it: interpolated vectors are not normalised before the combination. facing is -1
+// on back faces, where the whole frame turns over (glTF 2.0, 3.9.6).
+vec3 surface_normal(Material m, Varyings v, float facing, vec3 to_viewer) {
+  vec3 n = v.normal;
+  if (HAS_NORMAL_TEXTURE != 0 && m.normal_texture.texture != absent && dot(v.tangent.xyz, v.tangent.xyz) > 0.0) {
+    const vec3 s = (sample_texture(m.normal_texture, v).xyz * 2.0 - 1.0) * vec3(m.normal_scale, m.normal_scale, 1.0);
+    const vec3 bitangent = v.tangent.w * cross(v.normal, v.tangent.xyz);
+    n = s.x * v.tangent.xyz + s.y * bitangent + s.z * v.normal;
+  }
+  return facing * normalize_or(n, facing * to_viewer);
+}
+
+Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
+  Surface s;
+  const vec4 base = surface_base_color(m, v);
+  s.base_color = max(base.rgb, vec3(0.0));
+  s.alpha = base.a;
+  s.metallic = m.metallic;
+  s.roughness = m.roughness;
+  s.occlusion = 1.0;
+  if (HAS_ORM_TEXTURE != 0 && m.orm_texture.texture != absent) {
+    const vec3 orm = sample_texture(m.orm_texture, v).rgb;
+    if ((m.flags & material_orm_metallic_roughness) != 0u) {
+      s.roughness *= orm.g;
+      s.metallic *= orm.b;
+    }
+    if ((m.flags & material_orm_occlusion) != 0u) s.occlusion = 1.0 + m.occlusion_strength * (orm.r - 1.0);
+  }
+  if (HAS_OCCLUSION_TEXTURE != 0 && m.occlusion_texture.texture != absent)
+    s.occlusion = 1.0 + m.occlusion_strength * (sample_texture(m.occlusion_texture, v).r - 1.0);
+  s.metallic = clamp(s.metallic, 0.0, 1.0);
+  s.roughness = clamp(s.roughness, 0.0, 1.0);
+  s.normal = surface_normal(m, v, facing, to_viewer);
+  s.emission = surface_emission(m, v);
+  // KHR_materials_ior and KHR_materials_specular.
+  float specular = m.specular;
+  vec3 specular_color = m.specular_color;
+  if (HAS_SPECULAR_TEXTURE != 0) {
+    if (m.specular_texture.texture != absent) specular *= sample_texture(m.specular_texture, v).a;
+    if (m.specular_color_texture.texture != absent) specular_color *= sample_texture(m.specular_color_texture, v).rgb;
+  }
+  s.dielectric_f0 = min(m.ior_f0 * specular_color, vec3(1.0)) * specular;
+  s.dielectric_f90 = specular;
+  return s;
+}

@@ -1,0 +1,16 @@
+#version 460
+// The mean of a pixel's samples: the unbiased estimate of its radiance under a box filter (TECHNIQUES 3.2).
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { ResolvePush pc; };
+#include "shared/types.h"
+#include "lib/bindless.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const int SAMPLES = 4;
+
+void main() {
+  const uvec2 p = gl_GlobalInvocationID.xy;
+  if (any(greaterThanEqual(p, pc.size_px))) return;
+  precise vec4 sum = vec4(0.0);
+  for (int s = 0; s < SAMPLES; ++s) sum += texelFetch(multisampled_textures[pc.source], ivec2(p), s);
+  imageStore(storage_images[pc.target], ivec2(p), sum / float(SAMPLES));
+}

@@ -1,0 +1,28 @@
+#version 460
+// Metallic-roughness shading under all lights: the brute-force technique loops over every light for every pixel. The list is
+// walked in ascending order and summed without contraction, so that a culled list gives the same bits (TECHNIQUES 6.1).
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DrawPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/surface.glsl"
+#include "lib/brdf.glsl"
+#include "lib/light_eval.glsl"
+#include "lib/ambient.glsl"
+#include "lib/draw.frag.glsl"
+
+layout(location = 0) out vec4 out_radiance;  // premultiplied, pre-exposed
+
+void main() {
+  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Varyings v = load_varyings();
+  const vec3 to_viewer = direction_to_viewer(v.relative_position);
+  const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
+  const float coverage = surface_coverage(m, s.alpha);
+  if (IS_MASKED != 0 && coverage == 0.0) discard;
+  precise vec3 radiance = s.emission;
+  if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
+  if (HAS_LIGHTS != 0)
+    for (uint i = 0u; i < frame.light_count; ++i) radiance += light_contribution(i, s, v.relative_position, to_viewer);
+  out_radiance = vec4(radiance * frame.pre_exposure * coverage, coverage);
+}

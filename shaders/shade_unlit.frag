@@ -1,0 +1,18 @@
+#version 460
+// KHR_materials_unlit: base colour goes out as radiance.
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DrawPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/surface.glsl"
+#include "lib/draw.frag.glsl"
+
+layout(location = 0) out vec4 out_radiance;  // premultiplied, pre-exposed
+
+void main() {
+  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const vec4 base = surface_base_color(m, load_varyings());
+  const float coverage = surface_coverage(m, base.a);
+  if (IS_MASKED != 0 && coverage == 0.0) discard;
+  out_radiance = vec4(max(base.rgb, vec3(0.0)) * frame.pre_exposure * coverage, coverage);
+}

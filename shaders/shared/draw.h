@@ -1,0 +1,23 @@
+#ifndef CANDELA_SHARED_DRAW_H
+#define CANDELA_SHARED_DRAW_H
+#include "shared/types.h"
+SHARED_BEGIN
+struct DrawPush {       // every pass that draws the scene
+  uint64_t frame, deformed;
+};
+struct SkyPush {
+  uint64_t frame;
+};
+struct TonemapPush {
+  uint source, target;  // bindless
+  uvec2 size_px;
+  float exposure;       // what is left to apply after pre-exposure
+  uint dither_levels;   // 255, 65535, or 0 for none
+  uint seed;
+};
+struct ResolvePush {
+  uint source, target;
+  uvec2 size_px;
+};
+SHARED_END
+#endif

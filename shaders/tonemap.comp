@@ -1,0 +1,45 @@
+#version 460
+// Linear premultiplied radiance to display values: exposure, tone curve, sRGB encoding, dither; alpha comes out straight.
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { TonemapPush pc; };
+#include "shared/types.h"
+#include "lib/bindless.glsl"
+#include "lib/tone_curves.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/tonemap.h
+
+vec3 srgb_encode(vec3 c) {
+  return mix(1.055 * pow(max(c, vec3(1e-7)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308)));
+}
+
+// PCG in three dimensions (Jarzynski and Olano, "Hash Functions for GPU Rendering", 2020).
+uvec3 pcg3d(uvec3 v) {
+  v = v * 1664525u + 1013904223u;
+  v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
+  v ^= v >> 16u;
+  v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
+  return v;
+}
+vec3 unit(uvec3 v) { return vec3(v >> 8u) * (1.0 / 16777216.0); }
+
+void main() {
+  const uvec2 p = gl_GlobalInvocationID.xy;
+  if (any(greaterThanEqual(p, pc.size_px))) return;
+  const vec4 source = texelFetch(textures[pc.source], ivec2(p), 0);
+  const float alpha = clamp(source.a, 0.0, 1.0);
+  vec3 c = max(source.rgb, vec3(0.0)) * pc.exposure;
+  c = min(alpha > 0.0 ? c / alpha : c, vec3(1e30));
+  if (CURVE == 1) c = agx(c);
+  if (CURVE == 2) c = reinhard(c);
+  if (CURVE == 3) c = aces_hill(c);
+  if (CURVE == 4) c = khronos_neutral(c);
+  if (CURVE == 5) c = rec709_luminance(c);
+  c = srgb_encode(clamp(c, 0.0, 1.0));
+  if (pc.dither_levels > 0u) {
+    // Triangular noise of two code values' width; near black and white it narrows, so that clipping makes no bias.
+    const vec3 a = unit(pcg3d(uvec3(p, pc.seed))), b = unit(pcg3d(uvec3(p, pc.seed ^ 0x9e3779b9u)));
+    const vec3 room = min(c, 1.0 - c) * float(pc.dither_levels);
+    c += (a - b) * min(room, vec3(1.0)) / float(pc.dither_levels);
+  }
+  imageStore(storage_images[pc.target], ivec2(p), vec4(clamp(c, 0.0, 1.0), alpha));
+}

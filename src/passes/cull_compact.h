@@ -1,0 +1,25 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// Second half of culling: prefix sums over the survivors' counts give every surviving item its place, so the indirect commands
+// come without gaps and in item order, whatever the device's scheduling (TECHNIQUES 2.1, determinism).
+struct CullCompact {
+  static constexpr std::string_view name = "cull_compact";
+  struct In {
+    SceneInputs scene;
+    BufferHandle survivors;
+    bool culling = true;
+  };
+  struct Out {
+    Draws draws;
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

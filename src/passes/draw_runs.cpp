@@ -1,0 +1,58 @@
+#include "passes/draw_runs.h"
+
+#include "passes/features.h"
+#include "shared/cull.h"
+#include "shared/draw.h"
+
+namespace candela {
+namespace {
+VkPrimitiveTopology vulkan_topology(Topology t) {
+  return t == Topology::triangles ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST : t == Topology::lines ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
+}
+}  // namespace
+
+RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                          const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice) {
+  for (const BufferHandle b : {scene.constants, scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
+    builder.read(b, Access::graphics_read, "the scene");
+  builder.read(scene.indices, Access::index_read, "the scene's indices");
+  builder.read(draws.commands, Access::indirect_read, "draw commands");
+  builder.read(draws.counts, Access::indirect_read, "draw counts");
+  builder.read_optional(deformed, Access::vertex_read);
+  RunPipelines pipelines;
+  for (const DrawRun& run : *scene.runs) {
+    if (!accepts(run)) {
+      pipelines.by_run.push_back({});
+      continue;
+    }
+    GraphicsPipelineDesc desc = choice.desc;
+    desc.topology = vulkan_topology(run.topology);
+    const bool masked = run.alpha == AlphaMode::mask;
+    if (masked && !choice.masked_fragment.empty()) desc.fragment_shader = choice.masked_fragment;
+    desc.constants = run_constants(scene.features, desc, masked, run.unlit);
+    pipelines.by_run.push_back(builder.pipeline(desc));
+  }
+  return pipelines;
+}
+
+ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
+  if (!color) color = builder.create(ImageDesc{"color", color_format, scene.width_px, scene.height_px, scene.samples, scene.background});
+  return builder.write(color, Access::color_attachment);
+}
+
+void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed, const RunPipelines& pipelines) {
+  commands.bind_index_buffer(scene.indices);
+  shared::DrawPush push{};
+  push.frame = commands.address(scene.constants);
+  push.deformed = deformed ? commands.address(deformed) : 0;
+  for (size_t r = 0; r < scene.runs->size(); ++r) {
+    if (!pipelines.by_run[r]) continue;
+    const DrawRun& run = (*scene.runs)[r];
+    commands.bind(pipelines.by_run[r]);
+    commands.push(push);
+    commands.set_cull(run.cull_back, run.mirrored);
+    commands.draw_indexed_indirect_count(draws.commands, uint64_t(run.first) * sizeof(shared::DrawCommand), draws.counts, r * sizeof(uint32_t), run.count);
+  }
+}
+
+}  // namespace candela

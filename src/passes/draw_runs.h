@@ -1,0 +1,30 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "gpu/command_list.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// Drawing the scene's runs, shared by the passes that rasterise it. Not a pass.
+struct RunPipelines {
+  std::vector<PipelineHandle> by_run;  // parallel to SceneInputs::runs; empty: this pass does not draw the run
+};
+
+// Declares the scene reads of a drawing pass and one pipeline for each distinct state among the runs that `draws` accepts.
+// desc is completed with topology and the run's constants; a masked run gets `masked_fragment` where the opaque one has none.
+struct RunPipelineChoice {
+  GraphicsPipelineDesc desc;
+  std::string masked_fragment;  // for depth-only passes; empty: desc.fragment_shader serves all
+};
+RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                          const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice);
+
+// The colour image of a shading pass: `color` written again, or a new one, cleared to the background, where there is none yet.
+ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);
+
+// One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering.
+void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed, const RunPipelines& pipelines);
+
+}  // namespace candela

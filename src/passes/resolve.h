@@ -1,0 +1,29 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// The mean of a pixel's samples, in linear radiance: what a box pixel filter asks for, and what the EXR holds (TECHNIQUES 3.2).
+// Leaves wrong: edges against very bright surfaces look aliased after tone mapping.
+struct Resolve {
+  static constexpr std::string_view name = "resolve";
+  struct Knobs {
+    int samples = 4;
+  };
+  struct In {
+    ImageHandle color;
+    uint32_t width_px = 0, height_px = 0, samples = 1;
+  };
+  struct Out {
+    ImageHandle resolved;
+    PipelineHandle pipeline;
+  };
+  static std::span<const Knob<Knobs>> knob_table();
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+}  // namespace candela

@@ -1,0 +1,31 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "graph/builder.h"
+#include "scene/draw_list.h"
+
+namespace candela {
+
+// What every pass that touches the scene takes: the uploaded buffers, the frame's shape, and the draw runs.
+struct SceneInputs {
+  BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
+  BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
+  std::shared_ptr<const std::vector<DrawRun>> runs;
+  std::vector<SpecConstant> features;         // of shaders/lib/features.glsl, from the visible materials
+  uint32_t item_count = 0, cull_group_count = 0;
+  std::vector<uint32_t> deform_vertices;      // vertex count of each deform job
+  uint32_t deformed_words = 0;                // size of the deformed buffer
+  uint32_t width_px = 0, height_px = 0, samples = 1;
+  std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed
+};
+
+inline constexpr VkFormat color_format = VK_FORMAT_R32G32B32A32_SFLOAT;
+inline constexpr VkFormat depth_format = VK_FORMAT_D32_SFLOAT;
+
+// What culling leaves: indirect commands at each run's first item, and a count a run.
+struct Draws {
+  BufferHandle commands, counts;
+};
+
+}  // namespace candela

@@ -1,0 +1,32 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// The curves of shaders/lib/tone_curves.glsl, by --tonemap's names. rec709 is Reinhard on Rec.709 luminance.
+enum class ToneCurve : uint32_t { none, agx, reinhard, aces, neutral, rec709 };
+std::span<const std::string_view> tone_curve_names();  // in the order of the enum
+
+// Linear radiance to display values: tone curve, sRGB encoding, triangular dither before 8 bits, straight alpha. Exact up to
+// 32-bit float arithmetic; the dither adds at most one code value.
+struct Tonemap {
+  static constexpr std::string_view name = "tonemap";
+  struct In {
+    ImageHandle color;
+    uint32_t width_px = 0, height_px = 0;
+    ToneCurve curve = ToneCurve::agx;
+    uint32_t bits = 8;
+    bool dither = true;
+    uint32_t seed = 0;
+  };
+  struct Out {
+    ImageHandle display;
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -8,14 +8,15 @@
 
 namespace candela {
 
-// Loads .gltf (files, base64) or .glb. Everything is checked before it is used: every index, every byte range, every size.
-// A file that breaks the specification in a way that leaves no right picture is an error (kind input) whose message names what
-// the Khronos validator names and whose place is "FILE: /json/path"; what can be used is used, with a line in Scene::warnings.
-// An ignored extension in extensionsRequired is an error that names extension, node and consequence.
-// Memory stays in proportion to the file's size.
+// Loads .gltf (files, base64) or .glb. Everything is checked before it is used: every index, every byte range, every
+// size. A file that breaks the specification in a way that leaves no right picture is an error (kind input) whose
+// message names what the Khronos validator names and whose place is "FILE: /json/path"; what can be used is used, with
+// a line in Scene::warnings. An ignored extension in extensionsRequired is an error that names extension, node and
+// consequence. Memory stays in proportion to the file's size.
 Expected<Scene> load_gltf(const std::filesystem::path& path);
 
 // The same from memory (fuzzing, tests); relative URIs resolve against `folder`.
-Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder);
+Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
+                                      const std::filesystem::path& folder);
 
 }  // namespace candela

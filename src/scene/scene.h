@@ -15,7 +15,9 @@ namespace candela {
 
 struct SceneImage {
   std::string name, place;          // place: for messages ("scene.glb: /images/2 'bricks'")
-  std::vector<std::byte> encoded;   // PNG or JPEG bytes as stored; decoded only if a used material wants them
+  std::vector<std::byte> encoded;   // PNG or JPEG bytes as stored; empty when no material uses the image
+  // An ORM texture made of two images, as indices into Scene::images; then encoded is empty. decode_scene_image makes it.
+  int merge_occlusion = -1, merge_metallic_roughness = -1;
 };
 
 enum class Wrap : uint8_t { repeat, clamp, mirror };

@@ -1,0 +1,56 @@
+#include "scene/gltf.h"
+
+#include "base/files.h"
+#include "scene/gltf_animation.h"
+#include "scene/gltf_extensions.h"
+#include "scene/gltf_lights.h"
+#include "scene/gltf_materials.h"
+#include "scene/gltf_meshes.h"
+#include "scene/gltf_nodes.h"
+
+namespace candela {
+namespace {
+
+// The order is that of reference: what is named comes before what names it.
+Scene import_scene(gltf::Document& document) {
+  Scene scene;
+  scene.path = document.name;
+  scene.extensions = gltf::survey_extensions(document);
+  gltf::read_buffers(document);
+  gltf::import_materials(document, gltf::animated_pointers(document), scene);
+  gltf::import_meshes(document, scene);
+  gltf::import_cameras(document, scene);
+  gltf::import_lights(document, scene);
+  gltf::import_nodes(document, scene);
+  gltf::import_skins(document, scene);
+  gltf::import_animations(document, scene);
+  scene.files = std::move(document.files);
+  scene.warnings = std::move(document.warnings);
+  return scene;
+}
+
+}  // namespace
+
+Expected<Scene> load_gltf(const std::filesystem::path& path) {
+  const Expected<std::vector<std::byte>> bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  Expected<Scene> scene = load_gltf_from_memory(*bytes, path.string(), path.parent_path());
+  if (scene) scene->files.insert(scene->files.begin(), path.string());
+  return scene;
+}
+
+Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
+                                      const std::filesystem::path& folder) {
+  try {
+    gltf::Document document = gltf::open_document(bytes, name, folder);
+    return import_scene(document);
+  } catch (const gltf::Failure& failure) {
+    return std::unexpected(failure.error);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::out_of_memory, name, "there is not enough memory to load the scene");
+  } catch (const nlohmann::json::exception& e) {
+    return fail(ErrorKind::input, name, "the JSON is not what glTF 2.0 says: {} (TYPE_MISMATCH)", e.what());
+  }
+}
+
+}  // namespace candela

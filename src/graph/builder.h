@@ -64,12 +64,16 @@ class GraphBuilder {
     int version = 0;          // newest
     int creator = -1;         // declared pass that made it
     int left_out = -1;        // into left_out(): made by a pass that was left out; its handles are refused, the place stays
+    const std::string& name() const {
+      return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
+    }
   };
   const std::vector<Pass>& passes() const { return passes_; }
   const std::vector<Resource>& resources() const { return resources_; }
   const std::vector<PipelineDesc>& pipelines() const { return pipelines_; }
   const std::vector<LeftOut>& left_out() const { return left_out_; }
   const std::vector<int>& sinks() const { return sinks_; }
+  bool is_open() const { return open_; }  // a pass is being declared
 
  private:
   template <class Handle>

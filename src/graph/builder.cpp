@@ -1,0 +1,253 @@
+#include "graph/builder.h"
+
+#include "base/check.h"
+
+namespace candela {
+namespace {
+
+template <class Handle>
+constexpr bool is_image_handle = std::is_same_v<Handle, ImageHandle>;
+
+// "draw_list" and "draw list" are the same words.
+std::vector<std::string> words(std::string_view text) {
+  std::vector<std::string> result(1);
+  for (const char c : text) {
+    if (c == '_' || c == '-' || c == ' ') {
+      if (!result.back().empty()) result.emplace_back();
+    } else {
+      result.back() += char(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  if (result.back().empty()) result.pop_back();
+  return result;
+}
+
+bool holds_words(const std::vector<std::string>& text, const std::vector<std::string>& part) {
+  return !part.empty() && std::search(text.begin(), text.end(), part.begin(), part.end()) != text.end();
+}
+
+}  // namespace
+
+void GraphBuilder::refuse(std::string_view resource, std::string_view problem) const {
+  const std::string place = open_ ? fmt::format("pass '{}'", passes_.back().name) : std::string("outside a pass");
+  throw GraphError(fmt::format("{}, '{}': {}", place, resource, problem));
+}
+
+void GraphBuilder::require_open(std::string_view call) const {
+  if (!open_) throw GraphError(fmt::format("{} outside a pass", call));
+}
+
+BufferHandle GraphBuilder::import_buffer(BufferDesc desc) {
+  resources_.push_back({.desc = std::move(desc), .imported = true});
+  return {int(resources_.size()) - 1, 0};
+}
+
+void GraphBuilder::begin_pass(std::string name, Queue queue) {
+  if (open_) throw GraphError(fmt::format("pass '{}' begins inside pass '{}'", name, passes_.back().name));
+  passes_.push_back({.name = std::move(name), .queue = queue});
+  open_ = true;
+  missing_.clear();
+}
+
+template <class Desc>
+int GraphBuilder::create_any(Desc desc) {
+  if (!open_) throw GraphError(fmt::format("create of '{}' outside a pass", desc.name));
+  resources_.push_back({.desc = std::move(desc), .creator = int(passes_.size()) - 1});
+  return int(resources_.size()) - 1;
+}
+
+ImageHandle GraphBuilder::create(ImageDesc desc) {
+  if (desc.width_px == 0 || desc.height_px == 0 || desc.samples == 0) refuse(desc.name, "an image without a texel");
+  return {create_any(std::move(desc)), 0};
+}
+BufferHandle GraphBuilder::create(BufferDesc desc) {
+  if (desc.size_bytes == 0) refuse(desc.name, "a buffer without a byte");
+  return {create_any(std::move(desc)), 0};
+}
+
+template <class Handle>
+GraphBuilder::Resource& GraphBuilder::resource_of(Handle handle) {
+  if (handle.resource < 0 || size_t(handle.resource) >= resources_.size())
+    refuse(fmt::format("resource {}", handle.resource), "a handle of another graph");
+  Resource& resource = resources_[handle.resource];
+  if (std::holds_alternative<ImageDesc>(resource.desc) != is_image_handle<Handle>)
+    refuse(resource.name(), "a handle of another graph: an image and a buffer are taken for each other");
+  if (resource.left_out >= 0)
+    refuse(resource.name(), fmt::format("a handle that pass '{}' should not have given away: it was left out",
+                                        left_out_[resource.left_out].pass));
+  if (handle.version != resource.version)
+    refuse(resource.name(),
+           fmt::format("a stale handle: version {}, and {} is the newest", handle.version, resource.version));
+  return resource;
+}
+
+void GraphBuilder::check_fits(const Resource& resource, Access access) const {
+  const AccessInfo& info = access_info(access);
+  if (access == Access::host_read) refuse(resource.name(), "host_read is no access of a pass; call sink");
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  if (!image) {
+    if (info.buffer_usage == 0) refuse(resource.name(), fmt::format("{} does not fit a buffer", info.name));
+    return;
+  }
+  if (info.image_usage == 0) refuse(resource.name(), fmt::format("{} does not fit an image", info.name));
+  const bool of_depth = (info.image_usage & VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT) != 0;
+  const bool of_color = (info.image_usage & (VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT)) != 0;
+  if (is_depth_format(image->format) ? of_color : of_depth)
+    refuse(resource.name(), fmt::format("{} does not fit the image's format", info.name));
+  if (access == Access::resolve_attachment && image->samples != 1)
+    refuse(resource.name(), "resolve_attachment into a multisampled image");
+}
+
+// One pass, one resource, several uses: nothing can be ordered inside a pass, and an image has one layout there.
+void GraphBuilder::check_together(const Resource& resource, const PlanUse& use) const {
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  for (const PlanUse& other : passes_.back().uses) {
+    if (other.resource != use.resource) continue;
+    const std::string_view a = access_info(other.access).name, b = access_info(use.access).name;
+    if (other.writes && use.writes) refuse(resource.name(), fmt::format("written twice in one pass, {} and {}", a, b));
+    if (other.writes)
+      refuse(resource.name(), fmt::format("written ({}) and then read ({}) in one pass: split the pass", a, b));
+    if (image && image_layout(other.access, image->format) != image_layout(use.access, image->format))
+      refuse(resource.name(), fmt::format("{} and {} in one pass want different layouts", a, b));
+  }
+}
+
+template <class Handle>
+void GraphBuilder::read_any(Handle handle, Access access, std::string_view what) {
+  require_open(fmt::format("read of '{}'", what));
+  if (!handle) {
+    if (missing_.empty()) missing_ = missing_reason(what);
+    return;
+  }
+  const Resource& resource = resource_of(handle);
+  check_fits(resource, access);
+  if (access_info(access).writes)
+    refuse(resource.name(), fmt::format("read as {}, which writes", access_info(access).name));
+  const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
+  if (handle.version == 0 && !resource.imported && !(buffer && buffer->zeroed))
+    refuse(resource.name(), "read before anything was written");
+  const PlanUse use{handle.resource, access, handle.version, false};
+  check_together(resource, use);
+  passes_.back().uses.push_back(use);
+}
+
+void GraphBuilder::read(ImageHandle image, Access access, std::string_view what) { read_any(image, access, what); }
+void GraphBuilder::read(BufferHandle buffer, Access access, std::string_view what) { read_any(buffer, access, what); }
+
+bool GraphBuilder::read_optional(ImageHandle image, Access access) {
+  require_open("read_optional");
+  if (image) read_any(image, access, {});
+  return bool(image);
+}
+bool GraphBuilder::read_optional(BufferHandle buffer, Access access) {
+  require_open("read_optional");
+  if (buffer) read_any(buffer, access, {});
+  return bool(buffer);
+}
+
+template <class Handle>
+Handle GraphBuilder::write_any(Handle handle, Access access) {
+  require_open("write");
+  if (!handle) {
+    if (missing_.empty())
+      missing_ = missing_reason(is_image_handle<Handle> ? "an image to write to" : "a buffer to write to");
+    return handle;
+  }
+  Resource& resource = resource_of(handle);
+  check_fits(resource, access);
+  if (!access_info(access).writes)
+    refuse(resource.name(), fmt::format("written as {}, which only reads", access_info(access).name));
+  if (resource.imported) refuse(resource.name(), "an imported resource is written");
+  if (access == Access::storage_image_read_write && handle.version == 0)
+    refuse(resource.name(), "read before anything was written (storage_image_read_write)");
+  const PlanUse use{handle.resource, access, handle.version + 1, true};
+  check_together(resource, use);
+  passes_.back().uses.push_back(use);
+  resource.version = use.version;
+  return {handle.resource, use.version};
+}
+
+ImageHandle GraphBuilder::write(ImageHandle image, Access access) { return write_any(image, access); }
+BufferHandle GraphBuilder::write(BufferHandle buffer, Access access) { return write_any(buffer, access); }
+
+template <class Desc>
+PipelineHandle GraphBuilder::pipeline_any(Desc desc) {
+  require_open("pipeline");
+  const PipelineDesc wanted(std::move(desc));
+  auto place = std::find(pipelines_.begin(), pipelines_.end(), wanted);
+  if (place == pipelines_.end()) place = pipelines_.insert(place, wanted);
+  std::vector<int>& own = passes_.back().pipelines;
+  own.push_back(int(place - pipelines_.begin()));
+  return {int(own.size()) - 1};
+}
+
+PipelineHandle GraphBuilder::pipeline(ComputePipelineDesc desc) { return pipeline_any(std::move(desc)); }
+PipelineHandle GraphBuilder::pipeline(GraphicsPipelineDesc desc) { return pipeline_any(std::move(desc)); }
+
+// An empty handle does not know who failed to make it. The producer is known where a left-out pass created a resource
+// of that name, or where the name of exactly one left-out pass shares its words with it; it is named, so a wrong guess
+// cannot mislead.
+std::string GraphBuilder::missing_reason(std::string_view what) const {
+  std::string reason = fmt::format("needs {}, which no kept pass makes", what);
+  const std::vector<std::string> wanted = words(what);
+  int producer = -1, candidates = 0;
+  for (const Resource& resource : resources_)
+    if (resource.left_out >= 0 && words(resource.name()) == wanted) producer = resource.left_out, candidates = 1;
+  for (size_t i = 0; i < left_out_.size() && producer < 0; ++i)
+    if (words(left_out_[i].pass) == wanted) producer = int(i), candidates = 1;
+  if (producer < 0) {
+    for (size_t i = 0; i < left_out_.size(); ++i) {
+      const std::vector<std::string> pass = words(left_out_[i].pass);
+      if (holds_words(pass, wanted) || holds_words(wanted, pass)) producer = int(i), ++candidates;
+    }
+  }
+  if (candidates == 1)
+    reason += fmt::format("; {} was left out: {}", left_out_[producer].pass, left_out_[producer].reason);
+  return reason;
+}
+
+// The versions it made never were, so what it read stays usable under the old handles.
+void GraphBuilder::discard_pass() {
+  const Pass& pass = passes_.back();
+  for (const PlanUse& use : pass.uses)
+    if (use.writes) resources_[use.resource].version = use.version - 1;
+  left_out_.push_back({pass.name, missing_});
+  for (Resource& resource : resources_)
+    if (resource.creator == int(passes_.size()) - 1) {
+      resource.creator = -1;
+      resource.left_out = int(left_out_.size()) - 1;
+    }
+  std::erase_if(sinks_, [&](int sink) { return resources_[sink].left_out >= 0 || resources_[sink].version == 0; });
+  passes_.pop_back();
+}
+
+bool GraphBuilder::end_pass(RecordFunction record) {
+  require_open("end_pass");
+  open_ = false;
+  if (!missing_.empty()) {
+    discard_pass();
+    return false;
+  }
+  passes_.back().record = std::move(record);
+  return true;
+}
+
+void GraphBuilder::leave_out(std::string pass, std::string reason) {
+  if (open_) throw GraphError(fmt::format("'{}' is left out inside pass '{}'", pass, passes_.back().name));
+  left_out_.push_back({std::move(pass), std::move(reason)});
+}
+
+void GraphBuilder::sink(BufferHandle buffer) {
+  if (!buffer) return;
+  const Resource& resource = resource_of(buffer);
+  if (buffer.version == 0) refuse(resource.name(), "a sink that nothing writes");
+  sinks_.push_back(buffer.resource);
+}
+void GraphBuilder::sink(ImageHandle image) {
+  if (!image) return;
+  const Resource& resource = resource_of(image);
+  if (image.version == 0) refuse(resource.name(), "a sink that nothing writes");
+  sinks_.push_back(image.resource);
+}
+
+}  // namespace candela

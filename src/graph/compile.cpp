@@ -1,0 +1,95 @@
+#include "base/check.h"
+#include "graph/builder.h"
+
+namespace candela {
+namespace {
+
+// Versions can only be made in the order of declaration, so a cycle would show here as a read of a version that comes
+// later.
+void validate(const GraphBuilder& builder) {
+  if (builder.is_open()) throw GraphError(fmt::format("pass '{}' was not ended", builder.passes().back().name));
+  std::vector<int> made(builder.resources().size(), 0);
+  for (const GraphBuilder::Pass& pass : builder.passes()) {
+    for (const PlanUse& use : pass.uses) {
+      const int expected = use.writes ? use.version - 1 : use.version;
+      if (made[use.resource] != expected)
+        throw GraphError(fmt::format("pass '{}' uses version {} of '{}', but version {} is the newest there", pass.name,
+                                     expected, builder.resources()[use.resource].name(), made[use.resource]));
+      if (use.writes) made[use.resource] = use.version;
+    }
+  }
+}
+
+// Declaration order is topological, and stable: the frame runs as it reads.
+void order(const GraphBuilder& builder, const std::vector<bool>& kept, CompiledGraph& graph) {
+  std::vector<int> merged(builder.pipelines().size(), -1);
+  for (size_t i = 0; i < kept.size(); ++i) {
+    if (!kept[i]) continue;
+    const GraphBuilder::Pass& pass = builder.passes()[i];
+    PlanPass planned{.name = pass.name, .queue = pass.queue, .declared = int(i), .uses = pass.uses};
+    for (const int pipeline : pass.pipelines) {
+      if (merged[pipeline] < 0) {
+        merged[pipeline] = int(graph.plan.pipelines.size());
+        graph.plan.pipelines.push_back(builder.pipelines()[pipeline]);
+      }
+      planned.pipelines.push_back(merged[pipeline]);
+    }
+    graph.plan.passes.push_back(std::move(planned));
+    graph.record.push_back(pass.record);
+  }
+}
+
+uint64_t size_bytes(const ImageDesc& image) {
+  return uint64_t(image.width_px) * image.height_px * image.samples * format_bytes(image.format);
+}
+uint64_t size_bytes(const BufferDesc& buffer) { return buffer.size_bytes; }
+
+Lifetime lifetime_of(const GraphBuilder::Resource& resource) {
+  if (resource.imported) return Lifetime::scene;
+  const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
+  return buffer && buffer->memory == BufferMemory::host_read ? Lifetime::readback : Lifetime::frame;
+}
+
+void make_physical(const GraphBuilder& builder, FramePlan& plan) {
+  for (const GraphBuilder::Resource& resource : builder.resources()) {
+    PlanResource planned{.desc = resource.desc, .imported = resource.imported, .lifetime = lifetime_of(resource)};
+    plan.resources.push_back(std::move(planned));
+  }
+  for (size_t pass = 0; pass < plan.passes.size(); ++pass) {
+    for (const PlanUse& use : plan.passes[pass].uses) {
+      PlanResource& resource = plan.resources[use.resource];
+      const AccessInfo& info = access_info(use.access);
+      if (resource.is_image())
+        resource.image_usage |= info.image_usage;
+      else
+        resource.buffer_usage |= info.buffer_usage;
+      if (resource.first_pass < 0) resource.first_pass = int(pass);
+      resource.last_pass = int(pass);
+    }
+  }
+  // What the frame is for outlives its last pass.
+  for (const int sink : builder.sinks())
+    if (plan.resources[sink].first_pass >= 0) plan.resources[sink].last_pass = int(plan.passes.size()) - 1;
+  for (PlanResource& resource : plan.resources) {
+    if (resource.first_pass < 0) continue;
+    resource.bytes = std::visit([](const auto& desc) { return size_bytes(desc); }, resource.desc);
+    const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
+    if (buffer && buffer->zeroed && !resource.imported) resource.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  }
+}
+
+}  // namespace
+
+CompiledGraph compile_graph(const GraphBuilder& builder) {
+  validate(builder);
+  CompiledGraph graph;
+  graph.plan.left_out = builder.left_out();
+  const std::vector<bool> kept = prune(builder, graph.plan.left_out);
+  order(builder, kept, graph);
+  make_physical(builder, graph.plan);
+  alias_memory(graph.plan);
+  place_barriers(graph.plan);
+  return graph;
+}
+
+}  // namespace candela

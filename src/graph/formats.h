@@ -1,0 +1,11 @@
+#pragma once
+#include <vulkan/vulkan_core.h>
+
+#include <string_view>
+
+namespace candela {
+
+// "R16G16B16A16_SFLOAT". CHECKs like format_bytes on a format the project does not use.
+std::string_view format_name(VkFormat format);
+
+}  // namespace candela

@@ -1,0 +1,86 @@
+#include <bit>
+
+#include "graph/plan.h"
+
+namespace candela {
+namespace {
+
+// Every field ends in a separator and every string says its length, so that no two plans give the same text.
+class Text {
+ public:
+  void number(uint64_t value) { fmt::format_to(std::back_inserter(text_), "{};", value); }
+  void string(const std::string& value) { fmt::format_to(std::back_inserter(text_), "{}:{};", value.size(), value); }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+void add(Text& out, const std::vector<SpecConstant>& constants) {
+  out.number(constants.size());
+  for (const SpecConstant& c : constants) out.number(c.id), out.string(c.name), out.number(c.value);
+}
+void add(Text& out, const ComputePipelineDesc& desc) {
+  out.string(desc.shader);
+  add(out, desc.constants);
+}
+void add(Text& out, const GraphicsPipelineDesc& desc) {
+  out.string(desc.vertex_shader);
+  out.string(desc.fragment_shader);
+  add(out, desc.constants);
+  out.number(desc.topology);
+  out.number(desc.color_formats.size());
+  for (const VkFormat format : desc.color_formats) out.number(format);
+  for (const uint64_t field : {uint64_t(desc.depth_format), uint64_t(desc.samples), uint64_t(desc.depth_compare),
+                               uint64_t(desc.depth_test), uint64_t(desc.depth_write), uint64_t(desc.blend)})
+    out.number(field);
+}
+void add(Text& out, const ImageDesc& desc) {
+  out.string(desc.name);
+  for (const uint32_t field : {uint32_t(desc.format), desc.width_px, desc.height_px, desc.samples}) out.number(field);
+  for (const float channel : desc.clear) out.number(std::bit_cast<uint32_t>(channel));
+}
+void add(Text& out, const BufferDesc& desc) {
+  out.string(desc.name);
+  out.number(desc.size_bytes);
+  out.number(uint64_t(desc.memory));
+  out.number(desc.zeroed);
+}
+
+}  // namespace
+
+// Equal hashes mean that the same physical resources serve both plans: the places of the used resources count, what was
+// left out does not.
+Hash128 plan_hash(const FramePlan& plan) {
+  Text out;
+  out.number(plan.passes.size());
+  for (const PlanPass& pass : plan.passes) {
+    out.string(pass.name);
+    out.number(uint64_t(pass.queue));
+    out.number(pass.uses.size());
+    for (const PlanUse& use : pass.uses)
+      for (const uint64_t field :
+           {uint64_t(use.resource), uint64_t(use.access), uint64_t(use.version), uint64_t(use.writes)})
+        out.number(field);
+    out.number(pass.pipelines.size());
+    for (const int pipeline : pass.pipelines) out.number(uint64_t(pipeline));
+  }
+  out.number(plan.pipelines.size());
+  for (const PipelineDesc& pipeline : plan.pipelines) {
+    out.number(pipeline.index());
+    std::visit([&](const auto& desc) { add(out, desc); }, pipeline);
+  }
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
+    const PlanResource& resource = plan.resources[i];
+    if (resource.first_pass < 0) continue;
+    out.number(i);
+    out.number(resource.desc.index());
+    std::visit([&](const auto& desc) { add(out, desc); }, resource.desc);
+    for (const uint64_t field :
+         {uint64_t(resource.imported), uint64_t(resource.last_pass), uint64_t(resource.block + 1)})
+      out.number(field);
+  }
+  return hash128(out.text());
+}
+
+}  // namespace candela

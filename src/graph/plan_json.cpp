@@ -1,0 +1,87 @@
+#include <nlohmann/json.hpp>
+
+#include "graph/formats.h"
+#include "graph/plan.h"
+
+namespace candela {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json constants_json(const std::vector<SpecConstant>& constants) {
+  Json result = Json::object();
+  for (const SpecConstant& c : constants) result[c.name] = c.value;
+  return result;
+}
+Json to_json(const ComputePipelineDesc& desc) {
+  return {{"kind", "compute"}, {"shader", desc.shader}, {"constants", constants_json(desc.constants)}};
+}
+Json to_json(const GraphicsPipelineDesc& desc) {
+  Json formats = Json::array();
+  for (const VkFormat format : desc.color_formats) formats.push_back(format_name(format));
+  constexpr const char* blends[] = {"none", "premultiplied_over", "additive"};
+  return {{"kind", "graphics"},
+          {"vertex_shader", desc.vertex_shader},
+          {"fragment_shader", desc.fragment_shader},
+          {"constants", constants_json(desc.constants)},
+          {"color_formats", formats},
+          {"samples", desc.samples},
+          {"depth_test", desc.depth_test},
+          {"depth_write", desc.depth_write},
+          {"blend", blends[int(desc.blend)]}};
+}
+
+Json pass_json(const FramePlan& plan, const PlanPass& pass) {
+  Json reads = Json::array(), writes = Json::array(), uses = Json::array(), pipelines = Json::array();
+  for (const PlanUse& use : pass.uses) {
+    const std::string& name = plan.resources[use.resource].name();
+    (use.writes ? writes : reads).push_back(name);
+    uses.push_back({{"resource", name},
+                    {"access", access_info(use.access).name},
+                    {"version", use.version},
+                    {"writes", use.writes}});
+  }
+  for (const int pipeline : pass.pipelines)
+    pipelines.push_back(std::visit([](const auto& desc) { return to_json(desc); }, plan.pipelines[pipeline]));
+  return {{"name", pass.name}, {"queue", pass.queue == Queue::compute ? "compute" : "main"},
+          {"reads", reads},    {"writes", writes},
+          {"uses", uses},      {"pipelines", pipelines}};
+}
+
+Json resource_json(const PlanResource& resource) {
+  constexpr const char* lifetimes[] = {"scene", "frame", "readback"};
+  Json result = {{"name", resource.name()}, {"kind", resource.is_image() ? "image" : "buffer"}};
+  if (const auto* image = std::get_if<ImageDesc>(&resource.desc)) {
+    result["format"] = format_name(image->format);
+    result["width"] = image->width_px;
+    result["height"] = image->height_px;
+    result["samples"] = image->samples;
+    result["block"] = resource.block;
+  }
+  result["bytes"] = resource.bytes;
+  result["lifetime"] = lifetimes[int(resource.lifetime)];
+  result["first_pass"] = resource.first_pass;
+  result["last_pass"] = resource.last_pass;
+  return result;
+}
+
+}  // namespace
+
+std::string plan_json(const FramePlan& plan) {
+  Json passes = Json::array(), left_out = Json::array(), resources = Json::array();
+  for (const PlanPass& pass : plan.passes) passes.push_back(pass_json(plan, pass));
+  for (const LeftOut& l : plan.left_out) left_out.push_back({{"pass", l.pass}, {"reason", l.reason}});
+  for (const PlanResource& resource : plan.resources)
+    if (resource.first_pass >= 0) resources.push_back(resource_json(resource));
+  const Json result = {{"passes", passes},
+                       {"left_out", left_out},
+                       {"resources", resources},
+                       {"memory",
+                        {{"transient_bytes", transient_bytes(plan)},
+                         {"transient_bytes_unaliased", transient_bytes_unaliased(plan)},
+                         {"block_bytes", plan.block_bytes}}},
+                       {"hash", plan_hash(plan).hex()}};
+  return result.dump(2) + "\n";
+}
+
+}  // namespace candela

@@ -1,0 +1,125 @@
+#include "graph/formats.h"
+#include "graph/plan.h"
+
+namespace candela {
+namespace {
+
+// Rows of cells, each column as wide as its widest cell; the first row is the heading.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> heading, std::string_view right_aligned = {})
+      : rows_{std::move(heading)}, right_aligned_(right_aligned) {}
+  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  bool empty() const { return rows_.size() == 1; }
+
+  std::string text() const {
+    std::vector<size_t> width(rows_[0].size(), 0);
+    for (const auto& row : rows_)
+      for (size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
+    std::string result;
+    for (const auto& row : rows_) {
+      std::string line;
+      for (size_t c = 0; c < row.size(); ++c)
+        line += right(c) ? fmt::format("  {:>{}}", row[c], width[c]) : fmt::format("  {:<{}}", row[c], width[c]);
+      line.erase(line.find_last_not_of(' ') + 1);
+      result += line + "\n";
+    }
+    return result;
+  }
+
+ private:
+  bool right(size_t column) const { return column < right_aligned_.size() && right_aligned_[column] == '>'; }
+  std::vector<std::vector<std::string>> rows_;
+  std::string_view right_aligned_;  // a '>' for each column with numbers
+};
+
+std::string human_bytes(uint64_t bytes) {
+  if (bytes < 1024) return fmt::format("{} B", bytes);
+  double value = double(bytes);
+  size_t unit = 0;
+  constexpr const char* units[] = {"B", "KiB", "MiB", "GiB"};
+  for (; value >= 1024 && unit + 1 < std::size(units); ++unit) value /= 1024;
+  return fmt::format("{:.2f} {}", value, units[unit]);
+}
+
+std::string use_text(const FramePlan& plan, const PlanUse& use) {
+  return fmt::format("{} ({})", plan.resources[use.resource].name(), access_info(use.access).name);
+}
+
+std::string constants_text(const std::vector<SpecConstant>& constants) {
+  std::string text;
+  for (const SpecConstant& c : constants) text += fmt::format("{}{}={}", text.empty() ? "" : " ", c.name, c.value);
+  return text;
+}
+std::string shaders_text(const ComputePipelineDesc& desc) { return desc.shader; }
+std::string shaders_text(const GraphicsPipelineDesc& desc) {
+  return desc.fragment_shader.empty() ? desc.vertex_shader : desc.vertex_shader + " " + desc.fragment_shader;
+}
+
+std::string passes_text(const FramePlan& plan) {
+  Table table({"#", "pass", "reads", "writes"}, ">");
+  for (size_t i = 0; i < plan.passes.size(); ++i) {
+    const PlanPass& pass = plan.passes[i];
+    std::vector<std::string> reads, writes;
+    for (const PlanUse& use : pass.uses) (use.writes ? writes : reads).push_back(use_text(plan, use));
+    const std::string name = pass.queue == Queue::compute ? pass.name + " [compute queue]" : pass.name;
+    for (size_t line = 0; line < std::max({reads.size(), writes.size(), size_t(1)}); ++line)
+      table.row({line ? "" : fmt::format("{}", i), line ? "" : name, line < reads.size() ? reads[line] : "",
+                 line < writes.size() ? writes[line] : ""});
+  }
+  return table.text();
+}
+
+std::string pipelines_text(const FramePlan& plan) {
+  Table table({"pass", "shaders", "constants"});
+  for (const PlanPass& pass : plan.passes)
+    for (const int pipeline : pass.pipelines)
+      std::visit(
+          [&](const auto& desc) {
+            table.row({pass.name, shaders_text(desc), constants_text(desc.constants)});
+          },
+          plan.pipelines[pipeline]);
+  return table.empty() ? "" : "\npipelines\n" + table.text();
+}
+
+std::string left_out_text(const FramePlan& plan) {
+  Table table({"pass", "reason"});
+  for (const LeftOut& left_out : plan.left_out) table.row({left_out.pass, left_out.reason});
+  return table.empty() ? "" : "\nleft out\n" + table.text();
+}
+
+std::string images_text(const FramePlan& plan) {
+  Table table({"image", "format", "size", "samples", "bytes", "passes", "block"}, "   >> >");
+  for (const PlanResource& resource : plan.resources) {
+    const auto* image = std::get_if<ImageDesc>(&resource.desc);
+    if (!image || resource.first_pass < 0) continue;
+    table.row({image->name, std::string(format_name(image->format)),
+               fmt::format("{}x{}", image->width_px, image->height_px), fmt::format("{}", image->samples),
+               human_bytes(resource.bytes), fmt::format("{}-{}", resource.first_pass, resource.last_pass),
+               resource.block < 0 ? "" : fmt::format("{}", resource.block)});
+  }
+  return table.empty() ? "" : "\nimages\n" + table.text();
+}
+
+std::string buffers_text(const FramePlan& plan) {
+  Table table({"buffer", "lifetime", "bytes", "passes"}, "  >");
+  constexpr const char* lifetimes[] = {"scene", "frame", "readback"};
+  for (const PlanResource& resource : plan.resources) {
+    if (resource.is_image() || resource.first_pass < 0) continue;
+    table.row({resource.name(), lifetimes[int(resource.lifetime)], human_bytes(resource.bytes),
+               fmt::format("{}-{}", resource.first_pass, resource.last_pass)});
+  }
+  return table.empty() ? "" : "\nbuffers\n" + table.text();
+}
+
+}  // namespace
+
+std::string plan_text(const FramePlan& plan) {
+  const uint64_t aliased = transient_bytes(plan), unaliased = transient_bytes_unaliased(plan);
+  return fmt::format(
+      "plan {}: {} passes, {} left out\n\npasses\n{}{}{}{}{}\nmemory of the frame\n  {} ({} without aliasing)\n",
+      plan_hash(plan).hex(), plan.passes.size(), plan.left_out.size(), passes_text(plan), left_out_text(plan),
+      images_text(plan), buffers_text(plan), pipelines_text(plan), human_bytes(aliased), human_bytes(unaliased));
+}
+
+}  // namespace candela

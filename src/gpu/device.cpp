@@ -13,20 +13,34 @@ namespace {
 
 std::string result_name(VkResult result) {
   switch (result) {
-    case VK_TIMEOUT: return "timeout";
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
-    case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
-    case VK_ERROR_DEVICE_LOST: return "device lost";
-    case VK_ERROR_MEMORY_MAP_FAILED: return "memory could not be mapped";
-    case VK_ERROR_LAYER_NOT_PRESENT: return "layer not present";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "extension not present";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "feature not present";
-    case VK_ERROR_TOO_MANY_OBJECTS: return "too many objects";
-    case VK_ERROR_FORMAT_NOT_SUPPORTED: return "format not supported";
-    case VK_ERROR_FRAGMENTED_POOL: return "fragmented pool";
-    case VK_ERROR_OUT_OF_POOL_MEMORY: return "out of pool memory";
-    default: return fmt::format("error {}", int(result));
+    case VK_TIMEOUT:
+      return "timeout";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "out of host memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "out of device memory";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "initialization failed";
+    case VK_ERROR_DEVICE_LOST:
+      return "device lost";
+    case VK_ERROR_MEMORY_MAP_FAILED:
+      return "memory could not be mapped";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "layer not present";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+      return "extension not present";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+      return "feature not present";
+    case VK_ERROR_TOO_MANY_OBJECTS:
+      return "too many objects";
+    case VK_ERROR_FORMAT_NOT_SUPPORTED:
+      return "format not supported";
+    case VK_ERROR_FRAGMENTED_POOL:
+      return "fragmented pool";
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+      return "out of pool memory";
+    default:
+      return fmt::format("error {}", int(result));
   }
 }
 
@@ -70,10 +84,14 @@ struct Device::Hidden {
 
   uint64_t& of(Purpose purpose) {
     switch (purpose) {
-      case Purpose::scene: return use.scene;
-      case Purpose::frame: return use.frame;
-      case Purpose::readback: return use.readback;
-      default: return use.staging;
+      case Purpose::scene:
+        return use.scene;
+      case Purpose::frame:
+        return use.frame;
+      case Purpose::readback:
+        return use.readback;
+      default:
+        return use.staging;
     }
   }
 
@@ -98,8 +116,7 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info(PFN_vkDebugUtilsMessengerCallb
   info.messageSeverity =
       VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   // Not "general": there the loader reports drivers of other hardware that it could not open.
-  info.messageType =
-      VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
   info.pfnUserCallback = callback;
   info.pUserData = user;
   return info;
@@ -242,7 +259,8 @@ VkDeviceMemory Device::allocate(const VkMemoryRequirements& needs, VkMemoryPrope
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags, needs.size, uint32_t(best)};
   VkDeviceMemory memory = VK_NULL_HANDLE;
   const VkResult result = vkAllocateMemory(device_, &info, nullptr, &memory);
-  if (result != VK_SUCCESS) throw GpuError(result, fmt::format("allocating {} MiB", (needs.size + (1 << 20) - 1) >> 20));
+  if (result != VK_SUCCESS)
+    throw GpuError(result, fmt::format("allocating {} MiB", (needs.size + (1 << 20) - 1) >> 20));
   std::lock_guard lock(hidden_->mutex);
   hidden_->allocations[memory] = {needs.size, purpose};
   hidden_->of(purpose) += needs.size;

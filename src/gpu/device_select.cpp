@@ -74,27 +74,42 @@ void enable(T& wanted, const Feature<T> (&features)[N], const T* if_present = nu
 
 std::string type_name(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    default:
+      return "other";
   }
 }
 
 std::string driver_class(VkDriverId id) {
   switch (id) {
-    case VK_DRIVER_ID_MESA_LLVMPIPE: return "lavapipe";
-    case VK_DRIVER_ID_NVIDIA_PROPRIETARY: return "nvidia";
-    case VK_DRIVER_ID_MESA_RADV: return "radv";
+    case VK_DRIVER_ID_MESA_LLVMPIPE:
+      return "lavapipe";
+    case VK_DRIVER_ID_NVIDIA_PROPRIETARY:
+      return "nvidia";
+    case VK_DRIVER_ID_MESA_RADV:
+      return "radv";
     case VK_DRIVER_ID_AMD_PROPRIETARY:
-    case VK_DRIVER_ID_AMD_OPEN_SOURCE: return "amd";
-    case VK_DRIVER_ID_INTEL_OPEN_SOURCE_MESA: return "anv";
-    case VK_DRIVER_ID_INTEL_PROPRIETARY_WINDOWS: return "intel";
-    case VK_DRIVER_ID_GOOGLE_SWIFTSHADER: return "swiftshader";
-    case VK_DRIVER_ID_MESA_VENUS: return "venus";
-    case VK_DRIVER_ID_MOLTENVK: return "moltenvk";
-    default: return "other";
+    case VK_DRIVER_ID_AMD_OPEN_SOURCE:
+      return "amd";
+    case VK_DRIVER_ID_INTEL_OPEN_SOURCE_MESA:
+      return "anv";
+    case VK_DRIVER_ID_INTEL_PROPRIETARY_WINDOWS:
+      return "intel";
+    case VK_DRIVER_ID_GOOGLE_SWIFTSHADER:
+      return "swiftshader";
+    case VK_DRIVER_ID_MESA_VENUS:
+      return "venus";
+    case VK_DRIVER_ID_MOLTENVK:
+      return "moltenvk";
+    default:
+      return "other";
   }
 }
 
@@ -120,8 +135,8 @@ std::string describe(std::span<const DeviceInfo> devices) {
   if (devices.empty()) return "no Vulkan device at all; install mesa-vulkan-drivers from bookworm-backports";
   std::string text = "there is ";
   for (const DeviceInfo& device : devices)
-    text += fmt::format("{}{}: {} ({}{})", &device == devices.data() ? "" : ", ", device.index, device.name, device.type,
-                        device.unusable.empty() ? "" : ", unusable: " + device.unusable);
+    text += fmt::format("{}{}: {} ({}{})", &device == devices.data() ? "" : ", ", device.index, device.name,
+                        device.type, device.unusable.empty() ? "" : ", unusable: " + device.unusable);
   return text;
 }
 
@@ -201,8 +216,9 @@ bool has_validation_layer() {
   vkEnumerateInstanceLayerProperties(&count, nullptr);
   std::vector<VkLayerProperties> layers(count);
   vkEnumerateInstanceLayerProperties(&count, layers.data());
-  return std::any_of(layers.begin(), layers.end(),
-                     [](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, validation_layer) == 0; });
+  return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+    return std::strcmp(layer.layerName, validation_layer) == 0;
+  });
 }
 
 }  // namespace

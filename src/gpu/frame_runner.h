@@ -20,8 +20,8 @@ struct PassTime {
   double gpu_ms = 0;
 };
 
-// Bytes a frame left for the host. Mapped device memory, given back to the runner's pool when the last owner lets go, so an
-// encoder thread reads them while the next frame renders.
+// Bytes a frame left for the host. Mapped device memory, given back to the runner's pool when the last owner lets go,
+// so an encoder thread reads them while the next frame renders. They must not outlive the device.
 class Readback {
  public:
   virtual ~Readback() = default;
@@ -29,38 +29,40 @@ class Readback {
 };
 
 struct RunOptions {
-  bool timed = false;         // stamps per pass; on a CPU device every pass is then its own submission (DESIGN section 6)
+  bool timed = false;  // stamps per pass; on a CPU device every pass is then its own submission (DESIGN section 6)
   bool hash_outputs = false;  // after each pass, hash everything it wrote and count non-finite values (debugging; slow)
 };
 struct PassHash {
   std::string pass, resource;
   Hash128 hash;
-  uint64_t nonfinite = 0;     // float and half images only
+  uint64_t nonfinite = 0;  // float and half images only
 };
 struct FrameRun {
-  std::vector<PassTime> passes;  // when timed; they sum to frame_gpu_ms
-  double frame_gpu_ms = 0;
-  double record_ms = 0, submit_ms = 0, wait_ms = 0;  // CPU
+  std::vector<PassTime> passes;                        // when timed; they sum to frame_gpu_ms
+  double frame_gpu_ms = 0;                             // the sum of passes: isolated timing, nothing overlaps
+  double record_ms = 0, submit_ms = 0, wait_ms = 0;    // CPU
   std::map<int, std::shared_ptr<Readback>> readbacks;  // by resource of sink buffers with memory host_read
   std::vector<PassHash> hashes;
 };
 struct PrepareTimes {
-  double compile_ms = 0;      // GLSL to SPIR-V, wall time of the parallel step
-  double pipeline_ms = 0;     // SPIR-V to pipelines, likewise
+  double compile_ms = 0;   // GLSL to SPIR-V, wall time of the parallel step
+  double pipeline_ms = 0;  // SPIR-V to pipelines, likewise
   double allocate_ms = 0;
   int shaders = 0, shaders_from_cache = 0, pipelines = 0;
 };
 
-// Runs compiled graphs. Owns pipelines (made once, kept by description, saved in a VkPipelineCache on disk), the physical images
-// and buffers of the last plan (kept while the plan's hash stays), command pool, query pool and readback pool.
+// Runs compiled graphs. Owns pipelines (made once, kept by description, saved in a VkPipelineCache on disk), the
+// physical images and buffers of the last plan (kept while the plan's hash stays), command pool, query pool and
+// readback pool.
 class FrameRunner {
  public:
   FrameRunner(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);
   ~FrameRunner();
-  // Compiles in parallel what the plan holds and allocates what it names. Errors (input) for a shader that does not compile.
+  // Compiles in parallel what the plan holds and allocates what it names. Errors (input) for a shader that does not
+  // compile.
   Expected<PrepareTimes> prepare(const CompiledGraph& graph);
-  // imports: the physical buffer for each imported resource of the plan. Throws GpuError. A wait longer than timeout_s (default
-  // 600) is an error that names the passes not finished.
+  // imports: the physical buffer for each imported resource of the plan. Throws GpuError. A wait longer than timeout_s
+  // (default 600) is an error that names the passes not finished.
   FrameRun run(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports, const RunOptions& options);
   double timeout_s = 600;
 

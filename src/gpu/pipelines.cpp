@@ -28,7 +28,8 @@ std::string key_of(const std::vector<SpecConstant>& constants) {
 }
 std::string key_of(const ComputePipelineDesc& d) { return d.shader + key_of(d.constants); }
 std::string key_of(const GraphicsPipelineDesc& d) {
-  std::string key = fmt::format("{}|{}{}|{}|", d.vertex_shader, d.fragment_shader, key_of(d.constants), int(d.topology));
+  std::string key =
+      fmt::format("{}|{}{}|{}|", d.vertex_shader, d.fragment_shader, key_of(d.constants), int(d.topology));
   for (const VkFormat format : d.color_formats) key += fmt::format("{},", int(format));
   return key + fmt::format("|{} {} {} {} {} {}", int(d.depth_format), d.samples, int(d.depth_compare), d.depth_test,
                            d.depth_write, int(d.blend));
@@ -91,8 +92,8 @@ std::filesystem::path Pipelines::cache_file() const {
   return cache_folder_ / "pipelines" / fmt::format("{}-{}.bin", device_.info().uuid, driver.hex().substr(0, 8));
 }
 
-// The file is the hash of the data, then the data: drivers are not required to survive a damaged cache. A file of another
-// driver has another name, and drivers refuse data whose header is not theirs.
+// The file is the hash of the data, then the data: drivers are not required to survive a damaged cache. A file of
+// another driver has another name, and drivers refuse data whose header is not theirs.
 void Pipelines::load_cache() {
   std::vector<std::byte> data;
   const std::filesystem::path path = cache_file();
@@ -117,7 +118,8 @@ void Pipelines::load_cache() {
 void Pipelines::save_cache() {
   const std::filesystem::path path = cache_file();
   size_t size = 0;
-  if (path.empty() || vkGetPipelineCacheData(device_.handle(), cache_, &size, nullptr) != VK_SUCCESS || size == 0) return;
+  if (path.empty() || vkGetPipelineCacheData(device_.handle(), cache_, &size, nullptr) != VK_SUCCESS || size == 0)
+    return;
   std::vector<std::byte> bytes(sizeof(Hash128) + size);
   if (vkGetPipelineCacheData(device_.handle(), cache_, &size, bytes.data() + sizeof(Hash128)) != VK_SUCCESS) return;
   bytes.resize(sizeof(Hash128) + size);
@@ -161,7 +163,8 @@ Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDe
   std::vector<std::string> missing_keys;
   for (const PipelineDesc& desc : wanted) {
     const std::string key = key_of(desc);
-    if (pipelines_.contains(key) || std::find(missing_keys.begin(), missing_keys.end(), key) != missing_keys.end()) continue;
+    if (pipelines_.contains(key) || std::find(missing_keys.begin(), missing_keys.end(), key) != missing_keys.end())
+      continue;
     missing.push_back(desc);
     missing_keys.push_back(key);
   }
@@ -238,7 +241,8 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   depth.depthTestEnable = desc.depth_test;
   depth.depthWriteEnable = desc.depth_write;
   depth.depthCompareOp = desc.depth_compare;
-  const std::vector<VkPipelineColorBlendAttachmentState> attachments(desc.color_formats.size(), blend_state(desc.blend));
+  const std::vector<VkPipelineColorBlendAttachmentState> attachments(desc.color_formats.size(),
+                                                                     blend_state(desc.blend));
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = uint32_t(attachments.size());
   blend.pAttachments = attachments.data();

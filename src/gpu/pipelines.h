@@ -20,14 +20,16 @@ struct Pipeline {
   std::array<uint32_t, 3> workgroup{};  // compute only
 };
 
-// Pipelines by description, made once and kept; behind them a VkPipelineCache on disk, one file for each device and driver.
+// Pipelines by description, made once and kept; behind them a VkPipelineCache on disk, one file for each device and
+// driver.
 class Pipelines {
  public:
   Pipelines(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);
   ~Pipelines();
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
-  // Parallel to `wanted`. Compiles and builds, in parallel, those that are not there yet, and adds what that cost to `times`.
+  // Parallel to `wanted`. Compiles and builds, in parallel, those that are not there yet, and adds what that cost to
+  // `times`.
   Expected<std::vector<const Pipeline*>> get(std::span<const PipelineDesc> wanted, PrepareTimes& times);
   std::filesystem::path cache_file() const;
 

@@ -10,12 +10,14 @@ struct MemoryFlags {
 };
 MemoryFlags memory_flags(Buffer::Memory memory) {
   switch (memory) {
-    case Buffer::Memory::device: return {0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+    case Buffer::Memory::device:
+      return {0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
     // Every device has a type that is host-visible and coherent; written front to back, so caching does not matter.
     case Buffer::Memory::upload:
       return {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 0};
     // Reading uncached memory is slower by an order of magnitude.
-    default: return {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, VK_MEMORY_PROPERTY_HOST_CACHED_BIT};
+    default:
+      return {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, VK_MEMORY_PROPERTY_HOST_CACHED_BIT};
   }
 }
 }  // namespace
@@ -25,7 +27,8 @@ Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Me
     : device_(&device), size_(size_bytes) {
   try {
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-    info.size = (std::max<uint64_t>(size_bytes, 16) + 3) & ~3ull;  // Vulkan has no empty buffers; fills go by four bytes
+    info.size =
+        (std::max<uint64_t>(size_bytes, 16) + 3) & ~3ull;  // Vulkan has no empty buffers; fills go by four bytes
     info.usage = usage;
     VK_CHECK(vkCreateBuffer(device.handle(), &info, nullptr, &buffer_));
     device.set_name(VK_OBJECT_TYPE_BUFFER, uint64_t(buffer_), name);

@@ -41,7 +41,8 @@ std::vector<Include> scan(ShaderFile& file) {
   while (!rest.empty()) {
     ++line_number;
     std::string_view line = trim_left(rest.substr(0, rest.find('\n')));
-    rest.remove_prefix(std::min(rest.size(), rest.find('\n') == std::string_view::npos ? rest.size() : rest.find('\n') + 1));
+    rest.remove_prefix(
+        std::min(rest.size(), rest.find('\n') == std::string_view::npos ? rest.size() : rest.find('\n') + 1));
     if (!line.starts_with('#')) continue;
     line = trim_left(line.substr(1));
     if (line.starts_with("pragma") && trim_left(line.substr(6)).starts_with("once")) file.once = true;
@@ -56,7 +57,8 @@ std::vector<Include> scan(ShaderFile& file) {
 }  // namespace
 
 const ShaderFile* ShaderFiles::find(const std::string& name) const {
-  const auto found = std::find_if(files.begin(), files.end(), [&](const ShaderFile& file) { return file.name == name; });
+  const auto found =
+      std::find_if(files.begin(), files.end(), [&](const ShaderFile& file) { return file.name == name; });
   return found == files.end() ? nullptr : &*found;
 }
 

@@ -10,7 +10,7 @@
 namespace candela::gpu {
 
 struct ShaderFile {
-  std::string name;         // below the shader folder
+  std::string name;  // below the shader folder
   std::string text;
   std::string included_by;  // "a.comp:3, included by ...": empty for the root
   bool once = false;        // has #pragma once
@@ -24,8 +24,8 @@ struct ShaderFiles {
   Hash128 hash() const;
 };
 
-// Reads `root` and, transitively, each #include "..." in it, also those that a condition would leave out. A file comes from
-// `folder` where it has one, else from the embedded table. <...> includes are for C++ and are not followed.
+// Reads `root` and, transitively, each #include "..." in it, also those that a condition would leave out. A file comes
+// from `folder` where it has one, else from the embedded table. <...> includes are for C++ and are not followed.
 Expected<ShaderFiles> load_shader_files(const std::filesystem::path& folder, const std::string& root);
 
 }  // namespace candela::gpu

@@ -21,8 +21,8 @@ enum : uint32_t {
 }  // namespace
 
 std::array<uint32_t, 3> workgroup_size(std::span<const uint32_t> spirv, std::span<const SpecConstant> constants) {
-  std::map<uint32_t, uint32_t> values, spec_ids;            // by result id
-  std::map<uint32_t, std::array<uint32_t, 3>> composites;   // ids of the first three members
+  std::map<uint32_t, uint32_t> values, spec_ids;           // by result id
+  std::map<uint32_t, std::array<uint32_t, 3>> composites;  // ids of the first three members
   std::array<uint32_t, 3> literal{}, ids{};
   uint32_t builtin = 0;
   for (size_t at = 5; at < spirv.size();) {

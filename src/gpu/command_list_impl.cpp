@@ -1,0 +1,217 @@
+#include "gpu/command_list_impl.h"
+
+#include "base/check.h"
+#include "graph/access.h"
+#include "graph/formats.h"
+
+namespace candela::gpu {
+
+namespace {
+bool is_integer(VkFormat format) { return format_name(format).ends_with("INT"); }  // UINT, SINT
+}  // namespace
+
+void record_barriers(const FrameContext& frame, const PassBarriers& barriers, VkCommandBuffer commands) {
+  if (barriers.empty()) return;
+  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  memory.srcStageMask = barriers.source_stages;
+  memory.srcAccessMask = barriers.source_access;
+  memory.dstStageMask = barriers.destination_stages;
+  memory.dstAccessMask = barriers.destination_access;
+  std::vector<VkImageMemoryBarrier2> images;
+  for (const ImageBarrier& b : barriers.images) {
+    VkImageMemoryBarrier2 image{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    image.srcStageMask = b.source_stages;
+    image.srcAccessMask = b.source_access;
+    image.dstStageMask = b.destination_stages;
+    image.dstAccessMask = b.destination_access;
+    image.oldLayout = b.old_layout;
+    image.newLayout = b.new_layout;
+    image.srcQueueFamilyIndex = image.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    image.image = frame.physical.image(b.resource).image;
+    image.subresourceRange = {frame.physical.image(b.resource).aspect, 0, 1, 0, 1};
+    images.push_back(image);
+  }
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = barriers.source_stages || barriers.destination_stages ? 1 : 0;
+  info.pMemoryBarriers = &memory;
+  info.imageMemoryBarrierCount = uint32_t(images.size());
+  info.pImageMemoryBarriers = images.data();
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
+CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, VkCommandBuffer commands)
+    : frame_(frame), pass_(frame.plan.passes[pass]), commands_(commands) {}
+
+const PlanUse& CommandListImpl::use_of(int resource, int version, std::initializer_list<Access> accesses) const {
+  const bool known = resource >= 0 && size_t(resource) < frame_.plan.resources.size();
+  for (const PlanUse& use : pass_.uses)
+    if (use.resource == resource && use.version == version &&
+        std::find(accesses.begin(), accesses.end(), use.access) != accesses.end())
+      return use;
+  std::string wanted;
+  for (const Access access : accesses) wanted += (wanted.empty() ? "" : " or ") + std::string(access_info(access).name);
+  CHECK_MSG(false,
+            fmt::format("pass '{}' uses version {} of '{}' without having declared it as {}", pass_.name, version,
+                        known ? frame_.plan.resources[size_t(resource)].name() : "an empty handle", wanted));
+  return pass_.uses.front();
+}
+
+const ImageDesc& CommandListImpl::desc_of(int resource) const {
+  return std::get<ImageDesc>(frame_.plan.resources[size_t(resource)].desc);
+}
+
+const Buffer& CommandListImpl::buffer(int resource) const {
+  const Buffer* buffer = frame_.buffers[size_t(resource)];
+  CHECK_MSG(buffer && *buffer, frame_.plan.resources[size_t(resource)].name());
+  return *buffer;
+}
+
+uint32_t CommandListImpl::sampled(ImageHandle image) {
+  use_of(image, {Access::sampled_fragment, Access::sampled_compute});
+  return frame_.physical.image(image.resource).sampled;
+}
+
+uint32_t CommandListImpl::storage(ImageHandle image) {
+  use_of(image, {Access::storage_image_write, Access::storage_image_read_write});
+  return frame_.physical.image(image.resource).storage;
+}
+
+uint64_t CommandListImpl::address(BufferHandle handle) {
+  use_of(handle, {Access::vertex_read, Access::fragment_read, Access::graphics_read, Access::compute_read,
+                  Access::compute_write, Access::fragment_write});
+  const uint64_t address = buffer(handle.resource).address();
+  CHECK_MSG(address != 0, frame_.plan.resources[size_t(handle.resource)].name());
+  return address;
+}
+
+glm::uvec2 CommandListImpl::size(ImageHandle image) {
+  const bool used = std::any_of(pass_.uses.begin(), pass_.uses.end(),
+                                [&](const PlanUse& use) { return use.resource == image.resource; });
+  CHECK_MSG(used, fmt::format("pass '{}' asks for the size of an image that it did not declare", pass_.name));
+  return {desc_of(image.resource).width_px, desc_of(image.resource).height_px};
+}
+
+void CommandListImpl::bind(PipelineHandle pipeline) {
+  CHECK_MSG(pipeline && size_t(pipeline.index) < pass_.pipelines.size(),
+            fmt::format("pass '{}' binds a pipeline that it did not declare", pass_.name));
+  bound_ = frame_.pipelines[size_t(pass_.pipelines[size_t(pipeline.index)])];
+  vkCmdBindPipeline(commands_, bound_->bind_point, bound_->handle);
+}
+
+void CommandListImpl::push_bytes(const void* data, uint32_t bytes) {
+  CHECK_MSG(bytes % 4 == 0 && bytes > 0 && bytes <= 128, pass_.name);
+  vkCmdPushConstants(commands_, frame_.bindless.layout(), VK_SHADER_STAGE_ALL, 0, bytes, data);
+}
+
+void CommandListImpl::dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t threads_z) {
+  CHECK_MSG(bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_COMPUTE && !rendering_, pass_.name);
+  if (threads_x == 0 || threads_y == 0 || threads_z == 0) return;
+  const auto groups = [](uint32_t threads, uint32_t size) { return threads / size + (threads % size != 0); };
+  const auto& size = bound_->workgroup;
+  const std::array<uint32_t, 3> count{groups(threads_x, size[0]), groups(threads_y, size[1]),
+                                      groups(threads_z, size[2])};
+  for (size_t i = 0; i < 3; ++i)
+    CHECK_MSG(count[i] <= frame_.max_groups[i], fmt::format("pass '{}' dispatches {} groups, the device takes {}",
+                                                            pass_.name, count[i], frame_.max_groups[i]));
+  vkCmdDispatch(commands_, count[0], count[1], count[2]);
+}
+
+VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const {
+  const ImageDesc& desc = desc_of(use.resource);
+  VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  info.imageView = frame_.physical.image(use.resource).view;
+  info.imageLayout = image_layout(use.access, desc.format);
+  info.loadOp = use.writes && use.version == 1 ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
+  info.storeOp = use.writes ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_NONE;
+  if (is_depth_format(desc.format)) {
+    info.clearValue.depthStencil = {desc.clear[0], 0};
+  } else {
+    for (size_t i = 0; i < 4; ++i) {
+      if (is_integer(desc.format))
+        info.clearValue.color.uint32[i] = uint32_t(int64_t(desc.clear[i]));
+      else
+        info.clearValue.color.float32[i] = desc.clear[i];
+    }
+  }
+  return info;
+}
+
+void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageHandle depth) {
+  CHECK_MSG(!rendering_ && (!colors.empty() || depth), pass_.name);
+  const ImageDesc& shape = desc_of(colors.empty() ? depth.resource : colors[0].image.resource);
+  std::vector<VkRenderingAttachmentInfo> color_infos;
+  for (const Attachment& color : colors) {
+    VkRenderingAttachmentInfo info = attachment(use_of(color.image, {Access::color_attachment}));
+    if (color.resolve) {
+      const PlanUse& resolve = use_of(color.resolve, {Access::resolve_attachment});
+      const VkFormat format = desc_of(resolve.resource).format;
+      info.resolveMode = is_integer(format) ? VK_RESOLVE_MODE_SAMPLE_ZERO_BIT : VK_RESOLVE_MODE_AVERAGE_BIT;
+      info.resolveImageView = frame_.physical.image(resolve.resource).view;
+      info.resolveImageLayout = image_layout(resolve.access, format);
+    }
+    color_infos.push_back(info);
+  }
+  VkRenderingAttachmentInfo depth_info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  if (depth) depth_info = attachment(use_of(depth, {Access::depth_attachment, Access::depth_test}));
+
+  const VkRect2D area{{0, 0}, {shape.width_px, shape.height_px}};
+  VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  info.renderArea = area;
+  info.layerCount = 1;
+  info.colorAttachmentCount = uint32_t(color_infos.size());
+  info.pColorAttachments = color_infos.data();
+  info.pDepthAttachment = depth ? &depth_info : nullptr;
+  vkCmdBeginRendering(commands_, &info);
+  rendering_ = true;
+  const VkViewport viewport{0, 0, float(shape.width_px), float(shape.height_px), 0, 1};
+  vkCmdSetViewport(commands_, 0, 1, &viewport);
+  vkCmdSetScissor(commands_, 0, 1, &area);
+  set_cull(false, false);
+}
+
+void CommandListImpl::end_rendering() {
+  CHECK_MSG(rendering_, pass_.name);
+  vkCmdEndRendering(commands_);
+  rendering_ = false;
+}
+
+void CommandListImpl::set_cull(bool cull_back, bool mirrored) {
+  vkCmdSetCullMode(commands_, cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE);
+  vkCmdSetFrontFace(commands_, mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+}
+
+void CommandListImpl::draw(uint32_t vertices, uint32_t instances) {
+  CHECK_MSG(rendering_ && bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.name);
+  vkCmdDraw(commands_, vertices, instances, 0, 0);
+}
+
+void CommandListImpl::bind_index_buffer(BufferHandle indices) {
+  use_of(indices, {Access::index_read});
+  vkCmdBindIndexBuffer(commands_, buffer(indices.resource).handle(), 0, VK_INDEX_TYPE_UINT32);
+}
+
+void CommandListImpl::draw_indexed_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
+                                                  uint64_t counts_offset, uint32_t max_draws) {
+  CHECK_MSG(rendering_ && bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.name);
+  use_of(commands, {Access::indirect_read});
+  use_of(counts, {Access::indirect_read});
+  vkCmdDrawIndexedIndirectCount(commands_, buffer(commands.resource).handle(), commands_offset,
+                                buffer(counts.resource).handle(), counts_offset, max_draws,
+                                sizeof(VkDrawIndexedIndirectCommand));
+}
+
+void CommandListImpl::copy_to_buffer(ImageHandle image, BufferHandle target) {
+  const PlanUse& source = use_of(image, {Access::transfer_source});
+  use_of(target, {Access::transfer_destination});
+  const ImageDesc& desc = desc_of(image.resource);
+  const PhysicalImage& physical = frame_.physical.image(image.resource);
+  CHECK_MSG(buffer(target.resource).size() >= uint64_t(desc.width_px) * desc.height_px * format_bytes(desc.format),
+            pass_.name);
+  VkBufferImageCopy region{};
+  region.imageSubresource = {physical.aspect, 0, 0, 1};
+  region.imageExtent = {desc.width_px, desc.height_px, 1};
+  vkCmdCopyImageToBuffer(commands_, physical.image, image_layout(source.access, desc.format),
+                         buffer(target.resource).handle(), 1, &region);
+}
+
+}  // namespace candela::gpu

@@ -1,0 +1,79 @@
+#pragma once
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gpu/bindless.h"
+#include "gpu/device.h"
+#include "gpu/frame_runner.h"
+#include "gpu/resources.h"
+#include "graph/plan.h"
+
+namespace candela::gpu {
+
+struct PhysicalImage {
+  static constexpr uint32_t none = ~0u;
+  VkImage image = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;
+  VkImageAspectFlags aspect = 0;
+  uint32_t sampled = none, storage = none;  // bindless indices, where the plan's usage has them
+};
+
+// The images and device buffers that a plan names. Images of one alias block share one piece of memory.
+class Physical {
+ public:
+  Physical(Device& device, Bindless& bindless) : device_(device), bindless_(bindless) {}
+  ~Physical() { clear(); }
+  Physical(const Physical&) = delete;
+  Physical& operator=(const Physical&) = delete;
+  // Frees what is there and makes what `plan` names. copyable: everything may also be the source of a copy (hashing).
+  void rebuild(const FramePlan& plan, bool copyable);
+  void clear();
+  const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }
+  const Buffer& buffer(int resource) const {
+    return buffers_[size_t(resource)];
+  }  // empty: imported, read back, or unused
+
+ private:
+  void make_image(const PlanResource& resource, bool copyable, PhysicalImage& image);
+  void bind_blocks(const FramePlan& plan);
+  void make_view(const PlanResource& resource, PhysicalImage& image);
+
+  Device& device_;
+  Bindless& bindless_;
+  std::vector<PhysicalImage> images_;  // by resource
+  std::vector<Buffer> buffers_;        // by resource
+  std::vector<VkDeviceMemory> blocks_;
+};
+
+// Host-visible buffers that frames write and the host reads. A buffer comes back when the last owner of its Readback
+// lets go, from any thread; the pool lives as long as they do. They must not outlive the device.
+class ReadbackPool : public std::enable_shared_from_this<ReadbackPool> {
+ public:
+  class Pooled : public Readback {
+   public:
+    Pooled(std::shared_ptr<ReadbackPool> pool, Buffer buffer, VkBufferUsageFlags usage)
+        : pool_(std::move(pool)), buffer_(std::move(buffer)), usage_(usage) {}
+    ~Pooled() override;
+    std::span<const std::byte> bytes() const override { return {buffer_.mapped(), buffer_.size()}; }
+    const Buffer& buffer() const { return buffer_; }
+
+   private:
+    std::shared_ptr<ReadbackPool> pool_;
+    Buffer buffer_;
+    VkBufferUsageFlags usage_;
+  };
+  std::shared_ptr<Pooled> take(Device& device, uint64_t bytes, VkBufferUsageFlags usage, const std::string& name);
+  void trim();  // frees the buffers that nobody holds
+
+ private:
+  struct Free {
+    Buffer buffer;
+    VkBufferUsageFlags usage;
+  };
+  std::mutex mutex_;
+  std::vector<Free> free_;
+};
+
+}  // namespace candela::gpu

@@ -52,7 +52,7 @@ class GlbReader {
       return stop(file_.size(), "GLB_UNEXPECTED_END_OF_HEADER", "the file ends within the GLB header");
     if (u32(4) != 2) return stop(4, "GLB_INVALID_VERSION", fmt::format("GLB version {} is not 2", u32(4)));
     length_ = u32(8);
-    if (length_ < 20) return stop(8, "GLB_LENGTH_TOO_SMALL", fmt::format("declared length {} is too small", length_));
+    if (length_ <= 12) return stop(8, "GLB_LENGTH_TOO_SMALL", fmt::format("declared length {} is too small", length_));
     return true;
   }
 

@@ -103,7 +103,7 @@ void check_texture_slots(Document& d, const Json& object, const std::string& pat
     const std::string at = path + "/" + pointer_token(key);
     if (key.ends_with("Texture"))
       d.reference(value, "index", "textures", at);
-    else if (key == "extensions" || key == "pbrMetallicRoughness" || key.find("_materials_") != std::string::npos)
+    else if (key == "extensions" || key == "pbrMetallicRoughness" || key.starts_with("KHR_materials_"))
       check_texture_slots(d, value, at);
   }
 }
@@ -149,11 +149,12 @@ void check_camera(Document& d, size_t i) {
   if (type == "perspective" && number(lens, "yfov", 0) >= 3.14159265358979)
     d.findings.fatal("CAMERA_YFOV_GEQUAL_PI", at + "/yfov", "yfov must be less than pi");
   if (type == "orthographic")
-    for (const char* key : {"xmag", "ymag"})
+    for (const char* key : {"xmag", "ymag"}) {
       if (number(lens, key, 1) == 0)
         d.findings.fatal("CAMERA_XMAG_YMAG_ZERO", at + "/" + key, "{} must not be zero", key);
       else if (number(lens, key, 1) < 0)
         d.findings.warning("CAMERA_XMAG_YMAG_NEGATIVE", at + "/" + key, "{} should not be negative", key);
+    }
 }
 
 void check_light(Document& d, const Json& light, size_t i) {
@@ -180,7 +181,7 @@ void collect_texcoord_uses(const Json& object, const std::string& path, std::vec
         uses.push_back({at + "/extensions/KHR_texture_transform", integer(transform, "texCoord", 0)});
       else
         uses.push_back({at, integer(value, "texCoord", 0)});
-    } else if (key == "extensions" || key == "pbrMetallicRoughness" || key.find("_materials_") != std::string::npos) {
+    } else if (key == "extensions" || key == "pbrMetallicRoughness" || key.starts_with("KHR_materials_")) {
       collect_texcoord_uses(value, at, uses);
     }
   }

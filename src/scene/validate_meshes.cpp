@@ -86,7 +86,9 @@ class MeshChecker {
     const std::string attributes_path = path + "/attributes";
     vertex_count_ = 0;
     semantics_.clear();
-    for (const auto& [name, item] : attributes.items()) attribute(attributes, name, attributes_path);
+    if (attributes.contains("POSITION")) attribute(attributes, "POSITION", attributes_path);
+    for (const auto& [name, item] : attributes.items())
+      if (name != "POSITION") attribute(attributes, name, attributes_path);
     continuity(attributes_path);
     if (!attributes.contains("POSITION"))
       d_.findings.warning("MESH_PRIMITIVE_NO_POSITION", attributes_path, "no POSITION attribute found");

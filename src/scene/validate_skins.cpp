@@ -66,7 +66,8 @@ void check_joints(Document& d, const Json& skin, const std::string& path, const 
     }
 }
 
-// Joints outside the scene that is drawn have no place in it.
+// Joints outside the scene that is drawn still have transforms; the Khronos asset generator holds such a file to be
+// valid.
 void check_joints_in_scene(Document& d, const std::vector<int64_t>& roots) {
   const Json& scenes = elements(d.json, "scenes");
   if (scenes.empty()) return;
@@ -83,8 +84,8 @@ void check_joints_in_scene(Document& d, const std::vector<int64_t>& roots) {
         if (!drawn[roots[whole(joint)]]) state[skin] = 2;
     }
     if (state[skin] == 2)
-      d.findings.fatal("NODE_SKIN_NO_SCENE", fmt::format("/nodes/{}", i),
-                       "the skin's joints are not in the scene that holds the node");
+      d.findings.warning("NODE_SKIN_NO_SCENE", fmt::format("/nodes/{}", i),
+                         "the skin's joints are not in the scene that holds the node; they are placed as if they were");
   }
 }
 

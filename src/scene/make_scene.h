@@ -1,0 +1,23 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+
+namespace candela {
+
+// Test scenes from formulas and a seed: scenes/<name>/<name>.glb is make_scene(name, 1, 0). The same arguments give the
+// same bytes on every machine.
+std::vector<std::string_view> scene_names();
+std::string_view scene_description(std::string_view name);  // one line; empty for an unknown name
+
+// lights: how many lights a scene scatters that can; 0 is the scene's own choice. Errors (usage): unknown name, a light
+// count for a scene with a fixed set of lights; (output): the file could not be written.
+Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint64_t seed, int lights);
+Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, const std::filesystem::path& out);
+
+}  // namespace candela

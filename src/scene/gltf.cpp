@@ -1,5 +1,7 @@
 #include "scene/gltf.h"
 
+#include <fmt/ranges.h>
+
 #include "base/files.h"
 #include "scene/gltf_animation.h"
 #include "scene/gltf_extensions.h"
@@ -41,11 +43,16 @@ Expected<Scene> load_gltf(const std::filesystem::path& path) {
 
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
                                       const std::filesystem::path& folder) {
+  std::set<std::string> earlier;
   try {
     gltf::Document document = gltf::open_document(bytes, name, folder);
+    earlier = document.finding_codes;
     return import_scene(document);
   } catch (const gltf::Failure& failure) {
-    return std::unexpected(failure.error);
+    Error error = failure.error;
+    // The warnings are lost with the scene, and one of them may be the cause of what stopped us.
+    if (!earlier.empty()) error.message += fmt::format("; also found: {}", fmt::join(earlier, ", "));
+    return std::unexpected(std::move(error));
   } catch (const std::bad_alloc&) {
     return fail(ErrorKind::out_of_memory, name, "there is not enough memory to load the scene");
   } catch (const nlohmann::json::exception& e) {

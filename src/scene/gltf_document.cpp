@@ -72,7 +72,10 @@ void validate(Document& document, const GltfParts& parts, std::vector<Finding>& 
   findings.insert(findings.end(), more.begin(), more.end());
   for (const Finding& finding : findings)
     if (finding.fatal) document.refuse(finding.path, "{} ({})", finding.message, finding.code);
-  for (const Finding& finding : findings) document.warn(finding.path, "{} ({})", finding.message, finding.code);
+  for (const Finding& finding : findings) {
+    document.warn(finding.path, "{} ({})", finding.message, finding.code);
+    document.finding_codes.insert(finding.code);
+  }
 }
 
 }  // namespace
@@ -97,14 +100,11 @@ void read_buffers(Document& document) {
     if (buffer.contains("uri")) {
       document.storage.push_back(read_uri(document, text(document, buffer, "uri", "", path), path + "/uri"));
       bytes = document.storage.back();
-    } else if (const Json* meshopt = extension(buffer, "EXT_meshopt_compression");
-               meshopt && boolean(document, *meshopt, "fallback", false, path)) {
-      document.buffers.emplace_back();
-      continue;
     } else if (i == 0 && document.has_binary) {
       bytes = document.binary;
     } else {
-      document.refuse(path, "the buffer has neither a uri nor a binary chunk to take its bytes from");
+      document.buffers.emplace_back();  // an error only for what reads it
+      continue;
     }
     if (!(wanted <= double(bytes.size())))
       document.refuse(path + "/byteLength", "byteLength is {:.0f} but there are {} bytes (BUFFER_BYTE_LENGTH_MISMATCH)",
@@ -173,6 +173,8 @@ std::span<const std::byte> view_bytes(Document& document, int view, const std::s
   if (v.buffer < 0 || size_t(v.buffer) >= document.buffers.size())
     document.refuse(view_path + "/buffer", "there is no buffer {} (UNRESOLVED_REFERENCE)", v.buffer);
   const std::span<const std::byte> buffer = document.buffers[size_t(v.buffer)];
+  if (buffer.empty())
+    document.refuse(fmt::format("/buffers/{}", v.buffer), "the buffer has no bytes: neither a uri nor a binary chunk");
   if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
     document.refuse(view_path, "bytes {} to {} lie outside buffer {} of {} bytes (BUFFER_VIEW_TOO_LONG)", v.byteOffset,
                     double(v.byteOffset) + double(v.byteLength), v.buffer, buffer.size());

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,11 +32,12 @@ struct Document {
   tinygltf::Model model;  // core glTF; buffers, images, animations and extensions are read from `json`
   int missing_view = -1;  // model's stand-in for an absent accessor.bufferView
   std::vector<std::span<const std::byte>>
-      buffers;                                  // empty where a buffer has no data (EXT_meshopt_compression fallback)
+      buffers;                                  // empty where a buffer has no bytes (EXT_meshopt_compression fallback)
   std::vector<std::vector<std::byte>> storage;  // what read buffers lie in
   std::vector<std::optional<std::vector<std::byte>>> decompressed;  // per buffer view (EXT_meshopt_compression)
   std::map<int, std::vector<std::byte>> sparse;                     // accessors with their sparse values put in
   std::vector<std::string> files, warnings;
+  std::set<std::string> finding_codes;  // what the validation warned of
   size_t bytes_read = 0;
   size_t bytes_expanded = 0;  // what the scene has been given, to keep memory in proportion to the file
 

@@ -131,7 +131,7 @@ std::vector<ExtensionUse> survey_extensions(Document& document) {
     if (use.required && use.support == Support::ignored)
       document.refuse(
           "/extensionsRequired", "the file requires {}, which this program does not have ({}); it is used by {}", name,
-          use.consequence, use.users.empty() ? "nothing that is named" : fmt::format("{}", fmt::join(use.users, ", ")));
+          use.consequence, use.users.empty() ? "no object of the file" : fmt::format("{}", fmt::join(use.users, ", ")));
     out.push_back(std::move(use));
   }
   return out;

@@ -16,11 +16,7 @@ void read_cone(Document& document, const Json& json, const std::string& path, Li
                     "cone angles {} (inner) and {} (outer) do not satisfy 0 <= inner < outer <= pi/2 "
                     "(KHR_LIGHTS_PUNCTUAL_LIGHT_SPOT_ANGLES)",
                     inner, outer);
-  if (inner == outer)
-    document.warn(named(path, json) + " /spot",
-                  "the inner cone angle equals the outer one, {}; the edge is sharp "
-                  "(KHR_LIGHTS_PUNCTUAL_LIGHT_SPOT_ANGLES)",
-                  inner);
+  // Equal angles break the specification too (the validation warns), but a sharp edge is what they mean.
   light.inner_cone_rad = float(inner);
   light.outer_cone_rad = float(std::min(outer, std::numbers::pi / 2));
 }

@@ -131,10 +131,12 @@ void make_list(Document& document, Source& source) {
   if (!source.list.empty()) drop_unused_vertices(source);
 }
 
+// Returns whether the attribute is there as floats.
 template <class V>
-void read_optional(Document& document, const Source& source, const char* semantic, std::vector<V>& out) {
-  if (const std::optional<Elements> elements = attribute(document, source, semantic))
-    out = read_vectors<V>(document, *elements, source.used);
+bool read_optional(Document& document, const Source& source, const char* semantic, std::vector<V>& out) {
+  const std::optional<Elements> elements = attribute(document, source, semantic);
+  if (elements) out = read_vectors<V>(document, *elements, source.used);
+  return elements && elements->component_type == TINYGLTF_COMPONENT_TYPE_FLOAT;
 }
 
 void read_color(Document& document, const Source& source, MeshSection& section) {
@@ -199,8 +201,12 @@ void read_morph_targets(Document& document, const Source& source, MeshSection& s
   }
 }
 
+struct StoredAsFloat {
+  bool normal = false, tangent = false;
+};
+
 void complete_normals_and_tangents(Document& document, const Scene& scene, MeshSection& section,
-                                   bool normals_are_float) {
+                                   StoredAsFloat stored_as_float) {
   const Material* material = section.material >= 0 ? &scene.materials[size_t(section.material)] : nullptr;
   const bool wants_tangents =
       material && material->normal_texture && !material->unlit && section.topology == Topology::triangles;
@@ -214,9 +220,9 @@ void complete_normals_and_tangents(Document& document, const Scene& scene, MeshS
       generate_flat_normals(section);
     }
   } else {
-    repair_normals(document, section, normals_are_float);
+    repair_normals(document, section, stored_as_float.normal);
   }
-  repair_tangents(section);
+  repair_tangents(document, section, stored_as_float.tangent);
   if (!wants_tangents || !section.tangent.empty()) return;
   const int uv_set = material->normal_texture.uv_set;
   if ((uv_set == 0 ? section.uv0 : section.uv1).empty()) {
@@ -233,9 +239,11 @@ void complete_normals_and_tangents(Document& document, const Scene& scene, MeshS
 void read_vertices(Document& document, const Scene& scene, const Source& source, const Elements& position,
                    MeshSection& section) {
   section.position = read_vectors<glm::vec3>(document, position, source.used);
-  const std::optional<Elements> normal = attribute(document, source, "NORMAL");
-  if (normal) section.normal = read_vectors<glm::vec3>(document, *normal, source.used);
-  read_optional(document, source, "TANGENT", section.tangent);
+  if (source.used.empty() && !source.draco && position.component_type == TINYGLTF_COMPONENT_TYPE_FLOAT)
+    report_wrong_bounds(document, section,
+                        document.model.accessors[size_t(source.primitive->attributes.at("POSITION"))], position.path);
+  const StoredAsFloat stored_as_float{.normal = read_optional(document, source, "NORMAL", section.normal),
+                                      .tangent = read_optional(document, source, "TANGENT", section.tangent)};
   read_optional(document, source, "TEXCOORD_0", section.uv0);
   read_optional(document, source, "TEXCOORD_1", section.uv1);
   read_color(document, source, section);
@@ -245,8 +253,7 @@ void read_vertices(Document& document, const Scene& scene, const Source& source,
     document.warn(source.path + "/attributes/JOINTS_2", "more than 8 joints a vertex: the first 8 count");
   if (!section.joints0.empty()) repair_weights(document, section);
   read_morph_targets(document, source, section);
-  complete_normals_and_tangents(document, scene, section,
-                                normal && normal->component_type == TINYGLTF_COMPONENT_TYPE_FLOAT);
+  complete_normals_and_tangents(document, scene, section, stored_as_float);
   for (const glm::vec3& p : section.position) section.bounds.add(p);
 }
 

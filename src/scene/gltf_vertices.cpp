@@ -16,6 +16,8 @@ std::vector<glm::vec3> area_normals(const MeshSection& section) {
   return sums;
 }
 
+constexpr float unit_tolerance = 5e-4f;  // for floats; quantized vectors are off by their rounding
+
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   const double length = glm::length(glm::dvec3(v));
   return length > 1e-30 ? glm::vec3(glm::dvec3(v) / length) : otherwise;
@@ -24,13 +26,12 @@ glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
 }  // namespace
 
 void repair_normals(Document& document, MeshSection& section, bool stored_as_float) {
-  constexpr float tolerance = 5e-4f;  // the Khronos validator's for floats; quantized normals are off by their rounding
   size_t wrong = 0, zero = 0;
   std::vector<glm::vec3> geometric;
   for (size_t i = 0; i < section.normal.size(); ++i) {
     glm::vec3& n = section.normal[i];
     const float length = glm::length(n);
-    if (std::abs(length - 1.f) > tolerance) ++wrong;
+    if (std::abs(length - 1.f) > unit_tolerance) ++wrong;
     if (length < 1e-6f) {
       if (zero++ == 0) geometric = area_normals(section);
       n = unit_or(geometric[i], glm::vec3(0, 0, 1));
@@ -43,13 +44,36 @@ void repair_normals(Document& document, MeshSection& section, bool stored_as_flo
                   "{} normals were not of unit length and are made so (ACCESSOR_VECTOR3_NON_UNIT)", wrong);
 }
 
-void repair_tangents(MeshSection& section) {
+void repair_tangents(Document& document, MeshSection& section, bool stored_as_float) {
+  size_t wrong = 0, signs = 0;
   for (size_t i = 0; i < section.tangent.size(); ++i) {
+    glm::vec4& t = section.tangent[i];
     const glm::vec3 n = section.normal[i];
     const glm::vec3 side =
         glm::normalize(std::abs(n.x) < 0.9f ? glm::cross(n, glm::vec3(1, 0, 0)) : glm::cross(n, glm::vec3(0, 1, 0)));
-    section.tangent[i] = glm::vec4(unit_or(glm::vec3(section.tangent[i]), side), section.tangent[i].w < 0 ? -1.f : 1.f);
+    if (std::abs(glm::length(glm::vec3(t)) - 1.f) > unit_tolerance) ++wrong;
+    if (std::abs(t.w) != 1.f) ++signs;
+    t = glm::vec4(unit_or(glm::vec3(t), side), t.w < 0 ? -1.f : 1.f);
   }
+  const std::string path = section.place + "/attributes/TANGENT";
+  if (wrong > 0 && stored_as_float)
+    document.warn(path, "{} tangents were not of unit length and are made so (ACCESSOR_VECTOR3_NON_UNIT)", wrong);
+  if (signs > 0 && stored_as_float)
+    document.warn(path, "{} tangents have a sign that is not 1 or -1 (ACCESSOR_INVALID_SIGN)", signs);
+}
+
+void report_wrong_bounds(Document& document, const MeshSection& section, const tinygltf::Accessor& accessor,
+                         const std::string& path) {
+  Aabb bounds;
+  for (const glm::vec3& p : section.position) bounds.add(p);
+  const auto differs = [](const std::vector<double>& stated, const glm::vec3& real) {
+    return stated.size() == 3 &&
+           (float(stated[0]) != real.x || float(stated[1]) != real.y || float(stated[2]) != real.z);
+  };
+  if (differs(accessor.minValues, bounds.min))
+    document.warn(path + "/min", "min is not the least of the values; the values count (ACCESSOR_MIN_MISMATCH)");
+  if (differs(accessor.maxValues, bounds.max))
+    document.warn(path + "/max", "max is not the greatest of the values; the values count (ACCESSOR_MAX_MISMATCH)");
 }
 
 void repair_weights(Document& document, MeshSection& section) {

@@ -57,11 +57,12 @@ int GraphBuilder::create_any(Desc desc) {
 }
 
 ImageHandle GraphBuilder::create(ImageDesc desc) {
-  if (desc.width_px == 0 || desc.height_px == 0 || desc.samples == 0) refuse(desc.name, "an image without a texel");
+  const bool empty = desc.width_px == 0 || desc.height_px == 0 || desc.samples == 0;
+  if (empty && missing_.empty()) refuse(desc.name, "an image without a texel");
   return {create_any(std::move(desc)), 0};
 }
 BufferHandle GraphBuilder::create(BufferDesc desc) {
-  if (desc.size_bytes == 0) refuse(desc.name, "a buffer without a byte");
+  if (desc.size_bytes == 0 && missing_.empty()) refuse(desc.name, "a buffer without a byte");
   return {create_any(std::move(desc)), 0};
 }
 
@@ -127,8 +128,10 @@ void GraphBuilder::read_any(Handle handle, Access access, std::string_view what)
   if (handle.version == 0 && !resource.imported && !(buffer && buffer->zeroed))
     refuse(resource.name(), "read before anything was written");
   const PlanUse use{handle.resource, access, handle.version, false};
+  std::vector<PlanUse>& uses = passes_.back().uses;
+  if (std::find(uses.begin(), uses.end(), use) != uses.end()) return;
   check_together(resource, use);
-  passes_.back().uses.push_back(use);
+  uses.push_back(use);
 }
 
 void GraphBuilder::read(ImageHandle image, Access access, std::string_view what) { read_any(image, access, what); }

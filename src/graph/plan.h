@@ -31,6 +31,7 @@ struct PlanUse {
   Access access{};
   int version = 0;     // version read, or version made by a write
   bool writes = false;
+  bool operator==(const PlanUse&) const = default;
 };
 
 struct ImageBarrier {

@@ -1,0 +1,14 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "graph/plan.h"
+
+namespace candela::test {
+
+// Every hazard of a plan by brute force over all pairs of accesses to the same memory, by the definitions of Vulkan's
+// chapter on synchronization: execution chains, availability, visibility, layout. Knows nothing of how the barriers
+// were found.
+std::vector<std::string> find_hazards(const FramePlan& plan);
+
+}  // namespace candela::test

@@ -8,6 +8,7 @@
 #include "image/exr.h"
 #include "image/hdr.h"
 #include "image/oiio.h"
+#include "image/png_text.h"
 
 namespace candela {
 namespace {
@@ -133,7 +134,7 @@ void make_usable(DecodedImage& image, const std::string& place) {
 
 }  // namespace
 
-Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image) {
+Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image, const std::vector<PngText>& texts) {
   CHECK(image.width > 0 && image.height > 0 && (image.channels == 3 || image.channels == 4) &&
         (image.bits == 8 || image.bits == 16));
   CHECK(image.pixels.size() ==
@@ -148,7 +149,10 @@ Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& 
   if ((*table)->encode_png(image.width, image.height, image.channels, image.bits, image.pixels.data(), sink, &encoded,
                            reason.data(), reason.size()) != 0)
     return fail(ErrorKind::output, path.string(), "cannot encode PNG: {}", reason.data());
-  return write_file_atomically(path, std::string_view(encoded));
+  const auto bytes = std::as_bytes(std::span(encoded));
+  std::vector<std::byte> file(bytes.begin(), bytes.end());
+  for (const auto& [keyword, text] : texts) file = with_png_text(file, keyword, text);
+  return write_file_atomically(path, std::span<const std::byte>(file));
 }
 
 Expected<FloatImage> read_image(const std::filesystem::path& path) {

@@ -28,7 +28,7 @@ struct Job {
   std::string animation = "all";     // "all", "none", an index or a name
   CameraRequest camera;
   int width_px = 1280, height_px = 720;
-  int samples = 4;                   // MSAA 4 or 1
+  int samples = 0;                   // MSAA samples 1, 2, 4 or 8; 0: as the quality says
   std::string technique = "brute-force";
   std::string quality = "high";      // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings; // --set PASS.KNOB=VALUE, over the quality
@@ -48,6 +48,10 @@ struct Job {
 };
 std::string job_json(const Job& job);            // stable order; one line
 Expected<Job> job_from_json(const std::string& text);
+Expected<std::pair<int, int>> parse_size(const std::string& text);      // "1280x720"
+Expected<KnobSetting> parse_knob_setting(const std::string& text);      // "PASS.KNOB=VALUE"
+// Names and ranges: an unknown technique, layer or knob is an error that lists the names and suggests the nearest.
+Expected<void> check_job(const Job& job);
 // Identity of a frame's picture: the job, the scene's and the sky's content, the device and the version.
 Hash128 frame_identity(const Job& job, const Hash128& scene_content, const std::string& device, double time_s);
 

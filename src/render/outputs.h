@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,12 @@ struct NonFinite {
 // timings on request). Pre-exposure is removed. frame: absent when the job was given a time.
 FloatImage linear_image(const FrameResult& frame, const Job& job, const Session& session, std::optional<int64_t> frame_number, FrameRate rate, NonFinite& nonfinite);
 DisplayImage display_image(const FrameResult& frame, const Job& job);  // straight alpha
+
+// Where a frame file says which picture it holds: EXR attribute and PNG text chunk "candela:identity". Of the job, the scene's
+// content, device, version, time, frame number and rate, as 32 hex digits.
+std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number, FrameRate rate);
+// True when the file is whole (it decodes to its end) and holds that picture. A missing file is simply not.
+bool holds_frame(const std::filesystem::path& path, const std::string& identity);
 
 // Writes one finished frame to every path (the ending chooses EXR or PNG), each atomically; fills timings with read_back and encode.
 Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& session, std::optional<int64_t> frame_number, FrameRate rate,

@@ -1,0 +1,108 @@
+#include "cli/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <new>
+
+#include "base/log.h"
+#include "base/text.h"
+#include "cli/command.h"
+#include "gpu/device.h"
+
+namespace candela::cli {
+namespace {
+
+constexpr const char* exit_codes =
+    "Exit codes: 0 fine; 1 a comparison failed; 2 usage; 3 input (scene or file); 4 device or driver; 5 output could "
+    "not be\n"
+    "written; 6 out of memory; 7 the image holds non-finite pixels. Data goes to stdout, log and progress to stderr.";
+
+void build_parser(CLI::App& app, Action& action) {
+  app.require_subcommand(0, 1);
+  app.set_version_flag("--version", std::string("candela ") + CANDELA_VERSION);
+  app.set_help_all_flag("--help-all", "Print the help of every command");
+  app.footer(exit_codes);
+  add_render(app, action);
+  add_plan(app, action);
+  add_facts(app, action);
+  add_make_scene(app, action);
+  add_list(app, action);
+}
+
+std::string command_of(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? "candela" : "candela " + chosen.front()->get_name();
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+// CLI11's own messages name neither what is allowed nor what was nearly right.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  const auto chosen = app.get_subcommands();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
+    const CLI::App& command = chosen.empty() ? app : *chosen.front();
+    if (chosen.empty()) {
+      std::vector<std::string> names;
+      for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(sub->get_name());
+      for (int i = 1; i < argc; ++i)
+        if (argv[i][0] != '-') return unknown_name("command", argv[i], names);
+    }
+    for (std::string extra : app.remaining(true)) {
+      if (!extra.starts_with('-')) return fmt::format("there is one '{}' too many on the command line", extra);
+      extra = extra.substr(0, extra.find('='));
+      const std::string near = nearest_name(extra, option_names(command));
+      return fmt::format("unknown option '{}'{}", extra, near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
+    }
+  }
+  return error.what();
+}
+
+int parse_failed(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  if (error.get_exit_code() == 0) return app.exit(error);  // help and version go to stdout
+  log::error("{}", usage_message(app, error, argc, argv));
+  log::write(log::Level::error, fmt::format("see {} --help", command_of(app)));
+  return int(ErrorKind::usage);
+}
+
+int failed(const CLI::App& app, const Error& error) {
+  log::error("{}", error.text());
+  if (error.kind == ErrorKind::usage) log::info("See {} --help", command_of(app));
+  return int(error.kind);
+}
+
+int run_action(const CLI::App& app, const Action& action) {
+  try {
+    const Expected<int> result = action();
+    return result ? *result : failed(app, result.error());
+  } catch (const gpu::GpuError& error) {
+    return failed(app, {error.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, error.what(), ""});
+  } catch (const std::bad_alloc&) {
+    return failed(app, {ErrorKind::out_of_memory, "out of memory; a smaller --size or fewer --layers need less", ""});
+  }
+}
+
+}  // namespace
+
+int run(int argc, char** argv) {
+  CLI::App app("Renders frame N of a glTF scene without a window, and tells what every pass cost.", "candela");
+  Action action;
+  build_parser(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return parse_failed(app, error, argc, argv);
+  }
+  if (!action) {
+    log::write(log::Level::error, "no command given\n" + app.help());
+    return int(ErrorKind::usage);
+  }
+  return run_action(app, action);
+}
+
+}  // namespace candela::cli

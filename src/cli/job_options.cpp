@@ -1,0 +1,227 @@
+#include "cli/job_options.h"
+
+#include <charconv>
+#include <fstream>
+
+#include "base/log.h"
+#include "base/text.h"
+
+namespace candela::cli {
+
+void add_job_options(CLI::App& command, JobOptions& o) {
+  command.add_option("scene", o.scene, "glTF file, .gltf or .glb")->type_name("SCENE");
+  command.add_option("--fps", o.fps, "Frames per second: 24, 23.976, 30000/1001")
+      ->capture_default_str()
+      ->type_name("RATE");
+  command.add_option("--animation", o.animation, "Animations that play: a name, an index, all or none")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command
+      .add_option("--camera", o.camera,
+                  "Camera of the scene by name or index; without one the first, else the bounds are framed")
+      ->type_name("NAME");
+  command.add_option("--eye", o.eye, "Camera position, metres; goes with --target")->type_name("X,Y,Z");
+  command.add_option("--target", o.target, "Point that the camera looks at, metres")->type_name("X,Y,Z");
+  command
+      .add_option_function<double>(
+          "--yfov", [&o](double value) { o.yfov_deg = value, o.has_yfov = true; }, "Vertical field of view")
+      ->type_name("DEGREES");
+  command.add_option("--size", o.size, "Size of the image in pixels")->capture_default_str()->type_name("WxH");
+  command.add_option("--samples", o.samples, "Samples a pixel: 1 or 4")->capture_default_str()->type_name("N");
+  command.add_option("--technique", o.technique, "How the frame is made (candela list techniques)")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
+      ->allow_extra_args(false)
+      ->type_name("PASS.KNOB=VALUE");
+  command.add_option("--sky", o.sky, "Equirectangular .hdr or .exr that lights the scene and fills the background")
+      ->type_name("FILE");
+  command.add_option("--exposure", o.exposure_ev, "Stops")->capture_default_str()->type_name("EV");
+  command.add_option("--tonemap", o.tonemap, "Tone curve of PNG: agx, none, reinhard, aces, neutral or rec709")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas (candela list layers)")
+      ->type_name("LIST");
+  command.add_option("--background", o.background, "Where there is no sky: transparent, or linear R,G,B")
+      ->capture_default_str()
+      ->type_name("COLOR");
+  command.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->type_name("N");
+  command.add_option("--exr-type", o.exr_type, "Colour channels of EXR: half or float")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command
+      .add_option("--exr-compression", o.exr_compression, "none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa or dwab")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--png-bits", o.png_bits, "Bits a channel of PNG: 8 or 16")->capture_default_str()->type_name("N");
+  command.add_flag("--no-dither", o.no_dither, "Round to 8 bits without dither");
+  command.add_flag("--metadata-timings", o.metadata_timings,
+                   "Write timings into the EXR header; its bytes then differ from run to run");
+  command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
+}
+
+void add_run_options(CLI::App& command, JobOptions& o) {
+  command
+      .add_option("--device", o.device,
+                  "cpu, gpu, an index, a UUID or part of a name (candela list devices); the best GPU by default")
+      ->type_name("DEVICE");
+  command.add_flag("--validate", o.validate,
+                   "Khronos validation layer with synchronization checks; a message is exit 4");
+  command.add_option("--shader-dir", o.shader_folder, "Shaders from this folder instead of the built-in ones")
+      ->type_name("DIR");
+  command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  command.add_flag("--strict", o.strict, "A warning about the scene or an ignored extension is exit 3");
+  command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")
+      ->type_name("FILE");
+  command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
+  command.add_flag("--verbose", o.verbose, "More on stderr");
+  command.add_flag("--json", o.json, "The result as JSON on stdout");
+}
+
+void add_moment_options(CLI::App& command, MomentOptions& moment) {
+  moment.frame_option = command.add_option("--frame", moment.frame, "Frame number; its time is frame/fps")
+                            ->capture_default_str()
+                            ->type_name("N");
+  moment.time_option =
+      command.add_option("--time", moment.time_s, "Time instead of a frame number")->type_name("SECONDS");
+  moment.time_option->excludes(moment.frame_option);
+}
+
+Expected<void> read_config(CLI::App& command, const std::string& file) {
+  if (file.empty()) return {};
+  std::vector<CLI::ConfigItem> items;
+  try {
+    items = CLI::ConfigTOML().from_file(file);
+  } catch (const CLI::Error& error) {
+    return fail(ErrorKind::input, file, "cannot be read as INI or TOML: {}", error.what());
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    if (option->get_configurable()) names.push_back(option->get_single_name());
+  for (const CLI::ConfigItem& item : items) {
+    // A section may carry the command's name, so that one file serves several commands.
+    if (item.name == "++" || item.name == "--") continue;
+    if (!item.parents.empty() && item.parents != std::vector<std::string>{command.get_name()}) continue;
+    CLI::Option* option = nullptr;
+    for (CLI::Option* candidate : command.get_options())
+      if (candidate->get_single_name() == item.name) option = candidate;
+    if (!option || item.name == "help" || item.name == "config")
+      return fail(ErrorKind::input, file, "{}", unknown_name("option", item.name, names));
+    if (option->count() > 0) continue;
+    try {
+      if (option->get_expected_min() == 0)
+        option->add_result(option->get_flag_value(item.name, item.inputs.empty() ? "true" : item.inputs.front()));
+      // An unquoted list such as 1,2,3 arrives in pieces; options that take one text want it whole.
+      else if (option->get_expected_max() == 1)
+        option->add_result(joined(item.inputs, ","));
+      else
+        option->add_result(item.inputs);
+      option->run_callback();
+    } catch (const CLI::Error& error) {
+      return fail(ErrorKind::input, file, "{}: {}", item.name, error.what());
+    }
+  }
+  return {};
+}
+
+namespace {
+
+Expected<std::optional<glm::dvec3>> parse_point(const char* option, const std::string& text) {
+  if (text.empty()) return std::optional<glm::dvec3>{};
+  const std::vector<std::string> parts = split(text, ',');
+  glm::dvec3 point{0};
+  bool good = parts.size() == 3;
+  for (int i = 0; good && i < 3; ++i) {
+    const char *begin = parts[size_t(i)].data(), *end = begin + parts[size_t(i)].size();
+    const auto read = std::from_chars(begin, end, point[i]);
+    good = read.ec == std::errc{} && read.ptr == end && std::isfinite(point[i]);
+  }
+  if (!good) return fail(ErrorKind::usage, option, "'{}' is not a point; write X,Y,Z in metres", text);
+  return std::optional<glm::dvec3>{point};
+}
+
+Expected<void> read_texts(const JobOptions& o, Job& job) {
+  const auto size = parse_size(o.size);
+  if (!size) return std::unexpected(Error{ErrorKind::usage, size.error().message, "--size"});
+  std::tie(job.width_px, job.height_px) = *size;
+  const auto eye = parse_point("--eye", o.eye), target = parse_point("--target", o.target);
+  if (!eye) return std::unexpected(eye.error());
+  if (!target) return std::unexpected(target.error());
+  job.camera.eye = *eye;
+  job.camera.target = *target;
+  for (const std::string& text : o.settings) {
+    const auto setting = parse_knob_setting(text);
+    if (!setting) return std::unexpected(Error{ErrorKind::usage, setting.error().message, "--set"});
+    job.settings.push_back(*setting);
+  }
+  if (o.exr_type != "half" && o.exr_type != "float")
+    return fail(ErrorKind::usage, "--exr-type", "'{}' is neither half nor float", o.exr_type);
+  job.exr_float = o.exr_type == "float";
+  const auto compression = exr_compression_from_name(o.exr_compression);
+  if (!compression) return fail(ErrorKind::usage, "--exr-compression", "{}", compression.error().message);
+  job.exr_compression = *compression;
+  return {};
+}
+
+}  // namespace
+
+Expected<Job> job_of(const JobOptions& o) {
+  if (o.scene.empty()) return fail(ErrorKind::usage, "SCENE", "no scene given; name a .gltf or .glb file");
+  Job job;
+  job.scene = o.scene;
+  job.animation = o.animation;
+  job.camera.camera = o.camera;
+  if (o.has_yfov) job.camera.yfov_deg = o.yfov_deg;
+  job.samples = o.samples;
+  job.technique = o.technique;
+  job.quality = o.quality;
+  job.sky = o.sky;
+  job.exposure_ev = o.exposure_ev;
+  job.tonemap = o.tonemap;
+  if (!o.layers.empty()) job.layers = split(o.layers, ',');
+  job.background = o.background;
+  job.seed = o.seed;
+  job.png_bits = o.png_bits;
+  job.dither = !o.no_dither;
+  job.timings_in_metadata = o.metadata_timings;
+  job.allow_nonfinite = o.allow_nonfinite;
+  if (auto read = read_texts(o, job); !read) return std::unexpected(read.error());
+  if (auto checked = check_job(job); !checked) return std::unexpected(checked.error());
+  return job;
+}
+
+RunSettings run_settings_of(const JobOptions& o) {
+  RunSettings settings;
+  settings.device = o.device;
+  settings.validate = o.validate;
+  settings.shader_folder = o.shader_folder;
+  settings.timeout_s = o.timeout_s;
+  return settings;
+}
+
+void set_log_level(const JobOptions& o) {
+  log::set_level(o.quiet ? log::Level::warning : o.verbose ? log::Level::debug : log::Level::info);
+}
+
+Expected<Moment> moment_of(const JobOptions& options, const MomentOptions& given) {
+  const auto rate = parse_frame_rate(options.fps);
+  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  if (given.time_option->count() > 0 && given.frame_option->count() > 0)
+    return fail(ErrorKind::usage, "--time", "a moment is chosen either by --time or by --frame");
+  Moment moment{.rate = *rate};
+  if (given.time_option->count() > 0) {
+    if (!std::isfinite(given.time_s)) return fail(ErrorKind::usage, "--time", "{} is not a time", given.time_s);
+    moment.time_s = given.time_s;
+  } else {
+    moment.frame = given.frame;
+    moment.time_s = rate->seconds(given.frame);
+  }
+  return moment;
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,53 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/job.h"
+
+namespace candela::cli {
+
+// The options that render, sequence, plan and facts share, as text until all are read. add_* are the only place where
+// an option's name, help and default stand.
+struct JobOptions {
+  std::string scene, animation = "all", camera, eye, target, size = "1280x720", technique = "brute-force",
+                     quality = "high", sky, tonemap = "agx", layers, background = "transparent", exr_type = "half",
+                     exr_compression = "zip", fps = "24", device, shader_folder, config;
+  std::vector<std::string> settings;
+  double yfov_deg = 0;
+  bool has_yfov = false;
+  int samples = 4, png_bits = 8;
+  float exposure_ev = 0;
+  uint64_t seed = 0;
+  bool no_dither = false, metadata_timings = false, allow_nonfinite = false, validate = false, strict = false,
+       quiet = false, verbose = false, json = false;
+  double timeout_s = 600;
+};
+
+// --frame and --time of commands that take one moment.
+struct MomentOptions {
+  int64_t frame = 0;
+  double time_s = 0;
+  CLI::Option *frame_option = nullptr, *time_option = nullptr;
+};
+
+void add_job_options(CLI::App& command, JobOptions& options);
+void add_run_options(CLI::App& command, JobOptions& options);  // device, validation, log
+void add_moment_options(CLI::App& command, MomentOptions& moment);
+
+// Fills options that the command line left out from --config FILE. Unknown names are errors. Call after parsing.
+Expected<void> read_config(CLI::App& command, const std::string& file);
+
+Expected<Job> job_of(const JobOptions& options);  // checked
+RunSettings run_settings_of(const JobOptions& options);
+void set_log_level(const JobOptions& options);
+
+struct Moment {
+  std::optional<int64_t> frame;  // absent when a time was given
+  FrameRate rate;
+  double time_s = 0;
+};
+Expected<Moment> moment_of(const JobOptions& options, const MomentOptions& moment);
+
+}  // namespace candela::cli

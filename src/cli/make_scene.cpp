@@ -1,0 +1,46 @@
+#include "scene/make_scene.h"
+
+#include <CLI/CLI.hpp>
+
+#include "base/log.h"
+#include "base/text.h"
+#include "cli/command.h"
+#include "render/frame_names.h"
+
+namespace candela::cli {
+namespace {
+
+struct MakeSceneOptions {
+  std::string name, output;
+  uint64_t seed = 1;
+  int lights = 0;
+};
+
+Expected<int> run_make_scene(const MakeSceneOptions& o) {
+  const auto views = scene_names();
+  const std::vector<std::string> names(views.begin(), views.end());
+  if (std::find(names.begin(), names.end(), o.name) == names.end())
+    return fail(ErrorKind::usage, "NAME", "{}", unknown_name("scene", o.name, names));
+  if (o.output.empty()) return fail(ErrorKind::usage, "-o", "no output given; name a .glb file");
+  if (o.lights < 0) return fail(ErrorKind::usage, "--lights", "{} is below 0", o.lights);
+  if (auto ready = prepare_output(o.output); !ready) return std::unexpected(ready.error());
+  if (auto made = make_scene(o.name, o.seed, o.lights, o.output); !made) return std::unexpected(made.error());
+  log::info("wrote {}", o.output);
+  return 0;
+}
+
+}  // namespace
+
+void add_make_scene(CLI::App& app, Action& action) {
+  auto o = std::make_shared<MakeSceneOptions>();
+  CLI::App* command = app.add_subcommand("make-scene", "Write a generated test scene");
+  command->add_option("name", o->name, "Which one (candela list scenes)")->type_name("NAME");
+  command->add_option("--lights", o->lights, "Number of lights; 0 is the scene's own number")
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--seed", o->seed, "Seed of all that is random")->capture_default_str()->type_name("N");
+  command->add_option("-o,--output", o->output, "File to write (.glb)")->type_name("FILE");
+  command->callback([o, &action] { action = [o] { return run_make_scene(*o); }; });
+}
+
+}  // namespace candela::cli

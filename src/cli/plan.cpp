@@ -1,0 +1,95 @@
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "cli/command.h"
+#include "cli/job_options.h"
+#include "cli/scene_notes.h"
+#include "render/frame_names.h"
+#include "render/plan_frame.h"
+#include "scene/gltf.h"
+
+namespace candela::cli {
+namespace {
+
+struct PlanOptions {
+  JobOptions job;
+  MomentOptions moment;
+  std::vector<std::string> outputs;
+  bool dot = false;
+};
+
+Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job) {
+  if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
+  set_log_level(o.job);
+  auto checked = job_of(o.job);
+  if (!checked) return std::unexpected(checked.error());
+  job = *checked;
+  const auto moment = moment_of(o.job, o.moment);
+  if (!moment) return std::unexpected(moment.error());
+  WantedOutputs wanted{
+      .linear = o.outputs.empty() || !job.allow_nonfinite, .display = false, .display_bits = job.png_bits};
+  for (const std::string& output : o.outputs) {
+    const auto format = output_format(output);
+    if (!format) return std::unexpected(format.error());
+    (*format == OutputFormat::exr ? wanted.linear : wanted.display) = true;
+  }
+  const auto scene = load_gltf(job.scene);
+  if (!scene) return std::unexpected(scene.error());
+  if (auto noted = note_scene(*scene, o.job.strict); !noted) return std::unexpected(noted.error());
+  return plan_frame(job, *scene, wanted, moment->time_s);
+}
+
+Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
+  Job job;
+  const auto frame = plan_of(command, o, job);
+  if (!frame) return std::unexpected(frame.error());
+  if (o.dot && o.job.json) return fail(ErrorKind::usage, "--dot", "--dot and --json both ask for stdout");
+  for (const std::string& note : frame->notes) log::info("{}", note);
+  const FramePlan& plan = frame->graph.plan;
+  auto printed = o.dot ? print(plan_dot(plan)) : o.job.json ? print(plan_json(plan) + "\n") : print(plan_text(plan));
+  if (!printed) return std::unexpected(printed.error());
+  return 0;
+}
+
+Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
+  Job job;
+  const auto frame = plan_of(command, o, job);
+  if (!frame) return std::unexpected(frame.error());
+  if (auto printed = print(facts_json(frame->facts) + "\n"); !printed) return std::unexpected(printed.error());
+  return 0;
+}
+
+std::shared_ptr<PlanOptions> add_common(CLI::App& command) {
+  auto o = std::make_shared<PlanOptions>();
+  add_job_options(command, o->job);
+  add_moment_options(command, o->moment);
+  command.add_option("-o,--output", o->outputs, "Plan for these files (only the endings matter); without any for EXR")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command.add_flag("--strict", o->job.strict, "A warning about the scene or an ignored extension is exit 3");
+  command.add_option("--config", o->job.config, "Options from an INI or TOML file; the command line goes first")
+      ->type_name("FILE");
+  command.add_flag("--quiet", o->job.quiet, "Only warnings and errors on stderr");
+  command.add_flag("--verbose", o->job.verbose, "More on stderr");
+  return o;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("plan", "Print what would run, what is left out and why, and the memory; needs no device");
+  auto o = add_common(*command);
+  command->add_flag("--json", o->job.json, "As JSON");
+  command->add_flag("--dot", o->dot, "As a Graphviz graph");
+  command->callback([command, o, &action] { action = [command, o] { return run_plan(*command, *o); }; });
+}
+
+void add_facts(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("facts", "Print what the scene holds at one moment, as JSON; needs no device");
+  auto o = add_common(*command);
+  command->callback([command, o, &action] { action = [command, o] { return run_facts(*command, *o); }; });
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,194 @@
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "cli/command.h"
+#include "cli/job_options.h"
+#include "cli/result.h"
+#include "cli/scene_notes.h"
+#include "cli/signals.h"
+#include "render/frame_names.h"
+#include "render/outputs.h"
+#include "render/timings.h"
+
+namespace candela::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct RenderOptions {
+  JobOptions job;
+  MomentOptions moment;
+  std::vector<std::string> outputs;
+  std::string timings, trace;
+  int check_determinism = 0;
+};
+
+struct RenderPlan {
+  Job job;
+  Moment moment;
+  WantedOutputs wanted;
+  std::vector<fs::path> paths;
+};
+
+Expected<void> check_text_outputs(const RenderOptions& o) {
+  if (o.timings == "-" && o.job.json)
+    return fail(ErrorKind::usage, "--timings", "- and --json both ask for stdout; --json holds the timings");
+  for (const std::string& file : {o.timings, o.trace})
+    if (!file.empty() && file != "-")
+      if (auto ready = prepare_output(file); !ready) return ready;
+  return {};
+}
+
+Expected<RenderPlan> plan_render(const RenderOptions& o) {
+  RenderPlan plan;
+  const auto job = job_of(o.job);
+  if (!job) return std::unexpected(job.error());
+  const auto moment = moment_of(o.job, o.moment);
+  if (!moment) return std::unexpected(moment.error());
+  plan.job = *job;
+  plan.moment = *moment;
+  if (o.outputs.empty() && o.check_determinism == 0)
+    return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
+  if (o.check_determinism < 0 || o.check_determinism == 1)
+    return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
+  plan.wanted = {.linear = !job->allow_nonfinite, .display = false, .display_bits = job->png_bits};
+  for (const std::string& text : o.outputs) {
+    const auto pattern = parse_pattern(text);
+    if (!pattern) return std::unexpected(pattern.error());
+    const fs::path path = pattern->name(moment->frame.value_or(0));
+    const auto format = output_format(path);
+    if (!format) return std::unexpected(format.error());
+    (*format == OutputFormat::exr ? plan.wanted.linear : plan.wanted.display) = true;
+    if (std::find(plan.paths.begin(), plan.paths.end(), path) != plan.paths.end())
+      return fail(ErrorKind::usage, "-o", "'{}' is named twice", path.string());
+    plan.paths.push_back(path);
+  }
+  if (plan.paths.empty()) plan.wanted.linear = true;
+  for (const fs::path& path : plan.paths)
+    if (auto ready = prepare_output(path); !ready) return std::unexpected(ready.error());
+  if (auto ready = check_text_outputs(o); !ready) return std::unexpected(ready.error());
+  return plan;
+}
+
+// Runs the same frame again and again and compares what every pass wrote.
+Expected<int> check_determinism(Session& session, const RenderOptions& o, const RenderPlan& plan) {
+  std::vector<gpu::PassHash> first;
+  for (int run = 1; run <= o.check_determinism; ++run) {
+    const auto frame = session.render(plan.moment.time_s, true);
+    if (!frame) return std::unexpected(frame.error());
+    if (run == 1) {
+      first = frame->hashes;
+      continue;
+    }
+    for (size_t i = 0; i < std::max(first.size(), frame->hashes.size()); ++i) {
+      if (i < first.size() && i < frame->hashes.size() && first[i].pass == frame->hashes[i].pass &&
+          first[i].resource == frame->hashes[i].resource && first[i].hash == frame->hashes[i].hash)
+        continue;
+      const gpu::PassHash& differs = i < first.size() ? first[i] : frame->hashes[i];
+      const std::string text =
+          fmt::format("run {} differs from run 1, first in pass {}, {}", run, differs.pass, differs.resource);
+      log::error("{}", text);
+      if (o.job.json)
+        if (auto printed = print_json(
+                {{"deterministic", false}, {"run", run}, {"pass", differs.pass}, {"resource", differs.resource}});
+            !printed)
+          return std::unexpected(printed.error());
+      return int(ErrorKind::comparison);
+    }
+  }
+  log::info("{} runs agree in all {} outputs of all passes", o.check_determinism, first.size());
+  if (!o.job.json) return 0;
+  Json hashes = Json::array();
+  for (const gpu::PassHash& h : first)
+    hashes.push_back({{"pass", h.pass}, {"resource", h.resource}, {"hash", h.hash.hex()}});
+  if (auto printed = print_json({{"deterministic", true}, {"runs", o.check_determinism}, {"hashes", hashes}}); !printed)
+    return std::unexpected(printed.error());
+  return 0;
+}
+
+Expected<void> write_reports(const RenderOptions& o, const RenderPlan& plan, const FrameResult& frame,
+                             const Session& session, const std::vector<std::string>& warnings) {
+  if (!o.timings.empty())
+    if (auto written = write_text_output(o.timings, timings_json(frame, plan.job, session).dump(2) + "\n"); !written)
+      return written;
+  if (!o.trace.empty()) {
+    std::vector<Timings::Span> spans = session.opening().spans;
+    spans.insert(spans.end(), frame.timings.spans.begin(), frame.timings.spans.end());
+    if (auto written = write_text_output(o.trace, trace_json(spans)); !written) return written;
+  }
+  if (!o.job.json) return {};
+  Json j = result_head(plan.job, session, warnings);
+  j["outputs"] = Json::array();
+  for (const fs::path& path : plan.paths) j["outputs"].push_back(path.string());
+  if (plan.moment.frame) j["frame"] = *plan.moment.frame, j["fps"] = plan.moment.rate.text();
+  j["time_s"] = plan.moment.time_s;
+  j["camera"] = frame.view.name;
+  j["plan_hash"] = frame.plan_hash.hex();
+  j["notes"] = frame.notes;
+  j["timings"] = timings_json(frame, plan.job, session);
+  j["timings"].erase("job");
+  return print_json(j);
+}
+
+Expected<int> run_render(CLI::App& command, RenderOptions& o) {
+  if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
+  set_log_level(o.job);
+  const auto plan = plan_render(o);
+  if (!plan) return std::unexpected(plan.error());
+  RunSettings settings = run_settings_of(o.job);
+  settings.timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
+  auto session = Session::open(plan->job, plan->wanted, settings);
+  if (!session) return std::unexpected(session.error());
+  log_device((*session)->device().info());
+  if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
+  if (o.check_determinism > 0)
+    if (const auto same = check_determinism(**session, o, *plan); !same || *same != 0 || plan->paths.empty())
+      return same;
+  auto frame = (*session)->render(plan->moment.time_s);
+  if (!frame) return std::unexpected(frame.error());
+  for (const std::string& note : frame->notes) log::info("{}", note);
+  if (auto clean = check_validation(**session); !clean) return std::unexpected(clean.error());
+  std::vector<std::string> warnings;
+  if (const std::string blank = blank_warning(*frame, plan->job, (*session)->scene()); !blank.empty()) {
+    log::warning("{}", blank);
+    warnings.push_back(blank);
+  }
+  {
+    HeldSignals held;
+    if (auto written = write_outputs(*frame, plan->job, **session, plan->moment.frame, plan->moment.rate, plan->paths);
+        !written) {
+      Error error = written.error();
+      if (error.kind == ErrorKind::nonfinite) error.message += first_nonfinite_pass(**session, plan->moment.time_s);
+      return std::unexpected(error);
+    }
+  }
+  for (const fs::path& path : plan->paths) log::info("wrote {}", path.string());
+  if (auto reported = write_reports(o, *plan, *frame, **session, warnings); !reported)
+    return std::unexpected(reported.error());
+  return 0;
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Action& action) {
+  auto o = std::make_shared<RenderOptions>();
+  CLI::App* command = app.add_subcommand("render", "Render one frame to EXR or PNG");
+  add_job_options(*command, o->job);
+  add_moment_options(*command, o->moment);
+  command->add_option("-o,--output", o->outputs, "File to write; the ending chooses EXR or PNG; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command->add_option("--timings", o->timings, "Times of every pass and stage as JSON; - is stdout")->type_name("FILE");
+  command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")
+      ->type_name("FILE");
+  command
+      ->add_option("--check-determinism", o->check_determinism,
+                   "Render N times and compare what every pass wrote; exit 1 when it differs")
+      ->type_name("N");
+  add_run_options(*command, o->job);
+  command->callback([command, o, &action] { action = [command, o] { return run_render(*command, *o); }; });
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,50 @@
+#include "cli/result.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/files.h"
+#include "base/log.h"
+#include "cli/command.h"
+#include "cli/scene_notes.h"
+#include "render/timings.h"
+
+namespace candela::cli {
+
+void log_device(const gpu::DeviceInfo& device) {
+  log::info("device {}: {} ({})", device.index, device.name, device.driver);
+}
+
+nlohmann::ordered_json result_head(const Job& job, const Session& session, const std::vector<std::string>& warnings) {
+  nlohmann::ordered_json j;
+  j["version"] = CANDELA_VERSION;
+  j["device"] = device_json(session.device().info());
+  j["driver"] = session.device().info().driver;
+  j["job"] = nlohmann::ordered_json::parse(job_json(job));
+  j["scene_content"] = session.scene_content().hex();
+  j["extensions"] = extensions_json(session.scene());
+  j["warnings"] = session.scene().warnings;
+  for (const std::string& warning : warnings) j["warnings"].push_back(warning);
+  return j;
+}
+
+Expected<void> check_validation(const Session& session) {
+  const std::vector<std::string> messages = session.device().validation_messages();
+  for (const std::string& message : messages) log::error("validation: {}", message);
+  if (messages.empty()) return {};
+  return fail(ErrorKind::device, "--validate", "the validation layer had {} messages", messages.size());
+}
+
+std::string first_nonfinite_pass(Session& session, double time_s) {
+  const auto again = session.render(time_s, true);
+  if (!again) return "; which pass made the first could not be found: " + again.error().message;
+  for (const gpu::PassHash& hash : again->hashes)
+    if (hash.nonfinite > 0)
+      return fmt::format("; the first pass that made one is {} ({} in {})", hash.pass, hash.nonfinite, hash.resource);
+  return "; no pass left one in an image of its own";
+}
+
+Expected<void> write_text_output(const std::string& file, const std::string& text) {
+  return file == "-" ? print(text) : write_file_atomically(file, text);
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,84 @@
+#include "cli/scene_notes.h"
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "base/text.h"
+
+namespace candela::cli {
+namespace {
+
+const char* support_name(Support support) {
+  return support == Support::supported ? "supported" : support == Support::approximated ? "approximated" : "ignored";
+}
+
+}  // namespace
+
+Expected<void> note_scene(const Scene& scene, bool strict) {
+  std::string first;
+  for (const std::string& warning : scene.warnings) {
+    log::warning("{}", warning);
+    if (first.empty()) first = warning;
+  }
+  for (const ExtensionUse& use : scene.extensions) {
+    if (use.support == Support::supported) {
+      log::debug("extension {}: supported", use.name);
+      continue;
+    }
+    const std::string line = fmt::format("extension {} is {}: {}{}", use.name, support_name(use.support),
+                                         use.consequence, use.users.empty() ? "" : " (" + joined(use.users) + ")");
+    if (use.support == Support::ignored) {
+      log::warning("{}", line);
+      if (first.empty()) first = line;
+    } else {
+      log::info("{}", line);
+    }
+  }
+  if (strict && !first.empty()) return fail(ErrorKind::input, scene.path, "--strict refuses the scene: {}", first);
+  return {};
+}
+
+nlohmann::ordered_json extensions_json(const Scene& scene) {
+  auto list = nlohmann::ordered_json::array();
+  for (const ExtensionUse& use : scene.extensions)
+    list.push_back({{"name", use.name},
+                    {"required", use.required},
+                    {"support", support_name(use.support)},
+                    {"consequence", use.consequence},
+                    {"users", use.users}});
+  return list;
+}
+
+std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
+  if (!job.sky.empty()) return {};
+  if (job.background != "transparent") return {};  // alpha then says nothing about what is covered
+  for (const OutputImage& output : frame.outputs) {
+    size_t pixel = 0, offset = 0, length = 0;  // bytes of a pixel, of its alpha, and the alpha's length
+    if (output.layer == "beauty" && output.format == VK_FORMAT_R32G32B32A32_SFLOAT)
+      pixel = 16, offset = 12, length = 4;
+    else if (output.layer == "beauty" && output.format == VK_FORMAT_R16G16B16A16_SFLOAT)
+      pixel = 8, offset = 6, length = 2;
+    else if (output.layer == "display" && output.format == VK_FORMAT_R8G8B8A8_UNORM)
+      pixel = 4, offset = 3, length = 1;
+    else if (output.layer == "display" && output.format == VK_FORMAT_R16G16B16A16_UNORM)
+      pixel = 8, offset = 6, length = 2;
+    else
+      continue;
+    const auto found = frame.readbacks.find(output.resource);
+    if (found == frame.readbacks.end()) continue;
+    const std::span<const std::byte> bytes = found->second->bytes();
+    const size_t count = size_t(frame.width_px) * size_t(frame.height_px);
+    for (size_t i = 0; i < count && (i + 1) * pixel <= bytes.size(); ++i)
+      for (size_t b = 0; b < length; ++b)
+        if (bytes[i * pixel + offset + b] != std::byte{0}) return {};
+    if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";
+    return fmt::format(
+        "the frame is blank: nothing lies before {}; try no --camera (the bounds are then framed), another --frame or "
+        "--animation none",
+        frame.view.name.empty() ? "the camera" : frame.view.name);
+  }
+  return {};
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,18 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+
+#include "base/error.h"
+#include "render/session.h"
+#include "scene/scene.h"
+
+namespace candela::cli {
+
+// Warnings and extensions of a scene to the log. strict: any of them but a supported extension is an error of kind
+// input.
+Expected<void> note_scene(const Scene& scene, bool strict);
+nlohmann::ordered_json extensions_json(const Scene& scene);
+
+// A picture in which nothing was drawn, with what may be the reason; empty for any other.
+std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene);
+
+}  // namespace candela::cli

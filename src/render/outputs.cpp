@@ -1,0 +1,271 @@
+#include "render/outputs.h"
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "base/files.h"
+#include "image/png_text.h"
+#include "math/transforms.h"
+#include "render/frame_names.h"
+#include "render/timings.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* identity_name = "candela:identity";
+// What Blender and Nuke's readers take for "nothing here"; infinity breaks filters that blend depths.
+constexpr float background_depth_m = 1e10f;
+
+float half_to_float(uint16_t h) {
+  const uint32_t sign = uint32_t(h >> 15) << 31, exponent = (h >> 10) & 31, mantissa = h & 1023;
+  if (exponent == 0) return (sign ? -1.0f : 1.0f) * std::ldexp(float(mantissa), -24);
+  const uint32_t bits =
+      exponent == 31 ? sign | 0x7f800000u | mantissa << 13 : sign | (exponent + 112) << 23 | mantissa << 13;
+  return std::bit_cast<float>(bits);
+}
+
+// Component c of pixel i of a float or half image.
+struct FloatReader {
+  const std::byte* bytes;
+  int components;
+  bool half;
+  float operator()(size_t i, int c) const {
+    const size_t at = i * size_t(components) + size_t(c);
+    if (!half) {
+      float value;
+      std::memcpy(&value, bytes + at * 4, 4);
+      return value;
+    }
+    uint16_t value;
+    std::memcpy(&value, bytes + at * 2, 2);
+    return half_to_float(value);
+  }
+};
+
+FloatReader reader_of(const OutputImage& output, const std::byte* bytes) {
+  switch (output.format) {
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+      return {bytes, 4, false};
+    case VK_FORMAT_R16G16B16A16_SFLOAT:
+      return {bytes, 4, true};
+    case VK_FORMAT_R32_SFLOAT:
+      return {bytes, 1, false};
+    default:
+      CHECK_MSG(false, "the layer " + output.layer + " has a format that no file can hold");
+      return {};
+  }
+}
+
+std::span<const std::byte> readback_bytes(const FrameResult& frame, const OutputImage& output) {
+  const auto found = frame.readbacks.find(output.resource);
+  CHECK_MSG(found != frame.readbacks.end(), output.layer);
+  const std::span<const std::byte> bytes = found->second->bytes();
+  CHECK_MSG(bytes.size() >= size_t(frame.width_px) * size_t(frame.height_px) * format_bytes(output.format),
+            output.layer);
+  return bytes;
+}
+
+void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t pixel, NonFinite& nonfinite) {
+  if (nonfinite.count++ == 0) {
+    nonfinite.x = int(pixel % size_t(frame.width_px));
+    nonfinite.y = int(pixel / size_t(frame.width_px));
+    nonfinite.layer = layer;
+  }
+}
+
+// Layers whose values grow with the light and thus carry the pre-exposure.
+bool carries_exposure(const std::string& layer) {
+  return layer == "beauty" || layer == "emission" || layer == "direct";
+}
+
+std::vector<std::string> channel_names(const std::string& layer) {
+  if (layer == "beauty") return {"R", "G", "B", "A"};
+  if (layer == "depth") return {"depth.Z"};
+  if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
+  return {layer + ".R", layer + ".G", layer + ".B"};
+}
+
+void add_id_layer(FloatImage& image, const OutputImage& output, std::span<const std::byte> bytes) {
+  Channel& channel = image.channels.emplace_back();
+  channel.name = output.layer;
+  channel.type = ChannelType::uint32;
+  channel.u.resize(size_t(image.width) * size_t(image.height));
+  std::memcpy(channel.u.data(), bytes.data(), channel.u.size() * 4);
+}
+
+void add_depth_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, NonFinite& nonfinite) {
+  const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
+  Channel& channel = image.channels.emplace_back();
+  channel.name = "depth.Z";
+  channel.f.resize(size_t(image.width) * size_t(image.height));
+  for (size_t i = 0; i < channel.f.size(); ++i) {
+    const float z = read(i, 0);
+    if (std::isnan(z)) count_nonfinite(frame, output.layer, i, nonfinite);
+    channel.f[i] = z >= background_depth_m ? background_depth_m : z;  // the background is at infinity
+  }
+}
+
+void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, bool as_float,
+                     NonFinite& nonfinite) {
+  const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
+  const std::vector<std::string> names = channel_names(output.layer);
+  const size_t first = image.channels.size(), count = size_t(image.width) * size_t(image.height);
+  for (const std::string& name : names) {
+    Channel& channel = image.channels.emplace_back();
+    channel.name = name;
+    channel.type = as_float ? ChannelType::float32 : ChannelType::half;
+    channel.f.resize(count);
+  }
+  const float scale = carries_exposure(output.layer) ? float(1.0 / frame.pre_exposure) : 1.0f;
+  for (size_t i = 0; i < count; ++i) {
+    bool finite = true;
+    for (size_t c = 0; c < names.size(); ++c) {
+      const float value = read(i, int(c));
+      finite = finite && std::isfinite(value);
+      image.channels[first + c].f[i] = c == 3 ? value : value * scale;  // alpha carries no light
+    }
+    if (!finite) count_nonfinite(frame, output.layer, i, nonfinite);
+  }
+}
+
+// OpenEXR multiplies row vectors from the left, so its row-major matrix has the same 16 numbers as GLM's column-major
+// one.
+MetadataEntry matrix_entry(const char* name, const glm::dmat4& m) {
+  MetadataEntry entry{.name = name, .kind = MetadataEntry::Kind::matrix44};
+  for (int i = 0; i < 16; ++i) entry.matrix.push_back(float(m[i / 4][i % 4]));
+  return entry;
+}
+MetadataEntry text_entry(const char* name, std::string text) { return {.name = name, .text = std::move(text)}; }
+MetadataEntry number_entry(const char* name, MetadataEntry::Kind kind, double number) {
+  return {.name = name, .kind = kind, .number = number};
+}
+
+void add_metadata(FloatImage& image, const FrameResult& frame, const Job& job, const Session& session,
+                  std::optional<int64_t> frame_number, FrameRate rate) {
+  const glm::dmat4 relative = relative_from_world(frame.view.position);
+  // NDC as OpenEXR means it: (0,0) and (1,1) are the upper left and lower right corners. Clip space has y down already.
+  glm::dmat4 ndc_from_clip(1.0);
+  ndc_from_clip[0][0] = ndc_from_clip[1][1] = 0.5;
+  ndc_from_clip[3][0] = ndc_from_clip[3][1] = 0.5;
+  auto& metadata = image.metadata;
+  metadata.push_back(matrix_entry("worldToCamera", frame.view.view_from_relative * relative));
+  metadata.push_back(matrix_entry("worldToNDC", ndc_from_clip * frame.view.clip_from_relative * relative));
+  metadata.push_back(text_entry("candela:camera", frame.view.name));
+  if (frame_number) {
+    metadata.push_back(number_entry("framesPerSecond", MetadataEntry::Kind::number,
+                                    double(rate.numerator) / double(rate.denominator)));
+    metadata.push_back(text_entry("candela:frame", fmt::format("{}", *frame_number)));
+    metadata.push_back(text_entry("candela:fps", rate.text()));
+  }
+  metadata.push_back(number_entry("candela:time", MetadataEntry::Kind::number, frame.time_s));
+  metadata.push_back(text_entry("candela:job", job_json(job)));
+  metadata.push_back(text_entry("candela:plan", frame.plan_hash.hex()));
+  metadata.push_back(text_entry("candela:device", session.device().info().name));
+  metadata.push_back(text_entry("candela:driver", session.device().info().driver));
+  metadata.push_back(text_entry("candela:version", CANDELA_VERSION));
+  metadata.push_back(text_entry(identity_name, file_identity(job, session, frame.time_s, frame_number, rate)));
+  if (job.timings_in_metadata)
+    metadata.push_back(text_entry("candela:timings", timings_json(frame, job, session).dump()));
+}
+
+// By the job and not by the pixels, so that all frames of a sequence have the same channels.
+bool shows_through(const Job& job) { return job.background == "transparent" && job.sky.empty(); }
+
+}  // namespace
+
+FloatImage linear_image(const FrameResult& frame, const Job& job, const Session& session,
+                        std::optional<int64_t> frame_number, FrameRate rate, NonFinite& nonfinite) {
+  FloatImage image;
+  image.width = frame.width_px;
+  image.height = frame.height_px;
+  for (const OutputImage& output : frame.outputs) {
+    if (output.layer == "display") continue;
+    if (output.format == VK_FORMAT_R32_UINT)
+      add_id_layer(image, output, readback_bytes(frame, output));
+    else if (output.layer == "depth")
+      add_depth_layer(image, frame, output, nonfinite);
+    else
+      add_color_layer(image, frame, output, job.exr_float, nonfinite);
+  }
+  add_metadata(image, frame, job, session, frame_number, rate);
+  return image;
+}
+
+DisplayImage display_image(const FrameResult& frame, const Job& job) {
+  DisplayImage image;
+  image.width = frame.width_px;
+  image.height = frame.height_px;
+  image.channels = shows_through(job) ? 4 : 3;
+  for (const OutputImage& output : frame.outputs) {
+    if (output.layer != "display") continue;
+    CHECK(output.format == VK_FORMAT_R8G8B8A8_UNORM || output.format == VK_FORMAT_R16G16B16A16_UNORM);
+    image.bits = output.format == VK_FORMAT_R8G8B8A8_UNORM ? 8 : 16;
+    const std::span<const std::byte> bytes = readback_bytes(frame, output);
+    const size_t count = size_t(image.width) * size_t(image.height), sample = size_t(image.bits) / 8;
+    const size_t from = sample * 4, to = sample * size_t(image.channels);
+    image.pixels.resize(count * to);
+    for (size_t i = 0; i < count; ++i) std::memcpy(image.pixels.data() + i * to, bytes.data() + i * from, to);
+  }
+  CHECK_MSG(!image.pixels.empty(), "the frame has no display output");
+  return image;
+}
+
+std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
+                          FrameRate rate) {
+  const gpu::DeviceInfo& device = session.device().info();
+  const Hash128 picture = frame_identity(job, session.scene_content(), device.name + "\n" + device.driver, time_s);
+  return hash128(picture.hex() + "\n" + (frame_number ? fmt::format("{} at {}", *frame_number, rate.text()) : ""))
+      .hex();
+}
+
+bool holds_frame(const fs::path& path, const std::string& identity) {
+  const auto format = output_format(path);
+  std::error_code failed;
+  if (!format || !fs::is_regular_file(path, failed)) return false;
+  if (*format == OutputFormat::png) {
+    const auto bytes = read_file(path);
+    const auto text = bytes ? png_text(*bytes, identity_name, path.string()) : std::unexpected(bytes.error());
+    return text && *text == identity;
+  }
+  const auto image = read_image(path);
+  if (!image) return false;
+  for (const MetadataEntry& entry : image->metadata)
+    if (entry.name == identity_name) return entry.text == identity;
+  return false;
+}
+
+Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& session,
+                             std::optional<int64_t> frame_number, FrameRate rate, const std::vector<fs::path>& paths) {
+  std::vector<OutputFormat> formats;
+  for (const fs::path& path : paths) {
+    const auto format = output_format(path);
+    if (!format) return std::unexpected(format.error());
+    formats.push_back(*format);
+  }
+  const bool any_png = std::find(formats.begin(), formats.end(), OutputFormat::png) != formats.end();
+  const bool any_exr = std::find(formats.begin(), formats.end(), OutputFormat::exr) != formats.end();
+  FloatImage linear;
+  DisplayImage display;
+  {
+    StageTimer timer(frame.timings, "read_back", "encode");
+    NonFinite nonfinite;
+    if (any_exr || !job.allow_nonfinite) linear = linear_image(frame, job, session, frame_number, rate, nonfinite);
+    if (nonfinite.count > 0 && !job.allow_nonfinite)
+      return fail(ErrorKind::nonfinite, "",
+                  "{} pixels are not finite, the first at x {}, y {} of layer {}; nothing was written", nonfinite.count,
+                  nonfinite.x, nonfinite.y, nonfinite.layer);
+    if (any_png) display = display_image(frame, job);
+  }
+  StageTimer timer(frame.timings, "encode", "encode");
+  for (size_t i = 0; i < paths.size(); ++i) {
+    const std::string identity = file_identity(job, session, frame.time_s, frame_number, rate);
+    const auto written = formats[i] == OutputFormat::exr ? write_exr(paths[i], linear, job.exr_compression)
+                                                         : write_png(paths[i], display, {{identity_name, identity}});
+    if (!written) return written;
+  }
+  return {};
+}
+
+}  // namespace candela

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -9,13 +10,47 @@
 
 namespace candela {
 
-// Metric names as on the command line and in JSON: max, mae, rmse, relmse, psnr, ssim, flip, hdr-flip, differing.
-// LDR metrics (psnr, ssim, flip) take display-encoded values in [0,1]; EXR input is first encoded with sRGB after clamping.
+// What the values mean. Scene-linear images (EXR, HDR) are clamped to [0,1] and sRGB-encoded before the metrics that
+// model display pixels (psnr, ssim, flip); max, mae, rmse and relmse always take the values as they are.
+enum class Encoding { linear, display };
+
+// Metric names as on the command line and in JSON. A is the reference, B the image under test. All sums are in double
+// and in a fixed order, so a result does not depend on the number of threads.
+//   max, mae, rmse   |b-a| over the channels without a layer name (R G B A or Y; alpha as stored), or over all float
+//   channels
+//                    where every channel is in a layer; integer channels (ids) count in `differing` only
+//   relmse           mean of (b-a)^2 / (a^2 + 0.01) over the same channels
+//   psnr             10 log10(1/MSE) of the display-encoded colour, dB; psnr_of_equal where the MSE is 0
+//   ssim             mean structural similarity of the display-encoded luma (ssim.h)
+//   flip             mean LDR-FLIP at 67 pixels per degree (flip.h)
+//   differing        pixels that are not bit-equal in every channel, layers and integers too
+// Colour is R, G, B, or Y for all three; alpha is not part of psnr, ssim and flip: colour is taken as stored, as the
+// authors of FLIP do. Images without colour have no psnr, ssim and flip.
+inline constexpr double psnr_of_equal = 999.0;  // JSON has no infinity
+
 struct Comparison {
-  std::string refusal;                    // sizes, channels or finiteness differ: said before any metric; empty when comparable
-  std::map<std::string, double> metrics;  // absent metrics were not asked for
-  std::vector<float> flip_map;            // width*height in [0,1] when flip was computed
+  std::string refusal;  // sizes, windows, channels or finiteness differ: said before any metric; empty when comparable
+  std::map<std::string, double> metrics;  // empty when refused
+  std::vector<float> flip_map;            // width*height in [0,1]; empty when flip was not computed
+  size_t nonfinite_in_both = 0;           // equal NaNs or infinities at the same place: they count as no difference
   int width = 0, height = 0;
 };
+
+struct CompareOptions {
+  Encoding encoding = Encoding::display;
+  bool perceptual = true;  // ssim and flip, which cost the most
+};
+Comparison compare(const FloatImage& reference, const FloatImage& test, const CompareOptions& options);
+
+// Reads both; EXR and Radiance HDR are linear, everything else display-encoded; one of each is a refusal. Errors: a
+// file that cannot be read (input).
+Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
+                                   bool perceptual = true);
+
+// Display-encoded red, green and blue in [0,1], a plane each; nothing when the image has neither R, G, B nor Y.
+std::vector<std::vector<float>> display_planes(const FloatImage& image, Encoding encoding);
+
+// True when every pixel has the same colour: a render that shows nothing.
+bool is_blank(const FloatImage& image);
 
 }  // namespace candela

@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "metrics/compare.h"
+
+namespace candela {
+
+// What a golden allows; values in display-encoded [0,1]. They lie in the JSON beside each golden, never in the program:
+// these are the ones a new golden starts with.
+struct GateLimits {
+  double max_abs = 2.0 / 255;    // rung 2: no channel differs by more,
+  double small_abs = 1.0 / 255;  //         and by more than this ...
+  double small_share = 0.001;    //         ... only in this share of the pixels
+  double flip_mean = 0.01;       // rung 3: mean of the FLIP map
+  double flip_p99 = 0.10;        //         and its 99th percentile
+};
+
+// The object "gate" of a JSON text, with the members of GateLimits, all optional; "device_classes": {"cpu": {...}}
+// inside it replaces values for one class. Other top-level keys belong to others. Errors (input): bad JSON, an unknown
+// or bad member.
+Expected<GateLimits> parse_gate_limits(std::string_view json, std::string_view device_class, const std::string& place);
+std::string gate_limits_json(const GateLimits& limits);
+
+// The ladder: the first rung that holds decides.
+enum class GateRung { identical, nearly_identical, flagged, failed };
+std::string_view gate_rung_name(GateRung rung);
+
+struct GateResult {
+  GateRung rung = GateRung::failed;
+  std::string message;     // why not a better rung; empty for identical
+  Comparison comparison;   // its FLIP map is there unless the images are identical or were refused
+  double small_share = 0;  // pixels that differ by more than small_abs
+  double flip_p99 = 0;
+  bool blank = false;  // the new image shows a single colour
+  bool passed() const { return rung != GateRung::failed; }
+};
+GateResult judge_golden(const FloatImage& golden, const FloatImage& actual, const GateLimits& limits,
+                        Encoding encoding = Encoding::display);
+
+}  // namespace candela

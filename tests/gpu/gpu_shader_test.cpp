@@ -1,0 +1,148 @@
+#include <fstream>
+
+#include "base/files.h"
+#include "gpu/pipelines.h"
+#include "gpu/shader_sources.h"
+#include "gpu/workgroup_size.h"
+#include "gpu_fixture.h"
+
+namespace candela::gpu::test {
+
+namespace fs = std::filesystem;
+
+// A folder of its own for each test, gone afterwards.
+class Shaders : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::temp_directory_path() / fmt::format("candela-shaders-{}-{}",
+                                                     ::testing::UnitTest::GetInstance()->random_seed(),
+                                                     ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder);
+    fs::create_directories(folder / "lib");
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  void write(const char* name, const std::string& text) { std::ofstream(folder / name) << text; }
+  static std::vector<fs::path> files_below(const fs::path& root) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(root))
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    return files;
+  }
+  fs::path folder;
+};
+
+TEST_F(Shaders, EveryEmbeddedShaderCompiles) {
+  const ShaderCompiler compiler;
+  for (const EmbeddedShader& shader : embedded_shaders()) {
+    const std::string ending = fs::path(shader.name).extension().string();
+    // lib/ holds pieces that name the stage they are for ("draw.frag.glsl").
+    if (ending != ".vert" && ending != ".frag" && ending != ".comp") continue;
+    const auto result = compiler.compile(std::string(shader.name));
+    EXPECT_TRUE(result) << result.error().text();
+  }
+}
+
+TEST_F(Shaders, ErrorsNameFileLineAndTheIncludingChain) {
+  write("a.comp", "#version 460\n#include \"lib/b.glsl\"\nlayout(local_size_x = 1) in;\nvoid main() { f(); }\n");
+  write("lib/b.glsl", "\n#include \"lib/c.glsl\"\n");
+  write("lib/c.glsl", "void f() {\n  int x = unknown_thing;\n}\n");
+  const auto result = ShaderCompiler(folder).compile("a.comp");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().kind, ErrorKind::input);
+  EXPECT_EQ(result.error().place, "lib/c.glsl:2, included by lib/b.glsl:2, included by a.comp:2");
+  EXPECT_NE(result.error().message.find("unknown_thing"), std::string::npos) << result.error().message;
+
+  write("lib/b.glsl", "#include \"lib/gone.glsl\"\n");
+  const auto missing = ShaderCompiler(folder).compile("a.comp");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().text(), "lib/b.glsl:1, included by a.comp:2: cannot find \"lib/gone.glsl\"");
+  const auto absent = ShaderCompiler(folder).compile("none.comp");
+  ASSERT_FALSE(absent);
+  EXPECT_NE(absent.error().text().find("none.comp: there is no such shader"), std::string::npos);
+}
+
+TEST_F(Shaders, IncludesAFileWithPragmaOnceOnce) {
+  write("a.comp",
+        "#version 460\n#include \"lib/b.glsl\"\n#include \"lib/b.glsl\"\nlayout(local_size_x = 1) in;\nvoid main() { "
+        "f(); }\n");
+  write("lib/b.glsl", "#pragma once\nvoid f() {}\n");
+  const auto result = ShaderCompiler(folder).compile("a.comp");
+  EXPECT_TRUE(result) << result.error().text();
+}
+
+TEST_F(Shaders, ASecondCompileComesFromTheCacheAndADamagedFileIsMadeAgain) {
+  write("a.comp", "#version 460\n#include \"lib/b.glsl\"\nlayout(local_size_x = 1) in;\nvoid main() { f(); }\n");
+  write("lib/b.glsl", "void f() {}\n");
+  const fs::path cache = folder / "cache";
+  const ShaderCompiler compiler(folder, cache);
+  const auto first = compiler.compile("a.comp");
+  ASSERT_TRUE(first) << first.error().text();
+  EXPECT_FALSE(first->from_cache);
+  EXPECT_EQ(first->files, (std::vector<std::string>{"a.comp", "lib/b.glsl"}));
+  const auto second = compiler.compile("a.comp");
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(second->from_cache);
+  EXPECT_EQ(second->spirv, first->spirv);
+
+  ASSERT_EQ(files_below(cache).size(), 1u);
+  const fs::path file = files_below(cache)[0];
+  {
+    std::fstream damaged(file, std::ios::in | std::ios::out | std::ios::binary);
+    damaged.seekp(40);
+    damaged.put('\x55');
+  }
+  const auto third = compiler.compile("a.comp");
+  ASSERT_TRUE(third);
+  EXPECT_FALSE(third->from_cache);
+  EXPECT_EQ(third->spirv, first->spirv);
+  fs::resize_file(file, 7);
+  EXPECT_FALSE(compiler.compile("a.comp")->from_cache);
+  EXPECT_TRUE(compiler.compile("a.comp")->from_cache);
+
+  write("lib/b.glsl", "void f() { }\n");  // an included file is part of the key
+  EXPECT_FALSE(compiler.compile("a.comp")->from_cache);
+}
+
+TEST_F(Shaders, WorkgroupSizeComesFromTheCodeAndItsConstants) {
+  const ShaderCompiler compiler(shader_folder());
+  EXPECT_EQ(workgroup_size(compiler.compile("fill.comp")->spirv, {}), (std::array<uint32_t, 3>{8, 4, 1}));
+  const auto sized = compiler.compile("sized.comp");
+  ASSERT_TRUE(sized) << sized.error().text();
+  EXPECT_EQ(workgroup_size(sized->spirv, {}), (std::array<uint32_t, 3>{1, 2, 1}));
+  const std::vector<SpecConstant> constants{{3, "X", 16}, {4, "Z", 5}};
+  EXPECT_EQ(workgroup_size(sized->spirv, constants), (std::array<uint32_t, 3>{16, 2, 5}));
+  EXPECT_EQ(workgroup_size(compiler.compile("flat.frag")->spirv, {}), (std::array<uint32_t, 3>{0, 0, 0}));
+}
+
+TEST_F(Shaders, PipelinesAreMadeOnceAndTheirCacheSurvivesDamage) {
+  const auto device = Device::open({.validate = true});
+  ASSERT_TRUE(device) << device.error().text();
+  const std::vector<PipelineDesc> wanted{ComputePipelineDesc{.shader = "fill.comp"},
+                                         GraphicsPipelineDesc{.vertex_shader = "fullscreen.vert",
+                                                              .fragment_shader = "flat.frag",
+                                                              .color_formats = {VK_FORMAT_R8G8B8A8_UNORM}}};
+  for (int round = 0; round < 3; ++round) {
+    Bindless bindless(**device);
+    Pipelines pipelines(**device, bindless, ShaderCompiler(shader_folder(), folder), folder);
+    PrepareTimes times;
+    const auto first = pipelines.get(wanted, times);
+    ASSERT_TRUE(first) << first.error().text();
+    EXPECT_EQ(times.pipelines, 2);
+    EXPECT_EQ(times.shaders, 3);
+    EXPECT_EQ(times.shaders_from_cache, round == 0 ? 0 : 3);
+    EXPECT_EQ(pipelines.get(wanted, times).value(), *first);
+    EXPECT_EQ(times.pipelines, 2);
+    const fs::path file = pipelines.cache_file();
+    ASSERT_TRUE(fs::exists(file));
+    if (round == 1) std::ofstream(file) << "not a pipeline cache at all, but long enough to look like one";
+  }
+  PrepareTimes times;
+  Bindless bindless(**device);
+  const auto missing = Pipelines(**device, bindless, ShaderCompiler(shader_folder()), {})
+                           .get(std::vector<PipelineDesc>{ComputePipelineDesc{.shader = "none.comp"}}, times);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().place, "none.comp");
+  EXPECT_EQ((*device)->validation_messages(), std::vector<std::string>{});
+}
+
+}  // namespace candela::gpu::test

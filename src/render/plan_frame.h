@@ -4,7 +4,11 @@
 
 #include "base/error.h"
 #include "graph/builder.h"
+#include "render/frame_upload.h"
 #include "render/job.h"
+#include "scene/draw_list.h"
+#include "scene/environment.h"
+#include "scene/geometry_layout.h"
 #include "scene/pose.h"
 #include "scene/survey.h"
 #include "scene/view.h"
@@ -18,22 +22,41 @@ struct OutputImage {
   int resource = -1;       // the buffer in the plan
 };
 
+// Buffers that the scene upload fills, by the plan's resource number; -1: not in the plan.
+struct ImportedResources {
+  int constants = -1, vertices = -1, indices = -1, items = -1, transforms = -1, geometries = -1, materials = -1, lights = -1,
+      cull_groups = -1, deform_jobs = -1, joints = -1, weights = -1;
+};
+
 // Everything about one frame short of the GPU: pure, so `candela plan` needs no device.
 struct PlannedFrame {
   Pose pose;
   View view;
   FrameData data;
+  DrawList draws;
   SceneFacts facts;
   FrameRequest request;
+  FrameUpload upload;
   CompiledGraph graph;
+  ImportedResources imports;
   std::vector<OutputImage> outputs;
   std::vector<std::string> notes;
+  double animate_ms = 0, plan_ms = 0;
 };
 struct WantedOutputs {
   bool linear = true;      // EXR
   bool display = false;    // PNG, video
   int display_bits = 8;    // 8 or 16
 };
+
+// What does not change with time, made once for a scene.
+struct PlanContext {
+  const Scene& scene;
+  const GeometryLayout& layout;
+  const AmbientSh* environment = nullptr;  // of the sky image, when the job has one
+};
+Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s);
+// The same for one frame alone; reads the job's sky.
 Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const WantedOutputs& wanted, double time_s);
 
 // Tables for `candela list`, --set and the help text.

@@ -1,0 +1,106 @@
+#include "render/frame_knobs.h"
+
+#include <charconv>
+
+#include "passes/clear.h"
+#include "passes/cull.h"
+#include "passes/cull_compact.h"
+#include "passes/deform.h"
+#include "passes/depth_prepass.h"
+#include "passes/layers.h"
+#include "passes/readback.h"
+#include "passes/resolve.h"
+#include "passes/shade_forward.h"
+#include "passes/shade_unlit.h"
+#include "passes/sky.h"
+#include "passes/tonemap.h"
+#include "passes/transparent.h"
+#include "render/plan_frame.h"
+
+namespace candela {
+namespace {
+
+// All knobs of all passes, each with its value.
+struct AllKnobs {
+  Cull::Knobs cull;
+  Resolve::Knobs resolve;
+};
+
+template <class F>
+void for_each_knob(AllKnobs& all, F&& f) {
+  for (const auto& knob : Cull::knob_table()) f(Cull::name, knob, all.cull);
+  for (const auto& knob : Resolve::knob_table()) f(Resolve::name, knob, all.resolve);
+}
+
+template <class K>
+double get(const Knob<K>& knob, const K& knobs) {
+  return std::visit([&](auto member) { return double(knobs.*member); }, knob.member);
+}
+template <class K>
+void set(const Knob<K>& knob, K& knobs, double value) {
+  std::visit([&](auto member) { knobs.*member = std::remove_reference_t<decltype(knobs.*member)>(value); }, knob.member);
+}
+
+// draft takes the first rung of every ladder, normal and high the rung before the last or the last, exact the last.
+double rung(const std::vector<double>& ladder, const std::string& quality) {
+  if (quality == "draft") return ladder.front();
+  if (quality == "normal" && ladder.size() > 2) return ladder[ladder.size() / 2];
+  return ladder.back();
+}
+
+Expected<double> parse_value(const KnobSetting& s, double lowest, double highest) {
+  double value = 0;
+  const char* const end = s.value.data() + s.value.size();
+  const auto [at, error] = std::from_chars(s.value.data(), end, value);
+  if (error != std::errc() || at != end || !(value >= lowest && value <= highest))
+    return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not a number from {} to {}", s.pass, s.knob, s.value, lowest, highest);
+  return value;
+}
+
+}  // namespace
+
+Expected<FrameKnobValues> frame_knobs(const Job& job) {
+  AllKnobs all;
+  for_each_knob(all, [&](std::string_view, const auto& knob, auto& knobs) { set(knob, knobs, rung(knob.ladder, job.quality)); });
+  if (job.samples != 0) all.resolve.samples = job.samples;
+  for (const KnobSetting& s : job.settings) {
+    bool known = false;
+    Expected<void> outcome;
+    for_each_knob(all, [&](std::string_view pass, const auto& knob, auto& knobs) {
+      if (pass != s.pass || knob.name != s.knob) return;
+      known = true;
+      const auto value = parse_value(s, knob.lowest, knob.highest);
+      if (!value) outcome = std::unexpected(value.error());
+      else set(knob, knobs, *value);
+    });
+    if (!outcome) return std::unexpected(outcome.error());
+    if (!known) return fail(ErrorKind::usage, "--set", "there is no knob {}.{} (candela list knobs shows all)", s.pass, s.knob);
+  }
+  const int samples = all.resolve.samples;
+  if (samples != 1 && samples != 2 && samples != 4 && samples != 8)
+    return fail(ErrorKind::usage, "--set", "resolve.samples: {} is not 1, 2, 4 or 8", samples);
+  return FrameKnobValues{samples, all.cull.enabled != 0};
+}
+
+std::vector<KnobRow> knob_rows(const std::string& quality) {
+  AllKnobs all;
+  std::vector<KnobRow> rows;
+  for_each_knob(all, [&](std::string_view pass, const auto& knob, auto& knobs) {
+    set(knob, knobs, rung(knob.ladder, quality));
+    std::string ladder;
+    for (double v : knob.ladder) ladder += (ladder.empty() ? "" : " ") + fmt::format("{}", v);
+    rows.push_back({std::string(pass), std::string(knob.name), fmt::format("{}", get(knob, knobs)), std::string(knob.unit),
+                    fmt::format("{}..{}", knob.lowest, knob.highest), ladder, std::string(knob.trades)});
+  });
+  return rows;
+}
+
+std::vector<std::string> pass_names() {
+  std::vector<std::string> names;
+  for (const std::string_view n : {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, Clear::name, ShadeForward::name, ShadeUnlit::name,
+                                   Sky::name, Transparent::name, Layers::name, Resolve::name, Tonemap::name, Readback::name})
+    names.emplace_back(n);
+  return names;
+}
+
+}  // namespace candela

@@ -11,7 +11,9 @@ fresh() {
   mkdir -p "$tree"/{src/{base,math,scene,graph,gpu,passes,techniques,reference,render,cli},shaders/{shared,lib},cmake,.ci,bench,tests}
   touch "$tree"/{run,CMakeLists.txt,CMakePresets.json,tests/CMakeLists.txt}
   printf '#include <fmt/format.h>\n#include "base/error.h"\n' >"$tree/src/base/error.cpp"
-  printf '#include "graph/plan.h"\n#include "passes/pass.h"\n#include "passes/tone.h"\n#include "gpu/command_list.h"\n' >"$tree/src/passes/tone.cpp"
+  printf 'struct Tone {\n  static void record(int commands);\n};\n' >"$tree/src/passes/tone.h"
+  printf 'struct Shared {};\n' >"$tree/src/passes/shared_part.h"
+  printf '#include "passes/shared_part.h"\n#include "graph/plan.h"\n#include "passes/pass.h"\n#include "passes/tone.h"\n#include "gpu/command_list.h"\n' >"$tree/src/passes/tone.cpp"
   printf '#include "render/job.h"\n#include <CLI/CLI.hpp>\n' >"$tree/src/cli/cli.cpp"
   printf '#include "shared/types.h"\n#include "lib/brdf.glsl"\n' >"$tree/shaders/tone.frag"
 }

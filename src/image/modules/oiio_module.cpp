@@ -26,11 +26,9 @@ int encode_png(int width, int height, int channels, int bits, const void* pixels
                void (*sink)(void*, const void*, uint64_t), void* context, char* message, uint64_t message_size) try {
   const OIIO::TypeDesc type = bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
   OIIO::ImageSpec spec(width, height, channels, type);
-  // The pixels are straight alpha already; without the mark OpenImageIO would divide by alpha. No software name and no
-  // date: the bytes depend on the pixels alone.
+  // The pixels are straight alpha already; without the mark OpenImageIO would divide by alpha.
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("oiio:UnassociatedAlpha", 1);
-  spec.attribute("Software", "");
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput stream(bytes);
   auto output = OIIO::ImageOutput::create("png", &stream);

@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+
+#include "metrics/gate.h"
+
+namespace candela {
+namespace {
+
+// A smooth ramp of 8-bit codes, away from the ends.
+FloatImage ramp(int side = 64) {
+  FloatImage image{.width = side, .height = side};
+  for (const char* name : {"R", "G", "B"}) {
+    Channel& channel = image.channels.emplace_back();
+    channel.name = name;
+    for (int i = 0; i < side * side; ++i) channel.f.push_back(float(60 + (i % side)) / 255.0f);
+  }
+  return image;
+}
+FloatImage changed(FloatImage image, int pixels, int codes) {
+  for (Channel& channel : image.channels)
+    for (int i = 0; i < pixels; ++i) {
+      float& v = channel.f[size_t(i)];
+      v = float(std::lround(v * 255) + codes) / 255.0f;
+    }
+  return image;
+}
+
+TEST(Gate, Rungs) {
+  const FloatImage golden = ramp();
+  const GateLimits limits;
+  EXPECT_EQ(judge_golden(golden, golden, limits).rung, GateRung::identical);
+  // One code anywhere, two codes in 4 of 4096 pixels: under 0.1 %.
+  EXPECT_EQ(judge_golden(golden, changed(golden, 4096, 1), limits).rung, GateRung::nearly_identical);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 4, 2), limits).rung, GateRung::nearly_identical);
+  // Two codes in 5 pixels are over 0.1 %, three codes over the largest difference: FLIP decides, and does not see them.
+  EXPECT_EQ(judge_golden(golden, changed(golden, 5, 2), limits).rung, GateRung::flagged);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 2, 3), limits).rung, GateRung::flagged);
+  EXPECT_TRUE(judge_golden(golden, changed(golden, 2, 3), limits).passed());
+  // Half of the image 60 codes brighter.
+  const GateResult failed = judge_golden(golden, changed(golden, 2048, 60), limits);
+  EXPECT_EQ(failed.rung, GateRung::failed);
+  EXPECT_GT(failed.comparison.metrics.at("flip"), 0.01);
+  EXPECT_NE(failed.message, "");
+}
+
+// A small patch may be hidden by the mean: the 99th percentile sees it.
+TEST(Gate, PercentileSeesASmallPatch) {
+  const FloatImage golden = ramp();
+  GateLimits limits;
+  limits.flip_mean = 1;
+  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).rung, GateRung::failed);
+  limits.flip_p99 = 1;
+  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).rung, GateRung::flagged);
+}
+
+TEST(Gate, BrokenImagesFail) {
+  const FloatImage golden = ramp();
+  FloatImage broken = golden;
+  broken.channels[0].f[5] = std::nanf("");
+  EXPECT_EQ(judge_golden(golden, broken, {}).rung, GateRung::failed);
+  EXPECT_EQ(judge_golden(golden, ramp(32), {}).rung, GateRung::failed);
+  FloatImage black = golden;
+  for (Channel& channel : black.channels) std::fill(channel.f.begin(), channel.f.end(), 0.0f);
+  const GateResult result = judge_golden(golden, black, {});
+  EXPECT_TRUE(result.blank);
+  EXPECT_EQ(result.rung, GateRung::failed);
+  EXPECT_FALSE(judge_golden(golden, golden, {}).blank);
+  EXPECT_TRUE(judge_golden(black, black, {}).blank);
+}
+
+TEST(Gate, LimitsFromJson) {
+  const std::string text =
+      R"({"scene": "Box", "gate": {"flip_mean": 0.5, "device_classes": {"cpu": {"flip_p99": 0.25}}}})";
+  const auto cpu = parse_gate_limits(text, "cpu", "box.json"), gpu = parse_gate_limits(text, "gpu", "box.json");
+  ASSERT_TRUE(cpu && gpu);
+  EXPECT_EQ(cpu->flip_mean, 0.5);
+  EXPECT_EQ(cpu->flip_p99, 0.25);
+  EXPECT_EQ(gpu->flip_p99, 0.10);
+  const auto again = parse_gate_limits(gate_limits_json(*cpu), "gpu", "box.json");
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->flip_p99, 0.25);
+  for (const char* bad : {"", "[]", R"({"gate": 1})", R"({"gate": {"flip": 1}})", R"({"gate": {"flip_mean": -1}})",
+                          R"({"gate": {"device_classes": {"cpu": {"x": 1}}}})"}) {
+    const auto parsed = parse_gate_limits(bad, "cpu", "box.json");
+    ASSERT_FALSE(parsed) << bad;
+    EXPECT_EQ(parsed.error().kind, ErrorKind::input);
+  }
+}
+
+}  // namespace
+}  // namespace candela

@@ -155,6 +155,12 @@ TEST(CompareFiles, LinearAndDisplayAreNotMixed) {
   const auto same = compare_files(folder / "compare_a.exr", folder / "compare_a.exr");
   ASSERT_TRUE(same);
   EXPECT_EQ(same->metrics.at("differing"), 0);
+  const std::filesystem::path picture = CANDELA_SOURCE_DIR "/../shared/flip/FlightHelmet_ref.png";
+  if (std::filesystem::exists(picture)) {
+    const auto mixed = compare_files(folder / "compare_a.exr", picture);
+    ASSERT_TRUE(mixed);
+    EXPECT_NE(mixed->refusal.find("scene-linear"), std::string::npos) << mixed->refusal;
+  }
   const auto absent = compare_files(folder / "compare_a.exr", folder / "compare_absent.exr");
   ASSERT_FALSE(absent);
   EXPECT_EQ(absent.error().kind, ErrorKind::input);

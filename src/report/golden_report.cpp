@@ -1,0 +1,145 @@
+#include "report/golden_report.h"
+
+#include "base/files.h"
+
+namespace candela {
+namespace {
+
+// Lower comes first on the page.
+int urgency(const GoldenRow& row) { return !row.passed ? 0 : row.flagged || row.blank ? 1 : 2; }
+
+std::vector<const GoldenRow*> sorted(std::span<const GoldenRow> rows) {
+  std::vector<const GoldenRow*> order;
+  for (const GoldenRow& row : rows) order.push_back(&row);
+  std::stable_sort(order.begin(), order.end(), [](const GoldenRow* a, const GoldenRow* b) {
+    return std::pair(urgency(*a), a->name) < std::pair(urgency(*b), b->name);
+  });
+  return order;
+}
+
+std::string figure(const std::filesystem::path& path, std::string_view caption) {
+  if (path.empty()) return {};
+  const auto bytes = read_file(path);
+  const std::string picture =
+      bytes ? fmt::format("<img src=\"data:image/png;base64,{}\" alt=\"{}\">", base64(*bytes), caption)
+            : fmt::format("<p class=\"absent\">{}</p>", escape_markup(bytes.error().text()));
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", picture, caption);
+}
+
+std::string metrics_text(const GoldenRow& row) {
+  std::string text;
+  for (const auto& [name, value] : row.metrics)
+    text += fmt::format("{}{} {:.6g}", text.empty() ? "" : ", ", name, value);
+  return text;
+}
+
+std::string section(const GoldenRow& row) {
+  static constexpr std::array<std::string_view, 3> classes = {"failed", "flagged", "passed"};
+  std::string html = fmt::format("<section class=\"{}\">\n<h2>{} <small>{}</small></h2>\n",
+                                 classes[size_t(urgency(row))], escape_markup(row.name), escape_markup(row.verdict));
+  if (row.blank) html += "<p class=\"blank\">blank frame: every pixel has the same colour</p>\n";
+  if (!row.message.empty()) html += fmt::format("<p>{}</p>\n", escape_markup(row.message));
+  html += fmt::format("<p class=\"numbers\">{} &middot; {:.2f} s{}{}</p>\n", escape_markup(row.device_class),
+                      row.time_s, row.metrics.empty() ? "" : " &middot; ", escape_markup(metrics_text(row)));
+  if (urgency(row) < 2)
+    html += figure(row.golden, "golden") + figure(row.actual, "new") + figure(row.heat_map, "FLIP heat map") +
+            figure(row.side_by_side, "side by side");
+  return html + "</section>\n";
+}
+
+size_t count(std::span<const GoldenRow> rows, int wanted) {
+  return size_t(std::count_if(rows.begin(), rows.end(), [&](const GoldenRow& row) { return urgency(row) == wanted; }));
+}
+
+constexpr std::string_view style =
+    "body{font:14px sans-serif;margin:2em;background:#fff;color:#222}"
+    "section{border-left:6px solid #4a4;padding:.2em 1em;margin:1em 0}"
+    "section.failed{border-color:#c22}section.flagged{border-color:#d90}"
+    "h2{font-size:1.1em}small{font-weight:normal}figure{display:inline-block;margin:.5em}"
+    "img{max-width:100%;image-rendering:pixelated}.blank,.absent{color:#c22;font-weight:bold}.numbers{color:#666}";
+
+}  // namespace
+
+std::string escape_markup(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        if (uint8_t(c) < 0x20 && c != '\n' && c != '\t')
+          result += "\xef\xbf\xbd";
+        else
+          result += c;
+    }
+  }
+  return result;
+}
+
+std::string base64(std::span<const std::byte> bytes) {
+  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? uint32_t(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string golden_html(std::span<const GoldenRow> rows, const std::string& title) {
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
+      "charset=\"utf-8\"><title>{0}</title><style>{1}</style></head><body>\n"
+      "<h1>{0}</h1>\n<p>{2} failed, {3} to look at, {4} passed</p>\n",
+      escape_markup(title), style, count(rows, 0), count(rows, 1), count(rows, 2));
+  for (const GoldenRow* row : sorted(rows)) html += section(*row);
+  return html + "</body></html>\n";
+}
+
+std::string golden_junit(std::span<const GoldenRow> rows, const std::string& suite) {
+  double total_s = 0;
+  for (const GoldenRow& row : rows) total_s += row.time_s;
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<testsuites>\n<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"0\" time=\"{:.3f}\">\n",
+      escape_markup(suite), rows.size(), count(rows, 0), total_s);
+  for (const GoldenRow* row : sorted(rows)) {
+    xml += fmt::format("<testcase classname=\"golden.{}\" name=\"{}\" time=\"{:.3f}\">",
+                       escape_markup(row->device_class), escape_markup(row->name), row->time_s);
+    if (!row->passed)
+      xml += fmt::format("<failure message=\"{0}\" type=\"{1}\">{0}\n{2}</failure>", escape_markup(row->message),
+                         escape_markup(row->verdict), escape_markup(metrics_text(*row)));
+    else
+      xml +=
+          fmt::format("<system-out>{}{}</system-out>", escape_markup(row->verdict), row->blank ? "; blank frame" : "");
+    xml += "</testcase>\n";
+  }
+  return xml + "</testsuite>\n</testsuites>\n";
+}
+
+Expected<void> write_golden_html(const std::filesystem::path& path, std::span<const GoldenRow> rows,
+                                 const std::string& title) {
+  return write_file_atomically(path, golden_html(rows, title));
+}
+
+Expected<void> write_golden_junit(const std::filesystem::path& path, std::span<const GoldenRow> rows,
+                                  const std::string& suite) {
+  return write_file_atomically(path, golden_junit(rows, suite));
+}
+
+}  // namespace candela

@@ -1,0 +1,43 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace candela {
+
+// One golden as judged; every number was computed before. Picture paths may be empty where there is no picture.
+struct GoldenRow {
+  std::string name;  // scene and view: unique in a report
+  std::string
+      verdict;  // the rung of the gate: "identical", "nearly identical", "flagged", "failed", "missing golden", ...
+  bool passed = false;
+  bool flagged = false;  // passed, but somebody should look
+  bool blank = false;    // the frame shows a single colour
+  std::string message;
+  std::string device_class;
+  double time_s = 0;
+  std::map<std::string, double> metrics;
+  std::filesystem::path golden, actual, heat_map, side_by_side;  // PNG
+};
+
+// One HTML page without other files: pictures lie inside as base64. Failures first, then flagged and blank, then the
+// rest by name; the pictures of clean passes are left out. A picture that cannot be read is named in its place, not an
+// error.
+std::string golden_html(std::span<const GoldenRow> rows, const std::string& title);
+// JUnit XML as CI systems read it: a test case a row, class name "golden.<device class>".
+std::string golden_junit(std::span<const GoldenRow> rows, const std::string& suite);
+
+Expected<void> write_golden_html(const std::filesystem::path& path, std::span<const GoldenRow> rows,
+                                 const std::string& title);
+Expected<void> write_golden_junit(const std::filesystem::path& path, std::span<const GoldenRow> rows,
+                                  const std::string& suite);
+
+// Text for HTML and XML, in elements and in quoted attributes; control characters that XML forbids become U+FFFD.
+std::string escape_markup(std::string_view text);
+std::string base64(std::span<const std::byte> bytes);
+
+}  // namespace candela

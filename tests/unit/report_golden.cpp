@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include "base/files.h"
+#include "report/golden_report.h"
+
+namespace candela {
+namespace {
+
+std::string encode(std::string_view text) { return base64(std::as_bytes(std::span(text.data(), text.size()))); }
+
+TEST(Base64, VectorsOfRfc4648) {
+  EXPECT_EQ(encode(""), "");
+  EXPECT_EQ(encode("f"), "Zg==");
+  EXPECT_EQ(encode("fo"), "Zm8=");
+  EXPECT_EQ(encode("foo"), "Zm9v");
+  EXPECT_EQ(encode("foob"), "Zm9vYg==");
+  EXPECT_EQ(encode("\xff\xfe"), "//4=");
+}
+
+TEST(Markup, IsEscaped) {
+  EXPECT_EQ(escape_markup("<a href=\"x\">'&'</a>\x01"),
+            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;\xef\xbf\xbd");
+}
+
+std::vector<GoldenRow> rows() {
+  std::vector<GoldenRow> all(4);
+  all[0] = {.name = "a clean", .verdict = "identical", .passed = true, .device_class = "cpu", .time_s = 0.5};
+  all[1] = {
+      .name = "b blank", .verdict = "identical", .passed = true, .blank = true, .device_class = "cpu", .time_s = 0.25};
+  all[2] = {.name = "c flagged", .verdict = "flagged", .passed = true, .flagged = true, .device_class = "cpu"};
+  all[3] = {.name = "z <broken> & \"quoted\"",
+            .verdict = "failed",
+            .message = "differs <b>",
+            .device_class = "cpu",
+            .time_s = 1,
+            .metrics = {{"flip", 0.25}}};
+  return all;
+}
+
+TEST(GoldenHtml, FailuresFirstAndPicturesInside) {
+  const auto picture = std::filesystem::path(testing::TempDir()) / "report_picture.png";
+  ASSERT_TRUE(write_file_atomically(picture, std::string_view("foob")));
+  auto all = rows();
+  all[3].golden = picture;
+  all[3].actual = "no_such_picture.png";
+  all[0].golden = picture;  // of a clean pass: left out
+  const std::string html = golden_html(all, "Goldens");
+  const auto at = [&](std::string_view text) { return html.find(text); };
+  EXPECT_LT(at("z &lt;broken&gt;"), at("b blank"));
+  EXPECT_LT(at("b blank"), at("c flagged"));
+  EXPECT_LT(at("c flagged"), at("a clean"));
+  EXPECT_EQ(at("<broken>"), std::string::npos);
+  EXPECT_NE(at("blank frame"), std::string::npos);
+  EXPECT_NE(at("no_such_picture.png"), std::string::npos);
+  EXPECT_NE(at("1 failed, 2 to look at, 1 passed"), std::string::npos);
+  const size_t first = at("data:image/png;base64,Zm9vYg==");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(html.find("data:image/png", first + 1), std::string::npos);
+  std::filesystem::remove(picture);
+}
+
+TEST(GoldenJunit, CountsAndFailures) {
+  const std::string xml = golden_junit(rows(), "golden");
+  EXPECT_NE(xml.find("tests=\"4\" failures=\"1\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("time=\"1.750\""), std::string::npos);
+  EXPECT_NE(xml.find("<testcase classname=\"golden.cpu\" name=\"z &lt;broken&gt; &amp; &quot;quoted&quot;\" "
+                     "time=\"1.000\"><failure "
+                     "message=\"differs &lt;b&gt;\" type=\"failed\">"),
+            std::string::npos)
+      << xml;
+  EXPECT_NE(xml.find("identical; blank frame"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace candela

@@ -23,8 +23,11 @@ void build_parser(CLI::App& app, Action& action) {
   app.set_help_all_flag("--help-all", "Print the help of every command");
   app.footer(exit_codes);
   add_render(app, action);
+  add_sequence(app, action);
   add_plan(app, action);
   add_facts(app, action);
+  add_compare(app, action);
+  add_golden(app, action);
   add_make_scene(app, action);
   add_list(app, action);
 }

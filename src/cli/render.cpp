@@ -149,7 +149,6 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   auto frame = (*session)->render(plan->moment.time_s);
   if (!frame) return std::unexpected(frame.error());
   for (const std::string& note : frame->notes) log::info("{}", note);
-  if (auto clean = check_validation(**session); !clean) return std::unexpected(clean.error());
   std::vector<std::string> warnings;
   if (const std::string blank = blank_warning(*frame, plan->job, (*session)->scene()); !blank.empty()) {
     log::warning("{}", blank);

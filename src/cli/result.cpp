@@ -27,13 +27,6 @@ nlohmann::ordered_json result_head(const Job& job, const Session& session, const
   return j;
 }
 
-Expected<void> check_validation(const Session& session) {
-  const std::vector<std::string> messages = session.device().validation_messages();
-  for (const std::string& message : messages) log::error("validation: {}", message);
-  if (messages.empty()) return {};
-  return fail(ErrorKind::device, "--validate", "the validation layer had {} messages", messages.size());
-}
-
 std::string first_nonfinite_pass(Session& session, double time_s) {
   const auto again = session.render(time_s, true);
   if (!again) return "; which pass made the first could not be found: " + again.error().message;

@@ -12,9 +12,6 @@ void log_device(const gpu::DeviceInfo& device);
 // What --json of render and sequence has in common: device, driver, version, job, extensions, warnings.
 nlohmann::ordered_json result_head(const Job& job, const Session& session, const std::vector<std::string>& warnings);
 
-// A validation message makes the job fail (exit 4).
-Expected<void> check_validation(const Session& session);
-
 // Renders the moment again with every pass's output hashed and says which pass first made a non-finite value.
 std::string first_nonfinite_pass(Session& session, double time_s);
 

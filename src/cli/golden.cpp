@@ -1,0 +1,247 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/files.h"
+#include "base/log.h"
+#include "cli/command.h"
+#include "cli/golden_run.h"
+#include "render/frame_names.h"
+#include "report/golden_report.h"
+
+namespace candela::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Kind = GoldenOutcome::Kind;
+
+struct GoldenOptions {
+  std::string root = "golden", assets, filter, report, why, device_class, device;
+  bool validate = false, json = false, quiet = false;
+};
+
+// The assets lie beside the repository unless said otherwise.
+fs::path assets_of(const GoldenOptions& o) {
+  return o.assets.empty()
+             ? (fs::absolute(o.root).lexically_normal().parent_path() / "../shared/assets").lexically_normal()
+             : fs::path(o.assets);
+}
+
+Expected<std::vector<GoldenManifest>> goldens_of(const GoldenOptions& o) {
+  std::string root = o.root;
+  while (root.size() > 1 && root.ends_with('/')) root.pop_back();
+  return read_goldens(root, assets_of(o), o.filter);
+}
+
+RunSettings run_settings(const GoldenOptions& o) { return {.device = o.device, .validate = o.validate}; }
+
+// A folder of this process below the system's temporary one, removed with everything in it.
+class ScratchFolder {
+ public:
+  ScratchFolder() : path_(fs::temp_directory_path() / fmt::format("candela-golden-{}", getpid())) {
+    fs::create_directories(path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string verdict(const GoldenOutcome& outcome) {
+  if (outcome.kind == Kind::skipped) return "skipped";
+  return outcome.missing ? "missing golden" : std::string(gate_rung_name(outcome.gate.rung));
+}
+
+GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome) {
+  GoldenRow row;
+  row.name = golden.name;
+  row.verdict = verdict(outcome);
+  row.passed = outcome.kind != Kind::failed;
+  row.flagged = row.passed && outcome.gate.rung == GateRung::flagged;
+  row.blank = outcome.gate.blank;
+  row.message = outcome.message;
+  row.device_class = outcome.device_class;
+  row.time_s = outcome.seconds;
+  row.metrics = outcome.gate.comparison.metrics;
+  row.golden = outcome.golden_png, row.actual = outcome.actual_png;
+  row.heat_map = outcome.heat_map, row.side_by_side = outcome.side_by_side;
+  return row;
+}
+
+Expected<void> write_report(const fs::path& folder, const std::vector<GoldenRow>& rows, const std::string& sum) {
+  if (auto written = write_golden_html(folder / "index.html", rows, "candela goldens: " + sum); !written)
+    return written;
+  return write_golden_junit(folder / "junit.xml", rows, "candela goldens");
+}
+
+Json outcome_json(const GoldenManifest& golden, const GoldenOutcome& outcome) {
+  Json metrics = Json::object();
+  for (const auto& [name, value] : outcome.gate.comparison.metrics) metrics[name] = value;
+  return {{"name", golden.name},        {"verdict", verdict(outcome)}, {"pass", outcome.kind != Kind::failed},
+          {"message", outcome.message}, {"device", outcome.device},    {"device_class", outcome.device_class},
+          {"metrics", metrics},         {"seconds", outcome.seconds}};
+}
+
+Expected<int> run_check(const GoldenOptions& o) {
+  if (o.quiet) log::set_level(log::Level::warning);
+  const auto goldens = goldens_of(o);
+  if (!goldens) return std::unexpected(goldens.error());
+  const ScratchFolder scratch;
+  if (!o.report.empty())
+    if (auto ready = prepare_output(fs::path(o.report) / "index.html"); !ready) return std::unexpected(ready.error());
+  std::vector<std::vector<std::string>> rows = {{"GOLDEN", "VERDICT", "FLIP", "SECONDS", "MESSAGE"}};
+  Json list = Json::array();
+  std::map<Kind, int> count;
+  std::vector<GoldenRow> report;
+  for (const GoldenManifest& golden : *goldens) {
+    const GoldenOutcome outcome =
+        check_golden(golden, run_settings(o), o.report.empty() ? scratch.path() : fs::path(o.report));
+    log::info("{}: {}{}", golden.name, verdict(outcome), outcome.message.empty() ? "" : ": " + outcome.message);
+    ++count[outcome.kind];
+    const auto flip = outcome.gate.comparison.metrics.find("flip");
+    rows.push_back({golden.name, verdict(outcome),
+                    flip == outcome.gate.comparison.metrics.end() ? "" : fmt::format("{:.5f}", flip->second),
+                    fmt::format("{:.2f}", outcome.seconds), outcome.message});
+    list.push_back(outcome_json(golden, outcome));
+    // Skipped ones are counted in the table; in a report they would look like passes.
+    if (outcome.kind != Kind::skipped) report.push_back(report_row(golden, outcome));
+  }
+  const std::string sum =
+      fmt::format("{} passed, {} failed, {} skipped", count[Kind::passed], count[Kind::failed], count[Kind::skipped]);
+  if (count[Kind::skipped] > 0)
+    log::warning("{} goldens skipped: no assets at {}", count[Kind::skipped], assets_of(o).string());
+  auto printed = o.json ? print_json({{"goldens", list},
+                                      {"passed", count[Kind::passed]},
+                                      {"failed", count[Kind::failed]},
+                                      {"skipped", count[Kind::skipped]}})
+                        : print(table_text(rows) + sum + "\n");
+  if (printed && !o.report.empty()) printed = write_report(o.report, report, sum);
+  if (!printed) return std::unexpected(printed.error());
+  return count[Kind::failed] > 0 ? int(ErrorKind::comparison) : 0;
+}
+
+// The manifest with where its picture was made.
+Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture& picture) {
+  Json j = Json::parse(golden.text);
+  j["made"] = {{"device_class", picture.device_class},
+               {"device", picture.device},
+               {"driver", picture.driver},
+               {"version", CANDELA_VERSION}};
+  return write_file_atomically(golden.folder / "golden.json", j.dump(2) + "\n");
+}
+
+Expected<void> note_changes(const fs::path& root, const std::vector<std::string>& names, const GoldenPicture& picture,
+                            const std::string& why) {
+  const fs::path file = root / "CHANGES.md";
+  std::string text = "# Why a golden changed\n\nWritten by `candela golden update`; newest last.\n\n";
+  std::error_code failed;
+  if (fs::exists(file, failed)) {
+    const auto bytes = read_file(file);
+    if (!bytes) return std::unexpected(bytes.error());
+    text.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  }
+  for (const std::string& name : names)
+    text += fmt::format("- **{}** (candela {}, {}): {}\n", name, CANDELA_VERSION, picture.device_class, why);
+  return write_file_atomically(file, std::string_view(text));
+}
+
+// True when the picture changed.
+Expected<bool> update_one(const GoldenOptions& o, const GoldenManifest& golden, const fs::path& scratch,
+                          GoldenPicture& picture) {
+  const fs::path fresh = scratch / (golden.name + golden.picture().extension().string());
+  const auto rendered = render_golden(golden, run_settings(o), fresh);
+  if (!rendered) return std::unexpected(Error{rendered.error().kind, rendered.error().text(), golden.name});
+  picture = *rendered;
+  if (!o.device_class.empty() && o.device_class != picture.device_class)
+    return fail(ErrorKind::usage, "--device-class", "the device is {} ({}), not {}", picture.device_class,
+                picture.device, o.device_class);
+  if (!golden.made_on.empty() && golden.made_on != picture.device_class && o.device_class.empty())
+    return fail(ErrorKind::usage, golden.name,
+                "was made on {}, this device is {}; --device-class {} says that this is meant", golden.made_on,
+                picture.device_class, picture.device_class);
+  const auto bytes = read_file(fresh);
+  if (!bytes) return std::unexpected(bytes.error());
+  std::error_code failed;
+  if (fs::exists(golden.picture(), failed)) {
+    const auto before = read_image(golden.picture()), after = read_image(fresh);
+    if (before && after && picture_digest(*before) == picture_digest(*after)) return false;
+  }
+  if (auto written = write_file_atomically(golden.picture(), std::span<const std::byte>(*bytes)); !written)
+    return std::unexpected(written.error());
+  if (auto written = write_manifest(golden, picture); !written) return std::unexpected(written.error());
+  return true;
+}
+
+Expected<int> run_update(const GoldenOptions& o) {
+  if (o.quiet) log::set_level(log::Level::warning);
+  if (o.why.empty()) return fail(ErrorKind::usage, "--why", "say why the pictures change; it is kept in CHANGES.md");
+  const auto goldens = goldens_of(o);
+  if (!goldens) return std::unexpected(goldens.error());
+  const ScratchFolder scratch;
+  std::vector<std::string> changed;
+  GoldenPicture picture;
+  Expected<void> failed;
+  for (const GoldenManifest& golden : *goldens) {
+    if (golden.missing_assets) {
+      log::warning("{} skipped: no assets at {}", golden.name, assets_of(o).string());
+      continue;
+    }
+    const auto updated = update_one(o, golden, scratch.path(), picture);
+    if (!updated) {
+      failed = std::unexpected(updated.error());
+      break;
+    }
+    log::info("{}: {}", golden.name, *updated ? "changed" : "as it was");
+    if (*updated) changed.push_back(golden.name);
+  }
+  // What was written before an error is noted too.
+  if (!changed.empty())
+    if (auto noted = note_changes(goldens->front().folder.parent_path(), changed, picture, o.why); !noted)
+      return std::unexpected(noted.error());
+  if (!failed) return std::unexpected(failed.error());
+  log::info("{} of {} goldens changed", changed.size(), goldens->size());
+  return 0;
+}
+
+void add_shared(CLI::App& command, GoldenOptions& o) {
+  command.add_option("--root", o.root, "Folder of the goldens")->capture_default_str()->type_name("DIR");
+  command
+      .add_option("--assets", o.assets,
+                  "Folder of scenes named assets:...; by default ../shared/assets beside the repository")
+      ->type_name("DIR");
+  command.add_option("--filter", o.filter, "Only goldens with this in their name")->type_name("TEXT");
+  command.add_option("--device", o.device, "As for render")->type_name("DEVICE");
+  command.add_flag("--validate", o.validate,
+                   "Khronos validation layer with synchronization checks; a message fails the golden");
+  command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
+}
+
+}  // namespace
+
+void add_golden(CLI::App& app, Action& action) {
+  auto o = std::make_shared<GoldenOptions>();
+  CLI::App* golden = app.add_subcommand("golden", "Compare renders with kept pictures, or keep new ones");
+  golden->require_subcommand(1);
+  CLI::App* check =
+      golden->add_subcommand("check", "Render every golden and compare; exit 1 when one fails or is missing");
+  add_shared(*check, *o);
+  check->add_option("--report", o->report, "Folder for an HTML page of failures and a JUnit file")->type_name("DIR");
+  check->add_flag("--json", o->json, "As JSON");
+  check->callback([o, &action] { action = [o] { return run_check(*o); }; });
+  CLI::App* update = golden->add_subcommand("update", "Render every golden and keep what changed");
+  add_shared(*update, *o);
+  update->add_option("--why", o->why, "Why they change; appended to CHANGES.md")->type_name("TEXT");
+  update->add_option("--device-class", o->device_class, "Allows goldens that were made on another class of device")
+      ->type_name("NAME");
+  update->callback([o, &action] { action = [o] { return run_update(*o); }; });
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,122 @@
+#include "cli/golden_manifest.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/files.h"
+#include "base/text.h"
+
+namespace candela::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Expected<void> read_time(const Json& j, const std::string& file, GoldenManifest& golden) {
+  if (j.contains("time")) {
+    if (!j["time"].is_number()) return fail(ErrorKind::input, file + ": /time", "is not a number");
+    golden.time_s = j["time"].get<double>();
+    return {};
+  }
+  if (j.contains("frame") && !j["frame"].is_number_integer())
+    return fail(ErrorKind::input, file + ": /frame", "is not a whole number");
+  if (j.contains("fps")) {
+    const auto rate = parse_frame_rate(j["fps"].is_string() ? j["fps"].get<std::string>() : j["fps"].dump());
+    if (!rate) return std::unexpected(Error{ErrorKind::input, rate.error().message, file + ": /fps"});
+    golden.rate = *rate;
+  }
+  golden.frame = j.value("frame", int64_t(0));
+  golden.time_s = golden.rate.seconds(*golden.frame);
+  return {};
+}
+
+Expected<std::string> resolve(const Json& j, const char* key, const std::string& file, const fs::path& root,
+                              const fs::path& assets, GoldenManifest& golden) {
+  if (!j.contains(key)) return std::string();
+  if (!j[key].is_string()) return fail(ErrorKind::input, file + ": /" + key, "is not a text");
+  const std::string text = j[key].get<std::string>();
+  constexpr std::string_view prefix = "assets:";
+  if (!text.starts_with(prefix)) return (root.parent_path() / text).string();
+  std::error_code failed;
+  if (!fs::is_directory(assets, failed)) golden.missing_assets = true;
+  return (assets / text.substr(prefix.size())).string();
+}
+
+Expected<void> read_accepted(const Json& j, const std::string& file, GoldenManifest& golden) {
+  if (!j.contains("accepted")) return {};
+  if (!j["accepted"].is_object())
+    return fail(ErrorKind::input, file + ": /accepted", "is not an object of device classes");
+  for (const auto& [device_class, digests] : j["accepted"].items()) {
+    if (!digests.is_array())
+      return fail(ErrorKind::input, file + ": /accepted/" + device_class, "is not a list of digests");
+    for (const Json& digest : digests) {
+      if (!digest.is_string())
+        return fail(ErrorKind::input, file + ": /accepted/" + device_class, "holds something other than a digest");
+      golden.accepted[device_class].push_back(digest.get<std::string>());
+    }
+  }
+  return {};
+}
+
+Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& root, const fs::path& assets) {
+  const std::string file = (folder / "golden.json").string();
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
+  GoldenManifest golden{.name = folder.filename().string(), .folder = folder};
+  golden.text.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const Json j = Json::parse(golden.text, nullptr, false);
+  if (j.is_discarded() || !j.is_object()) return fail(ErrorKind::input, file, "is not a JSON object");
+  static const std::vector<std::string> keys = {"scene", "sky",      "job",  "frame",  "fps", "time",
+                                                "gate",  "accepted", "made", "format", "note"};
+  for (const auto& entry : j.items())
+    if (std::find(keys.begin(), keys.end(), entry.key()) == keys.end())
+      return fail(ErrorKind::input, file, "{}", unknown_name("key", entry.key(), keys));
+  if (!j.contains("scene")) return fail(ErrorKind::input, file + ": /scene", "is missing");
+  auto job = job_from_json(j.value("job", Json::object()).dump());
+  if (!job) return std::unexpected(Error{ErrorKind::input, job.error().message, file + ": /job" + job.error().place});
+  golden.job = *job;
+  const auto scene = resolve(j, "scene", file, root, assets, golden),
+             sky = resolve(j, "sky", file, root, assets, golden);
+  if (!scene) return std::unexpected(scene.error());
+  if (!sky) return std::unexpected(sky.error());
+  golden.job.scene = *scene;
+  golden.job.sky = *sky;
+  if (auto checked = check_job(golden.job); !checked)
+    return std::unexpected(Error{ErrorKind::input, checked.error().text(), file + ": /job"});
+  // Pictures are kept in the repository, so they are small.
+  constexpr int64_t most_pixels = 320 * 180;
+  if (int64_t(golden.job.width_px) * golden.job.height_px > most_pixels)
+    return fail(ErrorKind::input, file + ": /job/size", "a golden has at most as many pixels as 320x180");
+  if (auto read = read_time(j, file, golden); !read) return std::unexpected(read.error());
+  if (auto read = read_accepted(j, file, golden); !read) return std::unexpected(read.error());
+  golden.exr = j.value("format", Json("png")) == "exr";
+  if (j.contains("made") && j["made"].is_object() && j["made"].value("device_class", Json()).is_string())
+    golden.made_on = j["made"]["device_class"].get<std::string>();
+  return golden;
+}
+
+}  // namespace
+
+Expected<std::vector<GoldenManifest>> read_goldens(const fs::path& root, const fs::path& assets,
+                                                   const std::string& filter) {
+  std::vector<fs::path> folders;
+  std::error_code failed;
+  const fs::path whole_root = fs::absolute(root).lexically_normal();
+  for (fs::directory_iterator entry(whole_root, failed), end; !failed && entry != end; entry.increment(failed))
+    if (fs::exists(entry->path() / "golden.json") &&
+        entry->path().filename().string().find(filter) != std::string::npos)
+      folders.push_back(entry->path());
+  if (failed) return fail(ErrorKind::input, root.string(), "cannot be read: {}", failed.message());
+  std::sort(folders.begin(), folders.end());
+  std::vector<GoldenManifest> goldens;
+  for (const fs::path& folder : folders) {
+    auto golden = read_golden(folder, whole_root, assets);
+    if (!golden) return std::unexpected(golden.error());
+    goldens.push_back(std::move(*golden));
+  }
+  if (goldens.empty())
+    return fail(ErrorKind::usage, filter.empty() ? "--root" : "--filter", "no golden below {}{}", root.string(),
+                filter.empty() ? "" : fmt::format(" has '{}' in its name", filter));
+  return goldens;
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,38 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "render/job.h"
+
+namespace candela::cli {
+
+// golden/<name>/golden.json: how a picture is made and what it may differ by. Beside it lies golden.png or golden.exr.
+//   scene    relative to the golden's folder's repository (the parent of the root), or "assets:PATH" below --assets
+//   sky      likewise; absent: none
+//   job      the keys of a job's JSON, without scene and sky
+//   frame, fps  or  time
+//   gate     limits of the ladder (metrics/gate.h)
+//   accepted  per device class the digests of decoded pixels that are right there besides the picture's own
+//   made     device class, device, driver and version of the last update
+struct GoldenManifest {
+  std::string name;
+  std::filesystem::path folder;
+  Job job;                      // scene and sky resolved
+  bool missing_assets = false;  // the assets folder is not there
+  std::optional<int64_t> frame;
+  FrameRate rate;
+  double time_s = 0;
+  bool exr = false;  // the picture is golden.exr
+  std::string text;  // the file
+  std::map<std::string, std::vector<std::string>> accepted;
+  std::string made_on;  // device class; empty: never made
+  std::filesystem::path picture() const { return folder / (exr ? "golden.exr" : "golden.png"); }
+};
+
+// All goldens below root whose name contains `filter`, by name. A broken manifest is an error that names file and key.
+Expected<std::vector<GoldenManifest>> read_goldens(const std::filesystem::path& root,
+                                                   const std::filesystem::path& assets, const std::string& filter);
+
+}  // namespace candela::cli

@@ -1,0 +1,125 @@
+#include "cli/golden_run.h"
+
+#include "base/log.h"
+#include "metrics/heatmap.h"
+#include "render/outputs.h"
+#include "render/timings.h"
+
+namespace candela::cli {
+namespace fs = std::filesystem;
+
+Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings,
+                                      const fs::path& picture) {
+  const WantedOutputs wanted{
+      .linear = golden.exr || !golden.job.allow_nonfinite, .display = !golden.exr, .display_bits = golden.job.png_bits};
+  auto session = Session::open(golden.job, wanted, settings);
+  if (!session) return std::unexpected(session.error());
+  auto frame = (*session)->render(golden.time_s);
+  if (!frame) return std::unexpected(frame.error());
+  if (auto written = write_outputs(*frame, golden.job, **session, golden.frame, golden.rate, {picture}); !written)
+    return std::unexpected(written.error());
+  const gpu::DeviceInfo& device = (*session)->device().info();
+  return GoldenPicture{device.device_class, device.name, device.driver};
+}
+
+std::string picture_digest(const FloatImage& image) {
+  std::string digests = fmt::format("{}x{}", image.width, image.height);
+  for (const Channel& channel : image.channels)
+    digests += "\n" + channel.name + " " +
+               (channel.type == ChannelType::uint32 ? hash128(std::as_bytes(std::span(channel.u)))
+                                                    : hash128(std::as_bytes(std::span(channel.f))))
+                   .hex();
+  return hash128(digests).hex();
+}
+
+namespace {
+
+DisplayImage as_display(const std::vector<Plane>& planes, int width, int height) {
+  DisplayImage image{.width = width, .height = height, .channels = 3, .bits = 8};
+  image.pixels.resize(size_t(width) * size_t(height) * 3);
+  for (size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = std::byte(int(std::clamp(planes[i % 3][i / 3], 0.0f, 1.0f) * 255.0f + 0.5f));
+  return image;
+}
+
+// What a person needs to judge a golden that is not simply equal. A picture that cannot be written is only a warning.
+void write_pictures(const GoldenManifest& golden, const FloatImage* expected, const FloatImage& actual,
+                    const fs::path& folder, GoldenOutcome& outcome) {
+  const Encoding encoding = golden.exr ? Encoding::linear : Encoding::display;
+  const auto write = [&](const char* suffix, const DisplayImage& image) {
+    const fs::path path = folder / (golden.name + suffix);
+    if (auto written = write_png(path, image); !written) {
+      log::warning("{}", written.error().text());
+      return fs::path();
+    }
+    return path;
+  };
+  const auto shown = display_planes(actual, encoding);
+  if (shown.size() == 3) outcome.actual_png = write("-new.png", as_display(shown, actual.width, actual.height));
+  if (!expected) return;
+  const auto kept = display_planes(*expected, encoding);
+  if (kept.size() == 3) outcome.golden_png = write("-golden.png", as_display(kept, expected->width, expected->height));
+  const Comparison& comparison = outcome.gate.comparison;
+  if (comparison.flip_map.empty() || kept.size() != 3 || shown.size() != 3) return;
+  outcome.heat_map = write("-heat.png", heatmap(comparison.flip_map, comparison.width, comparison.height));
+  outcome.side_by_side =
+      write("-side.png", side_by_side(kept, shown, comparison.flip_map, comparison.width, comparison.height));
+}
+
+void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {
+  const auto fail_with = [&](std::string message) { outcome.message = std::move(message); };
+  const auto limits = parse_gate_limits(golden.text, outcome.device_class, (golden.folder / "golden.json").string());
+  if (!limits) return fail_with(limits.error().text());
+  const auto actual = read_image(outcome.actual);
+  if (!actual) return fail_with(actual.error().text());
+  const auto accepted = golden.accepted.find(outcome.device_class);
+  if (accepted != golden.accepted.end()) {
+    const std::string digest = picture_digest(*actual);
+    if (std::find(accepted->second.begin(), accepted->second.end(), digest) != accepted->second.end()) {
+      outcome.kind = GoldenOutcome::Kind::passed;
+      outcome.gate.rung = GateRung::identical;
+      outcome.message = "an accepted picture of " + outcome.device_class;
+      return;
+    }
+  }
+  std::error_code failed;
+  if (!fs::exists(golden.picture(), failed)) {
+    outcome.missing = true;
+    write_pictures(golden, nullptr, *actual, outcome.actual.parent_path(), outcome);
+    return fail_with(fmt::format("{} is missing; look at the new picture, then `candela golden update`",
+                                 golden.picture().filename().string()));
+  }
+  const auto expected = read_image(golden.picture());
+  if (!expected) return fail_with(expected.error().text());
+  outcome.gate = judge_golden(*expected, *actual, *limits, golden.exr ? Encoding::linear : Encoding::display);
+  outcome.message = outcome.gate.message;
+  if (outcome.gate.passed()) outcome.kind = GoldenOutcome::Kind::passed;
+  if (outcome.gate.rung >= GateRung::flagged || outcome.gate.blank)
+    write_pictures(golden, &*expected, *actual, outcome.actual.parent_path(), outcome);
+}
+
+}  // namespace
+
+GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings, const fs::path& folder) {
+  GoldenOutcome outcome;
+  if (golden.missing_assets) {
+    outcome.kind = GoldenOutcome::Kind::skipped;
+    outcome.message = "the assets folder is not here";
+    return outcome;
+  }
+  const double start_us = process_clock_us();
+  const fs::path actual = folder / (golden.name + (golden.exr ? ".exr" : ".png"));
+  const auto picture = render_golden(golden, settings, actual);
+  if (picture) {
+    outcome.actual = actual;
+    outcome.device_class = picture->device_class;
+    outcome.device = picture->device;
+    judge(golden, outcome);
+  } else {
+    outcome.message = picture.error().text();
+  }
+  outcome.seconds = (process_clock_us() - start_us) * 1e-6;
+  return outcome;
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,35 @@
+#pragma once
+#include "cli/golden_manifest.h"
+#include "metrics/gate.h"
+
+namespace candela::cli {
+
+// One golden, rendered and judged.
+struct GoldenOutcome {
+  enum class Kind { passed, failed, skipped } kind = Kind::failed;
+  GateResult gate;           // of a judged one
+  std::string message;       // why it failed, was skipped, or is flagged
+  std::string device_class;  // where it was rendered; empty when it was not
+  std::string device;
+  std::filesystem::path actual;                                          // the new picture; empty when there is none
+  std::filesystem::path golden_png, actual_png, heat_map, side_by_side;  // for the report; of failed and flagged ones
+  double seconds = 0;
+  bool missing = false;  // there is no golden picture
+};
+
+// Renders into `picture` (made whole or not at all).
+struct GoldenPicture {
+  std::string device_class, device, driver;
+};
+Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings,
+                                      const std::filesystem::path& picture);
+
+// Renders into `folder` and walks the ladder of metrics/gate.h. Errors of the golden itself (missing picture, a scene
+// that does not load) are outcomes; only what makes every golden fail alike (no device) is an error.
+GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings,
+                           const std::filesystem::path& folder);
+
+// Of the decoded pixels: size, channel names and values.
+std::string picture_digest(const FloatImage& image);
+
+}  // namespace candela::cli

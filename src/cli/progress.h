@@ -1,0 +1,18 @@
+#pragma once
+#include "render/sequence.h"
+
+namespace candela::cli {
+
+// Progress on stderr: one line that is written over on a terminal, a plain line every few seconds elsewhere.
+class ProgressLine {
+ public:
+  ProgressLine(bool quiet);
+  void show(const SequenceProgress& progress);
+  void end();  // leaves the last line standing
+
+ private:
+  bool quiet_, terminal_, open_ = false;
+  double last_us_ = 0;
+};
+
+}  // namespace candela::cli

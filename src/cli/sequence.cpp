@@ -1,0 +1,174 @@
+#include "render/sequence.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "cli/command.h"
+#include "cli/job_options.h"
+#include "cli/progress.h"
+#include "cli/result.h"
+#include "cli/scene_notes.h"
+#include "cli/signals.h"
+#include "render/timings.h"
+
+namespace candela::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct SequenceOptions {
+  JobOptions job;
+  std::string frames, shard = "1/1", video, audio, timings, trace;
+  std::vector<std::string> outputs;
+  bool resume = false;
+};
+
+Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job) {
+  SequenceSettings settings;
+  if (o.frames.empty()) return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
+  const auto frames = parse_frame_list(o.frames);
+  if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
+  const auto shard = parse_shard(o.shard);
+  if (!shard) return std::unexpected(shard.error());
+  const auto rate = parse_frame_rate(o.job.fps);
+  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  for (const std::string& text : o.outputs) {
+    const auto pattern = parse_pattern(text);
+    if (!pattern) return std::unexpected(pattern.error());
+    settings.patterns.push_back(*pattern);
+  }
+  if (shard->count > 1 && !o.video.empty())
+    return fail(ErrorKind::usage, "--shard", "does not go with --video, which needs every frame of one run");
+  if (!o.video.empty() && job.png_bits != 8)
+    return fail(ErrorKind::usage, "--png-bits", "16 does not go with --video, which has 8 bits");
+  if (o.timings == "-" && o.job.json)
+    return fail(ErrorKind::usage, "--timings", "- and --json both ask for stdout; --json holds the timings");
+  settings.frames = shard_of(*frames, *shard);
+  settings.rate = *rate;
+  settings.resume = o.resume;
+  settings.video = o.video;
+  settings.audio = o.audio;
+  settings.keep_spans = !o.trace.empty();
+  if (auto good = check_sequence(settings); !good) return std::unexpected(good.error());
+  for (const std::string& file : {o.timings, o.trace})
+    if (!file.empty() && file != "-")
+      if (auto ready = prepare_output(file); !ready) return std::unexpected(ready.error());
+  return settings;
+}
+
+Json sequence_timings(const SequenceResult& result, const Session& session) {
+  Json j;
+  j["device"] = device_json(session.device().info());
+  j["frames_rendered"] = result.rendered;
+  j["plan_hashes"] = Json::array();
+  for (const Hash128& hash : result.plan_hashes) j["plan_hashes"].push_back(hash.hex());
+  j["gpu_frame_ms"] = result.timings.frame_gpu_ms;
+  j["gpu_ms"] = Json::object();
+  for (const gpu::PassTime& pass : result.timings.gpu_ms) j["gpu_ms"][pass.name] = pass.gpu_ms;
+  j["cpu_ms"] = cpu_json(session.opening(), result.timings);
+  j["process_ms"] = process_clock_us() * 1e-3;
+  j["memory"] = memory_json(session, result.plan);
+  return j;
+}
+
+Expected<void> write_reports(const SequenceOptions& o, const Job& job, const SequenceResult& result,
+                             const Session& session, const std::vector<std::string>& warnings) {
+  if (!o.timings.empty()) {
+    Json timings = sequence_timings(result, session);
+    timings["job"] = Json::parse(job_json(job));
+    if (auto written = write_text_output(o.timings, timings.dump(2) + "\n"); !written) return written;
+  }
+  if (!o.trace.empty()) {
+    std::vector<Timings::Span> spans = session.opening().spans;
+    spans.insert(spans.end(), result.timings.spans.begin(), result.timings.spans.end());
+    if (auto written = write_text_output(o.trace, trace_json(spans)); !written) return written;
+  }
+  if (!o.job.json) return {};
+  Json j = result_head(job, session, warnings);
+  j["outputs"] = o.outputs;
+  if (!o.video.empty()) j["video"] = o.video;
+  j["frames"] = o.frames;
+  j["shard"] = o.shard;
+  j["fps"] = o.job.fps;
+  j["rendered"] = result.rendered;
+  j["skipped"] = result.skipped;
+  j["timings"] = sequence_timings(result, session);
+  return print_json(j);
+}
+
+// The frame of an error that holds non-finite pixels stands at its beginning: "frame 12: ...".
+Error with_first_pass(Error error, Session& session, FrameRate rate) {
+  int64_t frame = 0;
+  if (error.kind == ErrorKind::nonfinite && std::sscanf(error.message.c_str(), "frame %ld:", &frame) == 1)
+    error.message += first_nonfinite_pass(session, rate.seconds(frame));
+  return error;
+}
+
+Expected<int> run(CLI::App& command, SequenceOptions& o) {
+  if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
+  set_log_level(o.job);
+  const auto job = job_of(o.job);
+  if (!job) return std::unexpected(job.error());
+  auto settings = settings_of(o, *job);
+  if (!settings) return std::unexpected(settings.error());
+  RunSettings run_settings = run_settings_of(o.job);
+  run_settings.timed = !o.timings.empty() || !o.trace.empty() || job->timings_in_metadata;
+  auto session = Session::open(*job, wanted_by(*settings, *job), run_settings);
+  if (!session) return std::unexpected(session.error());
+  log_device((*session)->device().info());
+  if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
+
+  std::vector<std::string> warnings;
+  std::set<std::string> notes;
+  ProgressLine progress(o.job.quiet);
+  settings->progress = [&](const SequenceProgress& p) { progress.show(p); };
+  settings->rendered = [&](int64_t frame, const FrameResult& result) {
+    for (const std::string& note : result.notes)
+      if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
+    const std::string blank = blank_warning(result, *job, (*session)->scene());
+    if (blank.empty()) return;
+    if (warnings.size() < 100) warnings.push_back(fmt::format("frame {}: {}", frame, blank));
+    log::warning("frame {}: {}", frame, blank);
+  };
+  HeldSignals held;
+  settings->stop = &held.pending();
+  const auto result = run_sequence(**session, *job, *settings);
+  progress.end();
+  if (!result) return std::unexpected(with_first_pass(result.error(), **session, settings->rate));
+  if (result->stopped) {
+    log::warning("interrupted after {} of {} frames; {}", result->rendered + result->skipped, settings->frames.size(),
+                 o.video.empty() ? "the same command with --resume goes on" : "the video was not written");
+    return 128 + held.pending();
+  }
+  log::info("{} frames rendered, {} were there", result->rendered, result->skipped);
+  if (auto reported = write_reports(o, *job, *result, **session, warnings); !reported)
+    return std::unexpected(reported.error());
+  return 0;
+}
+
+}  // namespace
+
+void add_sequence(CLI::App& app, Action& action) {
+  auto o = std::make_shared<SequenceOptions>();
+  CLI::App* command = app.add_subcommand("sequence", "Render a list of frames to files or a video");
+  add_job_options(*command, o->job);
+  command->add_option("--frames", o->frames, "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20")->type_name("LIST");
+  command
+      ->add_option("-o,--output", o->outputs,
+                   "Files to write, with %04d or #### for the frame number; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("PATTERN");
+  command->add_option("--video", o->video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
+  command->add_option("--audio", o->audio, "Sound of the film")->type_name("FILE");
+  command->add_flag("--resume", o->resume, "Leave out frames whose files are whole and hold this job's picture");
+  command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")
+      ->capture_default_str()
+      ->type_name("I/N");
+  command->add_option("--timings", o->timings, "Times summed over the frames as JSON; - is stdout")->type_name("FILE");
+  command->add_option("--trace", o->trace, "The same as a Chrome trace; - is stdout")->type_name("FILE");
+  add_run_options(*command, o->job);
+  command->callback([command, o, &action] { action = [command, o] { return run(*command, *o); }; });
+}
+
+}  // namespace candela::cli

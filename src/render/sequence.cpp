@@ -1,0 +1,211 @@
+#include "render/sequence.h"
+
+#include <signal.h>
+
+#include <cerrno>
+#include <charconv>
+#include <set>
+
+#include "base/text.h"
+#include "render/encoder_thread.h"
+#include "render/outputs.h"
+#include "render/video.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+namespace {
+
+std::vector<fs::path> paths_of(const SequenceSettings& settings, int64_t frame) {
+  std::vector<fs::path> paths;
+  for (const FramePattern& pattern : settings.patterns) paths.emplace_back(pattern.name(frame));
+  return paths;
+}
+
+// A killed run leaves files with temporary names (.STEM.PID.N.tmp.ENDING) behind; those of our own frames whose process
+// is gone are removed.
+void remove_stale_files(const SequenceSettings& settings) {
+  std::set<fs::path> folders;
+  std::set<std::string> stems;
+  for (const int64_t frame : settings.frames)
+    for (const fs::path& path : paths_of(settings, frame)) {
+      folders.insert(path.has_parent_path() ? path.parent_path() : fs::path("."));
+      stems.insert(path.stem().string());
+    }
+  for (const fs::path& folder : folders) {
+    std::error_code failed;
+    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+      std::vector<std::string> parts = split(entry->path().filename().string(), '.');
+      if (parts.size() < 6 || !parts[0].empty() || parts[parts.size() - 2] != "tmp") continue;
+      int process = 0;
+      const std::string& number = parts[parts.size() - 4];
+      std::from_chars(number.data(), number.data() + number.size(), process);
+      const std::string stem = joined(std::span(parts).subspan(1, parts.size() - 5), ".");
+      std::error_code ignored;
+      if (stems.contains(stem) && process > 0 && kill(process, 0) != 0 && errno == ESRCH)
+        fs::remove(entry->path(), ignored);
+    }
+  }
+}
+
+void add_sums(Timings& sums, Timings frame, bool keep_spans) {
+  for (auto& [stage, milliseconds] : frame.cpu_ms) sums.add(stage, milliseconds);
+  for (const gpu::PassTime& pass : frame.gpu_ms) {
+    auto found =
+        std::find_if(sums.gpu_ms.begin(), sums.gpu_ms.end(), [&](const auto& p) { return p.name == pass.name; });
+    if (found == sums.gpu_ms.end())
+      sums.gpu_ms.push_back(pass);
+    else
+      found->gpu_ms += pass.gpu_ms;
+  }
+  sums.frame_gpu_ms += frame.frame_gpu_ms;
+  if (keep_spans) sums.spans.insert(sums.spans.end(), frame.spans.begin(), frame.spans.end());
+}
+
+class Run {
+ public:
+  Run(Session& session, const Job& job, const SequenceSettings& settings)
+      : session_(session), job_(job), settings_(settings) {}
+
+  Expected<SequenceResult> all() {
+    if (!settings_.video.empty()) {
+      auto video = VideoWriter::open(settings_.video, settings_.audio, job_.width_px, job_.height_px, settings_.rate);
+      if (!video) return std::unexpected(video.error());
+      video_ = std::move(*video);
+    }
+    const auto rendered = render_all();
+    if (!rendered) return std::unexpected(rendered.error());
+    if (video_ && !result_.stopped)
+      if (auto finished = video_->finish(); !finished) return std::unexpected(finished.error());
+    return std::move(result_);
+  }
+
+ private:
+  Expected<void> render_all() {
+    EncoderThread encoder([this](FinishedFrame& frame) { return encode(frame); });
+    start_us_ = process_clock_us();
+    Expected<void> failed;
+    for (const int64_t number : settings_.frames) {
+      if (settings_.stop && *settings_.stop != 0) {
+        result_.stopped = true;
+        break;
+      }
+      const auto going = one(number, encoder);
+      if (!going) failed = std::unexpected(going.error());
+      if (!going || !*going) break;
+    }
+    // Frames in hand are still written, and an encoder's error came first.
+    if (auto finished = encoder.finish(); !finished) return finished;
+    return failed;
+  }
+
+  // False: the encoder has failed, and the run ends.
+  Expected<bool> one(int64_t number, EncoderThread& encoder) {
+    const double time_s = settings_.rate.seconds(number);
+    if (settings_.resume && is_done(number, time_s)) {
+      ++result_.skipped;
+    } else {
+      auto frame = session_.render(time_s);
+      if (!frame)
+        return std::unexpected(
+            Error{frame.error().kind, fmt::format("frame {}: {}", number, frame.error().message), frame.error().place});
+      if (settings_.rendered) settings_.rendered(number, *frame);
+      const Hash128 hash = frame->plan_hash;
+      if (std::find(result_.plan_hashes.begin(), result_.plan_hashes.end(), hash) == result_.plan_hashes.end())
+        result_.plan_hashes.push_back(hash);
+      result_.plan = frame->plan;
+      if (!encoder.push({std::move(*frame), number})) return false;
+      ++result_.rendered;
+    }
+    report();
+    return true;
+  }
+
+  bool is_done(int64_t number, double time_s) const {
+    const std::string identity = file_identity(job_, session_, time_s, number, settings_.rate);
+    const std::vector<fs::path> paths = paths_of(settings_, number);
+    return std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return holds_frame(path, identity); });
+  }
+
+  void report() const {
+    if (!settings_.progress) return;
+    SequenceProgress progress{
+        .done = result_.rendered + result_.skipped, .skipped = result_.skipped, .total = settings_.frames.size()};
+    const double passed_s = (process_clock_us() - start_us_) * 1e-6;
+    if (result_.rendered > 0 && passed_s > 0) {
+      progress.frames_per_s = double(result_.rendered) / passed_s;
+      progress.left_s = double(progress.total - progress.done) / progress.frames_per_s;
+    }
+    settings_.progress(progress);
+  }
+
+  Expected<void> encode(FinishedFrame& finished) {
+    FrameResult& frame = finished.frame;
+    auto written =
+        write_outputs(frame, job_, session_, finished.number, settings_.rate, paths_of(settings_, finished.number));
+    if (!written)
+      return std::unexpected(Error{written.error().kind,
+                                   fmt::format("frame {}: {}", finished.number, written.error().message),
+                                   written.error().place});
+    if (video_)
+      if (auto added = video_->add(display_image(frame, job_)); !added) return added;
+    add_sums(result_.timings, std::move(frame.timings), settings_.keep_spans);  // read again after the thread has ended
+    return {};
+  }
+
+  Session& session_;
+  const Job& job_;
+  const SequenceSettings& settings_;
+  SequenceResult result_;
+  std::unique_ptr<VideoWriter> video_;
+  double start_us_ = 0;
+};
+
+}  // namespace
+
+Expected<void> check_sequence(const SequenceSettings& settings) {
+  if (settings.patterns.empty() && settings.video.empty())
+    return fail(ErrorKind::usage, "-o", "no output given; name files such as 'out/%04d.exr', or --video FILE.mp4");
+  if (settings.frames.empty())
+    return fail(ErrorKind::usage, "--shard", "there are fewer frames than shards: this shard has none");
+  std::map<std::string, int64_t> names;
+  for (const FramePattern& pattern : settings.patterns) {
+    if (!pattern.numbered && settings.frames.size() > 1)
+      return fail(ErrorKind::usage, "-o", "'{}' has no place for the frame number; write %04d or ####", pattern.before);
+    if (const auto format = output_format(pattern.name(0)); !format) return std::unexpected(format.error());
+    for (const int64_t frame : settings.frames) {
+      const std::string name = fs::path(pattern.name(frame)).lexically_normal().string();
+      if (!names.emplace(name, frame).second) return fail(ErrorKind::usage, "-o", "'{}' would be written twice", name);
+    }
+  }
+  std::set<fs::path> folders;
+  for (const int64_t frame : settings.frames)
+    for (const fs::path& path : paths_of(settings, frame))
+      if (folders.insert(path.parent_path()).second)
+        if (auto ready = prepare_output(path); !ready) return ready;
+  if (!settings.video.empty()) {
+    if (settings.resume)
+      return fail(ErrorKind::usage, "--resume", "does not go with --video, which needs every frame of one run");
+    if (auto good = check_video(settings.video, settings.audio); !good) return good;
+  } else if (!settings.audio.empty()) {
+    return fail(ErrorKind::usage, "--audio", "goes with --video");
+  }
+  return {};
+}
+
+WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job) {
+  // Non-finite pixels are looked for in the linear image, whatever is written.
+  WantedOutputs wanted{
+      .linear = !job.allow_nonfinite, .display = !settings.video.empty(), .display_bits = job.png_bits};
+  for (const FramePattern& pattern : settings.patterns) {
+    const auto format = output_format(pattern.name(0));
+    (format && *format == OutputFormat::exr ? wanted.linear : wanted.display) = true;
+  }
+  return wanted;
+}
+
+Expected<SequenceResult> run_sequence(Session& session, const Job& job, const SequenceSettings& settings) {
+  remove_stale_files(settings);
+  return Run(session, job, settings).all();
+}
+
+}  // namespace candela

@@ -1,0 +1,47 @@
+#pragma once
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "render/frame_names.h"
+#include "render/session.h"
+
+namespace candela {
+
+struct SequenceProgress {
+  size_t done = 0, skipped = 0, total = 0;  // skipped ones count as done
+  double frames_per_s = 0, left_s = 0;      // of rendered frames; 0 while unknown
+};
+
+struct SequenceSettings {
+  std::vector<int64_t> frames;  // of this shard, in the order they are rendered
+  FrameRate rate;
+  std::vector<FramePattern> patterns;
+  bool resume = false;  // leave out frames whose files all are whole and hold this job's picture
+  std::filesystem::path video, audio;
+  bool keep_spans = false;                                    // for a trace; grows with the number of frames
+  const std::atomic<int>* stop = nullptr;                     // not 0: end after the frame in hand
+  std::function<void(const SequenceProgress&)> progress;      // after each frame, from the rendering thread
+  std::function<void(int64_t, const FrameResult&)> rendered;  // before a frame is encoded
+};
+
+struct SequenceResult {
+  size_t rendered = 0, skipped = 0;
+  bool stopped = false;
+  Timings timings;                   // sums over the rendered frames
+  std::vector<Hash128> plan_hashes;  // the different ones, in order of appearance
+  FramePlan plan;                    // of the last rendered frame
+};
+
+// Errors (usage) before anything is rendered: a pattern without a number for more than one frame, two files of one
+// name, no output at all; (output): a folder that cannot be written.
+Expected<void> check_sequence(const SequenceSettings& settings);
+WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job);
+
+// Renders the frames; read-back copies, encoding and writing of one overlap the rendering of the next. Every file
+// appears whole or not at all. The first error ends the run; frames written before it stay.
+Expected<SequenceResult> run_sequence(Session& session, const Job& job, const SequenceSettings& settings);
+
+}  // namespace candela

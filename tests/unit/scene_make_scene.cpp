@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/files.h"
+#include "scene/gltf.h"
 #include "scene/procedural_shapes.h"
 
 namespace candela {
@@ -50,6 +51,16 @@ TEST(MakeScene, FilesAreSmallWholeAndHaveACamera) {
     EXPECT_EQ(length, bytes.size()) << name;
     EXPECT_EQ(document(bytes)["cameras"].size(), 1u) << name;
     EXPECT_FALSE(scene_description(name).empty());
+  }
+}
+
+TEST(MakeScene, EverySceneLoadsWithoutAWarningAndWithAllItsExtensions) {
+  for (std::string_view name : scene_names()) {
+    const auto scene = load_gltf_from_memory(made(name), std::string(name), "");
+    ASSERT_TRUE(scene.has_value()) << scene.error().text();
+    for (const std::string& warning : scene->warnings) ADD_FAILURE() << name << ": " << warning;
+    for (const ExtensionUse& use : scene->extensions)
+      EXPECT_EQ(use.support, Support::supported) << name << ": " << use.name;
   }
 }
 

@@ -42,14 +42,15 @@ const Json& elements(const Json& object, std::string_view key) {
 const Json& extension(const Json& object, std::string_view name) { return member(member(object, "extensions"), name); }
 
 bool is_whole(const Json& value) {
-  if (value.is_number_integer()) return !value.is_number_unsigned() || value.get<uint64_t>() <= uint64_t(INT64_MAX);
-  if (!value.is_number_float()) return false;
-  const double x = value.get<double>();
-  return std::trunc(x) == x && std::abs(x) < 9007199254740992.0;
+  if (value.is_number_integer()) return true;
+  return value.is_number_float() && std::trunc(value.get<double>()) == value.get<double>();
 }
 
 int64_t whole(const Json& value) {
-  return value.is_number_float() ? int64_t(value.get<double>()) : value.get<int64_t>();
+  constexpr int64_t most = int64_t(1) << 62;  // the sum of two still fits 64 bits
+  const double x = value.get<double>();
+  if (std::abs(x) >= double(most)) return x < 0 ? -most : most;
+  return value.is_number_float() ? int64_t(x) : value.get<int64_t>();
 }
 
 int64_t integer(const Json& object, std::string_view key, int64_t otherwise) {

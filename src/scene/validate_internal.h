@@ -49,7 +49,7 @@ const Json& extension(const Json& object, std::string_view name);
 int64_t integer(const Json& object, std::string_view key, int64_t otherwise);
 double number(const Json& object, std::string_view key, double otherwise);
 std::string_view text(const Json& object, std::string_view key);
-// Whole numbers count as integers however they are written.
+// Whole numbers count as integers however they are written (1e300 too); whole() holds them to +-2^62.
 bool is_whole(const Json& value);
 int64_t whole(const Json& value);
 

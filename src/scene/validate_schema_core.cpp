@@ -4,15 +4,14 @@
 namespace candela::validation {
 namespace {
 
-constexpr double largest_count = 2147483647.0;         // what the loader's 32-bit indices can name
-constexpr double largest_offset = 9007199254740991.0;  // 2^53 - 1, exact in every JSON implementation
+constexpr double largest_count = 2147483647.0;  // what the loader's 32-bit indices can name
 
 // Names and notes change no picture; neither do bounds, which the loader computes itself.
 Property name_property(std::string_view name = "name") {
   return {.name = name, .shape = Shape::string, .wrong_type = Harm::warning};
 }
 Property offset_property(std::string_view name = "byteOffset", bool required = false) {
-  return {.name = name, .shape = Shape::integer, .required = required, .lowest = 0, .highest = largest_offset};
+  return {.name = name, .shape = Shape::integer, .required = required, .lowest = 0};
 }
 Property unit_interval(std::string_view name) {
   return {.name = name, .shape = Shape::number, .lowest = 0, .highest = 1};
@@ -76,11 +75,10 @@ const ObjectSchema& accessor_schema() {
 }
 
 const ObjectSchema& buffer_schema() {
-  static const ObjectSchema schema{
-      "buffer",
-      {{.name = "uri", .shape = Shape::string},
-       {.name = "byteLength", .shape = Shape::integer, .required = true, .lowest = 1, .highest = largest_offset},
-       name_property()}};
+  static const ObjectSchema schema{"buffer",
+                                   {{.name = "uri", .shape = Shape::string},
+                                    {.name = "byteLength", .shape = Shape::integer, .required = true, .lowest = 1},
+                                    name_property()}};
   return schema;
 }
 
@@ -89,7 +87,7 @@ const ObjectSchema& buffer_view_schema() {
       "bufferView",
       {{.name = "buffer", .shape = Shape::index, .required = true},
        offset_property(),
-       {.name = "byteLength", .shape = Shape::integer, .required = true, .lowest = 1, .highest = largest_offset},
+       {.name = "byteLength", .shape = Shape::integer, .required = true, .lowest = 1},
        {.name = "byteStride", .shape = Shape::integer, .lowest = 4, .highest = 252, .multiple_of = 4},
        {.name = "target", .shape = Shape::integer, .values = {34962, 34963}, .unlisted = Harm::warning},
        name_property()}};

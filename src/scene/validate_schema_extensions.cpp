@@ -116,8 +116,8 @@ const ObjectSchema& meshopt_view_schema() {
   static const ObjectSchema schema{
       "meshoptView",
       {{.name = "buffer", .shape = Shape::index, .required = true},
-       {.name = "byteOffset", .shape = Shape::integer, .lowest = 0, .highest = 9007199254740991.0},
-       {.name = "byteLength", .shape = Shape::integer, .required = true, .lowest = 1, .highest = 9007199254740991.0},
+       {.name = "byteOffset", .shape = Shape::integer, .lowest = 0},
+       {.name = "byteLength", .shape = Shape::integer, .required = true, .lowest = 1},
        {.name = "byteStride", .shape = Shape::integer, .required = true, .lowest = 1, .highest = 256},
        {.name = "count", .shape = Shape::integer, .required = true, .lowest = 1, .highest = 2147483647.0},
        {.name = "mode", .shape = Shape::string, .required = true, .names = {"ATTRIBUTES", "TRIANGLES", "INDICES"}},

@@ -99,8 +99,9 @@ void add_columns(GlbWriter& out, const Parts& parts) {
                     return glm::dvec4(glm::dvec3(0.82, 0.78, 0.72) - 0.22 * (1 - flute) - 0.15 * vein, 1);
                   }));
   const int mesh = out.mesh("column", parts.column, out.material("marble", pbr_textured(marble, 0, 0.5)));
-  for (int i = 0; i < 10; ++i) {
-    const double angle = 2 * pi * (i + 0.5) / 10;
+  // An arc that is open towards the camera.
+  for (int i = 0; i < 9; ++i) {
+    const double angle = pi * (0.92 + 1.16 * i / 8);
     out.node("column",
              {{"mesh", mesh}, {"translation", vector_json({5.2 * std::cos(angle), 0, 5.2 * std::sin(angle)})}});
   }
@@ -156,7 +157,7 @@ void add_centrepiece(GlbWriter& out, const Parts& parts) {
   const int spin = out.child(tilt, "ring", {{"mesh", ring}});
   animate_turn(out, pivot, 8, 1, "LINEAR");
   animate_turn(out, spin, 8, -1, "LINEAR");
-  const int ball = out.mesh("ball", parts.ball, out.material("polished", pbr({0.95, 0.93, 0.88, 1}, 1, 0.18)));
+  const int ball = out.mesh("ball", parts.ball, out.material("polished", pbr({0.95, 0.93, 0.88, 1}, 1, 0.36)));
   const int core = out.node("ball", {{"mesh", ball}, {"translation", vector_json({0, 1.9, 0})}});
   // It breathes: cubic splines with flat tangents, so in-tangent, value, out-tangent for each key.
   std::vector<double> scales;
@@ -188,7 +189,7 @@ void add_players(GlbWriter& out, const Parts& parts) {
   }
   out.animate(ball, "translation", "CUBICSPLINE", times, path, 3);
 
-  const int gold = out.mesh("gold bead", parts.ball, out.material("gold", pbr({1, 0.76, 0.33, 1}, 1, 0.25)));
+  const int gold = out.mesh("gold bead", parts.ball, out.material("gold", pbr({1, 0.76, 0.33, 1}, 1, 0.42)));
   const int orbit = out.node("orbit", {{"translation", vector_json({0, 1.2, 0})}});
   for (int i = 0; i < 5; ++i) {
     const double angle = 2 * pi * i / 5;

@@ -53,7 +53,7 @@ void make_orthographic(GlbWriter& out, SceneOptions& options) {
   out.node("floor", {{"mesh", floor}});
   add_sun(out, {2, 3, 1}, {1, 1, 1}, 3);
   const int camera = out.camera(
-      {{"type", "orthographic"}, {"orthographic", {{"xmag", 5}, {"ymag", 2.8125}, {"znear", 0.1}, {"zfar", 30}}}});
+      {{"type", "orthographic"}, {"orthographic", {{"xmag", 6}, {"ymag", 3.375}, {"znear", 0.1}, {"zfar", 30}}}});
   const glm::dvec3 eye{6, 6, 6};
   const glm::dquat rotation = glm::quat_cast(glm::dmat3(look_at_pose(eye, {0, 0, 0})));
   out.node("camera", {{"camera", camera}, {"translation", vector_json(eye)}, {"rotation", quaternion_json(rotation)}});

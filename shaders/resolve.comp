@@ -11,6 +11,6 @@ void main() {
   const uvec2 p = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(p, pc.size_px))) return;
   precise vec4 sum = vec4(0.0);
-  for (int s = 0; s < SAMPLES; ++s) sum += texelFetch(multisampled_textures[pc.source], ivec2(p), s);
+  for (int s = 0; s < SAMPLES; ++s) sum += texelFetch(pass_multisampled_images[pc.source], ivec2(p), s);
   imageStore(storage_images[pc.target], ivec2(p), sum / float(SAMPLES));
 }

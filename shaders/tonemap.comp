@@ -25,7 +25,7 @@ vec3 unit(uvec3 v) { return vec3(v >> 8u) * (1.0 / 16777216.0); }
 void main() {
   const uvec2 p = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(p, pc.size_px))) return;
-  const vec4 source = texelFetch(textures[pc.source], ivec2(p), 0);
+  const vec4 source = texelFetch(pass_images[pc.source], ivec2(p), 0);
   const float alpha = clamp(source.a, 0.0, 1.0);
   vec3 c = max(source.rgb, vec3(0.0)) * pc.exposure;
   c = min(alpha > 0.0 ? c / alpha : c, vec3(1e30));

@@ -44,18 +44,31 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
+std::vector<std::string> subcommand_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
+}
+
+// The first word that is no option, after `skipped` others.
+std::string word_of(int argc, char** argv, int skipped) {
+  for (int i = 1; i < argc; ++i)
+    if (argv[i][0] != '-' && skipped-- == 0) return argv[i];
+  return {};
+}
+
 // CLI11's own messages name neither what is allowed nor what was nearly right.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  const std::vector<std::string> names = subcommand_names(command);
+  if (!names.empty() && command.get_subcommands().empty()) {
+    const std::string word = word_of(argc, argv, chosen.empty() ? 0 : 1);
+    if (!word.empty()) return unknown_name("command", word, names);
+    if (!chosen.empty()) return fmt::format("{} needs one of: {}", command.get_name(), joined(names));
+  }
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
-    const CLI::App& command = chosen.empty() ? app : *chosen.front();
-    if (chosen.empty()) {
-      std::vector<std::string> names;
-      for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
-        names.push_back(sub->get_name());
-      for (int i = 1; i < argc; ++i)
-        if (argv[i][0] != '-') return unknown_name("command", argv[i], names);
-    }
     for (std::string extra : app.remaining(true)) {
       if (!extra.starts_with('-')) return fmt::format("there is one '{}' too many on the command line", extra);
       extra = extra.substr(0, extra.find('='));

@@ -7,7 +7,7 @@
 namespace candela::gpu {
 
 namespace {
-constexpr uint32_t max_sampled = 16384, max_samplers = 512, max_storage = 2048;
+constexpr uint32_t max_sampled = 16384, max_samplers = 512;
 
 // Indices in use; the lowest free one is given out first, so that equal jobs get equal indices.
 class Slots {
@@ -43,8 +43,27 @@ bool equal(const VkSamplerCreateInfo& a, const VkSamplerCreateInfo& b) {
 }
 }  // namespace
 
+namespace {
+VkDescriptorSetLayout make_set_layout(Device& device, std::span<const VkDescriptorType, 2> types,
+                                      std::span<const uint32_t, 2> counts, VkDescriptorBindingFlags more) {
+  VkDescriptorSetLayoutBinding bindings[2]{};
+  const VkDescriptorBindingFlags each = VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT | more;
+  const VkDescriptorBindingFlags flags[2] = {each, each};
+  for (uint32_t i = 0; i < 2; ++i) bindings[i] = {i, types[i], counts[i], VK_SHADER_STAGE_ALL, nullptr};
+  const VkDescriptorSetLayoutBindingFlagsCreateInfo flags_info{
+      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO, nullptr, 2, flags};
+  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, &flags_info};
+  info.flags = more ? VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT : 0;
+  info.bindingCount = 2;
+  info.pBindings = bindings;
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateDescriptorSetLayout(device.handle(), &info, nullptr, &layout));
+  return layout;
+}
+}  // namespace
+
 struct Bindless::Hidden {
-  Slots sampled{max_sampled}, storage{max_storage};
+  Slots sampled{max_sampled};
   VkDescriptorPool pool = VK_NULL_HANDLE;
   std::vector<std::pair<VkSamplerCreateInfo, VkSampler>> samplers;
   std::mutex mutex;
@@ -55,35 +74,19 @@ Bindless::Bindless(Device& device) : hidden_(std::make_unique<Hidden>()), device
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v12};
   vkGetPhysicalDeviceProperties2(device.physical(), &properties);
   const uint32_t counts[] = {std::min(max_sampled, v12.maxPerStageDescriptorUpdateAfterBindSampledImages),
-                             std::min(max_samplers, v12.maxPerStageDescriptorUpdateAfterBindSamplers),
-                             std::min(max_storage, v12.maxPerStageDescriptorUpdateAfterBindStorageImages)};
+                             std::min(max_samplers, v12.maxPerStageDescriptorUpdateAfterBindSamplers)};
   hidden_->sampled = Slots(counts[0]);
-  hidden_->storage = Slots(counts[2]);
-  const VkDescriptorType types[] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLER,
-                                    VK_DESCRIPTOR_TYPE_STORAGE_IMAGE};
-  VkDescriptorSetLayoutBinding bindings[3]{};
-  VkDescriptorBindingFlags flags[3];
-  VkDescriptorPoolSize sizes[3];
-  for (uint32_t i = 0; i < 3; ++i) {
-    bindings[i].binding = i;
-    bindings[i].descriptorType = types[i];
-    bindings[i].descriptorCount = counts[i];
-    bindings[i].stageFlags = VK_SHADER_STAGE_ALL;
-    flags[i] = VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT | VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT;
-    sizes[i] = {types[i], counts[i]};
-  }
-  VkDescriptorSetLayoutBindingFlagsCreateInfo flags_info{
-      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO, nullptr, 3, flags};
-  VkDescriptorSetLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, &flags_info};
-  layout_info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT;
-  layout_info.bindingCount = 3;
-  layout_info.pBindings = bindings;
-  VK_CHECK(vkCreateDescriptorSetLayout(device.handle(), &layout_info, nullptr, &set_layout_));
+  const VkDescriptorType types[] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLER};
+  set_layout_ = make_set_layout(device, types, counts, VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT);
+  const VkDescriptorType pass_types[] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE};
+  const uint32_t pass_counts[] = {pass_sampled, pass_storage};
+  pass_set_layout_ = make_set_layout(device, pass_types, pass_counts, 0);
+  const VkDescriptorPoolSize sizes[] = {{types[0], counts[0]}, {types[1], counts[1]}};
 
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool_info.flags = VK_DESCRIPTOR_POOL_CREATE_UPDATE_AFTER_BIND_BIT;
   pool_info.maxSets = 1;
-  pool_info.poolSizeCount = 3;
+  pool_info.poolSizeCount = 2;
   pool_info.pPoolSizes = sizes;
   VK_CHECK(vkCreateDescriptorPool(device.handle(), &pool_info, nullptr, &hidden_->pool));
   VkDescriptorSetAllocateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
@@ -94,8 +97,9 @@ Bindless::Bindless(Device& device) : hidden_(std::make_unique<Hidden>()), device
 
   const VkPushConstantRange range{VK_SHADER_STAGE_ALL, 0, 128};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  info.setLayoutCount = 1;
-  info.pSetLayouts = &set_layout_;
+  const VkDescriptorSetLayout layouts[] = {set_layout_, pass_set_layout_};
+  info.setLayoutCount = 2;
+  info.pSetLayouts = layouts;
   info.pushConstantRangeCount = 1;
   info.pPushConstantRanges = &range;
   VK_CHECK(vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout_));
@@ -108,6 +112,7 @@ Bindless::~Bindless() {
   vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
   vkDestroyDescriptorPool(device_.handle(), hidden_->pool, nullptr);
   vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
+  vkDestroyDescriptorSetLayout(device_.handle(), pass_set_layout_, nullptr);
 }
 
 namespace {
@@ -122,14 +127,6 @@ uint32_t Bindless::add_sampled(VkImageView view, VkImageLayout layout) {
   std::lock_guard lock(hidden_->mutex);
   const uint32_t index = hidden_->sampled.take("sampled images");
   write_descriptor(device_.handle(), set_, 0, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, index, {VK_NULL_HANDLE, view, layout});
-  return index;
-}
-
-uint32_t Bindless::add_storage(VkImageView view) {
-  std::lock_guard lock(hidden_->mutex);
-  const uint32_t index = hidden_->storage.take("storage images");
-  write_descriptor(device_.handle(), set_, 2, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, index,
-                   {VK_NULL_HANDLE, view, VK_IMAGE_LAYOUT_GENERAL});
   return index;
 }
 
@@ -154,9 +151,4 @@ void Bindless::remove_sampled(uint32_t index) {
   std::lock_guard lock(hidden_->mutex);
   hidden_->sampled.give(index);
 }
-void Bindless::remove_storage(uint32_t index) {
-  std::lock_guard lock(hidden_->mutex);
-  hidden_->storage.give(index);
-}
-
 }  // namespace candela::gpu

@@ -15,9 +15,9 @@ class CommandList {
  public:
   virtual ~CommandList() = default;
 
-  // Bindless indices into the one descriptor set (shaders/lib/bindless.glsl), for the access the pass declared.
-  virtual uint32_t sampled(ImageHandle image) = 0;   // texture2D / texture2DMS / utexture2D arrays
-  virtual uint32_t storage(ImageHandle image) = 0;   // image2D arrays
+  // Places in the pass's own descriptor set (shaders/lib/bindless.glsl, set 1), for the access the pass declared.
+  virtual uint32_t sampled(ImageHandle image) = 0;   // pass_images, pass_multisampled_images, pass_uint_images
+  virtual uint32_t storage(ImageHandle image) = 0;   // storage_images
   virtual uint64_t address(BufferHandle buffer) = 0;
   virtual glm::uvec2 size(ImageHandle image) = 0;
 
@@ -33,7 +33,7 @@ class CommandList {
   virtual void dispatch(uint32_t threads_x, uint32_t threads_y = 1, uint32_t threads_z = 1) = 0;
 
   struct Attachment {
-    ImageHandle image;        // version written by this pass; version 1 clears, later ones load
+    ImageHandle image;        // version written by this pass; version 1 clears, later ones load; empty: not wanted
     ImageHandle resolve{};    // optional
   };
   virtual void begin_rendering(std::span<const Attachment> colors, ImageHandle depth) = 0;  // viewport and scissor: whole image

@@ -40,7 +40,11 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
 }
 
 CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, VkCommandBuffer commands)
-    : frame_(frame), pass_(frame.plan.passes[pass]), commands_(commands) {}
+    : frame_(frame), pass_(frame.plan.passes[pass]), images_(frame.physical.pass_images(pass)), commands_(commands) {
+  const VkDescriptorSet sets[] = {frame.bindless.set(), images_.set};
+  for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
+    vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);
+}
 
 const PlanUse& CommandListImpl::use_of(int resource, int version, std::initializer_list<Access> accesses) const {
   const bool known = resource >= 0 && size_t(resource) < frame_.plan.resources.size();
@@ -68,12 +72,12 @@ const Buffer& CommandListImpl::buffer(int resource) const {
 
 uint32_t CommandListImpl::sampled(ImageHandle image) {
   use_of(image, {Access::sampled_fragment, Access::sampled_compute});
-  return frame_.physical.image(image.resource).sampled;
+  return images_.sampled.at(image.resource);
 }
 
 uint32_t CommandListImpl::storage(ImageHandle image) {
   use_of(image, {Access::storage_image_write, Access::storage_image_read_write});
-  return frame_.physical.image(image.resource).storage;
+  return images_.storage.at(image.resource);
 }
 
 uint64_t CommandListImpl::address(BufferHandle handle) {
@@ -137,10 +141,15 @@ VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const 
 }
 
 void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageHandle depth) {
-  CHECK_MSG(!rendering_ && (!colors.empty() || depth), pass_.name);
-  const ImageDesc& shape = desc_of(colors.empty() ? depth.resource : colors[0].image.resource);
+  const auto first = std::find_if(colors.begin(), colors.end(), [](const Attachment& a) { return bool(a.image); });
+  CHECK_MSG(!rendering_ && (first != colors.end() || depth), pass_.name);
+  const ImageDesc& shape = desc_of(first == colors.end() ? depth.resource : first->image.resource);
   std::vector<VkRenderingAttachmentInfo> color_infos;
   for (const Attachment& color : colors) {
+    if (!color.image) {  // a place in the shader's outputs that nobody wants
+      color_infos.push_back({VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO});
+      continue;
+    }
     VkRenderingAttachmentInfo info = attachment(use_of(color.image, {Access::color_attachment}));
     if (color.resolve) {
       const PlanUse& resolve = use_of(color.resolve, {Access::resolve_attachment});

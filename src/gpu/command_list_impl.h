@@ -59,6 +59,7 @@ class CommandListImpl final : public CommandList {
 
   const FrameContext& frame_;
   const PlanPass& pass_;
+  const PassImages& images_;
   VkCommandBuffer commands_;
   const Pipeline* bound_ = nullptr;
   bool rendering_ = false;

@@ -59,7 +59,6 @@ struct FrameRunner::Hidden {
   }
 
   FrameContext context(const FramePlan& plan, const std::map<int, const Buffer*>& imports, FrameRun& result);
-  void begin_commands(VkCommandBuffer commands) const;
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
   void wait(const FramePlan& plan, size_t first, size_t last, double timeout_s);
@@ -118,12 +117,6 @@ FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const std::map<
   return frame;
 }
 
-void FrameRunner::Hidden::begin_commands(VkCommandBuffer commands) const {
-  const VkDescriptorSet set = bindless.set();
-  for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
-    vkCmdBindDescriptorSets(commands, point, bindless.layout(), 0, 1, &set, 0, nullptr);
-}
-
 void FrameRunner::Hidden::fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const {
   bool filled = false;
   for (size_t i = 0; i < frame.plan.resources.size(); ++i) {
@@ -179,7 +172,6 @@ void FrameRunner::Hidden::run_whole(const FrameContext& frame, const CompiledGra
     else if (timing.available())
       timing.mark(commands, index);
   };
-  begin_commands(commands);
   stamp(0);
   fill_buffers(frame, commands, false);
   for (uint32_t pass = 0; pass < passes; ++pass) {
@@ -207,8 +199,7 @@ void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const Compiled
     VkCommandBuffer commands = work.begin();
     const bool stamps = options.timed && timing.available();
     if (stamps) timing.reset(2);
-    begin_commands(commands);
-    if (stamps) timing.post(commands, 0);
+      if (stamps) timing.post(commands, 0);
     if (pass == 0) fill_buffers(frame, commands, options.hash_outputs);
     record_pass(frame, graph, pass, commands);
     if (pass + 1 == passes) record_barriers(frame, graph.plan.final_barriers, commands);

@@ -7,13 +7,14 @@ namespace candela::gpu {
 
 void Physical::clear() {
   for (PhysicalImage& image : images_) {
-    if (image.sampled != PhysicalImage::none) bindless_.remove_sampled(image.sampled);
-    if (image.storage != PhysicalImage::none) bindless_.remove_storage(image.storage);
     vkDestroyImageView(device_.handle(), image.view, nullptr);
     vkDestroyImage(device_.handle(), image.image, nullptr);
   }
   images_.clear();
   buffers_.clear();
+  pass_images_.clear();
+  vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
+  pool_ = VK_NULL_HANDLE;
   for (VkDeviceMemory memory : blocks_) device_.release(memory);
   blocks_.clear();
 }
@@ -38,6 +39,53 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
   bind_blocks(plan);
   for (size_t i = 0; i < plan.resources.size(); ++i)
     if (images_[i].image) make_view(plan.resources[i], images_[i]);
+  make_pass_sets(plan);
+}
+
+void Physical::make_pass_sets(const FramePlan& plan) {
+  const uint32_t passes = uint32_t(plan.passes.size());
+  if (passes == 0) return;
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, passes * Bindless::pass_sampled},
+                                        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, passes * Bindless::pass_storage}};
+  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  info.maxSets = passes;
+  info.poolSizeCount = 2;
+  info.pPoolSizes = sizes;
+  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &pool_));
+  pass_images_.resize(passes);
+  for (uint32_t i = 0; i < passes; ++i) write_pass_set(plan, plan.passes[i], pass_images_[i]);
+}
+
+void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, PassImages& images) {
+  const VkDescriptorSetLayout layout = bindless_.pass_set_layout();
+  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  info.descriptorPool = pool_;
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  VK_CHECK(vkAllocateDescriptorSets(device_.handle(), &info, &images.set));
+  device_.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, uint64_t(images.set), pass.name);
+  for (const PlanUse& use : pass.uses) {
+    const bool sampled = use.access == Access::sampled_fragment || use.access == Access::sampled_compute;
+    const bool storage = use.access == Access::storage_image_write || use.access == Access::storage_image_read_write;
+    if (!sampled && !storage) continue;
+    auto& places = sampled ? images.sampled : images.storage;
+    if (places.contains(use.resource)) continue;
+    const uint32_t place = uint32_t(places.size());
+    CHECK_MSG(place < (sampled ? Bindless::pass_sampled : Bindless::pass_storage), pass.name);
+    places[use.resource] = place;
+    const VkFormat format = std::get<ImageDesc>(plan.resources[size_t(use.resource)].desc).format;
+    const VkDescriptorImageInfo image{VK_NULL_HANDLE, images_[size_t(use.resource)].view,
+                                      image_layout(use.access, format)};
+    const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                     nullptr,
+                                     images.set,
+                                     sampled ? 0u : 1u,
+                                     place,
+                                     1,
+                                     sampled ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+                                     &image};
+    vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+  }
 }
 
 void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalImage& image) {
@@ -88,9 +136,6 @@ void Physical::make_view(const PlanResource& resource, PhysicalImage& image) {
   info.subresourceRange = {image.aspect, 0, 1, 0, 1};
   VK_CHECK(vkCreateImageView(device_.handle(), &info, nullptr, &image.view));
   device_.set_name(VK_OBJECT_TYPE_IMAGE_VIEW, uint64_t(image.view), desc.name);
-  if (resource.image_usage & VK_IMAGE_USAGE_SAMPLED_BIT)
-    image.sampled = bindless_.add_sampled(image.view, image_layout(Access::sampled_fragment, desc.format));
-  if (resource.image_usage & VK_IMAGE_USAGE_STORAGE_BIT) image.storage = bindless_.add_storage(image.view);
 }
 
 ReadbackPool::Pooled::~Pooled() {

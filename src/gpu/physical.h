@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -13,11 +14,15 @@
 namespace candela::gpu {
 
 struct PhysicalImage {
-  static constexpr uint32_t none = ~0u;
   VkImage image = VK_NULL_HANDLE;
   VkImageView view = VK_NULL_HANDLE;
   VkImageAspectFlags aspect = 0;
-  uint32_t sampled = none, storage = none;  // bindless indices, where the plan's usage has them
+};
+
+// The images that one pass reaches through descriptors: its set 1, and each image's place in the two bindings.
+struct PassImages {
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  std::map<int, uint32_t> sampled, storage;  // by resource
 };
 
 // The images and device buffers that a plan names. Images of one alias block share one piece of memory.
@@ -31,6 +36,7 @@ class Physical {
   void rebuild(const FramePlan& plan, bool copyable);
   void clear();
   const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }
+  const PassImages& pass_images(size_t pass) const { return pass_images_[pass]; }
   const Buffer& buffer(int resource) const {
     return buffers_[size_t(resource)];
   }  // empty: imported, read back, or unused
@@ -39,11 +45,15 @@ class Physical {
   void make_image(const PlanResource& resource, bool copyable, PhysicalImage& image);
   void bind_blocks(const FramePlan& plan);
   void make_view(const PlanResource& resource, PhysicalImage& image);
+  void make_pass_sets(const FramePlan& plan);
+  void write_pass_set(const FramePlan& plan, const PlanPass& pass, PassImages& images);
 
   Device& device_;
   Bindless& bindless_;
   std::vector<PhysicalImage> images_;  // by resource
   std::vector<Buffer> buffers_;        // by resource
+  std::vector<PassImages> pass_images_;
+  VkDescriptorPool pool_ = VK_NULL_HANDLE;
   std::vector<VkDeviceMemory> blocks_;
 };
 

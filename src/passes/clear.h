@@ -14,7 +14,8 @@ struct Clear {
     ImageHandle color;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const {
-    return needed_if(facts.draw_items == 0 && !(facts.environment && request.draw_background), "the first drawing pass clears");
+    return needed_if(facts.draw_items == 0 && !(facts.environment && request.draw_background),
+                     "the first drawing pass clears");
   }
   Out declare(GraphBuilder& builder, const In& in) const { return {write_color(builder, in.scene, {})}; }
   void record(CommandList& commands, const In&, const Out& out) const {

@@ -11,10 +11,13 @@ std::span<const Knob<Cull::Knobs>> Cull::knob_table() {
   return table;
 }
 
-Need Cull::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_if(facts.draw_items > 0, "the scene draws nothing"); }
+Need Cull::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.draw_items > 0, "the scene draws nothing");
+}
 
 Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.items, in.scene.cull_groups}) builder.read(b, Access::compute_read, "the scene");
+  for (const BufferHandle b : {in.scene.constants, in.scene.items, in.scene.cull_groups})
+    builder.read(b, Access::compute_read, "the scene");
   Out out;
   out.survivors = builder.create(BufferDesc{"cull.survivors", in.scene.cull_group_count * sizeof(uint32_t)});
   out.survivors = builder.write(out.survivors, Access::compute_write);

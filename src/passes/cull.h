@@ -4,9 +4,9 @@
 
 namespace candela {
 
-// Frustum culling of draw items on the GPU (TECHNIQUES 2.1), first half: counts the survivors of each group of 256 items. Boxes
-// are in relative space, five planes, NaN and infinite boxes are kept, rounding never culls. Nothing is approximated: the image
-// with `enabled` = 0 is the same, bit for bit.
+// Frustum culling of draw items on the GPU (TECHNIQUES 2.1), first half: counts the survivors of each group of 256
+// items. Boxes are in relative space, five planes, NaN and infinite boxes are kept, rounding never culls. Nothing is
+// approximated: the image with `enabled` = 0 is the same, bit for bit.
 struct Cull {
   static constexpr std::string_view name = "cull";
   struct Knobs {

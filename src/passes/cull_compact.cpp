@@ -4,10 +4,13 @@
 
 namespace candela {
 
-Need CullCompact::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_if(facts.draw_items > 0, "the scene draws nothing"); }
+Need CullCompact::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.draw_items > 0, "the scene draws nothing");
+}
 
 CullCompact::Out CullCompact::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.items, in.scene.cull_groups}) builder.read(b, Access::compute_read, "the scene");
+  for (const BufferHandle b : {in.scene.constants, in.scene.items, in.scene.cull_groups})
+    builder.read(b, Access::compute_read, "the scene");
   builder.read(in.survivors, Access::compute_read, "survivor counts");
   Out out;
   out.draws.commands = builder.create(BufferDesc{"cull.commands", in.scene.item_count * sizeof(shared::DrawCommand)});

@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// Second half of culling: prefix sums over the survivors' counts give every surviving item its place, so the indirect commands
-// come without gaps and in item order, whatever the device's scheduling (TECHNIQUES 2.1, determinism).
+// Second half of culling: prefix sums over the survivors' counts give every surviving item its place, so the indirect
+// commands come without gaps and in item order, whatever the device's scheduling (TECHNIQUES 2.1, determinism).
 struct CullCompact {
   static constexpr std::string_view name = "cull_compact";
   struct In {

@@ -9,11 +9,13 @@ Need Deform::needed(const SceneFacts& facts, const FrameRequest&) const {
 }
 
 Deform::Out Deform::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.vertices, in.scene.deform_jobs}) builder.read(b, Access::compute_read, "the scene");
+  for (const BufferHandle b : {in.scene.constants, in.scene.vertices, in.scene.deform_jobs})
+    builder.read(b, Access::compute_read, "the scene");
   builder.read_optional(in.scene.joints, Access::compute_read);
   builder.read_optional(in.scene.weights, Access::compute_read);
   Out out;
-  out.deformed = builder.write(builder.create(BufferDesc{"deform.vertices", uint64_t(in.scene.deformed_words) * 4}), Access::compute_write);
+  out.deformed = builder.write(builder.create(BufferDesc{"deform.vertices", uint64_t(in.scene.deformed_words) * 4}),
+                               Access::compute_write);
   out.pipeline = builder.pipeline(ComputePipelineDesc{"deform.comp", {}});
   return out;
 }

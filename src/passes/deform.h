@@ -4,8 +4,9 @@
 
 namespace candela {
 
-// Morph targets and linear blend skinning on the GPU, once a frame, into a vertex buffer that all later passes read. Skinned
-// vertices come out in relative space from joint matrices composed in double. Exact up to 32-bit float arithmetic.
+// Morph targets and linear blend skinning on the GPU, once a frame, into a vertex buffer that all later passes read.
+// Skinned vertices come out in relative space from joint matrices composed in double. Exact up to 32-bit float
+// arithmetic.
 struct Deform {
   static constexpr std::string_view name = "deform";
   struct In {

@@ -15,7 +15,8 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.masked_fragment = "depth_prepass.frag";
-  out.pipelines = declare_runs(builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  out.pipelines = declare_runs(
+      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
   ImageDesc desc{"depth", depth_format, in.scene.width_px, in.scene.height_px, in.scene.samples};
   out.depth = builder.write(builder.create(desc), Access::depth_attachment);
   return out;

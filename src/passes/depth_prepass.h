@@ -4,8 +4,9 @@
 
 namespace candela {
 
-// Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float (TECHNIQUES 1.1), so that
-// shading runs once for each visible fragment. Masked surfaces drop what their mask cuts away, at the pixel's shading point.
+// Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float (TECHNIQUES 1.1), so
+// that shading runs once for each visible fragment. Masked surfaces drop what their mask cuts away, at the pixel's
+// shading point.
 struct DepthPrepass {
   static constexpr std::string_view name = "depth_prepass";
   struct In {

@@ -7,13 +7,16 @@
 namespace candela {
 namespace {
 VkPrimitiveTopology vulkan_topology(Topology t) {
-  return t == Topology::triangles ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST : t == Topology::lines ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
+  return t == Topology::triangles ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
+         : t == Topology::lines   ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST
+                                  : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
 }
 }  // namespace
 
 RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                           const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice) {
-  for (const BufferHandle b : {scene.constants, scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
+  for (const BufferHandle b :
+       {scene.constants, scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
     builder.read(b, Access::graphics_read, "the scene");
   builder.read(scene.indices, Access::index_read, "the scene's indices");
   builder.read(draws.commands, Access::indirect_read, "draw commands");
@@ -36,11 +39,14 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
 }
 
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
-  if (!color) color = builder.create(ImageDesc{"color", color_format, scene.width_px, scene.height_px, scene.samples, scene.background});
+  if (!color)
+    color = builder.create(
+        ImageDesc{"color", color_format, scene.width_px, scene.height_px, scene.samples, scene.background});
   return builder.write(color, Access::color_attachment);
 }
 
-void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed, const RunPipelines& pipelines) {
+void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                 const RunPipelines& pipelines) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
   push.frame = commands.address(scene.constants);
@@ -51,7 +57,8 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
     commands.bind(pipelines.by_run[r]);
     commands.push(push);
     commands.set_cull(run.cull_back, run.mirrored);
-    commands.draw_indexed_indirect_count(draws.commands, uint64_t(run.first) * sizeof(shared::DrawCommand), draws.counts, r * sizeof(uint32_t), run.count);
+    commands.draw_indexed_indirect_count(draws.commands, uint64_t(run.first) * sizeof(shared::DrawCommand),
+                                         draws.counts, r * sizeof(uint32_t), run.count);
   }
 }
 

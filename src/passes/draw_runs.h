@@ -12,8 +12,9 @@ struct RunPipelines {
   std::vector<PipelineHandle> by_run;  // parallel to SceneInputs::runs; empty: this pass does not draw the run
 };
 
-// Declares the scene reads of a drawing pass and one pipeline for each distinct state among the runs that `draws` accepts.
-// desc is completed with topology and the run's constants; a masked run gets `masked_fragment` where the opaque one has none.
+// Declares the scene reads of a drawing pass and one pipeline for each distinct state among the runs that `draws`
+// accepts. desc is completed with topology and the run's constants; a masked run gets `masked_fragment` where the
+// opaque one has none.
 struct RunPipelineChoice {
   GraphicsPipelineDesc desc;
   std::string masked_fragment;  // for depth-only passes; empty: desc.fragment_shader serves all
@@ -21,10 +22,12 @@ struct RunPipelineChoice {
 RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                           const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice);
 
-// The colour image of a shading pass: `color` written again, or a new one, cleared to the background, where there is none yet.
+// The colour image of a shading pass: `color` written again, or a new one, cleared to the background, where there is
+// none yet.
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);
 
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering.
-void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed, const RunPipelines& pipelines);
+void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                 const RunPipelines& pipelines);
 
 }  // namespace candela

@@ -3,15 +3,32 @@
 namespace candela {
 namespace {
 SpecConstant constant(Feature f) {
-  static const char* const names[] = {"HAS_BASE_TEXTURE", "HAS_ORM_TEXTURE", "HAS_OCCLUSION_TEXTURE", "HAS_NORMAL_TEXTURE", "HAS_EMISSIVE_TEXTURE",
-                                      "HAS_SPECULAR_TEXTURE", "HAS_VERTEX_COLOR", "HAS_UV1", "HAS_TEXTURE_TRANSFORM", "HAS_LIGHTS", "HAS_AMBIENT",
-                                      "IS_MASKED", "IS_UNLIT", "HAS_TEXTURES"};
+  static const char* const names[] = {"HAS_BASE_TEXTURE",
+                                      "HAS_ORM_TEXTURE",
+                                      "HAS_OCCLUSION_TEXTURE",
+                                      "HAS_NORMAL_TEXTURE",
+                                      "HAS_EMISSIVE_TEXTURE",
+                                      "HAS_SPECULAR_TEXTURE",
+                                      "HAS_VERTEX_COLOR",
+                                      "HAS_UV1",
+                                      "HAS_TEXTURE_TRANSFORM",
+                                      "HAS_LIGHTS",
+                                      "HAS_AMBIENT",
+                                      "IS_MASKED",
+                                      "IS_UNLIT",
+                                      "HAS_TEXTURES"};
   return {uint32_t(f), names[uint32_t(f)], 1};
 }
 bool concerns_base_color(const SpecConstant& c) {
   switch (Feature(c.id)) {
-    case Feature::base_texture: case Feature::vertex_color: case Feature::uv1: case Feature::texture_transform: case Feature::textures: return true;
-    default: return false;
+    case Feature::base_texture:
+    case Feature::vertex_color:
+    case Feature::uv1:
+    case Feature::texture_transform:
+    case Feature::textures:
+      return true;
+    default:
+      return false;
   }
 }
 }  // namespace
@@ -32,12 +49,14 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
   add(facts.any_texture_transform, Feature::texture_transform);
   add(facts.lights() > 0, Feature::lights);
   add(ambient, Feature::ambient);
-  add(facts.any_base_texture || facts.any_orm_texture || facts.any_occlusion_texture || facts.any_normal_texture || facts.any_emissive_texture || facts.any_specular_texture,
+  add(facts.any_base_texture || facts.any_orm_texture || facts.any_occlusion_texture || facts.any_normal_texture ||
+          facts.any_emissive_texture || facts.any_specular_texture,
       Feature::textures);
   return list;
 }
 
-std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc, bool masked, bool unlit) {
+std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,
+                                        bool masked, bool unlit) {
   if (desc.fragment_shader.empty()) return {};
   const bool base_only = unlit || desc.color_formats.empty();
   std::vector<SpecConstant> list = desc.constants;

@@ -8,14 +8,27 @@ namespace candela {
 
 // Ids of shaders/lib/features.glsl.
 enum class Feature : uint32_t {
-  base_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture, vertex_color, uv1,
-  texture_transform, lights, ambient, is_masked, is_unlit, textures,
+  base_texture,
+  orm_texture,
+  occlusion_texture,
+  normal_texture,
+  emissive_texture,
+  specular_texture,
+  vertex_color,
+  uv1,
+  texture_transform,
+  lights,
+  ambient,
+  is_masked,
+  is_unlit,
+  textures,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
 std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient);
-// The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs none, an
-// unlit or masked depth one only what the base colour takes.
-std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc, bool masked, bool unlit);
+// The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs
+// none, an unlit or masked depth one only what the base colour takes.
+std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,
+                                        bool masked, bool unlit);
 
 }  // namespace candela

@@ -1,20 +1,21 @@
 #include "passes/layers.h"
 
-#include <bit>
-
 namespace candela {
 namespace {
-constexpr VkFormat formats[layer_count] = {VK_FORMAT_R32_SFLOAT, color_format, color_format, VK_FORMAT_R32_UINT, VK_FORMAT_R32_UINT, color_format, color_format};
-// Clear values travel as floats; the executor gives integer formats the bits.
-const float no_id = std::bit_cast<float>(0xffffffffu);
+constexpr VkFormat formats[layer_count] = {VK_FORMAT_R32_SFLOAT, color_format, color_format, VK_FORMAT_R32_UINT,
+                                           VK_FORMAT_R32_UINT,   color_format, color_format};
+constexpr float no_id = -1;  // clear values travel as floats; -1 wraps to 0xffffffff in an unsigned format
 }  // namespace
 
 std::span<const std::string_view> layer_name_table() {
-  static constexpr std::string_view names[] = {"depth", "normal", "albedo", "object_id", "material_id", "emission", "direct"};
+  static constexpr std::string_view names[] = {"depth",       "normal",   "albedo", "object_id",
+                                               "material_id", "emission", "direct"};
   return names;
 }
 
-Need Layers::needed(const SceneFacts&, const FrameRequest& request) const { return needed_if(!request.layers.empty(), "no layer beside beauty is wanted (--layers)"); }
+Need Layers::needed(const SceneFacts&, const FrameRequest& request) const {
+  return needed_if(!request.layers.empty(), "no layer beside beauty is wanted (--layers)");
+}
 
 Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
   if (in.wanted[size_t(Layer::direct)]) builder.read_optional(in.scene.lights, Access::fragment_read);
@@ -26,9 +27,12 @@ Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   if (in.wanted[size_t(Layer::direct)]) choice.desc.constants.push_back({14, "WANTS_DIRECT", 1});
-  for (uint32_t i = 0; i < layer_count; ++i) choice.desc.color_formats.push_back(in.wanted[i] ? formats[i] : VK_FORMAT_UNDEFINED);
-  out.pipelines = declare_runs(builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
-  out.depth = builder.write(builder.create(ImageDesc{"layers.z", depth_format, in.scene.width_px, in.scene.height_px}), Access::depth_attachment);
+  for (uint32_t i = 0; i < layer_count; ++i)
+    choice.desc.color_formats.push_back(in.wanted[i] ? formats[i] : VK_FORMAT_UNDEFINED);
+  out.pipelines = declare_runs(
+      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  out.depth = builder.write(builder.create(ImageDesc{"layers.z", depth_format, in.scene.width_px, in.scene.height_px}),
+                            Access::depth_attachment);
   for (uint32_t i = 0; i < layer_count; ++i) {
     if (!in.wanted[i]) continue;
     ImageDesc desc{"layers." + std::string(layer_name_table()[i]), formats[i], in.scene.width_px, in.scene.height_px};

@@ -17,12 +17,14 @@ struct Need {
   std::string reason;
   explicit operator bool() const { return yes; }
 };
-inline Need needed_if(bool condition, std::string_view otherwise) { return condition ? Need{} : Need{false, std::string(otherwise)}; }
+inline Need needed_if(bool condition, std::string_view otherwise) {
+  return condition ? Need{} : Need{false, std::string(otherwise)};
+}
 
 // DESIGN section 3. No base class: a pass is a plain struct of this shape.
 template <class P>
-concept Pass = requires(const P pass, const SceneFacts& facts, const FrameRequest& request, GraphBuilder& builder, const typename P::In& in,
-                        const typename P::Out& out, CommandList& commands) {
+concept Pass = requires(const P pass, const SceneFacts& facts, const FrameRequest& request, GraphBuilder& builder,
+                        const typename P::In& in, const typename P::Out& out, CommandList& commands) {
   { P::name } -> std::convertible_to<std::string_view>;
   { pass.needed(facts, request) } -> std::same_as<Need>;
   { pass.declare(builder, in) } -> std::same_as<typename P::Out>;

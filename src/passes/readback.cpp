@@ -6,7 +6,9 @@ Readback::Out Readback::declare(GraphBuilder& builder, const In& in) const {
   Out out;
   for (const In::Source& source : in.sources) {
     builder.read(source.image, Access::transfer_source, source.layer);
-    const BufferHandle buffer = builder.write(builder.create(BufferDesc{"readback." + source.layer, source.bytes, BufferMemory::host_read}), Access::transfer_destination);
+    const BufferHandle buffer =
+        builder.write(builder.create(BufferDesc{"readback." + source.layer, source.bytes, BufferMemory::host_read}),
+                      Access::transfer_destination);
     builder.sink(buffer);
     out.buffers.push_back(buffer);
   }

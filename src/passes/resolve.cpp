@@ -6,17 +6,27 @@ namespace candela {
 
 std::span<const Knob<Resolve::Knobs>> Resolve::knob_table() {
   static const Knob<Knobs> table[] = {
-      {"samples", &Knobs::samples, "", 1, 8, {1, 4}, "coverage and depth samples a pixel (1, 2, 4 or 8, as the device has them): edges against memory and time", {}},
+      {"samples",
+       &Knobs::samples,
+       "",
+       1,
+       8,
+       {1, 4},
+       "coverage and depth samples a pixel (1, 2, 4 or 8, as the device has them): edges against memory and time",
+       {}},
   };
   return table;
 }
 
-Need Resolve::needed(const SceneFacts&, const FrameRequest& request) const { return needed_if(request.samples > 1, "one sample a pixel needs no resolve"); }
+Need Resolve::needed(const SceneFacts&, const FrameRequest& request) const {
+  return needed_if(request.samples > 1, "one sample a pixel needs no resolve");
+}
 
 Resolve::Out Resolve::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.color, Access::sampled_compute, "color");
   Out out;
-  out.resolved = builder.write(builder.create(ImageDesc{"resolved", color_format, in.width_px, in.height_px}), Access::storage_image_write);
+  out.resolved = builder.write(builder.create(ImageDesc{"resolved", color_format, in.width_px, in.height_px}),
+                               Access::storage_image_write);
   out.pipeline = builder.pipeline(ComputePipelineDesc{"resolve.comp", {{0, "SAMPLES", in.samples}}});
   return out;
 }

@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// The mean of a pixel's samples, in linear radiance: what a box pixel filter asks for, and what the EXR holds (TECHNIQUES 3.2).
-// Leaves wrong: edges against very bright surfaces look aliased after tone mapping.
+// The mean of a pixel's samples, in linear radiance: what a box pixel filter asks for, and what the EXR holds
+// (TECHNIQUES 3.2). Leaves wrong: edges against very bright surfaces look aliased after tone mapping.
 struct Resolve {
   static constexpr std::string_view name = "resolve";
   struct Knobs {

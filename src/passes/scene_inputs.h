@@ -12,10 +12,10 @@ struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
   BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
   std::shared_ptr<const std::vector<DrawRun>> runs;
-  std::vector<SpecConstant> features;         // of shaders/lib/features.glsl, from the visible materials
+  std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials
   uint32_t item_count = 0, cull_group_count = 0;
-  std::vector<uint32_t> deform_vertices;      // vertex count of each deform job
-  uint32_t deformed_words = 0;                // size of the deformed buffer
+  std::vector<uint32_t> deform_vertices;  // vertex count of each deform job
+  uint32_t deformed_words = 0;            // size of the deformed buffer
   uint32_t width_px = 0, height_px = 0, samples = 1;
   std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed
 };

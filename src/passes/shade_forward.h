@@ -4,9 +4,10 @@
 
 namespace candela {
 
-// Radiance of lit opaque and masked surfaces: glTF 2.0 metallic-roughness under every punctual light of the scene (brute force:
-// each pixel walks all lights in order), plus ambient light and emission. Only fragments that won the depth pre-pass are shaded
-// (EQUAL test). Units: cd/m2 times the pre-exposure. Leaves wrong: no shadows, ambient reflections as blurred as diffuse light.
+// Radiance of lit opaque and masked surfaces: glTF 2.0 metallic-roughness under every punctual light of the scene
+// (brute force: each pixel walks all lights in order), plus ambient light and emission. Only fragments that won the
+// depth pre-pass are shaded (EQUAL test). Units: cd/m2 times the pre-exposure. Leaves wrong: no shadows, ambient
+// reflections as blurred as diffuse light.
 struct ShadeForward {
   static constexpr std::string_view name = "shade_forward";
   struct In {

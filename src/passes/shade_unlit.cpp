@@ -2,7 +2,9 @@
 
 namespace candela {
 
-Need ShadeUnlit::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_if(facts.unlit_items > 0, "the scene has no opaque or masked unlit surface"); }
+Need ShadeUnlit::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.unlit_items > 0, "the scene has no opaque or masked unlit surface");
+}
 
 ShadeUnlit::Out ShadeUnlit::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.depth, Access::depth_test, "depth");
@@ -15,7 +17,9 @@ ShadeUnlit::Out ShadeUnlit::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_test = true;
   choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
   Out out;
-  out.pipelines = declare_runs(builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend && r.unlit; }, choice);
+  out.pipelines = declare_runs(
+      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend && r.unlit; },
+      choice);
   out.color = write_color(builder, in.scene, in.color);
   return out;
 }

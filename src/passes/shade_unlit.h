@@ -4,7 +4,8 @@
 
 namespace candela {
 
-// Surfaces that take no light: KHR_materials_unlit, and lines and points without normals. Base colour goes out as radiance.
+// Surfaces that take no light: KHR_materials_unlit, and lines and points without normals. Base colour goes out as
+// radiance.
 struct ShadeUnlit {
   static constexpr std::string_view name = "shade_unlit";
   struct In {

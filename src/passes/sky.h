@@ -4,8 +4,9 @@
 
 namespace candela {
 
-// The environment image behind everything, where depth is 0 (infinity). Equirectangular, trilinear; linear radiance times
-// pre-exposure. Free of motion under camera translation. Leaves wrong: level of detail ignores the mapping's stretch at the poles.
+// The environment image behind everything, where depth is 0 (infinity). Equirectangular, trilinear; linear radiance
+// times pre-exposure. Free of motion under camera translation. Leaves wrong: level of detail ignores the mapping's
+// stretch at the poles.
 struct Sky {
   static constexpr std::string_view name = "sky";
   struct In {

@@ -9,13 +9,16 @@ std::span<const std::string_view> tone_curve_names() {
   return names;
 }
 
-Need Tonemap::needed(const SceneFacts&, const FrameRequest& request) const { return needed_if(request.want_display, "no display output (PNG, video) is wanted"); }
+Need Tonemap::needed(const SceneFacts&, const FrameRequest& request) const {
+  return needed_if(request.want_display, "no display output (PNG, video) is wanted");
+}
 
 Tonemap::Out Tonemap::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.color, Access::sampled_compute, "color");
   Out out;
   const VkFormat format = in.bits == 8 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_UNORM;
-  out.display = builder.write(builder.create(ImageDesc{"display", format, in.width_px, in.height_px}), Access::storage_image_write);
+  out.display = builder.write(builder.create(ImageDesc{"display", format, in.width_px, in.height_px}),
+                              Access::storage_image_write);
   out.pipeline = builder.pipeline(ComputePipelineDesc{"tonemap.comp", {{0, "CURVE", uint32_t(in.curve)}}});
   return out;
 }

@@ -2,7 +2,9 @@
 
 namespace candela {
 
-Need Transparent::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_if(facts.blend_items > 0, "the scene has no blended surface"); }
+Need Transparent::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.blend_items > 0, "the scene has no blended surface");
+}
 
 Transparent::Out Transparent::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
@@ -17,9 +19,13 @@ Transparent::Out Transparent::declare(GraphBuilder& builder, const In& in) const
   choice.desc.blend = Blend::premultiplied_over;
   Out out;
   choice.desc.fragment_shader = "shade_forward.frag";
-  out.lit = declare_runs(builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend && !r.unlit; }, choice);
+  out.lit = declare_runs(
+      builder, in.scene, in.draws, in.deformed,
+      [](const DrawRun& r) { return r.alpha == AlphaMode::blend && !r.unlit; }, choice);
   choice.desc.fragment_shader = "shade_unlit.frag";
-  out.unlit = declare_runs(builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend && r.unlit; }, choice);
+  out.unlit = declare_runs(
+      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend && r.unlit; },
+      choice);
   out.color = write_color(builder, in.scene, in.color);
   return out;
 }

@@ -38,7 +38,8 @@ double get(const Knob<K>& knob, const K& knobs) {
 }
 template <class K>
 void set(const Knob<K>& knob, K& knobs, double value) {
-  std::visit([&](auto member) { knobs.*member = std::remove_reference_t<decltype(knobs.*member)>(value); }, knob.member);
+  std::visit([&](auto member) { knobs.*member = std::remove_reference_t<decltype(knobs.*member)>(value); },
+             knob.member);
 }
 
 // draft takes the first rung of every ladder, normal and high the rung before the last or the last, exact the last.
@@ -53,7 +54,8 @@ Expected<double> parse_value(const KnobSetting& s, double lowest, double highest
   const char* const end = s.value.data() + s.value.size();
   const auto [at, error] = std::from_chars(s.value.data(), end, value);
   if (error != std::errc() || at != end || !(value >= lowest && value <= highest))
-    return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not a number from {} to {}", s.pass, s.knob, s.value, lowest, highest);
+    return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not a number from {} to {}", s.pass, s.knob, s.value, lowest,
+                highest);
   return value;
 }
 
@@ -61,7 +63,8 @@ Expected<double> parse_value(const KnobSetting& s, double lowest, double highest
 
 Expected<FrameKnobValues> frame_knobs(const Job& job) {
   AllKnobs all;
-  for_each_knob(all, [&](std::string_view, const auto& knob, auto& knobs) { set(knob, knobs, rung(knob.ladder, job.quality)); });
+  for_each_knob(
+      all, [&](std::string_view, const auto& knob, auto& knobs) { set(knob, knobs, rung(knob.ladder, job.quality)); });
   if (job.samples != 0) all.resolve.samples = job.samples;
   for (const KnobSetting& s : job.settings) {
     bool known = false;
@@ -70,11 +73,14 @@ Expected<FrameKnobValues> frame_knobs(const Job& job) {
       if (pass != s.pass || knob.name != s.knob) return;
       known = true;
       const auto value = parse_value(s, knob.lowest, knob.highest);
-      if (!value) outcome = std::unexpected(value.error());
-      else set(knob, knobs, *value);
+      if (!value)
+        outcome = std::unexpected(value.error());
+      else
+        set(knob, knobs, *value);
     });
     if (!outcome) return std::unexpected(outcome.error());
-    if (!known) return fail(ErrorKind::usage, "--set", "there is no knob {}.{} (candela list knobs shows all)", s.pass, s.knob);
+    if (!known)
+      return fail(ErrorKind::usage, "--set", "there is no knob {}.{} (candela list knobs shows all)", s.pass, s.knob);
   }
   const int samples = all.resolve.samples;
   if (samples != 1 && samples != 2 && samples != 4 && samples != 8)
@@ -89,16 +95,18 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
     set(knob, knobs, rung(knob.ladder, quality));
     std::string ladder;
     for (double v : knob.ladder) ladder += (ladder.empty() ? "" : " ") + fmt::format("{}", v);
-    rows.push_back({std::string(pass), std::string(knob.name), fmt::format("{}", get(knob, knobs)), std::string(knob.unit),
-                    fmt::format("{}..{}", knob.lowest, knob.highest), ladder, std::string(knob.trades)});
+    rows.push_back({std::string(pass), std::string(knob.name), fmt::format("{}", get(knob, knobs)),
+                    std::string(knob.unit), fmt::format("{}..{}", knob.lowest, knob.highest), ladder,
+                    std::string(knob.trades)});
   });
   return rows;
 }
 
 std::vector<std::string> pass_names() {
   std::vector<std::string> names;
-  for (const std::string_view n : {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, Clear::name, ShadeForward::name, ShadeUnlit::name,
-                                   Sky::name, Transparent::name, Layers::name, Resolve::name, Tonemap::name, Readback::name})
+  for (const std::string_view n :
+       {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, Clear::name, ShadeForward::name,
+        ShadeUnlit::name, Sky::name, Transparent::name, Layers::name, Resolve::name, Tonemap::name, Readback::name})
     names.emplace_back(n);
   return names;
 }

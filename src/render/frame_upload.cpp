@@ -6,10 +6,13 @@ namespace candela {
 namespace {
 
 shared::Transform shared_transform(const glm::mat4& m) {
-  return {{m[0][0], m[1][0], m[2][0], m[3][0]}, {m[0][1], m[1][1], m[2][1], m[3][1]}, {m[0][2], m[1][2], m[2][2], m[3][2]}};
+  return {
+      {m[0][0], m[1][0], m[2][0], m[3][0]}, {m[0][1], m[1][1], m[2][1], m[3][1]}, {m[0][2], m[1][2], m[2][2], m[3][2]}};
 }
 
-shared::Geometry static_geometry(const SectionLayout& l) { return {l.position, l.normal, l.tangent, l.uv0, l.uv1, l.color, 0}; }
+shared::Geometry static_geometry(const SectionLayout& l) {
+  return {l.position, l.normal, l.tangent, l.uv0, l.uv1, l.color, 0};
+}
 
 // Places a deformed section's vertices in the deformed buffer and describes the work that fills them.
 void add_deformation(const Scene& scene, const Deformation& d, const SectionLayout& l, FrameUpload& upload) {
@@ -26,8 +29,10 @@ void add_deformation(const Scene& scene, const Deformation& d, const SectionLayo
   g.normal = take(l.normal != shared::absent, 3);
   g.tangent = take(l.tangent != shared::absent, 4);
   upload.geometries.push_back(g);
-  upload.deform_jobs.push_back({vertices, l.position, l.normal, l.tangent, l.joints0, l.weights0, l.joints1, l.weights1, l.morph_table,
-                                std::min(d.weight_count, uint32_t(scene.meshes[d.mesh].sections[d.section].morph.size())), d.first_joint, d.joint_count, d.first_weight, g.position, g.normal, g.tangent});
+  upload.deform_jobs.push_back(
+      {vertices, l.position, l.normal, l.tangent, l.joints0, l.weights0, l.joints1, l.weights1, l.morph_table,
+       std::min(d.weight_count, uint32_t(scene.meshes[d.mesh].sections[d.section].morph.size())), d.first_joint,
+       d.joint_count, d.first_weight, g.position, g.normal, g.tangent});
 }
 
 shared::Light shared_light(const LightItem& l) {
@@ -35,7 +40,9 @@ shared::Light shared_light(const LightItem& l) {
   out.position = l.position;
   out.direction = l.direction;
   out.intensity = l.intensity;
-  out.type = l.type == LightType::directional ? shared::light_directional : l.type == LightType::point ? shared::light_point : shared::light_spot;
+  out.type = l.type == LightType::directional ? shared::light_directional
+             : l.type == LightType::point     ? shared::light_point
+                                              : shared::light_spot;
   out.inverse_range = std::isfinite(l.range_m) ? 1.0f / l.range_m : 0.0f;
   // KHR_lights_punctual's recommended spot angle attenuation, its cosines in double.
   const double inner = std::cos(double(l.inner_cone_rad)), outer = std::cos(double(l.outer_cone_rad));
@@ -45,7 +52,8 @@ shared::Light shared_light(const LightItem& l) {
   return out;
 }
 
-void add_items(const FrameData& data, const DrawList& draws, const GeometryLayout& layout, uint32_t default_material, FrameUpload& upload) {
+void add_items(const FrameData& data, const DrawList& draws, const GeometryLayout& layout, uint32_t default_material,
+               FrameUpload& upload) {
   const float unbounded = std::numeric_limits<float>::infinity();
   for (const uint32_t index : draws.order) {
     const DrawItem& item = data.items[index];
@@ -93,8 +101,9 @@ void set_view(const View& view, const FrameRequest& request, shared::FrameConsta
 
 }  // namespace
 
-FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data, const DrawList& draws,
-                              const GeometryLayout& layout, const FrameRequest& request, const AmbientSh& ambient) {
+FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
+                              const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
+                              const AmbientSh& ambient) {
   FrameUpload upload;
   set_view(view, request, upload.constants);
   for (size_t i = 0; i < 9; ++i) upload.constants.ambient_sh[i] = glm::vec4(ambient[i], 0);
@@ -125,9 +134,11 @@ shared::Material shared_material(const Material& m, uint32_t id) {
   out.ior_f0 = ratio * ratio;
   out.specular_color = m.specular_color;
   out.id = id;
-  out.flags = (m.alpha_mode == AlphaMode::mask ? shared::material_masked : 0u) | (m.alpha_mode == AlphaMode::blend ? shared::material_blended : 0u) |
+  out.flags = (m.alpha_mode == AlphaMode::mask ? shared::material_masked : 0u) |
+              (m.alpha_mode == AlphaMode::blend ? shared::material_blended : 0u) |
               (m.double_sided ? shared::material_double_sided : 0u) | (m.unlit ? shared::material_unlit : 0u) |
-              (m.orm_has_occlusion ? shared::material_orm_occlusion : 0u) | (m.orm_has_metallic_roughness ? shared::material_orm_metallic_roughness : 0u);
+              (m.orm_has_occlusion ? shared::material_orm_occlusion : 0u) |
+              (m.orm_has_metallic_roughness ? shared::material_orm_metallic_roughness : 0u);
   return out;
 }
 

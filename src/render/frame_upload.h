@@ -12,8 +12,8 @@
 
 namespace candela {
 
-// What the CPU makes anew for every frame, in the layout of shaders/shared. Pure; device addresses and texture indices are
-// filled in by GpuScene.
+// What the CPU makes anew for every frame, in the layout of shaders/shared. Pure; device addresses and texture indices
+// are filled in by GpuScene.
 struct FrameUpload {
   shared::FrameConstants constants{};
   std::vector<shared::Transform> transforms;
@@ -24,8 +24,9 @@ struct FrameUpload {
   std::vector<shared::DeformJob> deform_jobs;
   uint32_t deformed_words = 0;
 };
-FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data, const DrawList& draws,
-                              const GeometryLayout& layout, const FrameRequest& request, const AmbientSh& ambient);
+FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
+                              const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
+                              const AmbientSh& ambient);
 
 // A material without its textures' indices, which only a device knows.
 shared::Material shared_material(const Material& material, uint32_t id);

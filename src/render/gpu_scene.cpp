@@ -12,9 +12,12 @@ namespace candela {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
-constexpr VkBufferUsageFlags storage_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+constexpr VkBufferUsageFlags storage_usage =
+    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
 
 VkSamplerAddressMode address_mode(Wrap w) {
   return w == Wrap::repeat  ? VK_SAMPLER_ADDRESS_MODE_REPEAT
@@ -26,7 +29,8 @@ VkSamplerCreateInfo sampler_info(const Sampler& s) {
   VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   info.magFilter = s.mag == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
   info.minFilter = s.min == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
-  info.mipmapMode = s.mipmaps && s.mip == Filter::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST;
+  info.mipmapMode =
+      s.mipmaps && s.mip == Filter::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST;
   info.addressModeU = address_mode(s.wrap_u);
   info.addressModeV = address_mode(s.wrap_v);
   info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
@@ -50,8 +54,8 @@ void for_each_slot(const Material& m, F&& f) {  // slot, whether its colours are
 // Copies bytes into a buffer that the device reads in place; a larger one replaces it when they do not fit.
 void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void* data, size_t size) {
   if (!buffer || buffer.size() < size)
-    buffer = gpu::Buffer(device, std::max<size_t>(size, buffer ? buffer.size() * 2 : size), storage_usage, gpu::Buffer::Memory::upload,
-                         gpu::Device::Purpose::frame, name);
+    buffer = gpu::Buffer(device, std::max<size_t>(size, buffer ? buffer.size() * 2 : size), storage_usage,
+                         gpu::Buffer::Memory::upload, gpu::Device::Purpose::frame, name);
   if (size) std::memcpy(buffer.mapped(), data, size);
 }
 
@@ -65,8 +69,11 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
   pack_geometry(scene, layout, words, indices);
   using Memory = gpu::Buffer::Memory;
   using Purpose = gpu::Device::Purpose;
-  vertices_ = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::device, Purpose::scene, "scene.vertices");
-  indices_ = gpu::Buffer(device, indices.size() * 4, VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::device, Purpose::scene, "scene.indices");
+  vertices_ = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::device,
+                          Purpose::scene, "scene.vertices");
+  indices_ =
+      gpu::Buffer(device, indices.size() * 4, VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                  Memory::device, Purpose::scene, "scene.indices");
   gpu::Uploader uploader(device);
   uploader.to_buffer(vertices_, 0, std::as_bytes(std::span(words)));
   uploader.to_buffer(indices_, 0, std::as_bytes(std::span(indices)));
@@ -109,8 +116,10 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   std::vector<Expected<gpu::TextureData>> decoded(list.size());
   tbb::parallel_for(size_t(0), list.size(), [&](size_t i) {
     const auto image = decode_scene_image(scene_, list[i].first.image);
-    if (image) decoded[i] = make_mip_chain(*image, list[i].first.srgb, list[i].second);
-    else decoded[i] = std::unexpected(image.error());
+    if (image)
+      decoded[i] = make_mip_chain(*image, list[i].first.srgb, list[i].second);
+    else
+      decoded[i] = std::unexpected(image.error());
   });
   uploaded.decode_ms = ms_since(start);
   gpu::Uploader uploader(device_);
@@ -160,7 +169,8 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   const auto start = Clock::now();
   FrameUpload& u = frame.upload;
   std::vector<shared::Material> materials;
-  for (size_t m = 0; m < frame.pose.materials.size(); ++m) materials.push_back(material_with_textures(frame.pose.materials[m], uint32_t(m)));
+  for (size_t m = 0; m < frame.pose.materials.size(); ++m)
+    materials.push_back(material_with_textures(frame.pose.materials[m], uint32_t(m)));
   materials.push_back(material_with_textures(Material{}, shared::absent));
   const auto put = [&](int resource, gpu::Buffer& buffer, const char* name, const auto& values) -> uint64_t {
     if (resource < 0) return 0;

@@ -12,8 +12,8 @@
 
 namespace candela {
 
-// A scene on a device. Vertices and indices are uploaded once; textures when a frame first uses them; the rest for every frame,
-// into buffers that the device reads in place and that grow as needed.
+// A scene on a device. Vertices and indices are uploaded once; textures when a frame first uses them; the rest for
+// every frame, into buffers that the device reads in place and that grow as needed.
 class GpuScene {
  public:
   GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout);
@@ -24,10 +24,10 @@ class GpuScene {
   struct Uploaded {
     std::map<int, const gpu::Buffer*> imports;  // for FrameRunner::run
     double decode_ms = 0, upload_ms = 0;
-    std::vector<std::string> warnings;          // textures that could not be decoded
+    std::vector<std::string> warnings;  // textures that could not be decoded
   };
-  // Fills every imported buffer of the plan. The frame before must have finished. An image that no decoder takes is a warning
-  // and the texture is left out. Throws GpuError.
+  // Fills every imported buffer of the plan. The frame before must have finished. An image that no decoder takes is a
+  // warning and the texture is left out. Throws GpuError.
   Uploaded upload(PlannedFrame& frame);
 
  private:
@@ -51,7 +51,7 @@ class GpuScene {
     uint32_t index = shared::absent;  // absent: could not be decoded
   };
   std::map<TextureKey, LoadedTexture> textures_;
-  std::vector<uint32_t> samplers_;    // bindless index of each Scene::samplers
+  std::vector<uint32_t> samplers_;  // bindless index of each Scene::samplers
   gpu::Texture environment_;
   uint32_t environment_index_ = shared::absent, environment_sampler_ = 0;
   glm::vec2 environment_size_{0};

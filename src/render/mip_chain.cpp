@@ -42,15 +42,19 @@ Level to_linear(const DecodedImage& image, bool srgb) {
     case DecodedImage::Format::rgba8: {
       const auto* in = reinterpret_cast<const uint8_t*>(image.pixels.data());
       const auto& table = decode_table();
-      for (size_t i = 0; i < values; ++i) level.texels[i] = srgb && i % 4 != 3 ? table[in[i]] : float(in[i]) * (1.0f / 255);
+      for (size_t i = 0; i < values; ++i)
+        level.texels[i] = srgb && i % 4 != 3 ? table[in[i]] : float(in[i]) * (1.0f / 255);
       break;
     }
     case DecodedImage::Format::rgba16: {
       const auto* in = reinterpret_cast<const uint16_t*>(image.pixels.data());
-      for (size_t i = 0; i < values; ++i) level.texels[i] = srgb && i % 4 != 3 ? float(srgb_decode(in[i] / 65535.0)) : float(in[i]) * (1.0f / 65535);
+      for (size_t i = 0; i < values; ++i)
+        level.texels[i] = srgb && i % 4 != 3 ? float(srgb_decode(in[i] / 65535.0)) : float(in[i]) * (1.0f / 65535);
       break;
     }
-    case DecodedImage::Format::rgba32f: std::memcpy(level.texels.data(), image.pixels.data(), values * 4); break;
+    case DecodedImage::Format::rgba32f:
+      std::memcpy(level.texels.data(), image.pixels.data(), values * 4);
+      break;
   }
   return level;
 }
@@ -73,11 +77,13 @@ std::vector<std::byte> to_format(const Level& level, VkFormat format) {
   auto* out = reinterpret_cast<uint8_t*>(bytes.data());
   const bool srgb = format == VK_FORMAT_R8G8B8A8_SRGB;
   const auto& table = encode_table();
-  for (size_t i = 0; i < values; ++i) out[i] = srgb && i % 4 != 3 ? table[quantise(level.texels[i], 65535)] : uint8_t(quantise(level.texels[i], 255));
+  for (size_t i = 0; i < values; ++i)
+    out[i] = srgb && i % 4 != 3 ? table[quantise(level.texels[i], 65535)] : uint8_t(quantise(level.texels[i], 255));
   return bytes;
 }
 
-// Which source texels a destination texel covers on one axis: two for even sizes, three with fractional ends for odd ones.
+// Which source texels a destination texel covers on one axis: two for even sizes, three with fractional ends for odd
+// ones.
 struct Taps {
   int first, count;
   float weight[3];

@@ -15,7 +15,9 @@ namespace candela {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 Expected<std::array<float, 4>> parse_background(const std::string& text, float pre_exposure) {
   if (text == "transparent") return std::array<float, 4>{0, 0, 0, 0};
@@ -26,7 +28,8 @@ Expected<std::array<float, 4>> parse_background(const std::string& text, float p
     const auto [next, error] = std::from_chars(at, end, rgb[i]);
     const bool separated = i < 2 ? next != end && *next == ',' : next == end;
     if (error != std::errc() || !separated || !(rgb[i] >= 0) || !std::isfinite(rgb[i]))
-      return fail(ErrorKind::usage, "--background", "'{}' is neither 'transparent' nor three linear values 'R,G,B' of 0 or more", text);
+      return fail(ErrorKind::usage, "--background",
+                  "'{}' is neither 'transparent' nor three linear values 'R,G,B' of 0 or more", text);
     at = next + 1;
   }
   return std::array<float, 4>{rgb[0] * pre_exposure, rgb[1] * pre_exposure, rgb[2] * pre_exposure, 1};
@@ -73,7 +76,8 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     import("frame.items", u.items.size() * sizeof(shared::Item), s.items, f.imports.items);
     import("frame.transforms", u.transforms.size() * sizeof(shared::Transform), s.transforms, f.imports.transforms);
     import("frame.geometries", u.geometries.size() * sizeof(shared::Geometry), s.geometries, f.imports.geometries);
-    import("frame.materials", (f.pose.materials.size() + 1) * sizeof(shared::Material), s.materials, f.imports.materials);
+    import("frame.materials", (f.pose.materials.size() + 1) * sizeof(shared::Material), s.materials,
+           f.imports.materials);
     import("frame.lights", u.lights.size() * sizeof(shared::Light), s.lights, f.imports.lights);
     import("frame.cull_groups", u.groups.size() * sizeof(shared::CullGroup), s.cull_groups, f.imports.cull_groups);
     import("frame.deform_jobs", u.deform_jobs.size() * sizeof(shared::DeformJob), s.deform_jobs, f.imports.deform_jobs);
@@ -93,7 +97,8 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
 }
 
 // Resolve, tone mapping and read-back: the same for every technique.
-void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const Job& job, const WantedOutputs& wanted, PlannedFrame& f) {
+void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const Job& job, const WantedOutputs& wanted,
+            PlannedFrame& f) {
   const ImageHandle resolved = frame.add(Resolve{}, {images.color, s.width_px, s.height_px, s.samples}).resolved;
   const ImageHandle linear = resolved ? resolved : images.color;
   Tonemap::In tone{linear, s.width_px, s.height_px};
@@ -122,13 +127,17 @@ void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const
 void add_notes(PlannedFrame& f) {
   for (const std::string& note : f.view.notes) f.notes.push_back(note);
   for (const std::string& warning : f.pose.warnings) f.notes.push_back(warning);
-  if (f.request.neutral_light) f.notes.push_back("the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
-  if (f.facts.draw_items == 0) f.notes.push_back("nothing is visible at this time: the image holds the background alone");
+  if (f.request.neutral_light)
+    f.notes.push_back(
+        "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
+  if (f.facts.draw_items == 0)
+    f.notes.push_back("nothing is visible at this time: the image holds the background alone");
 }
 
 }  // namespace
 
-Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s) {
+Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
+                                  double time_s) {
   if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
   auto start = Clock::now();
   PlannedFrame f;
@@ -137,7 +146,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   const auto animations = choose_animations(context.scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   f.pose = evaluate_pose(context.scene, *animations, time_s);
-  auto view = make_view(context.scene, f.pose, job.camera, job.width_px, job.height_px, world_bounds(context.scene, f.pose));
+  auto view =
+      make_view(context.scene, f.pose, job.camera, job.width_px, job.height_px, world_bounds(context.scene, f.pose));
   if (!view) return std::unexpected(view.error());
   f.view = std::move(*view);
   f.data = make_frame_data(context.scene, f.pose, f.view);
@@ -149,7 +159,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     f.facts = survey(context.scene, f.pose, f.data, false);
   }
   f.draws = make_draw_list(context.scene, f.pose, f.data);
-  const AmbientSh ambient = context.environment ? *context.environment : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
+  const AmbientSh ambient = context.environment       ? *context.environment
+                            : f.request.neutral_light ? neutral_ambient()
+                                                      : AmbientSh{};
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
   f.animate_ms = ms_since(start);
 
@@ -161,7 +173,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   inputs.background = *background;
   Frame frame{builder, f.facts, f.request};
   for (const Technique& technique : techniques())
-    if (technique.name == job.technique) finish(frame, inputs, technique.build(frame, inputs, {knobs->cull_enabled}), job, wanted, f);
+    if (technique.name == job.technique)
+      finish(frame, inputs, technique.build(frame, inputs, {knobs->cull_enabled}), job, wanted, f);
   f.graph = compile_graph(builder);
   add_notes(f);
   f.plan_ms = ms_since(start);

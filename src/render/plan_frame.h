@@ -17,15 +17,16 @@ namespace candela {
 
 // What a readback buffer holds: one image of the frame, tightly packed rows from the top.
 struct OutputImage {
-  std::string layer;       // "beauty" (linear, pre-exposed, premultiplied alpha), "display" (tone-mapped), "depth", "normal", ...
+  std::string
+      layer;  // "beauty" (linear, pre-exposed, premultiplied alpha), "display" (tone-mapped), "depth", "normal", ...
   VkFormat format = VK_FORMAT_UNDEFINED;
-  int resource = -1;       // the buffer in the plan
+  int resource = -1;  // the buffer in the plan
 };
 
 // Buffers that the scene upload fills, by the plan's resource number; -1: not in the plan.
 struct ImportedResources {
-  int constants = -1, vertices = -1, indices = -1, items = -1, transforms = -1, geometries = -1, materials = -1, lights = -1,
-      cull_groups = -1, deform_jobs = -1, joints = -1, weights = -1;
+  int constants = -1, vertices = -1, indices = -1, items = -1, transforms = -1, geometries = -1, materials = -1,
+      lights = -1, cull_groups = -1, deform_jobs = -1, joints = -1, weights = -1;
 };
 
 // Everything about one frame short of the GPU: pure, so `candela plan` needs no device.
@@ -44,9 +45,9 @@ struct PlannedFrame {
   double animate_ms = 0, plan_ms = 0;
 };
 struct WantedOutputs {
-  bool linear = true;      // EXR
-  bool display = false;    // PNG, video
-  int display_bits = 8;    // 8 or 16
+  bool linear = true;    // EXR
+  bool display = false;  // PNG, video
+  int display_bits = 8;  // 8 or 16
 };
 
 // What does not change with time, made once for a scene.
@@ -55,7 +56,8 @@ struct PlanContext {
   const GeometryLayout& layout;
   const AmbientSh* environment = nullptr;  // of the sky image, when the job has one
 };
-Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s);
+Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
+                                  double time_s);
 // The same for one frame alone; reads the job's sky.
 Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const WantedOutputs& wanted, double time_s);
 
@@ -64,7 +66,9 @@ std::vector<std::string> technique_names();
 std::vector<std::string> pass_names();
 std::vector<std::string> layer_names();
 std::vector<std::string> tonemap_names();
-struct KnobRow { std::string pass, knob, value_now, unit, range, ladder, trades; };
+struct KnobRow {
+  std::string pass, knob, value_now, unit, range, ladder, trades;
+};
 std::vector<KnobRow> knob_rows(const std::string& quality);
 
 }  // namespace candela

@@ -10,7 +10,9 @@
 namespace candela {
 namespace {
 
-Error as_error(const gpu::GpuError& e) { return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""}; }
+Error as_error(const gpu::GpuError& e) {
+  return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
+}
 
 // The content of all files read, in the order the loader names them.
 Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::string& sky) {
@@ -30,7 +32,8 @@ Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::s
 
 class DeviceSession : public Session {
  public:
-  DeviceSession(Job job, WantedOutputs wanted, RunSettings settings) : job_(std::move(job)), wanted_(wanted), settings_(std::move(settings)) {}
+  DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
+      : job_(std::move(job)), wanted_(wanted), settings_(std::move(settings)) {}
 
   Expected<void> open();
   Expected<FrameResult> render(double time_s, bool hash_outputs) override;
@@ -98,7 +101,8 @@ Expected<void> DeviceSession::open() {
     if (sky_) gpu_scene_->set_environment(*sky_);
     sky_.reset();
     const std::filesystem::path cache = cache_folder();
-    runner_ = std::make_unique<gpu::FrameRunner>(*device_, *bindless_, gpu::ShaderCompiler(settings_.shader_folder, cache), cache);
+    runner_ = std::make_unique<gpu::FrameRunner>(*device_, *bindless_,
+                                                 gpu::ShaderCompiler(settings_.shader_folder, cache), cache);
     runner_->timeout_s = settings_.timeout_s;
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
@@ -108,16 +112,19 @@ Expected<void> DeviceSession::open() {
 
 Expected<FrameResult> DeviceSession::render(double time_s, bool hash_outputs) {
   const double start = process_clock_us();
-  auto planned = plan_frame(job_, PlanContext{scene_, layout_, job_.sky.empty() ? nullptr : &environment_}, wanted_, time_s);
+  auto planned =
+      plan_frame(job_, PlanContext{scene_, layout_, job_.sky.empty() ? nullptr : &environment_}, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
     auto result = render_planned(*planned, time_s, hash_outputs);
     if (result) {
-      result->timings.spans.insert(result->timings.spans.begin(), {{"animate", "cpu", start, planned->animate_ms * 1000},
-                                                                   {"plan", "cpu", start + planned->animate_ms * 1000, planned->plan_ms * 1000}});
+      result->timings.spans.insert(result->timings.spans.begin(),
+                                   {{"animate", "cpu", start, planned->animate_ms * 1000},
+                                    {"plan", "cpu", start + planned->animate_ms * 1000, planned->plan_ms * 1000}});
       if (settings_.validate)
         if (const auto messages = device_->validation_messages(); !messages.empty())
-          return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(), messages.front());
+          return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
+                      messages.front());
     }
     return result;
   } catch (const gpu::GpuError& e) {
@@ -171,7 +178,8 @@ Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, doubl
 
 }  // namespace
 
-Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted, const RunSettings& settings) {
+Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted,
+                                                 const RunSettings& settings) {
   if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
   auto session = std::make_unique<DeviceSession>(job, wanted, settings);
   if (auto opened = session->open(); !opened) return std::unexpected(opened.error());

@@ -6,7 +6,9 @@
 
 namespace candela {
 
-bool is_unlit(const MeshSection& section, const Material* material) { return (material && material->unlit) || section.normal.empty(); }
+bool is_unlit(const MeshSection& section, const Material* material) {
+  return (material && material->unlit) || section.normal.empty();
+}
 
 DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame) {
   std::vector<DrawRun> states(frame.items.size());

@@ -13,12 +13,14 @@ struct DrawRun {
   bool unlit = false, cull_back = true, mirrored = false;
   uint32_t first = 0, count = 0;  // into DrawList::order
   bool same_state(const DrawRun& o) const {
-    return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back && mirrored == o.mirrored;
+    return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back &&
+           mirrored == o.mirrored;
   }
 };
 
-// The order in which items are drawn. Opaque and masked ones are grouped by state, stable within; blended ones come last, back
-// to front by the depth of their bounds' centre, stable for equal depths, so a run ends wherever the state changes.
+// The order in which items are drawn. Opaque and masked ones are grouped by state, stable within; blended ones come
+// last, back to front by the depth of their bounds' centre, stable for equal depths, so a run ends wherever the state
+// changes.
 struct DrawList {
   std::vector<uint32_t> order;  // indices of FrameData::items
   std::vector<DrawRun> runs;

@@ -6,8 +6,9 @@
 
 namespace candela {
 
-// Spherical harmonics up to l = 2 of an environment's radiance, convolved with the clamped cosine and divided by pi: the mean
-// radiance that a white diffuse surface reflects (Ramamoorthi and Hanrahan 2001). Order: 1, y, z, x, xy, yz, 3z^2-1, xz, x^2-y^2.
+// Spherical harmonics up to l = 2 of an environment's radiance, convolved with the clamped cosine and divided by pi:
+// the mean radiance that a white diffuse surface reflects (Ramamoorthi and Hanrahan 2001). Order: 1, y, z, x, xy, yz,
+// 3z^2-1, xz, x^2-y^2.
 using AmbientSh = std::array<glm::vec3, 9>;
 
 // The direction of an equirectangular texel: the image's middle is +X, u grows towards +Z, the top row is +Y.

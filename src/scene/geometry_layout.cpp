@@ -11,8 +11,8 @@ bool uses_uv_set(const Material& m, bool unlit, int set) {
   const auto slot = [&](const TextureSlot& t) { return t && t.uv_set == set; };
   if (slot(m.base_color_texture)) return true;
   if (unlit) return false;
-  return slot(m.orm_texture) || slot(m.occlusion_texture) || slot(m.normal_texture) || slot(m.emissive_texture) || slot(m.specular_texture) ||
-         slot(m.specular_color_texture);
+  return slot(m.orm_texture) || slot(m.occlusion_texture) || slot(m.normal_texture) || slot(m.emissive_texture) ||
+         slot(m.specular_texture) || slot(m.specular_color_texture);
 }
 
 class Cursor {
@@ -100,7 +100,8 @@ Expected<GeometryLayout> layout_geometry(const Scene& scene) {
   return layout;
 }
 
-void pack_geometry(const Scene& scene, const GeometryLayout& layout, std::span<uint32_t> words, std::span<uint32_t> indices) {
+void pack_geometry(const Scene& scene, const GeometryLayout& layout, std::span<uint32_t> words,
+                   std::span<uint32_t> indices) {
   for (size_t m = 0; m < layout.sections.size(); ++m) {
     for (size_t i = 0; i < layout.sections[m].size(); ++i) {
       const MeshSection& s = scene.meshes[m].sections[i];

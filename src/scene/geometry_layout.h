@@ -8,9 +8,9 @@
 
 namespace candela {
 
-// Where each section's vertices and indices lie in the two buffers that hold the whole scene, in 4-byte words. Only sections of
-// nodes that the default scene reaches, and only attributes that some pass reads: no normals of unlit surfaces, no UVs without a
-// texture, no tangents without a normal map.
+// Where each section's vertices and indices lie in the two buffers that hold the whole scene, in 4-byte words. Only
+// sections of nodes that the default scene reaches, and only attributes that some pass reads: no normals of unlit
+// surfaces, no UVs without a texture, no tangents without a normal map.
 struct SectionLayout {
   static constexpr uint32_t absent = 0xffffffffu;
   bool used = false;
@@ -29,6 +29,7 @@ struct GeometryLayout {
 // Error (input) when the scene has more than 2^32 words of vertices or indices.
 Expected<GeometryLayout> layout_geometry(const Scene& scene);
 // Fills vertex_words words and index_count indices as laid out.
-void pack_geometry(const Scene& scene, const GeometryLayout& layout, std::span<uint32_t> words, std::span<uint32_t> indices);
+void pack_geometry(const Scene& scene, const GeometryLayout& layout, std::span<uint32_t> words,
+                   std::span<uint32_t> indices);
 
 }  // namespace candela

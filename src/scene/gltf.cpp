@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "base/files.h"
+#include "scene/deformation_bounds.h"
 #include "scene/gltf_animation.h"
 #include "scene/gltf_extensions.h"
 #include "scene/gltf_lights.h"
@@ -47,7 +48,9 @@ Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const st
   try {
     gltf::Document document = gltf::open_document(bytes, name, folder);
     earlier = document.finding_codes;
-    return import_scene(document);
+    Scene scene = import_scene(document);
+    prepare_deformation_bounds(scene);
+    return scene;
   } catch (const gltf::Failure& failure) {
     Error error = failure.error;
     // The warnings are lost with the scene, and one of them may be the cause of what stopped us.

@@ -27,7 +27,8 @@ struct Frame {
     }
     builder.begin_pass(std::string(P::name));
     typename P::Out out = pass.declare(builder, in);
-    if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); })) return {};
+    if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); }))
+      return {};
     return out;
   }
 };

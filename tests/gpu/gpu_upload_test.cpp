@@ -68,7 +68,7 @@ TEST_F(Upload, TextureLevelsAreSplitByRowsAndSampled) {
   ImageHandle image = builder.create(
       ImageDesc{.name = "image", .format = VK_FORMAT_R32G32B32A32_SFLOAT, .width_px = 3000, .height_px = 2000});
   image = builder.write(image, Access::storage_image_write);
-  const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "depth_to_image.comp"});
+  const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "texture_to_image.comp"});
   builder.end_pass([=](CommandList& commands) {
     commands.bind(pipeline);
     commands.push(std::array<uint32_t, 4>{sampled, commands.storage(image), 3000, 2000});

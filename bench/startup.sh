@@ -148,7 +148,11 @@ measure_long_run() {
   mkdir -p "$out"
   fresh_cache long
   say "sequence of $long_frames frames"
-  with_cache long "$program" sequence "$small" --frames "0-$((long_frames - 1))" --size 160x90 --quiet -o "$out/%05d.exr" >/dev/null &
+  # exec, so that the process watched is the program and not a shell around it.
+  (
+    export CANDELA_CACHE_DIR=$work/cache-long/candela MESA_SHADER_CACHE_DIR=$work/cache-long/mesa
+    exec "$program" sequence "$small" --frames "0-$((long_frames - 1))" --size 160x90 --quiet -o "$out/%05d.exr" >/dev/null
+  ) &
   pid=$!
   while resident=$(awk '/^VmRSS:/ { print $2 }' "/proc/$pid/status" 2>/dev/null) && [[ -n $resident ]]; do
     done_frames=$(find "$out" -name '*.exr' | wc -l)

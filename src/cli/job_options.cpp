@@ -27,7 +27,11 @@ void add_job_options(CLI::App& command, JobOptions& o) {
           "--yfov", [&o](double value) { o.yfov_deg = value, o.has_yfov = true; }, "Vertical field of view")
       ->type_name("DEGREES");
   command.add_option("--size", o.size, "Size of the image in pixels")->capture_default_str()->type_name("WxH");
-  command.add_option("--samples", o.samples, "Samples a pixel: 1 or 4")->capture_default_str()->type_name("N");
+  command
+      .add_option("--samples", o.samples,
+                  "Samples a pixel: 1, 2, 4 or 8, as the device has them; 0: as the quality says")
+      ->capture_default_str()
+      ->type_name("N");
   command.add_option("--technique", o.technique, "How the frame is made (candela list techniques)")
       ->capture_default_str()
       ->type_name("NAME");

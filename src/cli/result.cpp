@@ -32,7 +32,8 @@ std::string first_nonfinite_pass(Session& session, double time_s) {
   if (!again) return "; which pass made the first could not be found: " + again.error().message;
   for (const gpu::PassHash& hash : again->hashes)
     if (hash.nonfinite > 0)
-      return fmt::format("; the first pass that made one is {} ({} in {})", hash.pass, hash.nonfinite, hash.resource);
+      return fmt::format("; the first pass that made one is {} ({} values in {})", hash.pass, hash.nonfinite,
+                         hash.resource);
   return "; no pass left one in an image of its own";
 }
 

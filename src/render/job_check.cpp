@@ -49,8 +49,9 @@ Expected<void> check_job(const Job& job) {
   if (job.width_px < 1 || job.height_px < 1 || job.width_px > max_side_px || job.height_px > max_side_px)
     return fail(ErrorKind::usage, "--size", "{}x{} is outside 1x1 to {}x{}", job.width_px, job.height_px, max_side_px,
                 max_side_px);
-  if (job.samples != 1 && job.samples != 4)
-    return fail(ErrorKind::usage, "--samples", "{} is neither 1 nor 4", job.samples);
+  constexpr std::array<int, 5> sample_counts = {0, 1, 2, 4, 8};  // 0: as the quality says
+  if (std::find(sample_counts.begin(), sample_counts.end(), job.samples) == sample_counts.end())
+    return fail(ErrorKind::usage, "--samples", "{} is none of 1, 2, 4 and 8", job.samples);
   if (job.png_bits != 8 && job.png_bits != 16)
     return fail(ErrorKind::usage, "--png-bits", "{} is neither 8 nor 16", job.png_bits);
   if (!std::isfinite(job.exposure_ev) || std::abs(job.exposure_ev) > 100)

@@ -1,0 +1,292 @@
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "image/io.h"
+#include "program.h"
+
+namespace candela::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+Arguments sequence(const std::string& pattern, const Arguments& more = {}) {
+  Arguments arguments = {"sequence", scene("animated"), "--frames", "0-9", "--size", "64x36", "-o", pattern, "--quiet"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const std::string& name : files_in(folder)) files[name] = bytes_of(folder / name);
+  return files;
+}
+
+TEST(Render, WritesWhatItSays) {
+  TestFolder folder;
+  const Ended ended =
+      candela({"render", scene("animated"), "-o", folder / "deep/er/a.exr", "-o", folder / "a_####.png", "--frame",
+               "12", "--size", "48x27", "--layers", "depth,normal,albedo,object_id,material_id,emission,direct",
+               "--json", "--timings", folder / "t.json", "--trace", folder / "trace.json"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const Json j = Json::parse(ended.out);
+  EXPECT_EQ(j["outputs"].size(), 2u);
+  EXPECT_EQ(j["frame"], 12);
+  EXPECT_EQ(j["time_s"], 0.5);
+  EXPECT_FALSE(j["device"]["name"].get<std::string>().empty());
+  EXPECT_NE(ended.err.find(j["device"]["name"].get<std::string>()), std::string::npos);
+  EXPECT_EQ(j["plan_hash"].get<std::string>().size(), 32u);
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"a_0012.png", "deep", "t.json", "trace.json"}));
+
+  const auto exr = read_image(folder / "deep/er/a.exr");
+  ASSERT_TRUE(exr) << exr.error().text();
+  for (const char* name : {"R", "G", "B", "A", "depth.Z", "normal.X", "normal.Y", "normal.Z", "albedo.R", "object_id",
+                           "material_id", "emission.B", "direct.G"})
+    EXPECT_NE(exr->find(name), nullptr) << name;
+  std::map<std::string, MetadataEntry> metadata;
+  for (const MetadataEntry& entry : exr->metadata) metadata[entry.name] = entry;
+  EXPECT_EQ(metadata["worldToCamera"].matrix.size(), 16u);
+  EXPECT_EQ(metadata["candela:frame"].text, "12");
+  EXPECT_EQ(metadata["framesPerSecond"].number, 24);
+  EXPECT_EQ(Json::parse(metadata["candela:job"].text), j["job"]);
+  EXPECT_EQ(metadata["candela:plan"].text, j["plan_hash"]);
+  EXPECT_FALSE(metadata.contains("candela:timings"));
+
+  const Json timings = Json::parse(bytes_of(folder / "t.json"));
+  for (const char* stage :
+       {"load", "decode", "upload", "animate", "plan", "compile", "record", "wait", "read_back", "encode"})
+    EXPECT_TRUE(timings["cpu_ms"].contains(stage)) << stage;
+  double sum = 0;
+  for (const auto& [pass, milliseconds] : timings["gpu_ms"].items()) sum += milliseconds.get<double>();
+  EXPECT_GT(sum, 0);
+  EXPECT_GT(timings["memory"]["process_peak_bytes"], 1000000);
+  EXPECT_FALSE(Json::parse(bytes_of(folder / "trace.json"))["traceEvents"].empty());
+}
+
+// OpenEXR's rule: a point times worldToNDC is the place in the picture, (0,0) the upper left corner.
+TEST(Render, WorldToNdcFindsTheTargetInTheMiddle) {
+  TestFolder folder;
+  ASSERT_EQ(candela({"render", scene("animated"), "-o", folder / "a.exr", "--size", "32x18", "--eye", "3,4,5",
+                     "--target", "0.5,0.25,-1"})
+                .code,
+            0);
+  const auto image = read_image(folder / "a.exr");
+  ASSERT_TRUE(image);
+  const auto apply = [&](const char* name, std::array<double, 3> p) {
+    std::array<double, 4> out{};
+    for (const MetadataEntry& entry : image->metadata)
+      if (entry.name == name)
+        for (size_t c = 0; c < 4; ++c)
+          out[c] =
+              p[0] * entry.matrix[c] + p[1] * entry.matrix[4 + c] + p[2] * entry.matrix[8 + c] + entry.matrix[12 + c];
+    return out;
+  };
+  const auto middle = apply("worldToNDC", {0.5, 0.25, -1});
+  EXPECT_NEAR(middle[0] / middle[3], 0.5, 1e-5);
+  EXPECT_NEAR(middle[1] / middle[3], 0.5, 1e-5);
+  const auto above = apply("worldToNDC", {0.5, 0.5, -1});
+  EXPECT_LT(above[1] / above[3], 0.5);
+  const auto camera = apply("worldToCamera", {0.5, 0.25, -1});
+  EXPECT_NEAR(camera[2], -std::sqrt(2.5 * 2.5 + 3.75 * 3.75 + 36), 1e-4);
+}
+
+TEST(Sequence, AFrameIsTheSameBytesHoweverItIsReached) {
+  TestFolder folder;
+  ASSERT_EQ(candela(sequence(folder / "whole/%04d.exr", {"-o", folder / "whole/####.png"})).code, 0);
+  ASSERT_EQ(files_in(folder / "whole").size(), 20u);
+  const std::string exr = bytes_of(folder / "whole/0007.exr"), png = bytes_of(folder / "whole/0007.png");
+  EXPECT_NE(exr, bytes_of(folder / "whole/0006.exr"));
+  ASSERT_EQ(candela({"render", scene("animated"), "--frame", "7", "--size", "64x36", "-o", folder / "alone.exr", "-o",
+                     folder / "alone.png"})
+                .code,
+            0);
+  EXPECT_TRUE(exr == bytes_of(folder / "alone.exr"));
+  EXPECT_TRUE(png == bytes_of(folder / "alone.png"));
+  // All shards together are the whole, and no frame is made twice.
+  std::set<std::string> seen;
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    const std::string part = std::string(shard).substr(0, 1);
+    ASSERT_EQ(
+        candela(sequence(folder / part + "/%04d.exr", {"-o", folder / part + "/%04d.png", "--shard", shard})).code, 0);
+    for (const auto& [name, bytes] : contents(folder / part)) {
+      EXPECT_TRUE(seen.insert(name).second) << name;
+      EXPECT_TRUE(bytes == bytes_of(folder / ("whole/" + name))) << name;
+    }
+  }
+  EXPECT_EQ(seen.size(), 20u);
+}
+
+TEST(Sequence, KilledAtAnyTimeLeavesWholeFilesAndResumesToTheSameBytes) {
+  TestFolder folder;
+  ASSERT_EQ(candela(sequence(folder / "whole/%04d.exr", {"-o", folder / "whole/%04d.png"})).code, 0);
+  const auto whole = contents(folder / "whole");
+  const Arguments again = sequence(folder / "killed/%04d.exr", {"-o", folder / "killed/%04d.png", "--resume"});
+  for (int round = 0; round < 8; ++round) {
+    candela_killed_after(again, 60 + 70 * round, SIGKILL);
+    if (!fs::exists(folder / "killed")) continue;
+    for (const auto& [name, bytes] : contents(folder / "killed"))
+      if (name[0] != '.')
+        EXPECT_TRUE(whole.contains(name) && bytes == whole.at(name)) << name;  // hidden: temporary names
+  }
+  const Ended ended = candela(again);
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_TRUE(contents(folder / "killed") == whole);
+}
+
+TEST(Sequence, ResumeMakesAgainWhatIsDamagedOrOfAnotherJob) {
+  TestFolder folder;
+  const auto rendered = [&](const Arguments& more) {
+    Arguments arguments = sequence(folder / "%04d.exr", {"-o", folder / "%04d.png", "--resume", "--json"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = candela(arguments);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return Json::parse(ended.out)["rendered"].get<int>();
+  };
+  EXPECT_EQ(rendered({}), 10);
+  EXPECT_EQ(rendered({}), 0);
+  const auto whole = contents(folder.path());
+  fs::resize_file(folder / "0003.exr", fs::file_size(folder / "0003.exr") - 10);
+  fs::resize_file(folder / "0004.png", fs::file_size(folder / "0004.png") / 2);
+  fs::remove(folder / "0005.png");
+  std::ofstream(folder / "0006.exr") << "";
+  EXPECT_EQ(rendered({}), 4);
+  EXPECT_TRUE(contents(folder.path()) == whole);
+  EXPECT_EQ(rendered({"--exposure", "1"}), 10);
+  EXPECT_EQ(rendered({"--exposure", "1"}), 0);
+  EXPECT_EQ(rendered({"--exposure", "1", "--fps", "25"}), 10);
+}
+
+TEST(Sequence, AnInterruptEndsCleanly) {
+  TestFolder folder;
+  for (const int milliseconds : {150, 400, 700}) {
+    Arguments arguments = sequence(folder / "%04d.png", {"--frames", "0-9999"});
+    arguments.erase(arguments.begin() + 2, arguments.begin() + 4);
+    EXPECT_TRUE(candela_killed_after(arguments, milliseconds, SIGINT));
+    for (const std::string& name : files_in(folder.path())) EXPECT_NE(name[0], '.') << name;
+  }
+}
+
+TEST(Sequence, WritesAVideo) {
+  if (run_program({"ffprobe", "-version"}).code != 0) GTEST_SKIP() << "ffprobe is not installed";
+  TestFolder folder;
+  const Ended ended = candela({"sequence", scene("animated"), "--frames", "0-9", "--size", "63x35", "--fps", "23.976",
+                               "--video", folder / "a.mp4"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const Ended probe = run_program({"ffprobe", "-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries",
+                                   "stream=nb_read_frames,width,height,r_frame_rate", "-of", "json", folder / "a.mp4"});
+  const Json stream = Json::parse(probe.out)["streams"][0];
+  EXPECT_EQ(stream["nb_read_frames"], "10");
+  EXPECT_EQ(stream["width"], 64);
+  EXPECT_EQ(stream["r_frame_rate"], "24000/1001");
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"a.mp4"}));
+  // A sound that ffmpeg cannot read ends the run, with nothing left.
+  std::ofstream(folder / "noise.wav") << "no sound";
+  const Ended broken = candela({"sequence", scene("animated"), "--frames", "0-9", "--size", "64x36", "--video",
+                                folder / "b.mp4", "--audio", folder / "noise.wav"});
+  EXPECT_EQ(broken.code, 5) << broken.err;
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"a.mp4", "noise.wav"}));
+}
+
+TEST(Output, AFolderThatCannotBeWrittenIsExitFiveBeforeRendering) {
+  TestFolder folder;
+  std::ofstream(folder / "file") << "x";
+  for (const std::string& out :
+       {folder / "file/a.exr", std::string("/proc/candela/a.exr"), folder.path().string() + "/file/sub/a.png"}) {
+    const Ended ended = candela({"render", scene("unlit-box"), "-o", out, "--size", "16x16"});
+    EXPECT_EQ(ended.code, 5) << out << "\n" << ended.err;
+    EXPECT_EQ(ended.err.find("device"), std::string::npos) << ended.err;
+  }
+  fs::create_directory(folder / "taken.exr");
+  EXPECT_EQ(candela({"render", scene("unlit-box"), "-o", folder / "taken.exr"}).code, 5);
+}
+
+TEST(Output, AFullDiskIsExitFiveAndLeavesNothingBroken) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can make a small file system";
+  TestFolder folder;
+  const std::string disk = folder / "disk";
+  fs::create_directory(disk);
+  if (mount("candela-test", disk.c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "tmpfs cannot be mounted here";
+  const Ended one =
+      candela({"render", scene("animated"), "-o", disk + "/big.exr", "--size", "256x144", "--exr-compression", "none"});
+  const auto after_one = files_in(disk);
+  const Ended many = candela({"sequence", scene("animated"), "--frames", "0-9", "-o", disk + "/%04d.exr", "--size",
+                              "64x36", "--exr-compression", "none", "--quiet"});
+  std::vector<std::pair<std::string, bool>> whole;
+  for (const std::string& name : files_in(disk)) whole.emplace_back(name, bool(read_image(disk + "/" + name)));
+  umount(disk.c_str());
+  EXPECT_EQ(one.code, 5) << one.err;
+  EXPECT_TRUE(after_one.empty());
+  EXPECT_EQ(many.code, 5) << many.err;
+  EXPECT_FALSE(whole.empty());
+  for (const auto& [name, good] : whole) EXPECT_TRUE(good && name[0] != '.') << name;
+}
+
+// A triangle that emits close to the largest float, exposed by ten stops: infinity in every pixel that it covers.
+constexpr const char* too_bright =
+    R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":1},"indices":0,"material":0}]}],
+"materials":[{"emissiveFactor":[1,1,1],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":3e38}}}],
+"extensionsUsed":["KHR_materials_emissive_strength"],
+"buffers":[{"byteLength":44,"uri":"data:application/octet-stream;base64,AAABAAIAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAA="}],
+"bufferViews":[{"buffer":0,"byteLength":6},{"buffer":0,"byteOffset":8,"byteLength":36}],
+"accessors":[{"bufferView":0,"componentType":5123,"count":3,"type":"SCALAR"},
+{"bufferView":1,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}]})";
+
+TEST(NonFinite, IsExitSevenWithTheCountThePixelAndThePass) {
+  TestFolder folder;
+  std::ofstream(folder / "bright.gltf") << too_bright;
+  for (const char* name : {"a.exr", "a.png"}) {
+    const Ended ended =
+        candela({"render", folder / "bright.gltf", "-o", folder / name, "--size", "32x18", "--exposure", "10"});
+    EXPECT_EQ(ended.code, 7) << ended.err;
+    for (const char* part : {"pixels are not finite", "layer beauty", "the first pass that made one is"})
+      EXPECT_NE(ended.err.find(part), std::string::npos) << ended.err;
+  }
+  const Ended many = candela({"sequence", folder / "bright.gltf", "--frames", "3-5", "-o", folder / "%d.exr", "--size",
+                              "32x18", "--exposure", "10"});
+  EXPECT_EQ(many.code, 7);
+  EXPECT_NE(many.err.find("frame 3:"), std::string::npos) << many.err;
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"bright.gltf"}));
+  EXPECT_EQ(candela({"render", folder / "bright.gltf", "-o", folder / "a.exr", "--size", "32x18", "--exposure", "10",
+                     "--allow-nonfinite"})
+                .code,
+            0);
+}
+
+TEST(Blank, IsAWarningThatSaysWhy) {
+  TestFolder folder;
+  const Ended ended = candela({"render", scene("unlit-box"), "-o", folder / "a.exr", "--size", "16x16", "--eye",
+                               "0,0,100", "--target", "0,0,200", "--json"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_NE(ended.err.find("blank"), std::string::npos) << ended.err;
+  EXPECT_EQ(Json::parse(ended.out)["warnings"].size(), 1u);
+}
+
+TEST(Compare, ExitCodesAndLimits) {
+  TestFolder folder;
+  for (const auto& [name, exposure] : {std::pair("a.png", "0"), std::pair("b.png", "0.5")})
+    ASSERT_EQ(
+        candela({"render", scene("animated"), "-o", folder / name, "--size", "64x36", "--exposure", exposure}).code, 0);
+  ASSERT_EQ(candela({"render", scene("animated"), "-o", folder / "small.png", "--size", "32x18"}).code, 0);
+  EXPECT_EQ(
+      candela({"compare", folder / "a.png", folder / "a.png", "--limit", "differing=0", "--limit", "flip=0"}).code, 0);
+  EXPECT_EQ(candela({"compare", folder / "a.png", folder / "b.png"}).code, 0);
+  const Ended over = candela({"compare", folder / "a.png", folder / "b.png", "--limit", "flip=0.0001", "--json",
+                              "--heatmap", folder / "h.png"});
+  EXPECT_EQ(over.code, 1);
+  EXPECT_EQ(Json::parse(over.out)["pass"], false);
+  EXPECT_GT(Json::parse(over.out)["metrics"]["flip"], 0);
+  EXPECT_TRUE(read_image(folder / "h.png"));
+  EXPECT_EQ(candela({"compare", folder / "a.png", folder / "small.png"}).code, 1);
+}
+
+}  // namespace
+}  // namespace candela::test

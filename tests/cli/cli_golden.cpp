@@ -1,0 +1,104 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace candela::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+void write_manifest(const TestFolder& folder, const std::string& name, const Json& manifest) {
+  fs::create_directories(folder / ("golden/" + name));
+  std::ofstream(folder / ("golden/" + name + "/golden.json")) << manifest.dump();
+}
+
+Json box_manifest(double exposure = 0) {
+  return {{"scene", "scenes/box.glb"}, {"job", {{"size", "32x18"}, {"exposure", exposure}}}, {"frame", 0}};
+}
+
+class Golden : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder / "scenes");
+    fs::copy_file(scene("unlit-box"), folder / "scenes/box.glb");
+    write_manifest(folder, "box", box_manifest());
+  }
+  Ended check(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"golden", "check", "--root", folder / "golden", "--json", "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return candela(arguments);
+  }
+  Ended update(const std::string& why, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"golden", "update", "--root", folder / "golden", "--why", why};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return candela(arguments);
+  }
+  TestFolder folder;
+};
+
+TEST_F(Golden, AMissingOneFailsAnUpdateMakesItAndThenItPasses) {
+  const Ended missing = check();
+  EXPECT_EQ(missing.code, 1) << missing.err;
+  EXPECT_EQ(Json::parse(missing.out)["goldens"][0]["verdict"], "missing golden");
+  const Ended made = update("the first picture");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string changes = bytes_of(folder / "golden/CHANGES.md");
+  EXPECT_NE(changes.find("**box**"), std::string::npos);
+  EXPECT_NE(changes.find("the first picture"), std::string::npos);
+  const Ended passed = check();
+  EXPECT_EQ(passed.code, 0) << passed.err;
+  EXPECT_EQ(Json::parse(passed.out)["goldens"][0]["verdict"], "identical");
+  // Nothing changed: nothing is written.
+  ASSERT_EQ(update("again").code, 0);
+  EXPECT_EQ(bytes_of(folder / "golden/CHANGES.md"), changes);
+}
+
+TEST_F(Golden, AChangedPictureFailsWithAReport) {
+  ASSERT_EQ(update("first").code, 0);
+  Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));
+  manifest["job"]["exposure"] = 2;
+  write_manifest(folder, "box", manifest);
+  const Ended failed = check({"--report", folder / "report"});
+  EXPECT_EQ(failed.code, 1) << failed.err;
+  EXPECT_EQ(Json::parse(failed.out)["goldens"][0]["verdict"], "failed");
+  EXPECT_NE(bytes_of(folder / "report/index.html").find("box"), std::string::npos);
+  EXPECT_NE(bytes_of(folder / "report/junit.xml").find("<failure"), std::string::npos);
+}
+
+TEST_F(Golden, AnotherDeviceClassIsRefusedUnlessMeant) {
+  ASSERT_EQ(update("first").code, 0);
+  Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));
+  const std::string here = manifest["made"]["device_class"];
+  manifest["made"]["device_class"] = "another";
+  manifest["job"]["exposure"] = 1;
+  write_manifest(folder, "box", manifest);
+  EXPECT_EQ(update("second").code, 2);
+  EXPECT_EQ(update("second", {"--device-class", "another"}).code, 2);
+  EXPECT_EQ(update("second", {"--device-class", here}).code, 0);
+  EXPECT_EQ(check().code, 0);
+}
+
+TEST_F(Golden, AssetsThatAreNotThereAreSkippedAndCounted) {
+  write_manifest(folder, "far", {{"scene", "assets:x/y.glb"}, {"job", {{"size", "32x18"}}}});
+  ASSERT_EQ(update("first").code, 0);
+  const Ended ended = check({"--assets", folder / "nowhere"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(Json::parse(ended.out)["skipped"], 1);
+  EXPECT_NE(ended.err.find("skipped"), std::string::npos);
+}
+
+TEST_F(Golden, ABrokenManifestIsExitThree) {
+  write_manifest(folder, "box", {{"scene", "scenes/box.glb"}, {"job", {{"tonemapp", "agx"}}}});
+  const Ended ended = check();
+  EXPECT_EQ(ended.code, 3);
+  EXPECT_NE(ended.err.find("tonemap"), std::string::npos);
+  EXPECT_EQ(check({"--filter", "nosuch"}).code, 2);
+}
+
+}  // namespace
+}  // namespace candela::test

@@ -1,0 +1,211 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace candela::test {
+namespace {
+
+using Json = nlohmann::json;
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(Help, NamesEveryCommandAndExitCode) {
+  const Ended help = candela({"--help"});
+  EXPECT_EQ(help.code, 0);
+  EXPECT_EQ(help.err, "");
+  for (const char* word : {"render", "sequence", "plan", "facts", "compare", "golden", "make-scene", "list",
+                           "--version", "Exit codes", "non-finite"})
+    EXPECT_TRUE(contains(help.out, word)) << word;
+}
+
+// The parser must take every option that the help shows, and show every one that the documents promise.
+TEST(Help, ListsEveryOption) {
+  const std::vector<std::string> job = {"--fps",
+                                        "--animation",
+                                        "--camera",
+                                        "--eye",
+                                        "--target",
+                                        "--yfov",
+                                        "--size",
+                                        "--samples",
+                                        "--technique",
+                                        "--quality",
+                                        "--set",
+                                        "--sky",
+                                        "--exposure",
+                                        "--tonemap",
+                                        "--layers",
+                                        "--background",
+                                        "--seed",
+                                        "--exr-type",
+                                        "--exr-compression",
+                                        "--png-bits",
+                                        "--no-dither",
+                                        "--metadata-timings",
+                                        "--allow-nonfinite",
+                                        "--strict",
+                                        "--config",
+                                        "--quiet",
+                                        "--verbose"};
+  const std::map<std::string, std::vector<std::string>> own = {
+      {"render",
+       {"--frame", "--time", "-o,--output", "--timings", "--trace", "--check-determinism", "--device", "--validate",
+        "--shader-dir", "--json"}},
+      {"sequence",
+       {"--frames", "-o,--output", "--video", "--audio", "--resume", "--shard", "--timings", "--trace", "--device",
+        "--json"}},
+      {"plan", {"--frame", "--time", "--json", "--dot"}},
+      {"facts", {"--frame", "--time"}}};
+  for (const auto& [command, options] : own) {
+    const Ended help = candela({command, "--help"});
+    EXPECT_EQ(help.code, 0);
+    for (const auto* list : {&job, &options})
+      for (const std::string& option : *list)
+        EXPECT_TRUE(contains(help.out, "  " + option)) << command << " " << option;
+  }
+}
+
+TEST(Help, VersionIsOneLineOnStdout) {
+  const Ended version = candela({"--version"});
+  EXPECT_EQ(version.code, 0);
+  EXPECT_TRUE(version.out.starts_with("candela "));
+  EXPECT_EQ(std::count(version.out.begin(), version.out.end(), '\n'), 1);
+}
+
+struct Refusal {
+  std::vector<std::string> arguments;
+  std::string says;
+};
+
+TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
+  const std::string box = scene("unlit-box");
+  const std::vector<Refusal> refusals = {
+      {{}, "no command"},
+      {{"rendr", box}, "did you mean 'render'"},
+      {{"render"}, "SCENE"},
+      {{"render", box}, "-o"},
+      {{"render", box, "-o", "x.jpg"}, ".exr nor .png"},
+      {{"render", box, "-o", "x.exr", "--sise", "1x1"}, "did you mean '--size'"},
+      {{"render", box, "-o", "x.exr", "--size", "12"}, "--size"},
+      {{"render", box, "-o", "x.exr", "--size", "0x5"}, "--size"},
+      {{"render", box, "-o", "x.exr", "--tonemap", "agxx"}, "did you mean 'agx'"},
+      {{"render", box, "-o", "x.exr", "--technique", "none"}, "brute-force"},
+      {{"render", box, "-o", "x.exr", "--layers", "deep"}, "depth"},
+      {{"render", box, "-o", "x.exr", "--set", "cull"}, "PASS.KNOB=VALUE"},
+      {{"render", box, "-o", "x.exr", "--set", "nothing.x=1"}, "nothing"},
+      {{"render", box, "-o", "x.exr", "--samples", "3"}, "--samples"},
+      {{"render", box, "-o", "x.exr", "--samples", "many"}, "--samples"},
+      {{"render", box, "-o", "x.exr", "--eye", "1,2,3"}, "--target"},
+      {{"render", box, "-o", "x.exr", "--eye", "1,2", "--target", "0,0,0"}, "--eye"},
+      {{"render", box, "-o", "x.exr", "--frame", "1", "--time", "2"}, "--time"},
+      {{"render", box, "-o", "x.exr", "--fps", "0"}, "--fps"},
+      {{"render", box, "-o", "x.exr", "--exr-compression", "lz4"}, "--exr-compression"},
+      {{"render", box, "-o", "x.exr", "-o", "x.exr"}, "twice"},
+      {{"render", box, "-o", "x.exr", "--json", "--timings", "-"}, "--timings"},
+      {{"sequence", box, "-o", "%04d.exr"}, "--frames"},
+      {{"sequence", box, "--frames", "0-9"}, "-o"},
+      {{"sequence", box, "--frames", "0-9", "-o", "x.exr"}, "%04d"},
+      {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--shard", "3/2"}, "--shard"},
+      {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "-o", "./%04d.exr"}, "twice"},
+      {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--audio", "a.wav"}, "--video"},
+      {{"sequence", box, "--frames", "0-9", "--video", "x.mp4", "--resume"}, "--resume"},
+      {{"compare", "a.png"}, "two images"},
+      {{"compare", "a.png", "b.png", "--limit", "flap=1"}, "flip"},
+      {{"list", "things"}, "things"},
+      {{"make-scene", "nosuch", "-o", "x.glb"}, "nosuch"},
+      {{"golden", "update"}, "--why"},
+  };
+  TestFolder folder;
+  for (const Refusal& refusal : refusals) {
+    const Ended ended = candela(refusal.arguments, folder.path());
+    std::string line = "candela";
+    for (const std::string& argument : refusal.arguments) line += " " + argument;
+    EXPECT_EQ(ended.code, 2) << line << "\n" << ended.err;
+    EXPECT_EQ(ended.out, "") << line;
+    EXPECT_TRUE(contains(ended.err, refusal.says)) << line << "\n" << ended.err;
+  }
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{});
+}
+
+TEST(Input, MissingAndMalformedScenesAreExitThree) {
+  TestFolder folder;
+  std::ofstream(folder / "noise.glb") << "this is not a scene";
+  for (const std::string& file : {folder / "missing.glb", folder / "noise.glb", folder.path().string()}) {
+    const Ended ended = candela({"render", file, "-o", folder / "out.exr"});
+    EXPECT_EQ(ended.code, 3) << file << "\n" << ended.err;
+    EXPECT_TRUE(contains(ended.err, file)) << ended.err;
+  }
+  EXPECT_EQ(candela({"plan", folder / "missing.glb"}).code, 3);
+  EXPECT_EQ(candela({"compare", folder / "a.png", folder / "b.png"}).code, 3);
+  EXPECT_EQ(candela({"render", scene("unlit-box"), "-o", folder / "out.exr", "--config", folder / "none.toml"}).code,
+            3);
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"noise.glb"});
+}
+
+TEST(Device, AnUnknownOneIsExitFourAndListsWhatThereIs) {
+  TestFolder folder;
+  const Ended ended = candela({"render", scene("unlit-box"), "-o", folder / "out.exr", "--device", "nosuch"});
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_TRUE(contains(ended.err, "nosuch")) << ended.err;
+}
+
+TEST(Stdout, IsCleanJson) {
+  const std::string box = scene("unlit-box");
+  TestFolder folder;
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"list", "devices", "--json"},
+           {"list", "techniques", "--json"},
+           {"list", "passes", "--json"},
+           {"list", "knobs", "--json"},
+           {"list", "layers", "--json"},
+           {"list", "scenes", "--json"},
+           {"plan", box, "--json"},
+           {"facts", box},
+           {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--json"},
+           {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--timings", "-"},
+           {"render", box, "--check-determinism", "2", "--size", "16x16", "--json"},
+           {"sequence", box, "--frames", "0-1", "-o", folder / "%04d.exr", "--size", "16x16", "--json"},
+           {"compare", folder / "a.exr", folder / "a.exr", "--json"}}) {
+    const Ended ended = candela(arguments);
+    EXPECT_EQ(ended.code, 0) << arguments[0] << " " << arguments[1] << "\n" << ended.err;
+    EXPECT_TRUE(Json::accept(ended.out)) << arguments[0] << " " << arguments[1] << "\n" << ended.out;
+  }
+}
+
+TEST(Config, GivesTheSameJobAsTheOptionsAndYieldsToThem) {
+  TestFolder folder;
+  std::ofstream(folder / "job.toml")
+      << "scene = \"" << scene("unlit-box") << "\"\n"
+      << "size = \"24x12\"\nsamples = 1\ntonemap = \"aces\"\nexposure = -1.5\nlayers = \"depth,normal\"\n"
+      << "eye = \"-1,2,3\"\ntarget = \"0,0,0\"\nyfov = 30\nno-dither = true\nseed = 7\noutput = [\"a.exr\"]\n"
+      << "[plan]\npng-bits = 16\n";
+  const Ended from_file = candela({"render", "--config", folder / "job.toml", "--json", "--seed", "9"}, folder.path());
+  ASSERT_EQ(from_file.code, 0) << from_file.err;
+  const Ended from_options = candela({"render",      scene("unlit-box"),
+                                      "--size",      "24x12",
+                                      "--samples",   "1",
+                                      "--tonemap",   "aces",
+                                      "--exposure",  "-1.5",
+                                      "--layers",    "depth,normal",
+                                      "--eye",       "-1,2,3",
+                                      "--target",    "0,0,0",
+                                      "--yfov",      "30",
+                                      "--no-dither", "--seed",
+                                      "9",           "-o",
+                                      "b.exr",       "--json"},
+                                     folder.path());
+  ASSERT_EQ(from_options.code, 0) << from_options.err;
+  EXPECT_EQ(Json::parse(from_file.out)["job"], Json::parse(from_options.out)["job"]);
+  EXPECT_EQ(bytes_of(folder / "a.exr"), bytes_of(folder / "b.exr"));
+
+  std::ofstream(folder / "slip.toml") << "sise = \"24x12\"\n";
+  const Ended slip = candela({"render", "--config", folder / "slip.toml"}, folder.path());
+  EXPECT_EQ(slip.code, 3);
+  EXPECT_TRUE(contains(slip.err, "did you mean 'size'")) << slip.err;
+}
+
+}  // namespace
+}  // namespace candela::test

@@ -24,7 +24,9 @@ class FrameTest : public ::testing::Test {
   // A file for this test alone.
   static std::string write(const GltfBuilder& builder) {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    const std::string path = ::testing::TempDir() + "candela_" + info->test_suite_name() + "_" + info->name() + ".glb";
+    std::string name = fmt::format("candela_{}_{}.glb", info->test_suite_name(), info->name());
+    std::replace(name.begin(), name.end(), '/', '_');  // of parameterised tests
+    const std::string path = ::testing::TempDir() + name;
     const auto bytes = builder.glb();
     std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), long(bytes.size()));
     return path;

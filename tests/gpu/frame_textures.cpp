@@ -1,0 +1,104 @@
+#include <numbers>
+
+#include "frame_fixture.h"
+#include "scene/procedural_textures.h"
+
+namespace candela::test {
+namespace {
+
+int add_texture(GltfBuilder& b, const std::vector<std::byte>& png, bool nearest) {
+  std::vector<uint8_t> bytes(png.size());
+  std::memcpy(bytes.data(), png.data(), png.size());
+  b.json["images"].push_back({{"bufferView", b.view(bytes)}, {"mimeType", "image/png"}});
+  const int filter = nearest ? 9728 : 9729;
+  b.json["samplers"].push_back({{"magFilter", filter}, {"minFilter", filter}});
+  const size_t index = b.json["images"].size() - 1;
+  b.json["textures"].push_back({{"source", index}, {"sampler", index}});
+  return int(index);
+}
+
+// The square with texture coordinates, (0, 0) at the top left, and tangents along +X.
+int add_textured_square(GltfBuilder& b, int material) {
+  const int square = add_square_mesh(b, 1, material);
+  Json& attributes = b.json["meshes"][size_t(square)]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_0"] = b.accessor<float>("VEC2", {0, 1, 1, 1, 1, 0, 0, 0});
+  attributes["TANGENT"] = b.accessor<float>("VEC4", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
+  return square;
+}
+
+double srgb_decode(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
+
+}  // namespace
+
+class FrameTextures : public FrameTest {};
+
+// 4x4 texels of different colours, seen straight on: each has its place, and sRGB is decoded. Drivers decode by table
+// or formula; Vulkan allows 0.6 of an 8-bit code value; lavapipe uses 0.15 of it.
+TEST_F(FrameTextures, TexelsLieWhereTheirCoordinatesSay) {
+  const auto code = [](double u, double v) {
+    return glm::dvec4(std::floor(u * 4) * 60, std::floor(v * 4) * 70, 10 + 20 * std::floor(u * 4), 255) / 255.0;
+  };
+  for (const bool transformed : {false, true}) {
+    GltfBuilder b = empty_scene();
+    use_materials(b);
+    b.use("KHR_texture_transform");
+    Json material = unlit_material(1, 1, 1);
+    material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", add_texture(b, png_from(4, 4, 3, code), true)}};
+    if (transformed)
+      material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
+          {"offset", {0.25, 0.5}}, {"scale", {0.5, 1}}, {"rotation", std::numbers::pi / 2}};
+    add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))}});
+    b.json["cameras"] = {
+        {{"type", "orthographic"}, {"orthographic", {{"xmag", 1.0}, {"ymag", 1.0}, {"znear", 0.5}, {"zfar", 20.0}}}}};
+    add_node(b, {{"camera", 0}, {"translation", {0, 0, 2}}});
+    const Images images = images_of(job_for(write(b), 32, 32));
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x) {
+        double u = (x + 0.5) / 32, v = (y + 0.5) / 32;
+        if (transformed) {  // scale, then a quarter turn, counter-clockwise with v down, then the offset
+          const double su = 0.5 * u, sv = v;
+          u = sv + 0.25, v = -su + 0.5;
+        }
+        const glm::dvec4 wanted = code(u - std::floor(u), v - std::floor(v));
+        const glm::vec4 p = images["beauty"].at<glm::vec4>(x, y);
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_GE(p[c], srgb_decode(wanted[c] - 0.6 / 255)) << x << " " << y;
+          ASSERT_LE(p[c], srgb_decode(wanted[c] + 0.6 / 255)) << x << " " << y;
+        }
+      }
+  }
+}
+
+// A normal map of one texel under turns and mirrors: the normal is that of mesh space, carried along. 8-bit texels and
+// float arithmetic leave 1e-6.
+TEST_F(FrameTextures, NormalMapsFollowMirroredTransforms) {
+  const glm::dvec3 codes(180, 90, 220);
+  const glm::dvec3 mapped = glm::normalize(codes / 255.0 * 2.0 - 1.0);
+  struct Case {
+    glm::dvec3 scale;
+    double turn_rad, side;  // about Z; the camera's side of the plane
+  };
+  for (const Case& t : {Case{{1, 1, 1}, 0, 1}, Case{{-1, 1, 1}, 0, 1}, Case{{1, -1, 1}, 0, 1}, Case{{-1, -1, 1}, 0, 1},
+                        Case{{1, 1, -1}, 0, -1}, Case{{2, 2, 2}, 0.7, 1}, Case{{-2, 2, 2}, 0.7, 1}}) {
+    GltfBuilder b = empty_scene();
+    use_materials(b);
+    Json material = diffuse_material(0.5, 0.5, 0.5);
+    material["normalTexture"] = {
+        {"index",
+         add_texture(b, png_from(1, 1, 3, [&](double, double) { return glm::dvec4(codes / 255.0, 1); }), true)}};
+    add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))},
+                 {"scale", {t.scale.x, t.scale.y, t.scale.z}},
+                 {"rotation", {0, 0, std::sin(t.turn_rad / 2), std::cos(t.turn_rad / 2)}}});
+    Job job = with_layers(job_for(write(b), 16, 16));
+    look(job, {0, 0, 3 * t.side}, {0, 0, 0}, 20);
+    const Images images = images_of(job);
+    const glm::dvec3 local = glm::normalize(t.scale) * mapped;
+    const double c = std::cos(t.turn_rad), s = std::sin(t.turn_rad);
+    const glm::dvec3 wanted = glm::normalize(glm::dvec3(c * local.x - s * local.y, s * local.x + c * local.y, local.z));
+    const glm::dvec3 n(images["normal"].at<glm::vec4>(8, 8));
+    EXPECT_LT(glm::length(n - wanted), 2e-6)
+        << n.x << " " << n.y << " " << n.z << " for " << wanted.x << " " << wanted.y << " " << wanted.z;
+  }
+}
+
+}  // namespace candela::test

@@ -1,6 +1,10 @@
-// Precompiled: the standard headers and the two libraries that nearly every file uses. Nothing of ours.
+// Precompiled: the standard headers and the libraries whose headers are slow and that many files use. Nothing of ours.
 #pragma once
 #include <fmt/format.h>
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>

@@ -8,8 +8,9 @@ namespace candela {
 enum class ToneCurve : uint32_t { none, agx, reinhard, aces, neutral, rec709 };
 std::span<const std::string_view> tone_curve_names();  // in the order of the enum
 
-// Linear radiance to display values: tone curve, sRGB encoding, triangular dither before 8 bits, straight alpha. Exact
-// up to 32-bit float arithmetic; the dither adds at most one code value.
+// Linear radiance to display values: tone curve, sRGB encoding, unbiased dither before 8 bits (triangular, uniform next
+// to black and white), straight alpha. Exact up to 32-bit float arithmetic; the dither moves a value by one code at
+// most.
 struct Tonemap {
   static constexpr std::string_view name = "tonemap";
   struct In {

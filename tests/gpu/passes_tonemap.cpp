@@ -196,8 +196,8 @@ TEST_F(ToneMapping, AlphaComesOutStraight) {
   EXPECT_EQ(codes[15], 65535);
 }
 
-// Triangular noise of one code value's standard triangle and rounding: at most one code value from the undithered one,
-// and a variance of a quarter code value, so the mean of 16,384 pixels lies within 5 sigma = 0.02 code values.
+// At most one code value from the undithered one. The error's variance is a quarter of a squared code value, so the
+// mean of 16,384 pixels lies within 5 sigma = 0.02 code values of the truth.
 TEST_F(ToneMapping, DitherIsUnbiasedSmallAndSeeded) {
   const uint32_t side = 128;
   for (const float level : {0.0f, 1e-4f, 0.003f, 0.02f, 0.2f, 0.5f, 0.77f, 0.99f, 1.0f}) {

@@ -66,7 +66,7 @@ TEST_F(FrameScenes, OtherTimesGiveOtherFrames) {
 }
 
 // The same objects 1,000 km from the origin: only positions in the file round (to 1/16 m in float, and the scene is
-// made of multiples of that), the camera-relative arithmetic is the same.
+// made of multiples of that), the camera-relative arithmetic is the same. On lavapipe nothing differs at all.
 TEST_F(FrameScenes, TheFarWorldLooksLikeTheNearOne) {
   for (const int samples : {1, 4}) {
     const Images near_world = images_of(job_for(scene("near-world"), 160, 90, samples), everything);
@@ -80,7 +80,7 @@ TEST_F(FrameScenes, TheFarWorldLooksLikeTheNearOne) {
     for (size_t i = 0; i < c.size(); ++i) codes = std::max(codes, std::abs(int(c[i]) - int(d[i])));
     RecordProperty("largest_linear_difference_" + std::to_string(samples), fmt::format("{:g}", linear));
     EXPECT_LE(codes, 1) << samples << " samples";
-    EXPECT_LE(linear, 1e-4) << samples << " samples";
+    EXPECT_LE(linear, 1e-6) << samples << " samples";
   }
 }
 

@@ -38,40 +38,6 @@ void change_layout(VkCommandBuffer commands, const PhysicalImage& image, VkImage
   vkCmdPipelineBarrier2(commands, &info);
 }
 
-void copy_and_wait(const FrameContext& frame, const PlanUse& use, QueueWork& work, Buffer& staging, uint64_t bytes) {
-  if (staging.size() < bytes)
-    staging = Buffer(frame.device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, Buffer::Memory::host_read,
-                     Device::Purpose::readback, "hashed output");
-  const PlanResource& resource = frame.plan.resources[size_t(use.resource)];
-  VkCommandBuffer commands = work.begin();
-  full_barrier(commands);
-  if (const auto* desc = std::get_if<ImageDesc>(&resource.desc)) {
-    const PhysicalImage& image = frame.physical.image(use.resource);
-    const VkImageLayout layout = image_layout(use.access, desc->format);
-    change_layout(commands, image, layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    VkBufferImageCopy region{};
-    region.imageSubresource = {image.aspect, 0, 0, 1};
-    region.imageExtent = {desc->width_px, desc->height_px, 1};
-    vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.handle(), 1, &region);
-    change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, layout);
-  } else {
-    const VkBufferCopy region{0, 0, bytes};
-    vkCmdCopyBuffer(commands, frame.buffers[size_t(use.resource)]->handle(), staging.handle(), 1, &region);
-  }
-  VkMemoryBarrier2 to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  to_host.srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-  to_host.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  to_host.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
-  to_host.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &to_host;
-  vkCmdPipelineBarrier2(commands, &info);
-  work.submit();
-  if (!work.wait(copy_timeout_s)) throw GpuError(VK_TIMEOUT, "copying what a pass wrote");
-  staging.invalidate();
-}
-
 }  // namespace
 
 uint64_t count_nonfinite(VkFormat format, std::span<const std::byte> bytes) {
@@ -81,24 +47,78 @@ uint64_t count_nonfinite(VkFormat format, std::span<const std::byte> bytes) {
                                                    : count_full_exponents<uint32_t>(bytes, 0x7f800000);
 }
 
-void hash_outputs(const FrameContext& frame, size_t pass, QueueWork& work, Buffer& staging,
-                  std::vector<PassHash>& hashes) {
+void OutputHasher::record_image(const FrameContext& frame, const PlanUse& use, VkCommandBuffer commands) {
+  const auto& desc = std::get<ImageDesc>(frame.plan.resources[size_t(use.resource)].desc);
+  const PhysicalImage& image = frame.physical.image(use.resource);
+  const VkImageLayout before = image_layout(use.access, desc.format);
+  const VkImageLayout read =
+      desc.samples > 1 ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+  change_layout(commands, image, before, read);
+  if (desc.samples > 1) {
+    samples_.record(commands, desc, image.view, staging_.address());
+  } else {
+    VkBufferImageCopy region{};
+    region.imageSubresource = {image.aspect, 0, 0, 1};
+    region.imageExtent = {desc.width_px, desc.height_px, 1};
+    vkCmdCopyImageToBuffer(commands, image.image, read, staging_.handle(), 1, &region);
+  }
+  change_layout(commands, image, read, before);
+}
+
+void OutputHasher::copy_and_wait(const FrameContext& frame, const PlanUse& use, QueueWork& work, uint64_t bytes) {
+  constexpr VkBufferUsageFlags usage =
+      VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  if (staging_.size() < bytes)
+    staging_ =
+        Buffer(frame.device, bytes, usage, Buffer::Memory::host_read, Device::Purpose::readback, "hashed output");
+  VkCommandBuffer commands = work.begin();
+  full_barrier(commands);
+  if (frame.plan.resources[size_t(use.resource)].is_image()) {
+    record_image(frame, use, commands);
+  } else {
+    const VkBufferCopy region{0, 0, bytes};
+    vkCmdCopyBuffer(commands, frame.buffers[size_t(use.resource)]->handle(), staging_.handle(), 1, &region);
+  }
+  VkMemoryBarrier2 to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  to_host.srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+  to_host.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+  to_host.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+  to_host.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &to_host;
+  vkCmdPipelineBarrier2(commands, &info);
+  work.submit();
+  if (!work.wait(copy_timeout_s)) throw GpuError(VK_TIMEOUT, "copying what a pass wrote");
+  staging_.invalidate();
+}
+
+void OutputHasher::hash_outputs(const FrameContext& frame, size_t pass, QueueWork& work,
+                                std::vector<PassHash>& hashes) {
   for (const PlanUse& use : frame.plan.passes[pass].uses) {
     if (!use.writes) continue;
     const PlanResource& resource = frame.plan.resources[size_t(use.resource)];
     PassHash hash{frame.plan.passes[pass].name, resource.name(), {}, 0};
     const auto* image = std::get_if<ImageDesc>(&resource.desc);
-    if (image && image->samples > 1) {
+    const bool multisampled = image && image->samples > 1;
+    if (multisampled && !frame.physical.image(use.resource).sampled) {
       hash.resource += " (multisampled, not hashed)";
       hashes.push_back(std::move(hash));
       continue;
     }
-    const uint64_t bytes = image ? uint64_t(image->width_px) * image->height_px * format_bytes(image->format)
-                                 : frame.buffers[size_t(use.resource)]->size();
-    copy_and_wait(frame, use, work, staging, bytes);
-    const std::span<const std::byte> contents(staging.mapped(), bytes);
+    uint64_t bytes = 0;
+    if (multisampled)
+      bytes = SampleReader::bytes(*image);
+    else if (image)
+      bytes = uint64_t(image->width_px) * image->height_px * format_bytes(image->format);
+    else
+      bytes = frame.buffers[size_t(use.resource)]->size();
+    copy_and_wait(frame, use, work, bytes);
+    const std::span<const std::byte> contents(staging_.mapped(), bytes);
     hash.hash = hash128(contents);
-    if (image) hash.nonfinite = count_nonfinite(image->format, contents);
+    // Samples are read as 32-bit floats, whatever their format.
+    const bool widened = multisampled && format_name(image->format).ends_with("FLOAT");
+    if (image) hash.nonfinite = count_nonfinite(widened ? VK_FORMAT_R32_SFLOAT : image->format, contents);
     hashes.push_back(std::move(hash));
   }
 }

@@ -39,10 +39,11 @@ struct FrameRunner::Hidden {
   Physical physical;
   std::shared_ptr<ReadbackPool> readbacks = std::make_shared<ReadbackPool>();
   Timing timing;
-  Buffer hash_staging;
+  OutputHasher hasher;
   QueueWork work;  // last: its end waits for the device, before what the device uses goes
   std::vector<const Pipeline*> of_plan;
-  std::optional<Hash128> prepared;  // hash of the plan that `physical` and `of_plan` belong to
+  std::optional<Hash128> prepared;   // hash of the plan that `physical` and `of_plan` belong to
+  std::optional<Hash128> allocated;  // physical_key of what `physical` holds
   bool copyable = false;
   std::array<uint32_t, 3> max_groups{};
 
@@ -52,12 +53,14 @@ struct FrameRunner::Hidden {
         pipelines(d, b, std::move(compiler), std::move(cache_folder)),
         physical(d, b),
         timing(d),
+        hasher(d, b, pipelines),
         work(d) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(d.physical(), &properties);
     std::copy_n(properties.limits.maxComputeWorkGroupCount, 3, max_groups.begin());
   }
 
+  void rebuild(const FramePlan& plan, bool to_copy);
   FrameContext context(const FramePlan& plan, const std::map<int, const Buffer*>& imports, FrameRun& result);
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
@@ -81,14 +84,26 @@ Expected<PrepareTimes> FrameRunner::prepare(const CompiledGraph& graph) {
   auto pipelines = h.pipelines.get(graph.plan.pipelines, times);
   if (!pipelines) return std::unexpected(pipelines.error());
   h.of_plan = std::move(*pipelines);
-  VK_CHECK(vkQueueWaitIdle(h.device.queue()));  // a frame that was given up on may still use the old images
-  Stopwatch watch;
-  h.readbacks->trim();
-  h.copyable = false;
-  h.physical.rebuild(graph.plan, h.copyable);
-  times.allocate_ms = watch.lap_ms();
+  if (const Hash128 key = physical_key(graph.plan); h.allocated != key) {
+    VK_CHECK(vkQueueWaitIdle(h.device.queue()));  // a frame that was given up on may still use the old images
+    Stopwatch watch;
+    h.readbacks->trim();
+    h.rebuild(graph.plan, false);
+    times.allocated = true;
+    times.allocate_ms = watch.lap_ms();
+  }
   h.prepared = hash;
   return times;
+}
+
+// A rebuild that throws, for want of memory, leaves nothing prepared.
+void FrameRunner::Hidden::rebuild(const FramePlan& plan, bool to_copy) {
+  prepared.reset();
+  allocated.reset();
+  physical.rebuild(plan, to_copy);
+  copyable = to_copy;
+  allocated = physical_key(plan);
+  prepared = plan_hash(plan);
 }
 
 FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const std::map<int, const Buffer*>& imports,
@@ -199,7 +214,7 @@ void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const Compiled
     VkCommandBuffer commands = work.begin();
     const bool stamps = options.timed && timing.available();
     if (stamps) timing.reset(2);
-      if (stamps) timing.post(commands, 0);
+    if (stamps) timing.post(commands, 0);
     if (pass == 0) fill_buffers(frame, commands, options.hash_outputs);
     record_pass(frame, graph, pass, commands);
     if (pass + 1 == passes) record_barriers(frame, graph.plan.final_barriers, commands);
@@ -213,7 +228,7 @@ void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const Compiled
     result.wait_ms += wait_ms;
     if (options.timed)
       result.passes.push_back({graph.plan.passes[pass].name, stamps ? timing.between_ms(0, 1) : submit_ms + wait_ms});
-    if (options.hash_outputs) hash_outputs(frame, pass, work, hash_staging, result.hashes);
+    if (options.hash_outputs) hasher.hash_outputs(frame, pass, work, result.hashes);
   }
 }
 
@@ -224,10 +239,7 @@ FrameRun FrameRunner::run(const CompiledGraph& graph, const std::map<int, const 
   CHECK(graph.record.size() == graph.plan.passes.size());
   FrameRun result;
   if (graph.plan.passes.empty()) return result;
-  if (options.hash_outputs && !h.copyable) {
-    h.physical.rebuild(graph.plan, true);
-    h.copyable = true;
-  }
+  if (options.hash_outputs && !h.copyable) h.rebuild(graph.plan, true);
   const FrameContext frame = h.context(graph.plan, imports, result);
   const bool isolated = options.hash_outputs || (options.timed && (h.device.info().is_cpu || !h.timing.available()));
   if (isolated)

@@ -48,12 +48,13 @@ struct PrepareTimes {
   double compile_ms = 0;   // GLSL to SPIR-V, wall time of the parallel step
   double pipeline_ms = 0;  // SPIR-V to pipelines, likewise
   double allocate_ms = 0;
+  bool allocated = false;  // images and buffers were made anew
   int shaders = 0, shaders_from_cache = 0, pipelines = 0;
 };
 
 // Runs compiled graphs. Owns pipelines (made once, kept by description, saved in a VkPipelineCache on disk), the
-// physical images and buffers of the last plan (kept while the plan's hash stays), command pool, query pool and
-// readback pool.
+// physical images and buffers of the last plan (kept while plans differ only in what they import), command pool, query
+// pool and readback pool.
 class FrameRunner {
  public:
   FrameRunner(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);

@@ -1,9 +1,30 @@
 #include "gpu/physical.h"
 
+#include <span>
+
 #include "base/check.h"
 #include "graph/access.h"
 
 namespace candela::gpu {
+
+Hash128 physical_key(const FramePlan& plan) {
+  std::vector<uint64_t> key{plan.passes.size(), plan.resources.size(), plan.block_bytes.size()};
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
+    const PlanResource& resource = plan.resources[i];
+    if (resource.first_pass < 0 || resource.imported) continue;
+    key.insert(key.end(), {i, uint64_t(resource.lifetime), uint64_t(int64_t(resource.block)), resource.image_usage,
+                           resource.buffer_usage});
+    if (const auto* image = std::get_if<ImageDesc>(&resource.desc))
+      key.insert(key.end(), {uint64_t(image->format), image->width_px, image->height_px, image->samples});
+    else
+      key.push_back(std::get<BufferDesc>(resource.desc).size_bytes);
+  }
+  for (const PlanPass& pass : plan.passes) {
+    key.push_back(pass.uses.size());
+    for (const PlanUse& use : pass.uses) key.insert(key.end(), {uint64_t(use.resource), uint64_t(use.access)});
+  }
+  return hash128(std::as_bytes(std::span(key)));
+}
 
 void Physical::clear() {
   for (PhysicalImage& image : images_) {
@@ -88,6 +109,15 @@ void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, PassI
   }
 }
 
+namespace {
+bool can_make(VkPhysicalDevice device, const VkImageCreateInfo& info, VkImageUsageFlags usage) {
+  VkImageFormatProperties properties;
+  return vkGetPhysicalDeviceImageFormatProperties(device, info.format, info.imageType, info.tiling, usage, info.flags,
+                                                  &properties) == VK_SUCCESS &&
+         (properties.sampleCounts & info.samples);
+}
+}  // namespace
+
 void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalImage& image) {
   const auto& desc = std::get<ImageDesc>(resource.desc);
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
@@ -96,7 +126,12 @@ void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalI
   info.extent = {desc.width_px, desc.height_px, 1};
   info.mipLevels = info.arrayLayers = 1;
   info.samples = VkSampleCountFlagBits(desc.samples);
-  info.usage = resource.image_usage | (copyable && desc.samples == 1 ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : 0);
+  info.usage = resource.image_usage;
+  if (copyable) {
+    const VkImageUsageFlags more = desc.samples > 1 ? VK_IMAGE_USAGE_SAMPLED_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    if (desc.samples == 1 || can_make(device_.physical(), info, info.usage | more)) info.usage |= more;
+  }
+  image.sampled = info.usage & VK_IMAGE_USAGE_SAMPLED_BIT;
   VK_CHECK(vkCreateImage(device_.handle(), &info, nullptr, &image.image));
   image.aspect = is_depth_format(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   device_.set_name(VK_OBJECT_TYPE_IMAGE, uint64_t(image.image), desc.name);

@@ -17,6 +17,7 @@ struct PhysicalImage {
   VkImage image = VK_NULL_HANDLE;
   VkImageView view = VK_NULL_HANDLE;
   VkImageAspectFlags aspect = 0;
+  bool sampled = false;  // made with SAMPLED usage
 };
 
 // The images that one pass reaches through descriptors: its set 1, and each image's place in the two bindings.
@@ -25,6 +26,10 @@ struct PassImages {
   std::map<int, uint32_t> sampled, storage;  // by resource
 };
 
+// Of everything that Physical::rebuild looks at: equal keys mean that the same images, buffers and sets serve both
+// plans, whatever the plans import.
+Hash128 physical_key(const FramePlan& plan);
+
 // The images and device buffers that a plan names. Images of one alias block share one piece of memory.
 class Physical {
  public:
@@ -32,7 +37,8 @@ class Physical {
   ~Physical() { clear(); }
   Physical(const Physical&) = delete;
   Physical& operator=(const Physical&) = delete;
-  // Frees what is there and makes what `plan` names. copyable: everything may also be the source of a copy (hashing).
+  // Frees what is there and makes what `plan` names. copyable: everything may also be the source of a copy, or
+  // sampled where multisampled images cannot be copied (hashing).
   void rebuild(const FramePlan& plan, bool copyable);
   void clear();
   const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }

@@ -45,6 +45,50 @@ void expect_all(const Readback& readback, glm::vec4 wanted) {
   EXPECT_EQ(wrong, 0u) << values[0].x << " " << values[0].y << " " << values[0].z << " " << values[0].w;
 }
 
+// Colour and depth of 4 samples, both written by the pass "draw"; "resolve" then resolves the colour and is read back.
+BufferHandle add_multisampled(GraphBuilder& builder, glm::vec4 color, VkFormat format) {
+  builder.begin_pass("draw");
+  ImageHandle image = builder.create(
+      ImageDesc{.name = "color", .format = format, .width_px = width, .height_px = height, .samples = 4});
+  ImageHandle depth = builder.create(
+      ImageDesc{.name = "depth", .format = VK_FORMAT_D32_SFLOAT, .width_px = width, .height_px = height, .samples = 4});
+  ImageHandle resolved =
+      builder.create(ImageDesc{.name = "resolved", .format = format, .width_px = width, .height_px = height});
+  image = builder.write(image, Access::color_attachment);
+  depth = builder.write(depth, Access::depth_attachment);
+  GraphicsPipelineDesc desc = flat(4);
+  desc.color_formats = {format};
+  desc.depth_format = VK_FORMAT_D32_SFLOAT;
+  desc.depth_test = desc.depth_write = true;
+  const PipelineHandle pipeline = builder.pipeline(desc);
+  const CommandList::Attachment target{image};
+  builder.end_pass([=](CommandList& commands) {
+    commands.begin_rendering({&target, 1}, depth);
+    commands.bind(pipeline);
+    commands.push(color);
+    commands.draw(3);
+    commands.end_rendering();
+  });
+  builder.begin_pass("resolve");
+  builder.read(depth, Access::depth_test, "depth");
+  image = builder.write(image, Access::color_attachment);
+  resolved = builder.write(resolved, Access::resolve_attachment);
+  const CommandList::Attachment both{image, resolved};
+  builder.end_pass([=](CommandList& commands) {
+    commands.begin_rendering({&both, 1}, depth);
+    commands.end_rendering();
+  });
+  return add_readback(builder, "resolved", resolved, width * height * format_bytes(format));
+}
+
+const PassHash& hash_of(const FrameRun& run, const std::string& pass, const std::string& resource) {
+  for (const PassHash& hash : run.hashes)
+    if (hash.pass == pass && hash.resource == resource) return hash;
+  ADD_FAILURE() << "no hash of " << resource << " after " << pass;
+  static const PassHash none;
+  return none;
+}
+
 }  // namespace
 
 TEST_F(Frame, ReadsBackWhatAComputePassWrote) {
@@ -252,6 +296,97 @@ TEST_F(Frame, HashesRepeatAndCountNonFiniteValues) {
   EXPECT_EQ(first.hashes[0].pass, "fill good");
   EXPECT_EQ(first.hashes[0].hash, hash128(first.readbacks.at(bytes.resource)->bytes()));
   EXPECT_NE(first.hashes[0].hash, first.hashes[1].hash);
+}
+
+TEST_F(Frame, MultisampledImagesAreHashedSampleBySample) {
+  for (const VkFormat format : {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT}) {
+    const auto hashed = [&](glm::vec4 color) {
+      GraphBuilder builder;
+      add_multisampled(builder, color, format);
+      return run(compile_graph(builder), {.hash_outputs = true});
+    };
+    const FrameRun first = hashed({1, 2, 3, 4}), second = hashed({1, 2, 3, 4}), other = hashed({1, 2, 3, 5});
+    const PassHash& color = hash_of(first, "draw", "color");
+    EXPECT_EQ(color.hash, hash_of(second, "draw", "color").hash);
+    EXPECT_NE(color.hash, hash_of(other, "draw", "color").hash);
+    EXPECT_EQ(hash_of(first, "draw", "depth").hash, hash_of(other, "draw", "depth").hash);
+    // Every sample holds what was drawn, in words of 32 bits; depth is what fullscreen.vert gives.
+    const std::vector<glm::vec4> samples(width * height * 4, glm::vec4(1, 2, 3, 4));
+    EXPECT_EQ(color.hash, hash128(std::as_bytes(std::span(samples))));
+    const std::vector<float> depths(width * height * 4, 0.5f);
+    EXPECT_EQ(hash_of(first, "draw", "depth").hash, hash128(std::as_bytes(std::span(depths))));
+    EXPECT_EQ(color.nonfinite, 0u);
+  }
+}
+
+// An infinity made in a multisampled pass is that pass's, not the resolve's that follows.
+TEST_F(Frame, NonFiniteSamplesAreChargedToThePassThatMadeThem) {
+  for (const VkFormat format : {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT}) {
+    GraphBuilder builder;
+    add_multisampled(builder, {1, std::numeric_limits<float>::infinity(), 0, 1}, format);
+    const FrameRun result = run(compile_graph(builder), {.hash_outputs = true});
+    ASSERT_FALSE(result.hashes.empty());
+    EXPECT_EQ(result.hashes.front().pass, "draw");
+    EXPECT_EQ(hash_of(result, "draw", "color").nonfinite, width * height * 4);
+    EXPECT_EQ(hash_of(result, "draw", "depth").nonfinite, 0u);
+  }
+}
+
+TEST_F(Frame, MultisampledIntegersAreHashed) {
+  GraphBuilder builder;
+  builder.begin_pass("clear");
+  ImageHandle image = builder.create(ImageDesc{.name = "ids",
+                                               .format = VK_FORMAT_R32_UINT,
+                                               .width_px = width,
+                                               .height_px = height,
+                                               .samples = 4,
+                                               .clear = {7, 0, 0, 0}});
+  image = builder.write(image, Access::color_attachment);
+  const CommandList::Attachment target{image};
+  builder.end_pass([=](CommandList& commands) {
+    commands.begin_rendering({&target, 1}, {});
+    commands.end_rendering();
+  });
+  builder.sink(image);
+  const FrameRun result = run(compile_graph(builder), {.hash_outputs = true});
+  const std::vector<uint32_t> samples(width * height * 4, 7);
+  EXPECT_EQ(hash_of(result, "clear", "ids").hash, hash128(std::as_bytes(std::span(samples))));
+}
+
+// What a frame imports may grow and shrink from frame to frame; its own images stay.
+TEST_F(Frame, ImagesStayWhilePlansDifferOnlyInWhatTheyImport) {
+  const auto planned = [](uint64_t import_bytes, uint32_t image_width) {
+    GraphBuilder builder;
+    const BufferHandle source = builder.import_buffer(BufferDesc{.name = "source", .size_bytes = import_bytes});
+    builder.begin_pass("fill");
+    builder.read(source, Access::compute_read, "source");
+    ImageHandle image = builder.create(
+        ImageDesc{.name = "image", .format = color_format, .width_px = image_width, .height_px = height});
+    image = builder.write(image, Access::storage_image_write);
+    const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "fill.comp"});
+    builder.end_pass([=](CommandList& commands) {
+      commands.bind(pipeline);
+      commands.push(
+          FillPush{commands.storage(image), image_width, height, std::bit_cast<uint32_t>(float(import_bytes))});
+      commands.dispatch(image_width, height);
+    });
+    const BufferHandle bytes = add_readback(builder, "image", image, image_width * height * 16);
+    return std::tuple(compile_graph(builder), source, bytes);
+  };
+  const Buffer buffer(*device, 64, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                      Buffer::Memory::upload, Device::Purpose::scene, "source");
+  const auto render = [&](uint64_t import_bytes, uint32_t image_width) {
+    const auto [graph, source, bytes] = planned(import_bytes, image_width);
+    const auto prepared = runner->prepare(graph);
+    EXPECT_TRUE(prepared);
+    const FrameRun result = runner->run(graph, {{source.resource, &buffer}}, {});
+    EXPECT_EQ(values_of<float>(*result.readbacks.at(bytes.resource))[0], float(import_bytes));
+    return prepared && prepared->allocated;
+  };
+  EXPECT_TRUE(render(16, width));
+  EXPECT_FALSE(render(64, width));
+  EXPECT_FALSE(render(32, width));
+  EXPECT_TRUE(render(32, width + 1));
 }
 
 TEST(CountNonFinite, KnowsFloatHalfAndDepth) {

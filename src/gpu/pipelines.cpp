@@ -103,7 +103,10 @@ void Pipelines::load_cache() {
     if (auto bytes = read_file(path); bytes && bytes->size() > sizeof stated) {
       std::memcpy(&stated, bytes->data(), sizeof stated);
       const auto payload = std::span(*bytes).subspan(sizeof stated);
-      if (hash128(payload) == stated) data.assign(payload.begin(), payload.end());
+      if (hash128(payload) == stated) {
+        data.assign(payload.begin(), payload.end());
+        on_disk_ = stated;
+      }
     }
   }
   VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
@@ -124,11 +127,14 @@ void Pipelines::save_cache() {
   if (vkGetPipelineCacheData(device_.handle(), cache_, &size, bytes.data() + sizeof(Hash128)) != VK_SUCCESS) return;
   bytes.resize(sizeof(Hash128) + size);
   const Hash128 hash = hash128(std::span(bytes).subspan(sizeof(Hash128)));
+  if (hash == on_disk_) return;
   std::memcpy(bytes.data(), &hash, sizeof hash);
   std::error_code error;
   std::filesystem::create_directories(path.parent_path(), error);
   if (const auto written = write_file_atomically(path, bytes); !written)
     log::debug("pipeline cache: {}", written.error().text());
+  else
+    on_disk_ = hash;
 }
 
 Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareTimes& times) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/hash.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
 #include "gpu/shader_compiler.h"
@@ -46,6 +47,7 @@ class Pipelines {
   ShaderCompiler compiler_;
   std::filesystem::path cache_folder_;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
+  Hash128 on_disk_;  // of the data in the cache file
   struct Shader {
     std::vector<uint32_t> spirv;
     VkShaderModule module = VK_NULL_HANDLE;

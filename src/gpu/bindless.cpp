@@ -1,5 +1,7 @@
 #include "gpu/bindless.h"
 
+#include <algorithm>
+#include <bit>
 #include <mutex>
 
 #include "base/check.h"
@@ -7,7 +9,7 @@
 namespace candela::gpu {
 
 namespace {
-constexpr uint32_t max_sampled = 16384, max_samplers = 512;
+constexpr uint32_t least_textures = 256, max_samplers = 512;
 
 // Indices in use; the lowest free one is given out first, so that equal jobs get equal indices.
 class Slots {
@@ -63,17 +65,18 @@ VkDescriptorSetLayout make_set_layout(Device& device, std::span<const VkDescript
 }  // namespace
 
 struct Bindless::Hidden {
-  Slots sampled{max_sampled};
+  Slots sampled{least_textures};
   VkDescriptorPool pool = VK_NULL_HANDLE;
   std::vector<std::pair<VkSamplerCreateInfo, VkSampler>> samplers;
   std::mutex mutex;
 };
 
-Bindless::Bindless(Device& device) : hidden_(std::make_unique<Hidden>()), device_(device) {
+Bindless::Bindless(Device& device, uint32_t textures) : hidden_(std::make_unique<Hidden>()), device_(device) {
   VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v12};
   vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  const uint32_t counts[] = {std::min(max_sampled, v12.maxPerStageDescriptorUpdateAfterBindSampledImages),
+  const uint32_t room = std::bit_ceil(std::clamp(textures, least_textures, most_textures));
+  const uint32_t counts[] = {std::min(room, v12.maxPerStageDescriptorUpdateAfterBindSampledImages),
                              std::min(max_samplers, v12.maxPerStageDescriptorUpdateAfterBindSamplers)};
   hidden_->sampled = Slots(counts[0]);
   const VkDescriptorType types[] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLER};

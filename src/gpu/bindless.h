@@ -12,9 +12,12 @@ namespace candela::gpu {
 //   images
 class Bindless {
  public:
+  static constexpr uint32_t most_textures = 16384;
   static constexpr uint32_t pass_sampled = 16, pass_storage = 8;  // images that one pass may sample, and store to
 
-  explicit Bindless(Device& device);
+  // textures: how many sampled images there will be at most. The set has room for the next power of two, so that few
+  // layouts exist and pipeline caches serve most scenes; memory of descriptors that nobody uses still costs time.
+  explicit Bindless(Device& device, uint32_t textures = most_textures);
   ~Bindless();
   uint32_t add_sampled(VkImageView view, VkImageLayout layout);
   uint32_t add_sampler(const VkSamplerCreateInfo& info);  // equal infos share an index; owned here

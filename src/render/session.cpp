@@ -96,7 +96,9 @@ Expected<void> DeviceSession::open() {
   device_ = std::move(*device);
   try {
     const StageTimer timer(opening_, "upload");
-    bindless_ = std::make_unique<gpu::Bindless>(*device_);
+    // An image may be uploaded twice, as sRGB and as linear; the sky is one more.
+    const size_t textures = std::min<size_t>(2 * scene_.images.size() + 1, gpu::Bindless::most_textures);
+    bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
     if (sky_) gpu_scene_->set_environment(*sky_);
     sky_.reset();

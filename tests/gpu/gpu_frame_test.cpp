@@ -332,6 +332,44 @@ TEST_F(Frame, NonFiniteSamplesAreChargedToThePassThatMadeThem) {
   }
 }
 
+// Every sample of every pixel has a value of its own; what is hashed is all of them, in order.
+TEST_F(Frame, EachSampleIsHashedAtItsOwnPlace) {
+  constexpr uint32_t samples = 4;
+  std::vector<glm::vec4> texels(width * height * samples);
+  for (size_t i = 0; i < texels.size(); ++i) texels[i] = glm::vec4(i, i + 0.25f, i + 0.5f, i + 0.75f);
+  const auto bytes = std::as_bytes(std::span(texels));
+  Buffer buffer(*device, bytes.size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                Buffer::Memory::upload, Device::Purpose::scene, "texels");
+  std::memcpy(buffer.mapped(), bytes.data(), bytes.size());
+  GraphBuilder builder;
+  const BufferHandle source = builder.import_buffer(BufferDesc{.name = "texels", .size_bytes = bytes.size()});
+  builder.begin_pass("samples");
+  builder.read(source, Access::fragment_read, "texels");
+  ImageHandle image = builder.create(
+      ImageDesc{.name = "color", .format = color_format, .width_px = width, .height_px = height, .samples = samples});
+  image = builder.write(image, Access::color_attachment);
+  GraphicsPipelineDesc desc = flat(samples);
+  desc.fragment_shader = "one_sample.frag";
+  const PipelineHandle pipeline = builder.pipeline(desc);
+  const CommandList::Attachment target{image};
+  builder.end_pass([=](CommandList& commands) {
+    commands.begin_rendering({&target, 1}, {});
+    commands.bind(pipeline);
+    for (uint32_t which = 0; which < samples; ++which) {
+      struct {
+        uint64_t source;
+        uint32_t width, samples, which, unused;
+      } const push{commands.address(source), width, samples, which, 0};
+      commands.push(push);
+      commands.draw(3);
+    }
+    commands.end_rendering();
+  });
+  builder.sink(image);
+  const FrameRun result = run(compile_graph(builder), {.hash_outputs = true}, {{source.resource, &buffer}});
+  EXPECT_EQ(hash_of(result, "samples", "color").hash, hash128(bytes));
+}
+
 TEST_F(Frame, MultisampledIntegersAreHashed) {
   GraphBuilder builder;
   builder.begin_pass("clear");

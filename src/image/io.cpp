@@ -2,13 +2,13 @@
 
 #include <cstring>
 
-#include "base/check.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "image/exr.h"
 #include "image/hdr.h"
 #include "image/oiio.h"
 #include "image/png_text.h"
+#include "image/png_write.h"
 
 namespace candela {
 namespace {
@@ -80,7 +80,7 @@ float* begin_read(void* context, int width, int height, int channels, const char
 }
 
 Expected<FloatImage> read_through_module(const std::filesystem::path& path) {
-  auto table = open_oiio(path.string(), ErrorKind::input);
+  auto table = open_oiio(path.string());
   if (!table) return std::unexpected(table.error());
   ReadTarget target;
   std::array<char, 512> reason{};
@@ -135,22 +135,9 @@ void make_usable(DecodedImage& image, const std::string& place) {
 }  // namespace
 
 Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image, const std::vector<PngText>& texts) {
-  CHECK(image.width > 0 && image.height > 0 && (image.channels == 3 || image.channels == 4) &&
-        (image.bits == 8 || image.bits == 16));
-  CHECK(image.pixels.size() ==
-        size_t(image.width) * size_t(image.height) * size_t(image.channels) * size_t(image.bits / 8));
-  auto table = open_oiio(path.string(), ErrorKind::output);
-  if (!table) return std::unexpected(table.error());
-  std::string encoded;
-  const auto sink = [](void* context, const void* bytes, uint64_t size) {
-    static_cast<std::string*>(context)->assign(static_cast<const char*>(bytes), size);
-  };
-  std::array<char, 512> reason{};
-  if ((*table)->encode_png(image.width, image.height, image.channels, image.bits, image.pixels.data(), sink, &encoded,
-                           reason.data(), reason.size()) != 0)
-    return fail(ErrorKind::output, path.string(), "cannot encode PNG: {}", reason.data());
-  const auto bytes = std::as_bytes(std::span(encoded));
-  std::vector<std::byte> file(bytes.begin(), bytes.end());
+  auto encoded = encode_png(image, path.string());
+  if (!encoded) return std::unexpected(encoded.error());
+  std::vector<std::byte> file = std::move(*encoded);
   for (const auto& [keyword, text] : texts) file = with_png_text(file, keyword, text);
   return write_file_atomically(path, std::span<const std::byte>(file));
 }

@@ -6,8 +6,8 @@
 #include "image/image.h"
 
 // All file formats stop here. EXR goes through OpenEXR, encoded PNG, JPEG and HDR textures in memory through stb (the
-// decoder that tinygltf carries); PNG output and every other format through OpenImageIO, which lives in a module opened
-// at first use.
+// decoder that tinygltf carries), PNG output through libpng, every other format through OpenImageIO, which lives in a
+// module opened at first use.
 namespace candela {
 
 enum class ExrCompression { none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab };

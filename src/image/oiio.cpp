@@ -33,13 +33,13 @@ Module load_module() {
 
 }  // namespace
 
-Expected<const oiio::Table*> open_oiio(const std::string& place, ErrorKind kind) {
+Expected<const oiio::Table*> open_oiio(const std::string& place) {
   static const Module module = load_module();
   if (module.table) return module.table;
   return fail(
-      kind, place,
+      ErrorKind::input, place,
       "this file format needs the module candela_oiio.so beside the program: install libopenimageio-dev and build with "
-      "CANDELA_OIIO=ON, or use EXR ({})",
+      "CANDELA_OIIO=ON, or use EXR or PNG ({})",
       module.reason);
 }
 

@@ -31,7 +31,7 @@ includes() {
       ours["main.cpp"] = "cli"
       ours["shared"] = ""
       # Libraries that stop at the modules named.
-      only["OpenImageIO"] = only["OpenEXR"] = "image"
+      only["OpenImageIO"] = only["OpenEXR"] = only["png.h"] = "image"
       only["vulkan"] = "graph gpu"
       only["glslang"] = only["SPIRV"] = only["spirv-tools"] = "gpu"
       only["tiny_gltf.h"] = only["meshoptimizer.h"] = only["draco"] = "scene"

@@ -5,17 +5,12 @@
 // library's types crosses the border. Both sides include this header; `abi_version` guards against a stale module.
 namespace candela::oiio {
 
-inline constexpr uint32_t abi_version = 1;
+inline constexpr uint32_t abi_version = 2;
 inline constexpr const char* table_symbol = "candela_oiio_table";
 
-// Every function returns 0 on success; else it writes a zero-terminated reason to `message` (of `message_size` bytes).
+// read() returns 0 on success; else it writes a zero-terminated reason to `message` (of `message_size` bytes).
 struct Table {
   uint32_t version;
-
-  // Encodes interleaved 8- or 16-bit native-endian pixels as PNG and hands the file's bytes to `sink`, once.
-  int (*encode_png)(int width, int height, int channels, int bits, const void* pixels,
-                    void (*sink)(void* context, const void* bytes, uint64_t size), void* context, char* message,
-                    uint64_t message_size);
 
   // Reads any format as float, interleaved, rows from the top. Integer formats give code value / maximum. First `begin`
   // says the size and the channel names (joined by '\n') and returns where to put width*height*channels floats, or null

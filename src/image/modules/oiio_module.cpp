@@ -1,13 +1,11 @@
 // The module candela_oiio.so: the only file that sees OpenImageIO, which pulls in some 250 shared libraries and is
 // therefore opened at first use only (docs/decisions.md).
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <cstring>
 #include <exception>
 #include <string>
-#include <vector>
 
 #include "image/modules/oiio_abi.h"
 
@@ -20,27 +18,6 @@ int refuse(const std::string& reason, char* message, uint64_t message_size) {
     message[length] = 0;
   }
   return 1;
-}
-
-int encode_png(int width, int height, int channels, int bits, const void* pixels,
-               void (*sink)(void*, const void*, uint64_t), void* context, char* message, uint64_t message_size) try {
-  const OIIO::TypeDesc type = bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
-  OIIO::ImageSpec spec(width, height, channels, type);
-  // The pixels are straight alpha already; without the mark OpenImageIO would divide by alpha.
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  spec.attribute("oiio:UnassociatedAlpha", 1);
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput stream(bytes);
-  auto output = OIIO::ImageOutput::create("png", &stream);
-  if (!output) return refuse("OpenImageIO cannot write PNG: " + OIIO::geterror(), message, message_size);
-  if (!output->supports("ioproxy")) return refuse("this OpenImageIO writes PNG to files only", message, message_size);
-  output->set_ioproxy(&stream);
-  if (!output->open("image.png", spec) || !output->write_image(type, pixels) || !output->close())
-    return refuse(output->geterror(), message, message_size);
-  sink(context, bytes.data(), bytes.size());
-  return 0;
-} catch (const std::exception& e) {
-  return refuse(e.what(), message, message_size);
 }
 
 int read(const char* path, float* (*begin)(void*, int, int, int, const char*), void* context, char* message,
@@ -68,4 +45,4 @@ int read(const char* path, float* (*begin)(void*, int, int, int, const char*), v
 }  // namespace
 
 extern "C" __attribute__((visibility("default")))
-const candela::oiio::Table candela_oiio_table = {candela::oiio::abi_version, encode_png, read};
+const candela::oiio::Table candela_oiio_table = {candela::oiio::abi_version, read};

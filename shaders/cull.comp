@@ -5,10 +5,12 @@
 shared uint survivors;
 
 void main() {
-  const CullGroup group = CullGroupsRef(pc.groups).g[gl_WorkGroupID.x];
+  const uint g = group_index();
+  if (g >= pc.group_count) return;  // the whole workgroup
+  const CullGroup group = CullGroupsRef(pc.groups).g[g];
   if (gl_LocalInvocationIndex == 0u) survivors = 0u;
   barrier();
   if (gl_LocalInvocationIndex < group.item_count && item_survives(group.first_item + gl_LocalInvocationIndex)) atomicAdd(survivors, 1u);
   barrier();
-  if (gl_LocalInvocationIndex == 0u) CountsRef(pc.survivors).n[gl_WorkGroupID.x] = survivors;
+  if (gl_LocalInvocationIndex == 0u) CountsRef(pc.survivors).n[g] = survivors;
 }

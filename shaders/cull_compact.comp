@@ -8,7 +8,8 @@ shared uint before;
 
 void main() {
   const uint t = gl_LocalInvocationIndex;
-  const uint g = gl_WorkGroupID.x;
+  const uint g = group_index();
+  if (g >= pc.group_count) return;  // the whole workgroup
   const CullGroup group = CullGroupsRef(pc.groups).g[g];
   // Survivors of the run's earlier groups: each thread sums a stride, then a tree adds the threads.
   uint sum = 0u;

@@ -36,10 +36,7 @@ mat4 blended_joints(uint64_t vertices, DeformJob job, uint vertex) {
   return sum;
 }
 
-void main() {
-  const DeformJob job = DeformJobsRef(pc.jobs).j[pc.job];
-  const uint v = gl_GlobalInvocationID.x;
-  if (v >= job.vertex_count) return;
+void deform_vertex(DeformJob job, uint v) {
   const uint64_t vertices = FrameConstantsRef(pc.frame).c.vertices;
   vec3 position = load3(vertices, job.position + 3u * v);
   vec3 normal = job.normal != absent ? load3(vertices, job.normal + 3u * v) : vec3(0.0);
@@ -54,12 +51,14 @@ void main() {
     if (at_normal != absent) normal += weight * load3(vertices, at_normal + 3u * v);
     if (at_tangent != absent) tangent += weight * load3(vertices, at_tangent + 3u * v);
   }
+  float handedness = 1.0;
   if (job.joint_count > 0u) {
     const mat4 m = blended_joints(vertices, job, v);
     position = (m * vec4(position, 1.0)).xyz;
     // Normals by the cofactor matrix, so that non-uniform joint scales keep them perpendicular.
     const vec3 ca = cross(m[1].xyz, m[2].xyz), cb = cross(m[2].xyz, m[0].xyz), cc = cross(m[0].xyz, m[1].xyz);
     const float flip = dot(m[0].xyz, ca) < 0.0 ? -1.0 : 1.0;
+    handedness = flip;  // joints that mirror turn the bitangent over, as mirrored nodes do
     normal = flip * (ca * normal.x + cb * normal.y + cc * normal.z);
     tangent = mat3(m) * tangent;
   }
@@ -67,6 +66,13 @@ void main() {
   if (job.normal != absent) store3(job.out_normal + 3u * v, normal);
   if (job.tangent != absent) {
     store3(job.out_tangent + 4u * v, tangent);
-    DeformedRef(pc.deformed).f[job.out_tangent + 4u * v + 3u] = FloatsRef(vertices).f[job.tangent + 4u * v + 3u];
+    DeformedRef(pc.deformed).f[job.out_tangent + 4u * v + 3u] = handedness * FloatsRef(vertices).f[job.tangent + 4u * v + 3u];
   }
+}
+
+// Strided: a section may have more vertices than one dispatch has threads.
+void main() {
+  const DeformJob job = DeformJobsRef(pc.jobs).j[pc.job];
+  const uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  for (uint v = gl_GlobalInvocationID.x; v < job.vertex_count; v += stride) deform_vertex(job, v);
 }

@@ -4,6 +4,8 @@
 layout(push_constant, scalar) uniform Push { CullPush pc; };
 layout(local_size_x = 256) in;
 
+uint group_index() { return gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x; }
+
 bool item_survives(uint index) {
   if (pc.culling == 0u) return true;
   FrameConstantsRef frame = FrameConstantsRef(pc.frame);

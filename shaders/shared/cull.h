@@ -20,6 +20,7 @@ struct DrawCommand {
 struct CullPush {
   uint64_t frame, groups, survivors, commands, counts;
   uint culling;         // 0: everything is kept
+  uint group_count;
 };
 
 SHARED_END
@@ -27,6 +28,11 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 inline constexpr uint cull_group_size = 256;
+// Groups beyond what one dimension of a dispatch takes on every device (65535) go to the second.
+inline uvec2 cull_threads(uint groups) {
+  const uint row = groups < 65535 ? groups : 65535;
+  return {row * cull_group_size, (groups + 65534) / 65535};
+}
 static_assert(sizeof(CullGroup) == 20 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 48);
 }  // namespace candela::shared
 #else

@@ -39,6 +39,14 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path) {
 }
 
 Expected<void> write_atomically(const fs::path& path, const std::function<Expected<void>(const fs::path&)>& write) {
+  std::error_code absent;
+  if (fs::is_symlink(path, absent)) {  // the link stays, its target is replaced
+    const fs::path target = fs::weakly_canonical(path, absent);
+    if (!absent && target != path) return write_atomically(target, write);
+  }
+  const fs::file_status status = fs::status(path, absent);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    return fail(ErrorKind::output, path.string(), "is there and is no regular file; nothing is written over it");
   static std::atomic<unsigned> counter{0};
   // The ending is kept last, because image libraries choose the format by it.
   const fs::path temporary =

@@ -33,7 +33,7 @@ class CommandList {
   virtual void dispatch(uint32_t threads_x, uint32_t threads_y = 1, uint32_t threads_z = 1) = 0;
 
   struct Attachment {
-    ImageHandle image;        // version written by this pass; version 1 clears, later ones load; empty: not wanted
+    ImageHandle image;        // version written by this pass; version 1 clears, later ones load
     ImageHandle resolve{};    // optional
   };
   virtual void begin_rendering(std::span<const Attachment> colors, ImageHandle depth) = 0;  // viewport and scissor: whole image

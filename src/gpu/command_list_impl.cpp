@@ -141,15 +141,10 @@ VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const 
 }
 
 void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageHandle depth) {
-  const auto first = std::find_if(colors.begin(), colors.end(), [](const Attachment& a) { return bool(a.image); });
-  CHECK_MSG(!rendering_ && (first != colors.end() || depth), pass_.name);
-  const ImageDesc& shape = desc_of(first == colors.end() ? depth.resource : first->image.resource);
+  CHECK_MSG(!rendering_ && (!colors.empty() || depth), pass_.name);
+  const ImageDesc& shape = desc_of(colors.empty() ? depth.resource : colors[0].image.resource);
   std::vector<VkRenderingAttachmentInfo> color_infos;
   for (const Attachment& color : colors) {
-    if (!color.image) {  // a place in the shader's outputs that nobody wants
-      color_infos.push_back({VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO});
-      continue;
-    }
     VkRenderingAttachmentInfo info = attachment(use_of(color.image, {Access::color_attachment}));
     if (color.resolve) {
       const PlanUse& resolve = use_of(color.resolve, {Access::resolve_attachment});

@@ -79,7 +79,23 @@ Error compile_error(const ShaderFiles& files, std::string_view log) {
   return error;
 }
 
-Expected<std::vector<uint32_t>> translate(const ShaderFiles& files, EShLanguage stage) {
+// "layers.frag#DEPTH=0#NORMAL=1": the file, and its definitions as preprocessor lines.
+struct NamedShader {
+  std::string file, definitions;
+};
+NamedShader split_definitions(const std::string& name) {
+  NamedShader shader{name.substr(0, name.find('#')), ""};
+  for (size_t at = name.find('#'); at != std::string::npos;) {
+    const size_t end = name.find('#', at + 1);
+    std::string definition = name.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+    std::replace(definition.begin(), definition.end(), '=', ' ');
+    shader.definitions += "#define " + definition + "\n";
+    at = end;
+  }
+  return shader;
+}
+
+Expected<std::vector<uint32_t>> translate(const ShaderFiles& files, const std::string& definitions, EShLanguage stage) {
   static std::once_flag initialized;
   std::call_once(initialized, [] { glslang::InitializeProcess(); });
   const ShaderFile& root = files.files[0];
@@ -88,7 +104,8 @@ Expected<std::vector<uint32_t>> translate(const ShaderFiles& files, EShLanguage 
   const int length = int(root.text.size());
   glslang::TShader shader(stage);
   shader.setStringsWithLengthsAndNames(&text, &length, &name, 1);
-  shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
+  const std::string preamble = "#extension GL_GOOGLE_include_directive : require\n" + definitions;
+  shader.setPreamble(preamble.c_str());
   shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, 100);
   shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
   shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_6);
@@ -140,7 +157,8 @@ void write_cached(const std::filesystem::path& path, const std::vector<uint32_t>
 ShaderCompiler::ShaderCompiler(std::filesystem::path shader_folder, std::filesystem::path cache)
     : shader_folder_(std::move(shader_folder)), cache_(std::move(cache)) {}
 
-Expected<ShaderCompiler::Result> ShaderCompiler::compile(const std::string& file) const {
+Expected<ShaderCompiler::Result> ShaderCompiler::compile(const std::string& name) const {
+  const auto [file, definitions] = split_definitions(name);
   const std::optional<EShLanguage> stage = stage_of(file);
   if (!stage) return fail(ErrorKind::input, file, "a shader's name ends in .vert, .frag or .comp");
   const Expected<ShaderFiles> files = load_shader_files(shader_folder_, file);
@@ -150,7 +168,8 @@ Expected<ShaderCompiler::Result> ShaderCompiler::compile(const std::string& file
 
   std::filesystem::path cached;
   if (!cache_.empty()) {
-    const Hash128 key = hash128(fmt::format("{} stage {} {}", files->hash().hex(), int(*stage), compiler_identity()));
+    const Hash128 key =
+        hash128(fmt::format("{} stage {} {} {}", files->hash().hex(), int(*stage), compiler_identity(), definitions));
     cached = cache_ / "spirv" / (key.hex() + ".spv");
     if (auto spirv = read_cached(cached)) {
       result.spirv = std::move(*spirv);
@@ -158,7 +177,7 @@ Expected<ShaderCompiler::Result> ShaderCompiler::compile(const std::string& file
       return result;
     }
   }
-  Expected<std::vector<uint32_t>> spirv = translate(*files, *stage);
+  Expected<std::vector<uint32_t>> spirv = translate(*files, definitions, *stage);
   if (!spirv) return std::unexpected(spirv.error());
   result.spirv = std::move(*spirv);
   if (!cached.empty()) write_cached(cached, result.spirv);

@@ -19,8 +19,9 @@ class ShaderCompiler {
     bool from_cache = false;
     std::vector<std::string> files;  // the source and what it includes
   };
-  // Errors (input): names file and line of the including chain.
-  Expected<Result> compile(const std::string& file) const;
+  // file: below shaders/, with definitions after it ("layers.frag#DEPTH=0"). Errors (input): names file and line of the
+  // including chain.
+  Expected<Result> compile(const std::string& name) const;
 
  private:
   std::filesystem::path shader_folder_, cache_;

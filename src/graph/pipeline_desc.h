@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-// What a pass asks of the compiler: plain values, part of the plan, hashed and printed. One pipeline layout serves all: the
+// What a pass asks of the compiler: shader files below shaders/, with preprocessor definitions where an interface differs
+// ("layers.frag#DEPTH=0#NORMAL=1"; everything else is a specialization constant). Plain values, part of the plan, hashed and printed. One pipeline layout serves all: the
 // bindless set and 128 bytes of push constants.
 namespace candela {
 

@@ -123,12 +123,13 @@ void make_usable(DecodedImage& image, const std::string& place) {
       float& value = texels[i * 4 + c];
       has_nonfinite |= !std::isfinite(value);
       has_negative |= value < 0 && std::isfinite(value);
-      if (!std::isfinite(value) || value < 0) value = 0;
+      if (std::isnan(value) || value < 0) value = 0;
+      if (std::isinf(value)) value = 65504;  // what half could not hold: the sun stays the brightest
     }
     nonfinite += has_nonfinite;
     negative += has_negative;
   }
-  if (nonfinite) log::warning("{}: {} texels are not finite; those values are taken as 0", place, nonfinite);
+  if (nonfinite) log::warning("{}: {} texels are not finite; infinity is taken as 65504, the rest as 0", place, nonfinite);
   if (negative) log::warning("{}: {} texels are negative; those values are taken as 0", place, negative);
 }
 

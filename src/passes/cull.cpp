@@ -32,8 +32,10 @@ void Cull::record(CommandList& commands, const In& in, const Out& out) const {
   push.groups = commands.address(in.scene.cull_groups);
   push.survivors = commands.address(out.survivors);
   push.culling = uint32_t(knobs.enabled);
+  push.group_count = in.scene.cull_group_count;
   commands.push(push);
-  commands.dispatch(in.scene.cull_group_count * shared::cull_group_size);
+  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count);
+  commands.dispatch(threads.x, threads.y);
 }
 
 }  // namespace candela

@@ -30,8 +30,10 @@ void CullCompact::record(CommandList& commands, const In& in, const Out& out) co
   push.commands = commands.address(out.draws.commands);
   push.counts = commands.address(out.draws.counts);
   push.culling = in.culling ? 1 : 0;
+  push.group_count = in.scene.cull_group_count;
   commands.push(push);
-  commands.dispatch(in.scene.cull_group_count * shared::cull_group_size);
+  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count);
+  commands.dispatch(threads.x, threads.y);
 }
 
 }  // namespace candela

@@ -31,7 +31,7 @@ void Deform::record(CommandList& commands, const In& in, const Out& out) const {
   for (uint32_t job = 0; job < in.scene.deform_vertices.size(); ++job) {
     push.job = job;
     commands.push(push);
-    commands.dispatch(in.scene.deform_vertices[job]);
+    commands.dispatch(std::min(in.scene.deform_vertices[job], 65535u * 64u));  // 65535 groups: what every device takes
   }
 }
 

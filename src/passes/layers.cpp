@@ -26,9 +26,14 @@ Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_format = depth_format;
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-  if (in.wanted[size_t(Layer::direct)]) choice.desc.constants.push_back({14, "WANTS_DIRECT", 1});
-  for (uint32_t i = 0; i < layer_count; ++i)
-    choice.desc.color_formats.push_back(in.wanted[i] ? formats[i] : VK_FORMAT_UNDEFINED);
+  // Only wanted layers are attachments, and outputs of the shader, in the order of the table.
+  for (uint32_t i = 0; i < layer_count; ++i) {
+    if (!in.wanted[i]) continue;
+    std::string define(layer_name_table()[i]);
+    std::transform(define.begin(), define.end(), define.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+    choice.desc.fragment_shader += fmt::format("#{}={}", define, choice.desc.color_formats.size());
+    choice.desc.color_formats.push_back(formats[i]);
+  }
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
   out.depth = builder.write(builder.create(ImageDesc{"layers.z", depth_format, in.scene.width_px, in.scene.height_px}),
@@ -44,8 +49,9 @@ Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void Layers::record(CommandList& commands, const In& in, const Out& out) const {
-  std::array<CommandList::Attachment, layer_count> colors;
-  for (uint32_t i = 0; i < layer_count; ++i) colors[i].image = out.images[i];
+  std::vector<CommandList::Attachment> colors;
+  for (const ImageHandle image : out.images)
+    if (image) colors.push_back({image});
   commands.begin_rendering(colors, out.depth);
   record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines);
   commands.end_rendering();

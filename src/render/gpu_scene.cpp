@@ -64,6 +64,10 @@ void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void
 GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout)
     : device_(device), bindless_(bindless), scene_(scene), layout_(layout) {
   for (const Sampler& s : scene.samplers) samplers_.push_back(bindless.add_sampler(sampler_info(s)));
+  for (const Material& m : scene.materials)
+    for_each_slot(m, [&](const TextureSlot& slot, bool srgb) {
+      if (slot) mipmapped_[{slot.image, srgb}] |= scene.samplers[size_t(slot.sampler)].mipmaps;
+    });
   if (layout.vertex_words == 0) return;
   std::vector<uint32_t> words(layout.vertex_words), indices(layout.index_count);
   pack_geometry(scene, layout, words, indices);
@@ -107,7 +111,7 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
     for_each_slot(frame.pose.materials[m], [&](const TextureSlot& slot, bool srgb) {
       if (!slot || !frame.facts.image_used[size_t(slot.image)]) return;
       const TextureKey key{slot.image, srgb};
-      if (!textures_.contains(key)) wanted[key] |= scene_.samplers[size_t(slot.sampler)].mipmaps;
+      if (!textures_.contains(key)) wanted[key] = mipmapped_.at(key);
     });
   }
   if (wanted.empty()) return;

@@ -51,6 +51,7 @@ class GpuScene {
     uint32_t index = shared::absent;  // absent: could not be decoded
   };
   std::map<TextureKey, LoadedTexture> textures_;
+  std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another
   std::vector<uint32_t> samplers_;  // bindless index of each Scene::samplers
   gpu::Texture environment_;
   uint32_t environment_index_ = shared::absent, environment_sampler_ = 0;

@@ -1,5 +1,6 @@
 #include "render/plan_frame.h"
 
+#include <bit>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -35,13 +36,18 @@ Expected<std::array<float, 4>> parse_background(const std::string& text, float p
   return std::array<float, 4>{rgb[0] * pre_exposure, rgb[1] * pre_exposure, rgb[2] * pre_exposure, 1};
 }
 
+// Whether the file has any light at all: one that is dark at this time must not bring the neutral light.
+bool has_light(const Scene& scene) {
+  return std::any_of(scene.order.begin(), scene.order.end(), [&](int n) { return scene.nodes[size_t(n)].light >= 0; });
+}
+
 // A key light over the viewer's shoulder for scenes without light, beside the neutral ambient.
 void add_neutral_light(const View& view, FrameData& data) {
   const glm::dmat3 relative_from_view = glm::transpose(glm::dmat3(view.view_from_relative));
   LightItem key{};
   key.type = LightType::directional;
   key.direction = glm::vec3(-glm::normalize(relative_from_view * glm::dvec3(-0.45, 0.65, 0.6)));
-  key.intensity = glm::vec3(2.0f);
+  key.intensity = glm::vec3(1.4f);  // lux: with the ambient light a white surface comes out just below 1
   key.range_m = std::numeric_limits<float>::infinity();
   data.lights.push_back(key);
 }
@@ -98,7 +104,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
 
 // Resolve, tone mapping and read-back: the same for every technique.
 void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const Job& job, const WantedOutputs& wanted,
-            PlannedFrame& f) {
+            double time_s, PlannedFrame& f) {
   const ImageHandle resolved = frame.add(Resolve{}, {images.color, s.width_px, s.height_px, s.samples}).resolved;
   const ImageHandle linear = resolved ? resolved : images.color;
   Tonemap::In tone{linear, s.width_px, s.height_px};
@@ -106,7 +112,9 @@ void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const
   tone.curve = ToneCurve(std::find(curves.begin(), curves.end(), job.tonemap) - curves.begin());
   tone.bits = uint32_t(wanted.display_bits);
   tone.dither = job.dither;
-  tone.seed = uint32_t(job.seed);
+  // Noise differs from frame to frame, and depends on nothing but the job and the time.
+  const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
+  tone.seed = uint32_t(noise ^ (noise >> 32));
   const ImageHandle display = frame.add(Tonemap{}, tone).display;
 
   Readback::In readback;
@@ -153,7 +161,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.data = make_frame_data(context.scene, f.pose, f.view);
   f.request = make_request(job, *knobs, wanted);
   f.facts = survey(context.scene, f.pose, f.data, context.environment != nullptr);
-  if (f.facts.lights() == 0 && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
+  if (!has_light(context.scene) && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
     f.request.neutral_light = true;
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false);
@@ -174,7 +182,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   Frame frame{builder, f.facts, f.request};
   for (const Technique& technique : techniques())
     if (technique.name == job.technique)
-      finish(frame, inputs, technique.build(frame, inputs, {knobs->cull_enabled}), job, wanted, f);
+      finish(frame, inputs, technique.build(frame, inputs, {knobs->cull_enabled}), job, wanted, time_s, f);
   f.graph = compile_graph(builder);
   add_notes(f);
   f.plan_ms = ms_since(start);

@@ -31,7 +31,7 @@ std::vector<std::string> arguments(const fs::path& out, const fs::path& audio, i
   // H.264 with 4:2:0 chroma wants even sides: odd ones are repeated by a row or column. Rec.709 is said in the stream,
   // because players guess it from the height otherwise.
   std::vector<std::string> a = {"ffmpeg",   "-hide_banner", "-nostdin", "-loglevel",
-                                "error",    "-y",           "-f",       "rawvideo",
+                                "error",    "-xerror",      "-y",       "-f",       "rawvideo",
                                 "-pix_fmt", "rgb24",        "-s",       fmt::format("{}x{}", width_px, height_px),
                                 "-r",       rate.text(),    "-i",       "pipe:0"};
   if (!audio.empty())

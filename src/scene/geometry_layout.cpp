@@ -79,6 +79,7 @@ void pack_morphs(const MeshSection& s, const SectionLayout& l, std::span<uint32_
 Expected<GeometryLayout> layout_geometry(const Scene& scene) {
   GeometryLayout layout;
   layout.sections.resize(scene.meshes.size());
+  constexpr uint64_t most = 0x7fffffff;  // SPIR-V takes array indices as signed
   Cursor cursor;
   for (const int n : scene.order) {
     const int mesh = scene.nodes[size_t(n)].mesh;
@@ -92,8 +93,8 @@ Expected<GeometryLayout> layout_geometry(const Scene& scene) {
       l.index_count = uint32_t(section.index.size());
       layout.index_count += section.index.size();
       layout.sections[size_t(mesh)].push_back(l);
-      if (cursor.words() >= SectionLayout::absent || layout.index_count >= SectionLayout::absent)
-        return fail(ErrorKind::input, scene.path, "the scene's vertices do not fit into 16 GiB: split it");
+      if (cursor.words() > most || layout.index_count > most)
+        return fail(ErrorKind::input, scene.path, "the scene's vertices do not fit into 8 GiB: split it");
     }
   }
   layout.vertex_words = cursor.words();

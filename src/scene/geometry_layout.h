@@ -26,7 +26,7 @@ struct GeometryLayout {
   uint64_t vertex_words = 0, index_count = 0;
 };
 
-// Error (input) when the scene has more than 2^32 words of vertices or indices.
+// Error (input) when the scene has more than 2^31 words of vertices or indices.
 Expected<GeometryLayout> layout_geometry(const Scene& scene);
 // Fills vertex_words words and index_count indices as laid out.
 void pack_geometry(const Scene& scene, const GeometryLayout& layout, std::span<uint32_t> words,

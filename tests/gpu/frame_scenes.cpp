@@ -35,6 +35,18 @@ TEST_F(FrameScenes, RenderCleanAndFiniteWithAndWithoutCulling) {
     }
 }
 
+// A layer asked for alone is the layer among all others: attachments and shader outputs fit for every choice of layers.
+TEST_F(FrameScenes, EveryLayerAloneIsTheLayerAmongAll) {
+  for (const std::string name : {"spheres", "unlit-box"}) {
+    const Images all = images_of(with_layers(job_for(scene(name), 32, 18)));
+    for (const std::string& layer : layer_names()) {
+      Job job = job_for(scene(name), 32, 18);
+      job.layers = {layer};
+      EXPECT_TRUE(images_of(job)[layer] == all[layer]) << name << " " << layer;
+    }
+  }
+}
+
 // Frame N alone, after other frames in the same session, and in a second session.
 TEST_F(FrameScenes, AFrameIsTheSameHoweverItIsReached) {
   for (const std::string name : {"animated", "skinned", "morph", "alpha", "animation-pointer", "instanced"}) {

@@ -145,6 +145,15 @@ TEST(Plan, TheNeutralLightIsSaidAndOnlyWhereItIsSeen) {
   EXPECT_FALSE(plan(generated("spheres")).request.neutral_light);
 }
 
+// A lamp that is dark at this time is a dark lamp, not a file without light: no flash in the middle of a fade.
+TEST(Plan, ADarkLightDoesNotBringTheNeutralOne) {
+  Scene scene = generated("spheres");
+  for (Light& light : scene.lights) light.intensity = 0;
+  const PlannedFrame dark = plan(scene);
+  EXPECT_EQ(dark.facts.lights(), 0u);
+  EXPECT_FALSE(dark.request.neutral_light);
+}
+
 TEST(Plan, TheSameJobGivesTheSamePlan) {
   const Scene scene = generated("alpha");
   EXPECT_EQ(plan_hash(plan(scene).graph.plan), plan_hash(plan(scene).graph.plan));

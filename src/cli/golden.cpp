@@ -5,6 +5,7 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "base/text.h"
 #include "cli/command.h"
 #include "cli/golden_run.h"
 #include "render/frame_names.h"
@@ -138,18 +139,23 @@ Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture&
   return write_file_atomically(golden.folder / "golden.json", j.dump(2) + "\n");
 }
 
+// One entry, before the older ones.
 Expected<void> note_changes(const fs::path& root, const std::vector<std::string>& names, const GoldenPicture& picture,
                             const std::string& why) {
   const fs::path file = root / "CHANGES.md";
-  std::string text = "# Why a golden changed\n\nWritten by `candela golden update`; newest last.\n\n";
+  std::string text = "# Why goldens changed\n\nWritten by `candela golden update`, newest first.\n";
   std::error_code failed;
   if (fs::exists(file, failed)) {
     const auto bytes = read_file(file);
     if (!bytes) return std::unexpected(bytes.error());
     text.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   }
-  for (const std::string& name : names)
-    text += fmt::format("- **{}** (candela {}, {}): {}\n", name, CANDELA_VERSION, picture.device_class, why);
+  std::string heading = why;
+  std::replace(heading.begin(), heading.end(), '\n', ' ');
+  const std::string entry =
+      fmt::format("\n## {}\n{} (candela {}, {})\n", heading, joined(names), CANDELA_VERSION, picture.device_class);
+  const size_t newest = text.find("\n\n## ");  // the blank line before it ends the introduction
+  text.insert(newest == std::string::npos ? text.size() : newest + 1, entry);
   return write_file_atomically(file, std::string_view(text));
 }
 
@@ -238,7 +244,7 @@ void add_golden(CLI::App& app, Action& action) {
   check->callback([o, &action] { action = [o] { return run_check(*o); }; });
   CLI::App* update = golden->add_subcommand("update", "Render every golden and keep what changed");
   add_shared(*update, *o);
-  update->add_option("--why", o->why, "Why they change; appended to CHANGES.md")->type_name("TEXT");
+  update->add_option("--why", o->why, "Why they change; noted in CHANGES.md")->type_name("TEXT");
   update->add_option("--device-class", o->device_class, "Allows goldens that were made on another class of device")
       ->type_name("NAME");
   update->callback([o, &action] { action = [o] { return run_update(*o); }; });

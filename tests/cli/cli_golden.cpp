@@ -48,14 +48,25 @@ TEST_F(Golden, AMissingOneFailsAnUpdateMakesItAndThenItPasses) {
   const Ended made = update("the first picture");
   ASSERT_EQ(made.code, 0) << made.err;
   const std::string changes = bytes_of(folder / "golden/CHANGES.md");
-  EXPECT_NE(changes.find("**box**"), std::string::npos);
-  EXPECT_NE(changes.find("the first picture"), std::string::npos);
+  EXPECT_NE(changes.find("\n\n## the first picture\nbox ("), std::string::npos) << changes;
   const Ended passed = check();
   EXPECT_EQ(passed.code, 0) << passed.err;
   EXPECT_EQ(Json::parse(passed.out)["goldens"][0]["verdict"], "identical");
   // Nothing changed: nothing is written.
   ASSERT_EQ(update("again").code, 0);
   EXPECT_EQ(bytes_of(folder / "golden/CHANGES.md"), changes);
+}
+
+TEST_F(Golden, AnUpdateIsOneEntryAndTheNewestIsFirst) {
+  write_manifest(folder, "darker", box_manifest(-1));
+  ASSERT_EQ(update("first").code, 0);
+  write_manifest(folder, "box", box_manifest(1));
+  ASSERT_EQ(update("second").code, 0);
+  const std::string changes = bytes_of(folder / "golden/CHANGES.md");
+  const size_t second = changes.find("\n\n## second\nbox ("), first = changes.find("\n\n## first\nbox, darker (");
+  EXPECT_NE(first, std::string::npos) << changes;
+  EXPECT_LT(second, first) << changes;
+  EXPECT_TRUE(changes.starts_with("# Why goldens changed\n")) << changes;
 }
 
 TEST_F(Golden, AChangedPictureFailsWithAReport) {

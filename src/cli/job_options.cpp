@@ -1,6 +1,6 @@
 #include "cli/job_options.h"
 
-#include <charconv>
+#include <filesystem>
 #include <fstream>
 
 #include "base/log.h"
@@ -52,7 +52,10 @@ void add_job_options(CLI::App& command, JobOptions& o) {
   command.add_option("--background", o.background, "Where there is no sky: transparent, or linear R,G,B")
       ->capture_default_str()
       ->type_name("COLOR");
-  command.add_option("--seed", o.seed, "Seed of all noise")->capture_default_str()->type_name("N");
+  command.add_option("--seed", o.seed, "Seed of all noise")
+      ->transform(whole_number<uint64_t>())
+      ->capture_default_str()
+      ->type_name("N");
   command.add_option("--exr-type", o.exr_type, "Colour channels of EXR: half or float")
       ->capture_default_str()
       ->type_name("NAME");
@@ -89,6 +92,7 @@ void add_run_options(CLI::App& command, JobOptions& o) {
 
 void add_moment_options(CLI::App& command, MomentOptions& moment) {
   moment.frame_option = command.add_option("--frame", moment.frame, "Frame number; its time is frame/fps")
+                            ->transform(whole_number<int64_t>())
                             ->capture_default_str()
                             ->type_name("N");
   moment.time_option =
@@ -199,7 +203,11 @@ Expected<Job> job_of(const JobOptions& o) {
   return job;
 }
 
-RunSettings run_settings_of(const JobOptions& o) {
+Expected<RunSettings> run_settings_of(const JobOptions& o) {
+  if (!(o.timeout_s > 0)) return fail(ErrorKind::usage, "--timeout", "{} s is no time to wait", o.timeout_s);
+  std::error_code failed;
+  if (!o.shader_folder.empty() && !std::filesystem::is_directory(o.shader_folder, failed))
+    return fail(ErrorKind::usage, "--shader-dir", "'{}' is not a folder", o.shader_folder);
   RunSettings settings;
   settings.device = o.device;
   settings.validate = o.validate;

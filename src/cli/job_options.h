@@ -1,9 +1,11 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "render/job.h"
 
 namespace candela::cli {
@@ -32,6 +34,22 @@ struct MomentOptions {
   CLI::Option *frame_option = nullptr, *time_option = nullptr;
 };
 
+// Takes decimal numbers within T alone: CLI11 itself clamps or wraps what does not fit and reads a leading 0 as octal.
+template <typename T>
+CLI::Validator whole_number() {
+  const auto canonical = [](std::string& text) -> std::string {
+    T value{};
+    const char* end = text.data() + text.size();
+    const auto [at, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || at != end)
+      return fmt::format("'{}' is not a whole number from {} to {}", text, std::numeric_limits<T>::min(),
+                         std::numeric_limits<T>::max());
+    text = std::to_string(value);
+    return {};
+  };
+  return {canonical, ""};
+}
+
 void add_job_options(CLI::App& command, JobOptions& options);
 void add_run_options(CLI::App& command, JobOptions& options);  // device, validation, log
 void add_moment_options(CLI::App& command, MomentOptions& moment);
@@ -39,8 +57,8 @@ void add_moment_options(CLI::App& command, MomentOptions& moment);
 // Fills options that the command line left out from --config FILE. Unknown names are errors. Call after parsing.
 Expected<void> read_config(CLI::App& command, const std::string& file);
 
-Expected<Job> job_of(const JobOptions& options);  // checked
-RunSettings run_settings_of(const JobOptions& options);
+Expected<Job> job_of(const JobOptions& options);                   // checked
+Expected<RunSettings> run_settings_of(const JobOptions& options);  // checked
 void set_log_level(const JobOptions& options);
 
 struct Moment {

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/job_options.h"
 #include "render/frame_names.h"
 
 namespace candela::cli {
@@ -22,6 +23,8 @@ Expected<int> run_make_scene(const MakeSceneOptions& o) {
   if (std::find(names.begin(), names.end(), o.name) == names.end())
     return fail(ErrorKind::usage, "NAME", "{}", unknown_name("scene", o.name, names));
   if (o.output.empty()) return fail(ErrorKind::usage, "-o", "no output given; name a .glb file");
+  if (std::filesystem::path(o.output).extension() != ".glb")
+    return fail(ErrorKind::usage, "-o", "'{}' does not end in .glb", o.output);
   if (o.lights < 0) return fail(ErrorKind::usage, "--lights", "{} is below 0", o.lights);
   if (auto ready = prepare_output(o.output); !ready) return std::unexpected(ready.error());
   if (auto made = make_scene(o.name, o.seed, o.lights, o.output); !made) return std::unexpected(made.error());
@@ -38,7 +41,10 @@ void add_make_scene(CLI::App& app, Action& action) {
   command->add_option("--lights", o->lights, "Number of lights; 0 is the scene's own number")
       ->capture_default_str()
       ->type_name("N");
-  command->add_option("--seed", o->seed, "Seed of all that is random")->capture_default_str()->type_name("N");
+  command->add_option("--seed", o->seed, "Seed of all that is random")
+      ->transform(whole_number<uint64_t>())
+      ->capture_default_str()
+      ->type_name("N");
   command->add_option("-o,--output", o->output, "File to write (.glb)")->type_name("FILE");
   command->callback([o, &action] { action = [o] { return run_make_scene(*o); }; });
 }

@@ -22,7 +22,7 @@ struct RenderOptions {
   MomentOptions moment;
   std::vector<std::string> outputs;
   std::string timings, trace;
-  int check_determinism = 0;
+  std::optional<int> check_determinism;  // number of runs
 };
 
 struct RenderPlan {
@@ -32,15 +32,6 @@ struct RenderPlan {
   std::vector<fs::path> paths;
 };
 
-Expected<void> check_text_outputs(const RenderOptions& o) {
-  if (o.timings == "-" && o.job.json)
-    return fail(ErrorKind::usage, "--timings", "- and --json both ask for stdout; --json holds the timings");
-  for (const std::string& file : {o.timings, o.trace})
-    if (!file.empty() && file != "-")
-      if (auto ready = prepare_output(file); !ready) return ready;
-  return {};
-}
-
 Expected<RenderPlan> plan_render(const RenderOptions& o) {
   RenderPlan plan;
   const auto job = job_of(o.job);
@@ -49,11 +40,12 @@ Expected<RenderPlan> plan_render(const RenderOptions& o) {
   if (!moment) return std::unexpected(moment.error());
   plan.job = *job;
   plan.moment = *moment;
-  if (o.outputs.empty() && o.check_determinism == 0)
+  if (o.outputs.empty() && !o.check_determinism)
     return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
-  if (o.check_determinism < 0 || o.check_determinism == 1)
+  if (o.check_determinism && *o.check_determinism < 2)
     return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
   plan.wanted = {.linear = !job->allow_nonfinite, .display = false, .display_bits = job->png_bits};
+  bool exr_output = o.outputs.empty();
   for (const std::string& text : o.outputs) {
     const auto pattern = parse_pattern(text);
     if (!pattern) return std::unexpected(pattern.error());
@@ -61,23 +53,28 @@ Expected<RenderPlan> plan_render(const RenderOptions& o) {
     const auto format = output_format(path);
     if (!format) return std::unexpected(format.error());
     (*format == OutputFormat::exr ? plan.wanted.linear : plan.wanted.display) = true;
+    exr_output |= *format == OutputFormat::exr;
     if (std::find(plan.paths.begin(), plan.paths.end(), path) != plan.paths.end())
       return fail(ErrorKind::usage, "-o", "'{}' is named twice", path.string());
     plan.paths.push_back(path);
   }
+  if (auto good = check_layers(*job, exr_output); !good) return std::unexpected(good.error());
   if (plan.paths.empty()) plan.wanted.linear = true;
   for (const fs::path& path : plan.paths)
     if (auto ready = prepare_output(path); !ready) return std::unexpected(ready.error());
-  if (auto ready = check_text_outputs(o); !ready) return std::unexpected(ready.error());
+  if (auto ready = check_reports(o.timings, o.trace, o.job.json); !ready) return std::unexpected(ready.error());
   return plan;
 }
 
 // Runs the same frame again and again and compares what every pass wrote.
-Expected<int> check_determinism(Session& session, const RenderOptions& o, const RenderPlan& plan) {
+Expected<int> check_determinism(Session& session, const RenderOptions& o, const RenderPlan& plan,
+                                std::vector<std::string>& warnings) {
   std::vector<gpu::PassHash> first;
-  for (int run = 1; run <= o.check_determinism; ++run) {
+  for (int run = 1; run <= *o.check_determinism; ++run) {
     const auto frame = session.render(plan.moment.time_s, true);
     if (!frame) return std::unexpected(frame.error());
+    if (auto noted = note_frame(*frame, session.scene(), o.job.strict, warnings); !noted)
+      return std::unexpected(noted.error());
     if (run == 1) {
       first = frame->hashes;
       continue;
@@ -98,12 +95,13 @@ Expected<int> check_determinism(Session& session, const RenderOptions& o, const 
       return int(ErrorKind::comparison);
     }
   }
-  log::info("{} runs agree in all {} outputs of all passes", o.check_determinism, first.size());
+  log::info("{} runs agree in all {} outputs of all passes", *o.check_determinism, first.size());
   if (!o.job.json) return 0;
   Json hashes = Json::array();
   for (const gpu::PassHash& h : first)
     hashes.push_back({{"pass", h.pass}, {"resource", h.resource}, {"hash", h.hash.hex()}});
-  if (auto printed = print_json({{"deterministic", true}, {"runs", o.check_determinism}, {"hashes", hashes}}); !printed)
+  if (auto printed = print_json({{"deterministic", true}, {"runs", *o.check_determinism}, {"hashes", hashes}});
+      !printed)
     return std::unexpected(printed.error());
   return 0;
 }
@@ -135,21 +133,24 @@ Expected<void> write_reports(const RenderOptions& o, const RenderPlan& plan, con
 Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
   set_log_level(o.job);
+  auto settings = run_settings_of(o.job);
+  if (!settings) return std::unexpected(settings.error());
   const auto plan = plan_render(o);
   if (!plan) return std::unexpected(plan.error());
-  RunSettings settings = run_settings_of(o.job);
-  settings.timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
-  auto session = Session::open(plan->job, plan->wanted, settings);
+  settings->timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
+  auto session = Session::open(plan->job, plan->wanted, *settings);
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
-  if (o.check_determinism > 0)
-    if (const auto same = check_determinism(**session, o, *plan); !same || *same != 0 || plan->paths.empty())
+  std::vector<std::string> warnings;
+  if (o.check_determinism)
+    if (const auto same = check_determinism(**session, o, *plan, warnings); !same || *same != 0 || plan->paths.empty())
       return same;
   auto frame = (*session)->render(plan->moment.time_s);
   if (!frame) return std::unexpected(frame.error());
   for (const std::string& note : frame->notes) log::info("{}", note);
-  std::vector<std::string> warnings;
+  if (auto noted = note_frame(*frame, (*session)->scene(), o.job.strict, warnings); !noted)
+    return std::unexpected(noted.error());
   if (const std::string blank = blank_warning(*frame, plan->job, (*session)->scene()); !blank.empty()) {
     log::warning("{}", blank);
     warnings.push_back(blank);

@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/scene_notes.h"
+#include "render/frame_names.h"
 #include "render/timings.h"
 
 namespace candela::cli {
@@ -35,6 +36,22 @@ std::string first_nonfinite_pass(Session& session, double time_s) {
       return fmt::format("; the first pass that made one is {} ({} values in {})", hash.pass, hash.nonfinite,
                          hash.resource);
   return "; no pass left one in an image of its own";
+}
+
+Expected<void> check_reports(const std::string& timings, const std::string& trace, bool json) {
+  if (timings == "-" && json)
+    return fail(ErrorKind::usage, "--timings", "- and --json both ask for stdout; --json holds the timings");
+  if (trace == "-" && json) return fail(ErrorKind::usage, "--trace", "- and --json both ask for stdout");
+  if (timings == "-" && trace == "-") return fail(ErrorKind::usage, "--trace", "- and --timings - both ask for stdout");
+  for (const std::string& file : {timings, trace})
+    if (!file.empty() && file != "-")
+      if (auto ready = prepare_output(file); !ready) return ready;
+  return {};
+}
+
+Expected<void> check_layers(const Job& job, bool exr_output) {
+  if (!job.layers.empty() && !exr_output) return fail(ErrorKind::usage, "--layers", "layers need an EXR output");
+  return {};
 }
 
 Expected<void> write_text_output(const std::string& file, const std::string& text) {

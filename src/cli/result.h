@@ -15,6 +15,12 @@ nlohmann::ordered_json result_head(const Job& job, const Session& session, const
 // Renders the moment again with every pass's output hashed and says which pass first made a non-finite value.
 std::string first_nonfinite_pass(Session& session, double time_s);
 
+// That no two reports ask for stdout and that the folders of their files can be written.
+Expected<void> check_reports(const std::string& timings, const std::string& trace, bool json);
+
+// That layers, which PNG and films cannot hold, have an EXR file to go to.
+Expected<void> check_layers(const Job& job, bool exr_output);
+
 // "FILE" or "-" for stdout.
 Expected<void> write_text_output(const std::string& file, const std::string& text);
 

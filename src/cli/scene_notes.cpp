@@ -39,6 +39,18 @@ Expected<void> note_scene(const Scene& scene, bool strict) {
   return {};
 }
 
+Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool strict,
+                          std::vector<std::string>& warnings) {
+  for (const std::string& warning : frame.warnings) {
+    if (std::find(warnings.begin(), warnings.end(), warning) != warnings.end()) continue;
+    log::warning("{}", warning);
+    warnings.push_back(warning);
+  }
+  if (strict && !frame.warnings.empty())
+    return fail(ErrorKind::input, scene.path, "--strict refuses the scene: {}", frame.warnings.front());
+  return {};
+}
+
 nlohmann::ordered_json extensions_json(const Scene& scene) {
   auto list = nlohmann::ordered_json::array();
   for (const ExtensionUse& use : scene.extensions)

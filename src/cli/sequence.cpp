@@ -42,8 +42,9 @@ Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job)
     return fail(ErrorKind::usage, "--shard", "does not go with --video, which needs every frame of one run");
   if (!o.video.empty() && job.png_bits != 8)
     return fail(ErrorKind::usage, "--png-bits", "16 does not go with --video, which has 8 bits");
-  if (o.timings == "-" && o.job.json)
-    return fail(ErrorKind::usage, "--timings", "- and --json both ask for stdout; --json holds the timings");
+  const bool exr_output = std::any_of(o.outputs.begin(), o.outputs.end(),
+                                      [](const auto& output) { return output_format(output) == OutputFormat::exr; });
+  if (auto good = check_layers(job, exr_output); !good) return std::unexpected(good.error());
   settings.frames = shard_of(*frames, *shard);
   settings.rate = *rate;
   settings.resume = o.resume;
@@ -51,9 +52,7 @@ Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job)
   settings.audio = o.audio;
   settings.keep_spans = !o.trace.empty();
   if (auto good = check_sequence(settings); !good) return std::unexpected(good.error());
-  for (const std::string& file : {o.timings, o.trace})
-    if (!file.empty() && file != "-")
-      if (auto ready = prepare_output(file); !ready) return std::unexpected(ready.error());
+  if (auto good = check_reports(o.timings, o.trace, o.job.json); !good) return std::unexpected(good.error());
   return settings;
 }
 
@@ -63,8 +62,7 @@ Json sequence_timings(const SequenceResult& result, const Session& session) {
   j["frames_rendered"] = result.rendered;
   j["plan_hashes"] = Json::array();
   for (const Hash128& hash : result.plan_hashes) j["plan_hashes"].push_back(hash.hex());
-  j["gpu_frame_ms"] = result.timings.frame_gpu_ms;
-  j["gpu_ms"] = Json::object();
+  if (!result.timings.gpu_ms.empty()) j["gpu_frame_ms"] = result.timings.frame_gpu_ms;  // absent: not timed
   for (const gpu::PassTime& pass : result.timings.gpu_ms) j["gpu_ms"][pass.name] = pass.gpu_ms;
   j["cpu_ms"] = cpu_json(session.opening(), result.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
@@ -110,11 +108,12 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
   set_log_level(o.job);
   const auto job = job_of(o.job);
   if (!job) return std::unexpected(job.error());
+  auto run_settings = run_settings_of(o.job);
+  if (!run_settings) return std::unexpected(run_settings.error());
   auto settings = settings_of(o, *job);
   if (!settings) return std::unexpected(settings.error());
-  RunSettings run_settings = run_settings_of(o.job);
-  run_settings.timed = !o.timings.empty() || !o.trace.empty() || job->timings_in_metadata;
-  auto session = Session::open(*job, wanted_by(*settings, *job), run_settings);
+  run_settings->timed = !o.timings.empty() || !o.trace.empty() || job->timings_in_metadata;
+  auto session = Session::open(*job, wanted_by(*settings, *job), *run_settings);
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
@@ -123,13 +122,15 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
   std::set<std::string> notes;
   ProgressLine progress(o.job.quiet);
   settings->progress = [&](const SequenceProgress& p) { progress.show(p); };
-  settings->rendered = [&](int64_t frame, const FrameResult& result) {
+  settings->rendered = [&](int64_t frame, const FrameResult& result) -> Expected<void> {
     for (const std::string& note : result.notes)
       if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
+    if (auto noted = note_frame(result, (*session)->scene(), o.job.strict, warnings); !noted) return noted;
     const std::string blank = blank_warning(result, *job, (*session)->scene());
-    if (blank.empty()) return;
+    if (blank.empty()) return {};
     if (warnings.size() < 100) warnings.push_back(fmt::format("frame {}: {}", frame, blank));
     log::warning("frame {}: {}", frame, blank);
+    return {};
   };
   HeldSignals held;
   settings->stop = &held.pending();

@@ -108,7 +108,8 @@ class Run {
       if (!frame)
         return std::unexpected(
             Error{frame.error().kind, fmt::format("frame {}: {}", number, frame.error().message), frame.error().place});
-      if (settings_.rendered) settings_.rendered(number, *frame);
+      if (settings_.rendered)
+        if (auto accepted = settings_.rendered(number, *frame); !accepted) return std::unexpected(accepted.error());
       const Hash128 hash = frame->plan_hash;
       if (std::find(result_.plan_hashes.begin(), result_.plan_hashes.end(), hash) == result_.plan_hashes.end())
         result_.plan_hashes.push_back(hash);

@@ -21,10 +21,11 @@ struct SequenceSettings {
   std::vector<FramePattern> patterns;
   bool resume = false;  // leave out frames whose files all are whole and hold this job's picture
   std::filesystem::path video, audio;
-  bool keep_spans = false;                                    // for a trace; grows with the number of frames
-  const std::atomic<int>* stop = nullptr;                     // not 0: end after the frame in hand
-  std::function<void(const SequenceProgress&)> progress;      // after each frame, from the rendering thread
-  std::function<void(int64_t, const FrameResult&)> rendered;  // before a frame is encoded
+  bool keep_spans = false;                                // for a trace; grows with the number of frames
+  const std::atomic<int>* stop = nullptr;                 // not 0: end after the frame in hand
+  std::function<void(const SequenceProgress&)> progress;  // after each frame, from the rendering thread
+  // Before a frame is encoded; an error ends the run, and the frame is not written.
+  std::function<Expected<void>(int64_t, const FrameResult&)> rendered;
 };
 
 struct SequenceResult {

@@ -13,8 +13,8 @@
 
 namespace candela {
 
-// CPU milliseconds of one frame or of the start, by stage name: load, decode, upload, animate, plan, compile, record,
-// wait, read_back, encode. GPU milliseconds by pass when timed.
+// CPU milliseconds of one frame or of the start, by stage name: load, decode, upload, animate, plan, compile, warm_up
+// (when timed), record, wait, read_back, encode. GPU milliseconds by pass when timed.
 struct Timings {
   std::vector<std::pair<std::string, double>> cpu_ms;
   std::vector<gpu::PassTime> gpu_ms;
@@ -46,6 +46,7 @@ struct FrameResult {
   Timings timings;
   std::vector<gpu::PassHash> hashes;  // when asked for
   std::vector<std::string> notes;
+  std::vector<std::string> warnings;  // textures that could not be decoded, by the first frame that needs them
 };
 
 // A device with a scene on it. Opening loads and uploads what does not change with time; frames are then independent.

@@ -86,10 +86,12 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
   j["plan_hash"] = frame.plan_hash.hex();
   j["size"] = {frame.width_px, frame.height_px};
   j["time_s"] = frame.time_s;
-  j["gpu_frame_ms"] = frame.timings.frame_gpu_ms;
-  j["gpu_ms"] = Json::object();
-  for (const gpu::PassTime& pass : frame.timings.gpu_ms)
-    j["gpu_ms"][pass.name] = j["gpu_ms"].value(pass.name, 0.0) + pass.gpu_ms;
+  if (!frame.timings.gpu_ms.empty()) {
+    j["gpu_frame_ms"] = frame.timings.frame_gpu_ms;
+    Json& passes = j["gpu_ms"] = Json::object();
+    for (const gpu::PassTime& pass : frame.timings.gpu_ms)
+      passes[pass.name] = passes.value(pass.name, 0.0) + pass.gpu_ms;
+  }
   j["cpu_ms"] = cpu_json(session.opening(), frame.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
   j["memory"] = memory_json(session, frame.plan);

@@ -6,8 +6,8 @@
 
 namespace candela {
 
-// The file of --timings: GPU milliseconds by pass, CPU milliseconds by stage (the session's opening and the frame's),
-// device and driver, memory by lifetime and at its peak, plan hash, job.
+// The file of --timings: GPU milliseconds by pass (absent when they were not measured), CPU milliseconds by stage (the
+// session's opening and the frame's), device and driver, memory by lifetime and at its peak, plan hash, job.
 nlohmann::ordered_json timings_json(const FrameResult& frame, const Job& job, const Session& session);
 nlohmann::ordered_json device_json(const gpu::DeviceInfo& device);
 nlohmann::ordered_json memory_json(const Session& session, const FramePlan& plan);

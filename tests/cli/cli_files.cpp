@@ -247,8 +247,7 @@ TEST(NonFinite, IsExitSevenWithTheCountThePixelAndThePass) {
     const Ended ended =
         candela({"render", folder / "bright.gltf", "-o", folder / name, "--size", "32x18", "--exposure", "10"});
     EXPECT_EQ(ended.code, 7) << ended.err;
-    for (const char* part :
-         {"pixels are not finite", "layer beauty", "the first pass that made one is shade_forward"})
+    for (const char* part : {"pixels are not finite", "layer beauty", "the first pass that made one is shade_forward"})
       EXPECT_NE(ended.err.find(part), std::string::npos) << ended.err;
   }
   const Ended many = candela({"sequence", folder / "bright.gltf", "--frames", "3-5", "-o", folder / "%d.exr", "--size",
@@ -260,6 +259,59 @@ TEST(NonFinite, IsExitSevenWithTheCountThePixelAndThePass) {
                      "--allow-nonfinite"})
                 .code,
             0);
+}
+
+constexpr const char* textured =
+    R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":1,"TEXCOORD_0":2},"indices":0,"material":0}]}],
+"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":0}],
+"images":[{"uri":"cut.png"}],
+"buffers":[{"byteLength":44,"uri":"data:application/octet-stream;base64,AAABAAIAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAA="}],
+"bufferViews":[{"buffer":0,"byteLength":6},{"buffer":0,"byteOffset":8,"byteLength":36},{"buffer":0,"byteOffset":8,"byteLength":24}],
+"accessors":[{"bufferView":0,"componentType":5123,"count":3,"type":"SCALAR"},
+{"bufferView":1,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":2,"componentType":5126,"count":3,"type":"VEC2"}]})";
+
+TEST(BrokenTexture, IsAWarningOnceAndExitThreeWhenStrict) {
+  TestFolder folder;
+  ASSERT_EQ(candela({"render", scene("animated"), "-o", folder / "cut.png", "--size", "64x36"}).code, 0);
+  fs::resize_file(folder / "cut.png", fs::file_size(folder / "cut.png") / 2);
+  std::ofstream(folder / "textured.gltf") << textured;
+  const Arguments one = {"render", folder / "textured.gltf", "--size", "16x16", "-o", folder / "a.exr"};
+  const Arguments many = {"sequence", folder / "textured.gltf", "--size", "16x16", "--frames", "0-2",
+                          "-o",       folder / "b%d.exr"};
+  for (Arguments arguments : {one, many}) {
+    arguments.push_back("--strict");
+    const Ended refused = candela(arguments);
+    EXPECT_EQ(refused.code, 3) << refused.err;
+    EXPECT_EQ(files_in(folder.path()), (Arguments{"cut.png", "textured.gltf"}));
+  }
+  for (Arguments arguments : {one, many}) {
+    arguments.insert(arguments.end(), {"--json", "--quiet"});
+    const Ended ended = candela(arguments);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    const size_t said = ended.err.find("the texture is left out");
+    EXPECT_NE(said, std::string::npos) << ended.err;
+    EXPECT_EQ(ended.err.find("the texture is left out", said + 1), std::string::npos) << ended.err;
+    const Json warnings = Json::parse(ended.out)["warnings"];
+    ASSERT_EQ(warnings.size(), 1u) << warnings;
+    EXPECT_NE(warnings[0].get<std::string>().find("/images/0"), std::string::npos) << warnings;
+  }
+}
+
+TEST(Json, HoldsGpuTimesOnlyWhenTheyWereMeasured) {
+  TestFolder folder;
+  for (const bool timed : {false, true})
+    for (Arguments arguments : {Arguments{"render", "-o", folder / "a.exr"},
+                                Arguments{"sequence", "--frames", "0-1", "-o", folder / "%d.exr"}}) {
+      arguments.insert(arguments.end(), {scene("unlit-box"), "--size", "16x16", "--json"});
+      if (timed) arguments.insert(arguments.end(), {"--timings", folder / "t.json"});
+      const Ended ended = candela(arguments);
+      ASSERT_EQ(ended.code, 0) << ended.err;
+      const Json timings = Json::parse(ended.out)["timings"];
+      EXPECT_EQ(timings.contains("gpu_ms"), timed);
+      EXPECT_EQ(timings.contains("gpu_frame_ms"), timed);
+    }
 }
 
 TEST(Blank, IsAWarningThatSaysWhy) {

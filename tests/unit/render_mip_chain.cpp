@@ -37,6 +37,73 @@ std::vector<T> texels(const std::vector<std::byte>& level) {
   return out;
 }
 
+// The chain made the plain way: each level as a whole in float, every texel by the areas that it covers.
+std::vector<std::vector<float>> plain_chain(std::vector<float> in, Size size) {
+  struct Cover {
+    int first;
+    std::vector<float> weights;
+  };
+  const auto cover = [](int from_size, int size, int at) {
+    const double from = double(at) * from_size / size, to = double(at + 1) * from_size / size;
+    Cover c{int(from), {}};
+    for (int s = c.first; s < from_size && s < to - 1e-9; ++s)
+      c.weights.push_back(float((std::min(to, s + 1.0) - std::max(from, double(s))) / (to - from)));
+    return c;
+  };
+  std::vector<std::vector<float>> levels;
+  while (size.first > 1 || size.second > 1) {
+    const Size half = {std::max(1, size.first / 2), std::max(1, size.second / 2)};
+    std::vector<float> out;
+    for (int y = 0; y < half.second; ++y)
+      for (int x = 0; x < half.first; ++x)
+        for (int k = 0; k < 4; ++k) {
+          const Cover rows = cover(size.second, half.second, y), columns = cover(size.first, half.first, x);
+          float sum = 0;
+          for (size_t j = 0; j < rows.weights.size(); ++j)
+            for (size_t i = 0; i < columns.weights.size(); ++i) {
+              const size_t at = (size_t(rows.first) + j) * size_t(size.first) + size_t(columns.first) + i;
+              sum += rows.weights[j] * columns.weights[i] * in[at * 4 + size_t(k)];
+            }
+          out.push_back(sum);
+        }
+    levels.push_back(in = std::move(out));
+    size = half;
+  }
+  return levels;
+}
+
+double srgb_encode(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; }
+
+template <class T>
+T to_code(float v, bool srgb) {
+  const auto quantised = [&](float scale) { return int(std::clamp(v, 0.0f, 1.0f) * scale + 0.5f); };
+  if constexpr (sizeof(T) == 4) return v;
+  if (sizeof(T) == 2) return T(quantised(65535));
+  return srgb ? T(std::lround(255 * srgb_encode(quantised(65535) / 65535.0))) : T(quantised(255));
+}
+
+template <class T>
+void expect_plain_chain(Size size, bool srgb) {
+  Rng rng(3);
+  const float range = sizeof(T) == 1 ? 255 : 65535, scale = 1 / range;
+  std::vector<float> linear;
+  const auto image = make_image<T>(size.first, size.second, [&](int, int c) {
+    const T v = sizeof(T) == 4 ? T(rng.uniform(-1, 100)) : T(rng.next() % (uint64_t(range) + 1));
+    linear.push_back(sizeof(T) == 4   ? float(v)
+                     : srgb && c != 3 ? float(srgb_decode(double(v) / double(range)))
+                                      : float(v) * scale);
+    return v;
+  });
+  const auto data = make_mip_chain(image, srgb, true);
+  const auto wanted = plain_chain(linear, size);
+  ASSERT_EQ(data.levels.size(), wanted.size() + 1);
+  for (size_t l = 0; l < wanted.size(); ++l) {
+    std::vector<T> codes;
+    for (size_t i = 0; i < wanted[l].size(); ++i) codes.push_back(to_code<T>(wanted[l][i], srgb && i % 4 != 3));
+    EXPECT_EQ(texels<T>(data.levels[l + 1]), codes) << size.first << "x" << size.second << " level " << l + 1;
+  }
+}
+
 int level_count(Size size) {
   int count = 1;
   for (int side = std::max(size.first, size.second); side > 1; side /= 2) ++count;
@@ -149,6 +216,28 @@ TEST(MipChain, OddSizesWeighTexelsByTheAreaTheyCover) {
   ASSERT_EQ(half.size(), 8u);
   EXPECT_NEAR(half[0], (0 + 1 + 0.5 * 10) / 2.5, 1e-6);
   EXPECT_NEAR(half[4], (0.5 * 10 + 3 + 4) / 2.5, 1e-6);
+}
+
+// Rows are converted on the fly and even sizes take a short cut; neither may change a bit.
+TEST(MipChain, EqualsThePlainVersionToTheLastBit) {
+  for (const Size& size :
+       {Size{1, 7}, Size{7, 1}, Size{2, 9}, Size{9, 2}, Size{12, 20}, Size{13, 6}, Size{33, 65}, Size{64, 64}}) {
+    for (const bool srgb : {false, true}) {
+      expect_plain_chain<uint8_t>(size, srgb);
+      expect_plain_chain<uint16_t>(size, srgb);
+    }
+    expect_plain_chain<float>(size, false);
+  }
+}
+
+// 16-bit sRGB becomes linear, level 0 too.
+TEST(MipChain, SixteenBitSrgbIsStoredLinear) {
+  const auto image = make_image<uint16_t>(5, 3, [](int i, int c) { return uint16_t(i * 4000 + c * 977); });
+  const auto level = texels<uint16_t>(make_mip_chain(image, true, true).levels[0]);
+  for (size_t i = 0; i < 15 * 4; ++i) {
+    const int v = int(i / 4) * 4000 + int(i % 4) * 977;
+    EXPECT_EQ(level[i], i % 4 == 3 ? v : int(float(srgb_decode(v / 65535.0)) * 65535.0f + 0.5f)) << i;
+  }
 }
 
 }  // namespace candela

@@ -79,9 +79,7 @@ bool can_hold(Encoding encoding, std::span<const std::byte> bytes, int width, in
   return row * uint64_t(height) / 1032 <= bytes.size();
 }
 
-}  // namespace
-
-Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::string& place) {
+Expected<ImageInfo> read_head(std::span<const std::byte> encoded, const std::string& place) {
   const Encoding encoding = encoding_of(encoded);
   if (encoding == Encoding::hdr) return probe_hdr(encoded, place);
   if (encoding == Encoding::unknown) return fail(ErrorKind::input, place, "is neither PNG, JPEG nor Radiance HDR");
@@ -96,11 +94,25 @@ Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::s
   return info;
 }
 
+}  // namespace
+
+Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::string& place) {
+  constexpr uint64_t free_pixels = uint64_t(1) << 24, pixels_per_byte = 64;
+  auto info = read_head(encoded, place);
+  if (!info) return info;
+  const uint64_t pixels = uint64_t(info->width) * uint64_t(info->height);
+  if (pixels > free_pixels && pixels > pixels_per_byte * encoded.size())
+    return fail(ErrorKind::input, place,
+                "{}x{} pixels from {} bytes are out of proportion: above {} pixels at most {} for a byte are decoded",
+                info->width, info->height, encoded.size(), free_pixels, pixels_per_byte);
+  return info;
+}
+
 Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const std::string& place, int max_side) try {
   const Encoding encoding = encoding_of(encoded);
-  if (encoding == Encoding::hdr) return decode_hdr(encoded, place, max_side);
   const auto info = probe_image(encoded, place);
   if (!info) return std::unexpected(info.error());
+  if (encoding == Encoding::hdr) return decode_hdr(encoded, place, max_side);
   if (info->width > max_side || info->height > max_side)
     return fail(ErrorKind::input, place, "{}x{} pixels are more than {} on a side", info->width, info->height,
                 max_side);

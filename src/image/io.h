@@ -35,9 +35,12 @@ struct DecodedImage {
 struct ImageInfo {
   int width = 0, height = 0, channels = 0, bits = 8;
 };
-// Reads only the header. `place` names the image in errors.
+// Reads only the header. `place` names the image in errors. Images of more than 2^24 pixels are refused when they have
+// more than 64 pixels for each byte of the file: a small file must not cost gigabytes. No photograph or painted texture
+// comes near; a single colour does.
 Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::string& place);
-// PNG, JPEG, (Radiance) HDR. Refuses sizes over max_side, and pixel counts that no file of this length could encode.
+// PNG, JPEG, (Radiance) HDR. Refuses what probe_image() refuses, sizes over max_side, and pixel counts that no file of
+// this length could encode.
 Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const std::string& place, int max_side = 16384);
 // An equirectangular environment (.hdr or .exr) as rgba32f. Non-finite and negative values become 0 with a warning.
 Expected<DecodedImage> read_environment(const std::filesystem::path& path);

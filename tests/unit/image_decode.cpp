@@ -143,6 +143,24 @@ TEST(Decode, MutatedBytesNeverCrash) {
     }
 }
 
+// Only the sizes in the header and the length of the file count: 4096x4096 pixels are free, more need a byte for 64.
+TEST(Decode, ManyPixelsFromFewBytesAreRefused) {
+  const auto file = [](uint32_t width, uint32_t height, size_t length) {
+    const std::string head = png(width, height, 8, 0, "");
+    return head + std::string(length - head.size(), '\0');
+  };
+  const auto probes = [&](const std::string& bytes) { return probe_image(bytes_of(bytes), "flat").has_value(); };
+  EXPECT_TRUE(probes(file(4096, 4096, 1000)));
+  EXPECT_FALSE(probes(file(4097, 4096, 1000)));
+  EXPECT_FALSE(probes(file(8192, 4096, 8192 * 64 - 1)));
+  EXPECT_TRUE(probes(file(8192, 4096, 8192 * 64)));
+  const auto refused = decode_image(bytes_of(file(16384, 16384, 261000)), "flat");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_NE(refused.error().message.find("out of proportion"), std::string::npos) << refused.error().text();
+  EXPECT_FALSE(decode_image(bytes_of("#?RADIANCE\n\n-Y 16384 +X 16384\n"), "flat"));
+}
+
 TEST(Decode, HdrValuesOrderAndExposure) {
   const std::string pixels(
       "\x80\x40\x20\x81"

@@ -50,10 +50,10 @@ AmbientSh project_environment(const DecodedImage& image) {
 }
 
 AmbientSh neutral_ambient() {
-  // Radiance 0.6 + 0.4 y: in the basis, the constant 0.6 / 0.282095 and the y term 0.4 / 0.488603.
+  // Radiance 0.45 + 0.25 y: in the basis, the constant 0.45 / 0.282095 and the y term 0.25 / 0.488603.
   std::array<glm::dvec3, 9> radiance{};
-  radiance[0] = glm::dvec3(0.6 / 0.282095);
-  radiance[1] = glm::dvec3(0.4 / 0.488603);
+  radiance[0] = glm::dvec3(0.45 / 0.282095);
+  radiance[1] = glm::dvec3(0.25 / 0.488603);
   return convolve(radiance);
 }
 

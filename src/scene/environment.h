@@ -17,7 +17,7 @@ glm::dvec3 equirect_direction(double u, double v);
 // Projects an rgba32f equirectangular image, in double with exact solid angles of the rows.
 AmbientSh project_environment(const DecodedImage& image);
 
-// What a frame without any light gets: a sky of radiance 1 above fading to 0.2 below, so that any object is seen.
+// What a frame without any light gets: radiance 0.7 from above fading to 0.2 from below, so that any object is seen.
 AmbientSh neutral_ambient();
 
 }  // namespace candela

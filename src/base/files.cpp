@@ -19,6 +19,10 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path) {
     close(file);
     return fail(ErrorKind::input, path.string(), "is a folder, not a file");
   }
+  if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode)) {  // /dev/zero never ends
+    close(file);
+    return fail(ErrorKind::input, path.string(), "is a device, not a file");
+  }
   std::vector<std::byte> bytes(S_ISREG(info.st_mode) ? size_t(info.st_size) : 0);
   size_t done = 0;
   for (;;) {

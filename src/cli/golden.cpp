@@ -132,6 +132,10 @@ Expected<int> run_check(const GoldenOptions& o) {
 // The manifest with where its picture was made.
 Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture& picture) {
   Json j = Json::parse(golden.text);
+  // A new golden starts with the limits that the program proposes, written out so that they can be seen and changed.
+  const Json proposed = Json::parse(gate_limits_json({}));
+  for (const auto& [limit, value] : proposed["gate"].items())
+    if (!j["gate"].contains(limit)) j["gate"][limit] = value;
   j["made"] = {{"device_class", picture.device_class},
                {"device", picture.device},
                {"driver", picture.driver},

@@ -11,6 +11,7 @@ class Table {
       : rows_{std::move(heading)}, right_aligned_(right_aligned) {}
   void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   bool empty() const { return rows_.size() == 1; }
+  bool has(const std::vector<std::string>& cells) const { return std::find(rows_.begin(), rows_.end(), cells) != rows_.end(); }
 
   std::string text() const {
     std::vector<size_t> width(rows_[0].size(), 0);
@@ -76,7 +77,9 @@ std::string pipelines_text(const FramePlan& plan) {
     for (const int pipeline : pass.pipelines)
       std::visit(
           [&](const auto& desc) {
-            table.row({pass.name, shaders_text(desc), constants_text(desc.constants)});
+            // Pipelines that differ in fixed state alone (topology, blending) are one line.
+            std::vector<std::string> row = {pass.name, shaders_text(desc), constants_text(desc.constants)};
+            if (!table.has(row)) table.row(std::move(row));
           },
           plan.pipelines[pipeline]);
   return table.empty() ? "" : "\npipelines\n" + table.text();

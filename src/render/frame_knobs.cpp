@@ -73,7 +73,9 @@ Expected<FrameKnobValues> frame_knobs(const Job& job) {
       if (pass != s.pass || knob.name != s.knob) return;
       known = true;
       const auto value = parse_value(s, knob.lowest, knob.highest);
-      if (!value)
+      if (value && pass == Resolve::name && knob.name == "samples" && job.samples != 0 && *value != job.samples)
+        outcome = fail(ErrorKind::usage, "--set", "resolve.samples={} contradicts --samples {}", s.value, job.samples);
+      else if (!value)
         outcome = std::unexpected(value.error());
       else
         set(knob, knobs, *value);

@@ -12,7 +12,7 @@ void read_cone(Document& document, const Json& json, const std::string& path, Li
   const double outer = number(document, *spot, "outerConeAngle", std::numbers::pi / 4, path + "/spot");
   constexpr double widest = std::numbers::pi / 2 * (1 + 1e-6);  // pi/2 as a rounded float is a little more
   if (!(inner >= 0 && outer > 0 && outer <= widest && inner <= outer))
-    document.refuse(named(path, json) + " /spot",
+    document.refuse(named(path, json) + "/spot",
                     "cone angles {} (inner) and {} (outer) do not satisfy 0 <= inner < outer <= pi/2 "
                     "(KHR_LIGHTS_PUNCTUAL_LIGHT_SPOT_ANGLES)",
                     inner, outer);
@@ -32,20 +32,20 @@ Light read_light(Document& document, const Json& json, const std::string& path) 
   else if (type == "spot")
     light.type = LightType::spot;
   else
-    document.refuse(named(path, json) + " /type", "'{}' is no light type (VALUE_NOT_IN_LIST)", type);
+    document.refuse(named(path, json) + "/type", "'{}' is no light type (VALUE_NOT_IN_LIST)", type);
   light.color = vector_of(document, json, "color", light.color, path);
   if (!(light.color.x >= 0 && light.color.y >= 0 && light.color.z >= 0) ||
       !std::isfinite(light.color.x + light.color.y + light.color.z))
-    document.refuse(named(path, json) + " /color", "({}, {}, {}) is no colour (VALUE_NOT_IN_RANGE)", light.color.x,
+    document.refuse(named(path, json) + "/color", "({}, {}, {}) is no colour (VALUE_NOT_IN_RANGE)", light.color.x,
                     light.color.y, light.color.z);
   light.intensity = float(number(document, json, "intensity", 1, path));
   if (!(light.intensity >= 0) || !std::isfinite(light.intensity))
-    document.refuse(named(path, json) + " /intensity", "{} is no intensity (VALUE_NOT_IN_RANGE)",
+    document.refuse(named(path, json) + "/intensity", "{} is no intensity (VALUE_NOT_IN_RANGE)",
                     number(document, json, "intensity", 1, path));
   if (json.contains("range")) {
     const double range = number(document, json, "range", 0, path);
     if (!(float(range) > 0))
-      document.refuse(named(path, json) + " /range", "{} is no range; it must be positive (VALUE_NOT_IN_RANGE)", range);
+      document.refuse(named(path, json) + "/range", "{} is no range; it must be positive (VALUE_NOT_IN_RANGE)", range);
     light.range_m = float(range);
   }
   if (light.type == LightType::spot) read_cone(document, json, path, light);

@@ -15,6 +15,7 @@ void read_transform(Document& document, const tinygltf::Node& source, const std:
   if (source.matrix.size() == 16) {
     node.has_matrix = true;
     for (int i = 0; i < 16; ++i) node.matrix[i / 4][i % 4] = source.matrix[size_t(i)];
+    for (int column = 0; column < 4; ++column) node.matrix[column][3] = column == 3;  // validated up to rounding
     return;
   }
   node.translation = vec3_or(source.translation, node.translation);

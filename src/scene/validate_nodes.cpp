@@ -27,7 +27,10 @@ void check_matrix(Document& d, const Json& node, const std::string& path) {
                               "a node can have either a matrix or translation, rotation, scale");
   double m[16];
   for (size_t i = 0; i < 16; ++i) m[i] = matrix[i].get<double>();
-  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+  // Exporters multiply matrices in 32-bit float: the last row may be off by some of its roundings.
+  const double rounding = 1e-5;
+  if (!(std::abs(m[3]) <= rounding && std::abs(m[7]) <= rounding && std::abs(m[11]) <= rounding &&
+        std::abs(m[15] - 1) <= rounding))
     return d.findings.fatal("NODE_MATRIX_NON_TRS", path + "/matrix", "the last row of the matrix is not 0, 0, 0, 1");
   const auto dot = [&](int a, int b) { return m[a] * m[b] + m[a + 1] * m[b + 1] + m[a + 2] * m[b + 2]; };
   for (const auto& [a, b] : {std::pair{0, 4}, {0, 8}, {4, 8}})

@@ -97,6 +97,7 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"render", box, "-o", "x.exr", "--set", "cull"}, "PASS.KNOB=VALUE"},
       {{"render", box, "-o", "x.exr", "--set", "nothing.x=1"}, "nothing"},
       {{"render", box, "-o", "x.exr", "--samples", "3"}, "--samples"},
+      {{"render", box, "-o", "x.exr", "--samples", "4", "--set", "resolve.samples=1"}, "contradicts --samples 4"},
       {{"render", box, "-o", "x.exr", "--samples", "many"}, "--samples"},
       {{"render", box, "-o", "x.exr", "--eye", "1,2,3"}, "--target"},
       {{"render", box, "-o", "x.exr", "--eye", "1,2", "--target", "0,0,0"}, "--eye"},
@@ -149,7 +150,8 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
 TEST(Input, MissingAndMalformedScenesAreExitThree) {
   TestFolder folder;
   std::ofstream(folder / "noise.glb") << "this is not a scene";
-  for (const std::string& file : {folder / "missing.glb", folder / "noise.glb", folder.path().string()}) {
+  for (const std::string& file : {folder / "missing.glb", folder / "noise.glb", folder.path().string(),
+                                 std::string("/dev/zero")}) {
     const Ended ended = candela({"render", file, "-o", folder / "out.exr"});
     EXPECT_EQ(ended.code, 3) << file << "\n" << ended.err;
     EXPECT_TRUE(contains(ended.err, file)) << ended.err;

@@ -210,6 +210,12 @@ TEST(ValidateCase, GoodDocumentHasNoFindings) {
   for (const Finding& finding : validate_gltf(good(), {})) ADD_FAILURE() << finding.text();
 }
 
+TEST(ValidateCase, AMatrixMayBeOffByRoundingInItsLastRow) {
+  json document = good();
+  patch(document, json::parse(R"({"nodes": {"#1": {"matrix": [1,0,0,1e-8,0,1,0,0,0,0,1,0,0,0,0,0.99999994]}}})"));
+  for (const Finding& finding : validate_gltf(document, {})) ADD_FAILURE() << finding.text();
+}
+
 TEST_P(ValidateCases, NamesCodeAndPlace) {
   const Case& c = GetParam();
   json document = good();

@@ -1,6 +1,6 @@
 #version 460
-// Metallic-roughness shading under all lights: the brute-force technique loops over every light for every pixel. The list is
-// walked in ascending order and summed without contraction, so that a culled list gives the same bits (TECHNIQUES 6.1).
+// Metallic-roughness shading under the lights of the fragment's list, or all of them. The list is walked in ascending order and
+// summed without contraction, so that a culled list gives the same bits (TECHNIQUES 6.1).
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
@@ -8,6 +8,8 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
+#include "lib/light_cells.glsl"
+#include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
 #include "lib/draw.frag.glsl"
 
@@ -23,6 +25,7 @@ void main() {
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
   if (HAS_LIGHTS != 0)
-    for (uint i = 0u; i < frame.light_count; ++i) radiance += light_contribution(i, s, v.relative_position, to_viewer);
+    for (LightWalk w = begin_lights(v.relative_position); next_light(w);)
+      radiance += light_contribution(w.light, s, v.relative_position, to_viewer);
   out_radiance = vec4(radiance * frame.pre_exposure * coverage, coverage);
 }

@@ -1,5 +1,6 @@
 #ifndef CANDELA_SHARED_SCENE_H
 #define CANDELA_SHARED_SCENE_H
+#include "shared/lights.h"
 #include "shared/types.h"
 
 SHARED_BEGIN
@@ -78,6 +79,7 @@ struct FrameConstants {
   uint sky_texture, sky_sampler;
   vec2 sky_size_px;
   float pre_exposure;
+  LightGrid grid;
 };
 
 SHARED_END
@@ -90,7 +92,7 @@ enum : uint { light_directional = 0, light_point = 1, light_spot = 2 };
 static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) == 48 && sizeof(TextureRef) == 36);
 static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture) == 76);
 static_assert(sizeof(Light) == 52);
-static_assert(offsetof(FrameConstants, pre_exposure) == 416 && sizeof(FrameConstants) == 424);
+static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 && sizeof(FrameConstants) == 504);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

@@ -106,6 +106,11 @@ void OutputHasher::hash_outputs(const FrameContext& frame, size_t pass, QueueWor
       hashes.push_back(std::move(hash));
       continue;
     }
+    if (const auto* buffer = std::get_if<BufferDesc>(&resource.desc); buffer && buffer->unordered) {
+      hash.resource += " (unordered scratch, not hashed)";
+      hashes.push_back(std::move(hash));
+      continue;
+    }
     uint64_t bytes = 0;
     if (multisampled)
       bytes = SampleReader::bytes(*image);

@@ -24,6 +24,7 @@ struct BufferDesc {
   uint64_t size_bytes = 0;
   BufferMemory memory = BufferMemory::device;
   bool zeroed = false;  // filled with zeros before the frame's first use (counters)
+  bool unordered = false;  // scratch whose order depends on how threads arrive; what is made of it does not. Not hashed
 };
 
 struct PlanUse {

@@ -38,6 +38,11 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
   return pipelines;
 }
 
+void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists) {
+  for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
+    builder.read_optional(b, Access::fragment_read);
+}
+
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
   if (!color)
     color = builder.create(
@@ -46,11 +51,14 @@ ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHa
 }
 
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines) {
+                 const RunPipelines& pipelines, const CellLists& lists) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
   push.frame = commands.address(scene.constants);
   push.deformed = deformed ? commands.address(deformed) : 0;
+  push.light_cells = lists.cells ? commands.address(lists.cells) : 0;
+  push.light_entries = lists.entries ? commands.address(lists.entries) : 0;
+  push.light_tiles = lists.tiles ? commands.address(lists.tiles) : 0;
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
     const DrawRun& run = (*scene.runs)[r];

@@ -28,6 +28,9 @@ ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHa
 
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering.
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines);
+                 const RunPipelines& pipelines, const CellLists& lists = {});
+
+// What a pass that shades under lights reads besides.
+void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists);
 
 }  // namespace candela

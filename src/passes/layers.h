@@ -7,12 +7,14 @@
 namespace candela {
 
 // The layers beside beauty, in the order of shaders/layers.frag's outputs.
-enum class Layer : uint32_t { depth, normal, albedo, object_id, material_id, emission, direct };
-inline constexpr uint32_t layer_count = 7;
+enum class Layer : uint32_t { depth, normal, albedo, object_id, material_id, emission, direct, heatmap_lights, heatmap_waste, heatmap_missed };
+inline constexpr uint32_t layer_count = 10;
 std::span<const std::string_view> layer_name_table();
 
-// Depth (metres along the view axis), world normal, base colour, ids, emission and direct light of the nearest opaque
-// or masked surface, one sample at the pixel's centre: averaged ids and depths would name surfaces that do not exist.
+// Depth (metres along the view axis), world normal, base colour, ids, emission, direct light, and how the light lists
+// fare (lights listed; listed that give nothing; that give something and are not listed, which must be 0) of the nearest
+// opaque or masked surface, one sample at the pixel's centre: averaged ids and depths would name surfaces that do not
+// exist.
 // Blended surfaces do not appear. Background: depth 1e10, ids 0xffffffff, everything else 0.
 struct Layers {
   static constexpr std::string_view name = "layers";
@@ -20,6 +22,7 @@ struct Layers {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
+    CellLists lists;       // empty: every light for every pixel
     std::array<bool, layer_count> wanted{};
   };
   struct Out {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "graph/builder.h"
+#include "passes/light_lists.h"
 #include "scene/draw_list.h"
 
 namespace candela {
@@ -10,6 +11,8 @@ namespace candela {
 // What every pass that touches the scene takes: the uploaded buffers, the frame's shape, and the draw runs.
 struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
+  BufferHandle light_bounds, light_chunks, light_globals;  // empty without light lists
+  LightGridShape light_grid;
   BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
   std::shared_ptr<const std::vector<DrawRun>> runs;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials

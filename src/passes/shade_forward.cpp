@@ -8,7 +8,7 @@ Need ShadeForward::needed(const SceneFacts& facts, const FrameRequest&) const {
 
 ShadeForward::Out ShadeForward::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.depth, Access::depth_test, "depth");
-  builder.read_optional(in.scene.lights, Access::fragment_read);
+  declare_lights(builder, in.scene, in.lists);
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = "shade_forward.frag";
@@ -28,7 +28,7 @@ ShadeForward::Out ShadeForward::declare(GraphBuilder& builder, const In& in) con
 void ShadeForward::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, in.lists);
   commands.end_rendering();
 }
 

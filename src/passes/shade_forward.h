@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// Radiance of lit opaque and masked surfaces: glTF 2.0 metallic-roughness under every punctual light of the scene
-// (brute force: each pixel walks all lights in order), plus ambient light and emission. Only fragments that won the
+// Radiance of lit opaque and masked surfaces: glTF 2.0 metallic-roughness under every punctual light that reaches them
+// (each pixel walks its cell's list, or all lights, in light order), plus ambient light and emission. Only fragments that won the
 // depth pre-pass are shaded (EQUAL test). Units: cd/m2 times the pre-exposure. Leaves wrong: no shadows, ambient
 // reflections as blurred as diffuse light.
 struct ShadeForward {
@@ -14,6 +14,7 @@ struct ShadeForward {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
+    CellLists lists;       // empty: every light for every pixel
     ImageHandle depth;      // of the pre-pass
     ImageHandle color;      // optional: without one the pass makes and clears it
   };

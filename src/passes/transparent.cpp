@@ -8,7 +8,7 @@ Need Transparent::needed(const SceneFacts& facts, const FrameRequest&) const {
 
 Transparent::Out Transparent::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
-  builder.read_optional(in.scene.lights, Access::fragment_read);
+  declare_lights(builder, in.scene, in.lists);
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.color_formats = {color_format};
@@ -37,7 +37,7 @@ void Transparent::record(CommandList& commands, const In& in, const Out& out) co
     if (out.unlit.by_run[r]) all.by_run[r] = out.unlit.by_run[r];
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, all);
+  record_runs(commands, in.scene, in.draws, in.deformed, all, in.lists);
   commands.end_rendering();
 }
 

@@ -1,5 +1,6 @@
 #include "render/frame_knobs.h"
 
+#include <bit>
 #include <charconv>
 
 #include "passes/clear.h"
@@ -8,11 +9,16 @@
 #include "passes/deform.h"
 #include "passes/depth_prepass.h"
 #include "passes/layers.h"
+#include "passes/light_assign.h"
+#include "passes/light_fill.h"
+#include "passes/light_scan.h"
+#include "passes/light_sort.h"
 #include "passes/readback.h"
 #include "passes/resolve.h"
 #include "passes/shade_forward.h"
 #include "passes/shade_unlit.h"
 #include "passes/sky.h"
+#include "passes/tile_depth.h"
 #include "passes/tonemap.h"
 #include "passes/transparent.h"
 #include "render/plan_frame.h"
@@ -24,12 +30,14 @@ namespace {
 struct AllKnobs {
   Cull::Knobs cull;
   Resolve::Knobs resolve;
+  LightKnobs lights;
 };
 
 template <class F>
 void for_each_knob(AllKnobs& all, F&& f) {
   for (const auto& knob : Cull::knob_table()) f(Cull::name, knob, all.cull);
   for (const auto& knob : Resolve::knob_table()) f(Resolve::name, knob, all.resolve);
+  for (const auto& knob : LightKnobs::knob_table()) f(LightKnobs::name, knob, all.lights);
 }
 
 template <class K>
@@ -42,11 +50,22 @@ void set(const Knob<K>& knob, K& knobs, double value) {
              knob.member);
 }
 
-// draft takes the first rung of every ladder, normal and high the rung before the last or the last, exact the last.
+// draft takes the first rung of every ladder, exact the last; ladders of four and more have a rung for normal and one for high,
+// shorter ones give high the last.
 double rung(const std::vector<double>& ladder, const std::string& quality) {
   if (quality == "draft") return ladder.front();
-  if (quality == "normal" && ladder.size() > 2) return ladder[ladder.size() / 2];
+  if (quality == "normal" && ladder.size() > 2) return ladder[(ladder.size() - 1) / 2];
+  if (quality == "high" && ladder.size() > 3) return ladder[ladder.size() - 2];
   return ladder.back();
+}
+
+Expected<double> parse_choice(const KnobSetting& s, const std::vector<std::string_view>& choices) {
+  std::string names;
+  for (size_t i = 0; i < choices.size(); ++i) {
+    if (s.value == choices[i]) return double(i);
+    names += (names.empty() ? "" : ", ") + std::string(choices[i]);
+  }
+  return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is none of {}", s.pass, s.knob, s.value, names);
 }
 
 Expected<double> parse_value(const KnobSetting& s, double lowest, double highest) {
@@ -72,7 +91,7 @@ Expected<FrameKnobValues> frame_knobs(const Job& job) {
     for_each_knob(all, [&](std::string_view pass, const auto& knob, auto& knobs) {
       if (pass != s.pass || knob.name != s.knob) return;
       known = true;
-      const auto value = parse_value(s, knob.lowest, knob.highest);
+      const auto value = knob.choices.empty() ? parse_value(s, knob.lowest, knob.highest) : parse_choice(s, knob.choices);
       if (value && pass == Resolve::name && knob.name == "samples" && job.samples != 0 && *value != job.samples)
         outcome = fail(ErrorKind::usage, "--set", "resolve.samples={} contradicts --samples {}", s.value, job.samples);
       else if (!value)
@@ -87,7 +106,9 @@ Expected<FrameKnobValues> frame_knobs(const Job& job) {
   const int samples = all.resolve.samples;
   if (samples != 1 && samples != 2 && samples != 4 && samples != 8)
     return fail(ErrorKind::usage, "--set", "resolve.samples: {} is not 1, 2, 4 or 8", samples);
-  return FrameKnobValues{samples, all.cull.enabled != 0};
+  if (const int n = all.lights.slices_per_octave; !std::has_single_bit(unsigned(n)))
+    return fail(ErrorKind::usage, "--set", "lights.slices_per_octave: {} is not 1, 2, 4, 8 or 16", n);
+  return FrameKnobValues{samples, all.cull.enabled != 0, all.lights};
 }
 
 std::vector<KnobRow> knob_rows(const std::string& quality) {
@@ -107,7 +128,7 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
 std::vector<std::string> pass_names() {
   std::vector<std::string> names;
   for (const std::string_view n :
-       {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, Clear::name, ShadeForward::name,
+       {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, TileDepth::name, LightAssign::name, LightScan::name, LightFill::name, LightSort::name, Clear::name, ShadeForward::name,
         ShadeUnlit::name, Sky::name, Transparent::name, Layers::name, Resolve::name, Tonemap::name, Readback::name})
     names.emplace_back(n);
   return names;

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/error.h"
+#include "passes/light_knobs.h"
 #include "render/job.h"
 
 namespace candela {
@@ -8,6 +9,7 @@ namespace candela {
 struct FrameKnobValues {
   int samples = 4;
   bool cull_enabled = true;
+  LightKnobs lights;
 };
 // Errors (usage): an unknown pass or knob, a value that is not a number or out of range: names what there is.
 Expected<FrameKnobValues> frame_knobs(const Job& job);

@@ -51,10 +51,12 @@ void for_each_slot(const Material& m, F&& f) {  // slot, whether its colours are
   f(m.specular_color_texture, true);
 }
 
-// Copies bytes into a buffer that the device reads in place; a larger one replaces it when they do not fit.
-void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void* data, size_t size) {
-  if (!buffer || buffer.size() < size)
-    buffer = gpu::Buffer(device, std::max<size_t>(size, buffer ? buffer.size() * 2 : size), storage_usage,
+// Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when they do not
+// fit.
+void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void* data, size_t size, size_t room) {
+  const size_t least = std::max(size, room);
+  if (!buffer || buffer.size() < least)
+    buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least), storage_usage,
                          gpu::Buffer::Memory::upload, gpu::Device::Purpose::frame, name);
   if (size) std::memcpy(buffer.mapped(), data, size);
 }
@@ -176,9 +178,10 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   for (size_t m = 0; m < frame.pose.materials.size(); ++m)
     materials.push_back(material_with_textures(frame.pose.materials[m], uint32_t(m)));
   materials.push_back(material_with_textures(Material{}, shared::absent));
-  const auto put = [&](int resource, gpu::Buffer& buffer, const char* name, const auto& values) -> uint64_t {
+  const auto put = [&](int resource, gpu::Buffer& buffer, const char* name, const auto& values,
+                       size_t room = 0) -> uint64_t {
     if (resource < 0) return 0;
-    fill(device_, buffer, name, values.data(), values.size() * sizeof(values[0]));
+    fill(device_, buffer, name, values.data(), values.size() * sizeof(values[0]), room * sizeof(values[0]));
     uploaded.imports[resource] = &buffer;
     return buffer.address();
   };
@@ -188,6 +191,10 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   c.geometries = put(frame.imports.geometries, geometries_, "frame.geometries", u.geometries);
   c.materials = put(frame.imports.materials, materials_, "frame.materials", materials);
   c.lights = put(frame.imports.lights, lights_, "frame.lights", u.lights);
+  const LightGrid& grid = frame.light_grid;
+  put(frame.imports.light_bounds, light_bounds_, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
+  put(frame.imports.light_chunks, light_chunks_, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
+  c.grid.globals = put(frame.imports.light_globals, light_globals_, "frame.light_globals", grid.globals);
   put(frame.imports.cull_groups, groups_, "frame.cull_groups", u.groups);
   put(frame.imports.deform_jobs, jobs_, "frame.deform_jobs", u.deform_jobs);
   put(frame.imports.joints, joints_, "frame.joints", frame.data.joint_matrices);

@@ -45,7 +45,8 @@ class GpuScene {
   const Scene& scene_;
   const GeometryLayout& layout_;
   gpu::Buffer vertices_, indices_;
-  gpu::Buffer constants_, items_, transforms_, geometries_, materials_, lights_, groups_, jobs_, joints_, weights_;
+  gpu::Buffer constants_, items_, transforms_, geometries_, materials_, lights_, light_bounds_, light_chunks_, light_globals_,
+      groups_, jobs_, joints_, weights_;
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;  // absent: could not be decoded

@@ -29,7 +29,7 @@ struct Job {
   CameraRequest camera;
   int width_px = 1280, height_px = 720;
   int samples = 0;                   // MSAA samples 1, 2, 4 or 8; 0: as the quality says
-  std::string technique = "brute-force";
+  std::string technique = "clustered";
   std::string quality = "high";      // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings; // --set PASS.KNOB=VALUE, over the quality
   std::string sky;                   // equirectangular .hdr or .exr

@@ -83,6 +83,7 @@ bool carries_exposure(const std::string& layer) {
 std::vector<std::string> channel_names(const std::string& layer) {
   if (layer == "beauty") return {"R", "G", "B", "A"};
   if (layer == "depth") return {"depth.Z"};
+  if (layer.starts_with("heatmap.")) return {layer + ".Y"};
   if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
   return {layer + ".R", layer + ".G", layer + ".B"};
 }
@@ -187,7 +188,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
     else if (output.layer == "depth")
       add_depth_layer(image, frame, output, nonfinite);
     else
-      add_color_layer(image, frame, output, job.exr_float, nonfinite);
+      add_color_layer(image, frame, output, job.exr_float || output.layer.starts_with("heatmap."), nonfinite);  // counts
   }
   add_metadata(image, frame, job, session, frame_number, rate);
   return image;

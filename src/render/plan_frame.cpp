@@ -66,6 +66,24 @@ FrameRequest make_request(const Job& job, const FrameKnobValues& knobs, const Wa
   return request;
 }
 
+// How far what is drawn lies from the camera: along the view axis, and in all. Infinite where bounds are unknown.
+struct DrawnExtent {
+  double farthest_m = 0, reach_m = 0;
+};
+DrawnExtent drawn_extent(const FrameData& data, const View& view) {
+  DrawnExtent extent;
+  const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
+  for (const DrawItem& item : data.items) {
+    const glm::dvec3 centre(item.bounds_relative.centre()), half(item.bounds_relative.extent());
+    const double depth = glm::dot(centre, forward) + glm::dot(half, glm::abs(forward));
+    const double reach = glm::length(centre) + glm::length(half);
+    if (!std::isfinite(depth + reach)) return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    extent.farthest_m = std::max(extent.farthest_m, depth);
+    extent.reach_m = std::max(extent.reach_m, reach);
+  }
+  return extent;
+}
+
 // Imports every buffer that the frame has content for.
 SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, PlannedFrame& f) {
   const FrameUpload& u = f.upload;
@@ -85,6 +103,14 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     import("frame.materials", (f.pose.materials.size() + 1) * sizeof(shared::Material), s.materials,
            f.imports.materials);
     import("frame.lights", u.lights.size() * sizeof(shared::Light), s.lights, f.imports.lights);
+    const LightGrid& g = f.light_grid;
+    // Sizes in powers of two: lights that move do not change the plan.
+    import("frame.light_bounds", std::bit_ceil(g.bounds.size()) * sizeof(shared::LightBounds) * !g.bounds.empty(),
+           s.light_bounds, f.imports.light_bounds);
+    import("frame.light_chunks", std::bit_ceil(g.chunks.size()) * sizeof(shared::LightChunk) * !g.chunks.empty(),
+           s.light_chunks, f.imports.light_chunks);
+    import("frame.light_globals", g.globals.size() * sizeof(uint32_t), s.light_globals, f.imports.light_globals);
+    s.light_grid = g.shape;
     import("frame.cull_groups", u.groups.size() * sizeof(shared::CullGroup), s.cull_groups, f.imports.cull_groups);
     import("frame.deform_jobs", u.deform_jobs.size() * sizeof(shared::DeformJob), s.deform_jobs, f.imports.deform_jobs);
     import("frame.joints", f.data.joint_matrices.size() * sizeof(glm::mat4), s.joints, f.imports.joints);
@@ -166,6 +192,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false);
   }
+  const uint32_t bounded = apply_light_floor(f.data.lights, knobs->lights.floor_lux);
+  if (bounded > 0)
+    f.notes.push_back(fmt::format("{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)",
+                                  bounded, bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they",
+                                  knobs->lights.floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data);
   const AmbientSh ambient = context.environment       ? *context.environment
                             : f.request.neutral_light ? neutral_ambient()
@@ -174,15 +205,25 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.animate_ms = ms_since(start);
 
   start = Clock::now();
+  const auto technique =
+      std::find_if(techniques().begin(), techniques().end(), [&](const Technique& t) { return t.name == job.technique; });
+  const DrawnExtent extent = drawn_extent(f.data, f.view);
+  f.light_grid = make_light_grid(technique->light_grid, f.data.lights, f.upload.constants, extent.farthest_m,
+                                 extent.reach_m, knobs->lights);
+  f.upload.constants.grid = f.light_grid.constants;
+  if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
+  f.light_grid_ms = ms_since(start);
+
+  start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
   GraphBuilder builder;
   SceneInputs inputs = import_scene(builder, context, f);
   inputs.background = *background;
   Frame frame{builder, f.facts, f.request};
-  for (const Technique& technique : techniques())
-    if (technique.name == job.technique)
-      finish(frame, inputs, technique.build(frame, inputs, {knobs->cull_enabled}), job, wanted, time_s, f);
+  finish(frame, inputs, technique->build(frame, inputs, {knobs->cull_enabled}), job, wanted, time_s, f);
+  for (size_t r = 0; r < builder.resources().size(); ++r)
+    if (builder.resources()[r].name() == "light.lost") f.light_losses = int(r);
   f.graph = compile_graph(builder);
   add_notes(f);
   f.plan_ms = ms_since(start);

@@ -6,6 +6,7 @@
 #include "graph/builder.h"
 #include "render/frame_upload.h"
 #include "render/job.h"
+#include "render/light_grid.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
 #include "scene/geometry_layout.h"
@@ -26,7 +27,7 @@ struct OutputImage {
 // Buffers that the scene upload fills, by the plan's resource number; -1: not in the plan.
 struct ImportedResources {
   int constants = -1, vertices = -1, indices = -1, items = -1, transforms = -1, geometries = -1, materials = -1,
-      lights = -1, cull_groups = -1, deform_jobs = -1, joints = -1, weights = -1;
+      lights = -1, light_bounds = -1, light_chunks = -1, light_globals = -1, cull_groups = -1, deform_jobs = -1, joints = -1, weights = -1;
 };
 
 // Everything about one frame short of the GPU: pure, so `candela plan` needs no device.
@@ -38,11 +39,13 @@ struct PlannedFrame {
   SceneFacts facts;
   FrameRequest request;
   FrameUpload upload;
+  LightGrid light_grid;
   CompiledGraph graph;
   ImportedResources imports;
+  int light_losses = -1;  // buffer in the plan that tells what the knob lights.cap lost
   std::vector<OutputImage> outputs;
   std::vector<std::string> notes;
-  double animate_ms = 0, plan_ms = 0;
+  double animate_ms = 0, light_grid_ms = 0, plan_ms = 0;
 };
 struct WantedOutputs {
   bool linear = true;    // EXR

@@ -1,5 +1,6 @@
 #include "render/session.h"
 
+#include <cstring>
 #include <future>
 
 #include "base/files.h"
@@ -28,6 +29,18 @@ Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::s
   if (!sky.empty())
     if (auto done = add(sky); !done) return std::unexpected(done.error());
   return hash128(digests);
+}
+
+// The knob lights.cap shows what other renderers' caps lose; it must not do so in silence.
+void report_losses(FrameResult& result, int buffer, int cap) {
+  const auto found = result.readbacks.find(buffer);
+  if (found == result.readbacks.end()) return;
+  uint32_t lost[3] = {};
+  std::memcpy(lost, found->second->bytes().data(), sizeof lost);
+  if (lost[0] > 0)
+    result.warnings.push_back(
+        fmt::format("lights.cap={}: {} lights of {} cells are LOST (the longest list has {}); the picture lacks their light", cap,
+                    lost[0], lost[1], lost[2]));
 }
 
 class DeviceSession : public Session {
@@ -122,7 +135,9 @@ Expected<FrameResult> DeviceSession::render(double time_s, bool hash_outputs) {
     if (result) {
       result->timings.spans.insert(result->timings.spans.begin(),
                                    {{"animate", "cpu", start, planned->animate_ms * 1000},
-                                    {"plan", "cpu", start + planned->animate_ms * 1000, planned->plan_ms * 1000}});
+                                    {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
+                                    {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000,
+                                     planned->plan_ms * 1000}});
       if (settings_.validate)
         if (const auto messages = device_->validation_messages(); !messages.empty())
           return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
@@ -138,6 +153,7 @@ Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, doubl
   FrameResult result;
   Timings& t = result.timings;
   t.add("animate", planned.animate_ms);
+  if (planned.light_grid.shape.reason.empty()) t.add("light_grid", planned.light_grid_ms);
   t.add("plan", planned.plan_ms);
   const double upload_start = process_clock_us();
   const GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
@@ -183,6 +199,7 @@ Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, doubl
   result.hashes = std::move(run.hashes);
   result.notes = std::move(planned.notes);
   result.warnings = uploaded.warnings;
+  if (planned.light_losses >= 0) report_losses(result, planned.light_losses, planned.light_grid.shape.knobs.cap);
   return result;
 }
 

@@ -4,7 +4,12 @@ namespace candela {
 
 std::span<const Technique> techniques() {
   static constexpr Technique table[] = {
-      {"brute-force", "forward shading, every light for every pixel: correct first, and the yardstick", brute_force},
+      {"clustered", "forward shading, lights listed by tile and depth slice: the default", clustered,
+       LightGridKind::clusters},
+      {"forward-plus", "forward shading, lights listed by 16x16 tiles between the depths of their samples", forward_plus,
+       LightGridKind::tiles},
+      {"brute-force", "forward shading, every light for every pixel: correct first, and the yardstick", brute_force,
+       LightGridKind::none},
   };
   return table;
 }

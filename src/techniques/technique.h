@@ -38,6 +38,9 @@ struct FrameKnobs {
   bool cull_enabled = true;
 };
 
+// How a technique wants the frame's light lists laid out (render/light_grid.h).
+enum class LightGridKind { none, clusters, tiles };
+
 // What a technique leaves: linear radiance (multisampled when the request is), and single-sample layers.
 struct FrameImages {
   ImageHandle color;
@@ -48,9 +51,12 @@ using TechniqueFunction = FrameImages (*)(Frame&, const SceneInputs&, const Fram
 struct Technique {
   std::string_view name, description;
   TechniqueFunction build;
+  LightGridKind light_grid;
 };
 std::span<const Technique> techniques();
 
 FrameImages brute_force(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
+FrameImages clustered(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
+FrameImages forward_plus(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
 
 }  // namespace candela

@@ -1,0 +1,27 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// Which lights can touch which cells of the light grid: one thread a light and cell of the box of cells round the light, so the cost
+// follows what the lights cover, not lights times cells. The bounding test is a knob; all of them err towards yes, so no picture
+// depends on it: boxes (Harada 2012), cone against sphere (Wronski 2017), tapered capsules (TECHNIQUES 6.3, 6.4).
+struct LightAssign {
+  static constexpr std::string_view name = "light_assign";
+  struct In {
+    SceneInputs scene;
+    BufferHandle tiles;  // of tile_depth; optional, empty for clusters
+  };
+  struct Out {
+    BufferHandle lists;       // bitmasks, or how many lights each cell has
+    BufferHandle sums, hits;  // compact: counts of groups of cells, a bit a thread
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  LightGridShape grid;
+};
+
+}  // namespace candela

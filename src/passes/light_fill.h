@@ -1,0 +1,25 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// Writes every light that light_assign found into its cells' lists. The order inside a list is that of the threads' arrival;
+// light_sort mends it.
+struct LightFill {
+  static constexpr std::string_view name = "light_fill";
+  struct In {
+    SceneInputs scene;
+    BufferHandle offsets, hits;
+  };
+  struct Out {
+    BufferHandle unsorted, cursors;
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  LightGridShape grid;
+};
+
+}  // namespace candela

@@ -1,0 +1,27 @@
+#pragma once
+#include <span>
+#include <string_view>
+
+#include "base/knob.h"
+
+namespace candela {
+
+// How light lists are made: the knobs `lights.*`, shared by the passes that make and walk them. Apart from floor_lux and cap they
+// change time and memory, never a bit of the picture.
+enum class LightTest : int { aabb, cone_sphere, capsule, capsule_joint };
+enum class LightList : int { automatic, bitmask, compact };
+struct LightKnobs {
+  static constexpr std::string_view name = "lights";
+  int test = int(LightTest::capsule_joint);
+  int mask = 1;
+  int list = int(LightList::automatic);
+  int tile_px = 32;
+  int slices_per_octave = 4;
+  int few = 8;
+  int memory_mb = 512;
+  int cap = 0;
+  float floor_lux = 0;
+  static std::span<const Knob<LightKnobs>> knob_table();
+};
+
+}  // namespace candela

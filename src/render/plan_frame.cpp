@@ -38,7 +38,10 @@ Expected<std::array<float, 4>> parse_background(const std::string& text, float p
 
 // Whether the file has any light at all: one that is dark at this time must not bring the neutral light.
 bool has_light(const Scene& scene) {
-  return std::any_of(scene.order.begin(), scene.order.end(), [&](int n) { return scene.nodes[size_t(n)].light >= 0; });
+  return std::any_of(scene.order.begin(), scene.order.end(), [&](int n) {
+    const Node& node = scene.nodes[size_t(n)];
+    return node.light >= 0 || node.light_instances;
+  });
 }
 
 // A key light over the viewer's shoulder for scenes without light, beside the neutral ambient.

@@ -5,6 +5,7 @@
 
 #include "math/transforms.h"
 #include "scene/drawn_sections.h"
+#include "scene/light_instances.h"
 
 namespace candela {
 namespace {
@@ -36,6 +37,7 @@ class FrameBuilder {
     for (int n : scene_.order) {
       const size_t node = size_t(n);
       lights += scene_.nodes[node].light >= 0;
+      if (scene_.nodes[node].light_instances) lights += scene_.nodes[node].light_instances->count();
       if (!drawn_.has_visible_mesh(node)) continue;
       transforms += drawn_.instance_count(node) + 1;
       items += drawn_.instance_count(node) * scene_.meshes[size_t(scene_.nodes[node].mesh)].sections.size();
@@ -49,6 +51,7 @@ class FrameBuilder {
     const Node& node = scene_.nodes[n];
     if (!pose_.node_visible[n]) return;
     if (node.light >= 0) add_light(node, n);
+    if (node.light_instances) add_light_instances(*node.light_instances, n);
     if (node.mesh < 0) return;
     const std::vector<MeshSection>& sections = scene_.meshes[size_t(node.mesh)].sections;
     deformations_.clear();
@@ -137,22 +140,56 @@ class FrameBuilder {
     return int(frame_.deformations.size() - 1);
   }
 
-  void add_light(const Node& node, size_t n) {
-    const Light& light = pose_.lights[size_t(node.light)];
-    const glm::vec3 intensity = light.color * light.intensity;
-    const glm::dmat4& world = pose_.world_from_node[n];
-    const glm::vec3 position(glm::dvec3(world[3]) - view_.position);
-    const auto finite = [](glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
-    if (!finite(intensity) || !finite(position) || intensity == glm::vec3(0)) return;
+  static bool all_finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+  // Lights that give nothing, and those that a broken transform left nowhere, are not listed.
+  void add_light_item(const LightItem& item) {
+    if (all_finite(item.intensity) && all_finite(item.position) && item.intensity != glm::vec3(0))
+      frame_.lights.push_back(item);
+  }
+
+  LightItem light_item(const Light& light, size_t n) const {
     LightItem item{light.type};
-    item.position = position;
-    item.direction = shining_direction(world);
-    item.intensity = intensity;
+    item.intensity = light.color * light.intensity;
     item.range_m = light.range_m;
     item.inner_cone_rad = light.inner_cone_rad;
     item.outer_cone_rad = light.outer_cone_rad;
     item.node = uint32_t(n);
-    frame_.lights.push_back(item);
+    return item;
+  }
+
+  void add_light(const Node& node, size_t n) {
+    const glm::dmat4& world = pose_.world_from_node[n];
+    LightItem item = light_item(pose_.lights[size_t(node.light)], n);
+    item.position = glm::vec3(glm::dvec3(world[3]) - view_.position);
+    item.direction = shining_direction(world);
+    add_light_item(item);
+  }
+
+  void add_light_instances(const LightInstances& instances, size_t n) {
+    const Light& light = pose_.lights[size_t(instances.light)];
+    const glm::dmat4& world = pose_.world_from_node[n];
+    const glm::dmat3 linear(world);
+    const glm::dvec3 origin = glm::dvec3(world[3]) - view_.position;
+    LightItem item = light_item(light, n);
+    const glm::vec3 direction = shining_direction(world);
+    for (size_t i = 0; i < instances.count(); ++i) {
+      item.position = glm::vec3(origin + linear * glm::dvec3(instances.translation[i]));
+      item.direction = instances.direction.empty() ? direction : turned(linear, instances.direction[i], direction);
+      double intensity = double(light.intensity);
+      if (!instances.intensity.empty()) intensity *= double(instances.intensity[i]);
+      if (!instances.modulation.empty()) intensity *= modulation_factor(instances.modulation[i], pose_.time_s);
+      item.intensity = (instances.color.empty() ? light.color : light.color * instances.color[i]) * float(intensity);
+      if (!instances.range_m.empty()) item.range_m = instances.range_m[i];
+      add_light_item(item);
+    }
+  }
+
+  // A direction of the node's space in relative space; where a scale of nothing swallows it, the node's own.
+  static glm::vec3 turned(const glm::dmat3& linear, glm::vec3 direction, glm::vec3 otherwise) {
+    const glm::dvec3 d = linear * glm::dvec3(direction);
+    const double length = glm::length(d);
+    return length > 0 && std::isfinite(length) ? glm::vec3(d / length) : otherwise;
   }
 
   // Along the node's -Z whatever its scale; an axis scaled to nothing is rebuilt from the other two.

@@ -123,6 +123,15 @@ int GlbWriter::joint_accessor(std::span<const glm::u16vec4> joints) {
   return accessor(bytes_of(narrow), type_u8, joints.size(), "VEC4", array_buffer);
 }
 
+int GlbWriter::unorm8_accessor(std::span<const glm::dvec4> values) {
+  std::vector<uint8_t> narrow;
+  for (const glm::dvec4& v : values)
+    for (int i = 0; i < 4; ++i) narrow.push_back(uint8_t(std::lround(std::clamp(v[i], 0.0, 1.0) * 255)));
+  const int index = accessor(bytes_of(narrow), type_u8, values.size(), "VEC4", array_buffer);
+  root["accessors"][size_t(index)]["normalized"] = true;
+  return index;
+}
+
 json GlbWriter::primitive(const Shape& shape) {
   json attributes;
   attributes["POSITION"] = vec3_accessor(shape.position, true);

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_light_instances.h"
 
 namespace candela::gltf {
 namespace {
@@ -82,6 +83,7 @@ Node read_node(Document& document, const Scene& scene, size_t index) {
   node.skin = checked(document, source.skin, document.model.skins.size(), path, "skin");
   node.camera = checked(document, source.camera, scene.cameras.size(), path, "camera");
   node.light = light_of(document, json, scene, path);
+  node.light_instances = read_light_instances(document, scene, json, path);
   node.children = source.children;
   if (node.mesh >= 0) {
     const size_t targets = scene.meshes[size_t(node.mesh)].default_weights.size();

@@ -14,12 +14,15 @@ namespace {
 struct SceneEntry {
   std::string_view name, description;
   void (*make)(GlbWriter&, SceneOptions&);
-  bool scatters_lights = false;
+  int most_lights = 0;  // 0: a fixed set
 };
+
+// A node for each light is 160 bytes of JSON; scenes that write CANDELA_light_instances go further.
+constexpr int most_light_nodes = 100000, most_light_instances = 1 << 20;
 
 constexpr SceneEntry table[] = {
     {"animated", "turning, bouncing and orbiting objects on a tiled plaza with lanterns and a moving camera",
-     make_animated, true},
+     make_animated, most_light_nodes},
     {"alpha", "opaque, masked and blended layers", make_alpha},
     {"animation-pointer", "animated light intensity, base colour and field of view (KHR_animation_pointer)",
      make_animation_pointer},
@@ -27,6 +30,10 @@ constexpr SceneEntry table[] = {
      make_emissive_strength},
     {"far-world", "near-world, moved by a million metres", make_far_world},
     {"instanced", "a field of 500 instances of one mesh (EXT_mesh_gpu_instancing)", make_instanced},
+    {"light-field", "a few surfaces near and far under lights that are hard to bound, all from the seed",
+     make_light_field, most_light_nodes},
+    {"lights-stacked", "all lights over the same few tiles: along the view axis and in one place", make_lights_stacked,
+     most_light_instances},
     {"morph", "a cube with two morph targets and animated weights", make_morph},
     {"near-world", "a few objects around the origin; the yardstick of far-world", make_near_world},
     {"normal-mapped", "normal maps without tangents, straight and mirrored", make_normal_mapped},
@@ -34,6 +41,8 @@ constexpr SceneEntry table[] = {
     {"primitive-modes", "all primitive modes, with vertex colours", make_primitive_modes},
     {"skinned", "a bending tube with three joints", make_skinned},
     {"spheres", "metallic by roughness, under directional, point and spot lights", make_spheres},
+    {"street", "a city at night that grows with its lights: street lamps, cars, windows and signs", make_street,
+     most_light_instances},
     {"texture-transform", "KHR_texture_transform, wrap modes, filters and the second UV set", make_texture_transform},
     {"unlit-box", "a textured unlit box (KHR_materials_unlit)", make_unlit_box},
 };
@@ -64,10 +73,10 @@ Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint6
     for (const SceneEntry& other : table) names += fmt::format("{}{}", names.empty() ? "" : ", ", other.name);
     return fail(ErrorKind::usage, "", "no scene is named '{}'; there are: {}", name, names);
   }
-  if (lights < 0 || lights > 100000)
-    return fail(ErrorKind::usage, "", "a scene takes 0 to 100000 lights, not {}", lights);
-  if (lights > 0 && !entry->scatters_lights)
+  if (lights != 0 && entry->most_lights == 0)
     return fail(ErrorKind::usage, "", "the scene '{}' has a fixed set of lights: leave out --lights", name);
+  if (lights < 0 || lights > entry->most_lights)
+    return fail(ErrorKind::usage, "", "the scene '{}' takes 0 to {} lights, not {}", name, entry->most_lights, lights);
   GlbWriter writer;
   SceneOptions options{Rng(seed), lights};
   entry->make(writer, options);

@@ -29,6 +29,10 @@ void make_animation_pointer(GlbWriter& out, SceneOptions& options);
 
 void make_animated(GlbWriter& out, SceneOptions& options);
 
+void make_street(GlbWriter& out, SceneOptions& options);
+void make_lights_stacked(GlbWriter& out, SceneOptions& options);
+void make_light_field(GlbWriter& out, SceneOptions& options);
+
 // Parts that several scenes use.
 json pbr(glm::dvec4 base_color, double metallic, double roughness);
 json pbr_textured(int base_color_texture, double metallic, double roughness);

@@ -89,6 +89,7 @@ Expected<AnimationChoice> choose_animations(const Scene& scene, const std::strin
 
 Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double time_s) {
   Pose pose;
+  pose.time_s = time_s;
   pose.materials = scene.materials;
   pose.lights = scene.lights;
   pose.cameras = scene.cameras;

@@ -18,6 +18,7 @@ Expected<AnimationChoice> choose_animations(const Scene& scene, const std::strin
 
 // A scene at one time. Evaluated in double; nothing carries over from another time, so any order of frames gives the same.
 struct Pose {
+  double time_s = 0;                            // for what moves without an animation (light_instances.h)
   std::vector<glm::dmat4> world_from_node;      // per node; identity for unreachable ones
   std::vector<bool> node_visible;               // with ancestors (KHR_node_visibility)
   std::vector<std::vector<float>> node_weights; // per node with a morphed mesh, else empty

@@ -119,6 +119,8 @@ struct Instances {  // EXT_mesh_gpu_instancing; each array is empty or count lon
   std::vector<glm::quat> rotation;
 };
 
+struct LightInstances;  // light_instances.h
+
 struct Node {
   std::string name;
   int parent = -1;
@@ -130,6 +132,7 @@ struct Node {
   int mesh = -1, skin = -1, camera = -1, light = -1;
   std::vector<float> weights;          // empty: the mesh's default weights
   std::shared_ptr<const Instances> instances;  // null: one plain instance
+  std::shared_ptr<const LightInstances> light_instances;  // null: none; drawn beside `light`
   bool visible = true;                 // KHR_node_visibility
 };
 

@@ -89,22 +89,68 @@ void check_instancing(Document& d, const Json& node, const std::string& node_pat
   }
 }
 
-void check_node_light(Document& d, const Json& node, const std::string& node_path) {
-  const Json& use = extension(node, "KHR_lights_punctual");
-  if (!use.is_object()) return;
-  const std::string path = node_path + "/extensions/KHR_lights_punctual";
+// An index into the lights of KHR_lights_punctual that a node's extension names; -1 where it names none.
+int64_t check_light_index(Document& d, const Json& use, const std::string& path) {
   const Json& root = extension(d.json, "KHR_lights_punctual");
-  if (!root.is_object())
-    return d.findings.fatal("UNSATISFIED_DEPENDENCY", path, "'/extensions/KHR_lights_punctual' must be defined");
+  if (!root.is_object()) {
+    d.findings.fatal("UNSATISFIED_DEPENDENCY", path, "'/extensions/KHR_lights_punctual' must be defined");
+    return -1;
+  }
   const Json& lights = elements(root, "lights");
   const int64_t index = integer(use, "light", -1);
-  if (index < 0 || uint64_t(index) >= lights.size())
-    return d.findings.fatal("UNRESOLVED_REFERENCE", path + "/light", "unresolved reference: {} (there are {} lights)",
-                            index, lights.size());
+  if (index < 0 || uint64_t(index) >= lights.size()) {
+    d.findings.fatal("UNRESOLVED_REFERENCE", path + "/light", "unresolved reference: {} (there are {} lights)", index,
+                     lights.size());
+    return -1;
+  }
   const std::string_view type = text(lights[index], "type");
   if (type != "directional" && type != "point" && type != "spot")
     d.findings.fatal("VALUE_NOT_IN_LIST", fmt::format("/extensions/KHR_lights_punctual/lights/{}/type", index),
                      "'{}' is not one of ('directional', 'point', 'spot'), and {} uses it", type.substr(0, 60), path);
+  return index;
+}
+
+void check_node_light(Document& d, const Json& node, const std::string& node_path) {
+  const Json& use = extension(node, "KHR_lights_punctual");
+  if (use.is_object()) check_light_index(d, use, node_path + "/extensions/KHR_lights_punctual");
+}
+
+// Formats and counts; the values are looked at where they are read.
+void check_light_instances(Document& d, const Json& node, const std::string& node_path) {
+  const Json& use = extension(node, "CANDELA_light_instances");
+  if (!use.is_object()) return;
+  const std::string path = node_path + "/extensions/CANDELA_light_instances";
+  const int64_t light = check_light_index(d, use, path);
+  if (light < 0) return;
+  const std::string_view type = text(elements(extension(d.json, "KHR_lights_punctual"), "lights")[light], "type");
+  if (type == "directional")
+    d.findings.fatal("VALUE_NOT_IN_LIST", path + "/light",
+                     "light {} is directional; instances are of point and spot lights", light);
+  const Json& attributes = member(use, "attributes");
+  if (!attributes.contains("TRANSLATION"))
+    return d.findings.fatal("UNDEFINED_PROPERTY", path + "/attributes", "property 'TRANSLATION' must be defined");
+  const AccessorLayout* translation = d.accessor(attributes, "TRANSLATION", path + "/attributes");
+  for (const auto& [name, item] : attributes.items()) {
+    const std::string at = path + "/attributes/" + pointer_token(name);
+    const bool is_vector = name == "TRANSLATION" || name == "DIRECTION" || name == "COLOR" || name == "MODULATION";
+    if (!is_vector && name != "INTENSITY" && name != "RANGE") {
+      d.findings.fatal("MESH_PRIMITIVE_INVALID_ATTRIBUTE", at,
+                       "there are TRANSLATION, DIRECTION, COLOR, INTENSITY, RANGE and MODULATION");
+      continue;
+    }
+    if (name == "DIRECTION" && type == "point")
+      d.findings.warning("UNSATISFIED_DEPENDENCY", at, "light {} is a point light, which has no direction; ignored",
+                         light);
+    const AccessorLayout* a = d.accessor(attributes, name, path + "/attributes");
+    if (!a) continue;
+    if (a->type != (is_vector ? "VEC3" : "SCALAR") || a->component_type != component_float)
+      d.findings.fatal("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", at,
+                       "invalid accessor format {}, must be {{{}, FLOAT}}", a->format(), is_vector ? "VEC3" : "SCALAR");
+    if (translation && a->count != translation->count)
+      d.findings.fatal("MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT", at, "{} elements, TRANSLATION has {}", a->count,
+                       translation->count);
+    d.use_view(*a, ViewUse::other, at);
+  }
 }
 
 void check_node(Document& d, size_t i) {
@@ -117,6 +163,7 @@ void check_node(Document& d, size_t i) {
   check_skinned(d, node, path, mesh);
   check_instancing(d, node, path);
   check_node_light(d, node, path);
+  check_light_instances(d, node, path);
   const Json& weights = elements(node, "weights");
   if (!node.contains("mesh") && node.contains("weights"))
     d.findings.warning("UNSATISFIED_DEPENDENCY", path + "/weights", "weights without mesh, ignored");

@@ -43,6 +43,13 @@ const ObjectSchema& node_light_schema() {
   return schema;
 }
 
+const ObjectSchema& light_instances_schema() {
+  static const ObjectSchema schema{"lightInstances",
+                                   {{.name = "light", .shape = Shape::index, .required = true},
+                                    {.name = "attributes", .shape = Shape::index_map, .required = true}}};
+  return schema;
+}
+
 const ObjectSchema& texture_transform_schema() {
   static const ObjectSchema schema{"textureTransform",
                                    {{.name = "offset", .shape = Shape::numbers, .lengths = {2}},
@@ -153,6 +160,7 @@ const std::vector<ExtensionSchema>& extension_schemas() {
   static const std::vector<ExtensionSchema> schemas{
       {"KHR_lights_punctual", "root", &lights_schema()},
       {"KHR_lights_punctual", "node", &node_light_schema()},
+      {"CANDELA_light_instances", "node", &light_instances_schema()},
       {"KHR_texture_transform", "textureInfo", &texture_transform_schema()},
       {"KHR_materials_emissive_strength", "material", &emissive_strength_schema()},
       {"KHR_materials_ior", "material", &ior_schema()},

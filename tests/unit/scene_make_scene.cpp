@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 
 #include "base/files.h"
+#include "scene/frame_data.h"
 #include "scene/gltf.h"
 #include "scene/procedural_shapes.h"
 
@@ -45,7 +48,7 @@ TEST(MakeScene, EveryCommittedSceneHasAName) {
 TEST(MakeScene, FilesAreSmallWholeAndHaveACamera) {
   for (std::string_view name : scene_names()) {
     const auto bytes = made(name);
-    EXPECT_LT(bytes.size(), 60000u) << name;
+    EXPECT_LT(bytes.size(), 120000u) << name;
     uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 8, 4);
     EXPECT_EQ(length, bytes.size()) << name;
@@ -68,6 +71,7 @@ TEST(MakeScene, TheSeedChangesSeededScenesOnly) {
   EXPECT_NE(made("instanced", 1), made("instanced", 2));
   EXPECT_NE(made("animated", 1), made("animated", 2));
   EXPECT_EQ(made("spheres", 1), made("spheres", 2));
+  for (const char* name : {"street", "lights-stacked", "light-field"}) EXPECT_NE(made(name, 1), made(name, 2)) << name;
 }
 
 TEST(MakeScene, ScattersAsManyLightsAsAsked) {
@@ -77,12 +81,118 @@ TEST(MakeScene, ScattersAsManyLightsAsAsked) {
   EXPECT_EQ(lamps, 1000);
 }
 
+FrameData frame_of(const Scene& scene, double time_s) {
+  const Pose pose = evaluate_pose(scene, *choose_animations(scene, "all"), time_s);
+  const auto view = make_view(scene, pose, {}, 640, 360, world_bounds(scene, pose));
+  EXPECT_TRUE(view.has_value());
+  return make_frame_data(scene, pose, *view);
+}
+
+FrameData frame_of(std::string_view name, int lights, double time_s, uint64_t seed = 1) {
+  const auto scene = load_gltf_from_memory(made(name, seed, lights), std::string(name), "");
+  EXPECT_TRUE(scene.has_value());
+  return frame_of(*scene, time_s);
+}
+
+size_t spots(const FrameData& frame) {
+  return size_t(std::ranges::count(frame.lights, LightType::spot, &LightItem::type));
+}
+
+TEST(MakeScene, ScenesOfLightsHaveExactlyAsManyAsAsked) {
+  for (const char* name : {"street", "lights-stacked"})
+    for (int lights : {1, 2, 63, 64, 65, 1000}) {
+      const FrameData frame = frame_of(name, lights, 0.3);
+      EXPECT_EQ(frame.lights.size(), size_t(lights)) << name;
+      EXPECT_NEAR(double(spots(frame)), lights / 2.0, 1) << name;
+      for (const LightItem& light : frame.lights) EXPECT_TRUE(std::isfinite(light.range_m)) << name;
+    }
+  // Some of these are dark, which the frame leaves out.
+  EXPECT_EQ(document(made("light-field", 3, 77))["extensions"]["KHR_lights_punctual"]["lights"].size(), 77u);
+}
+
+// A large city holds the small one as it is, around the camera, and has no more lights in the same place.
+TEST(MakeScene, TheStreetGrowsOutwardsAtOneDensity) {
+  const auto near_camera = [](int lights) {
+    std::set<std::tuple<float, float, float, float>> found;
+    for (const LightItem& light : frame_of("street", lights, 1.7).lights)
+      if (glm::length(light.position) < 40 && light.position.z < 0)
+        found.emplace(light.position.x, light.position.y, light.position.z, light.intensity.x);
+    return found;
+  };
+  const auto small = near_camera(1024);
+  EXPECT_GT(small.size(), 30u);
+  EXPECT_EQ(small, near_camera(4096));
+  const auto covered = [](int lights) {
+    DAabb box;
+    for (const LightItem& light : frame_of("street", lights, 0).lights)
+      box.add({glm::dvec3(light.position), glm::dvec3(light.position)});
+    const glm::dvec3 size = box.extent() * 2.0;
+    return size.x * size.z;
+  };
+  EXPECT_NEAR(covered(16384) / covered(4096), 4, 0.8);
+}
+
+TEST(MakeScene, EveryLightOfTheStreetChangesWithTime) {
+  const FrameData a = frame_of("street", 640, 0.25), b = frame_of("street", 640, 0.75);
+  ASSERT_EQ(a.lights.size(), b.lights.size());
+  for (size_t i = 0; i < a.lights.size(); ++i)
+    EXPECT_TRUE(a.lights[i].position != b.lights[i].position || a.lights[i].intensity != b.lights[i].intensity) << i;
+}
+
+// Cars jump back by one cell, to where the same cars have come: in the middle of the city nothing is seen of it.
+TEST(MakeScene, CarsWrapRoundUnseen) {
+  const auto scene = load_gltf_from_memory(made("street", 1, 6400), "street", "");
+  const auto head_lamps = [&](double time_s, double most_m) {
+    std::vector<glm::vec3> found;
+    const FrameData frame = frame_of(*scene, time_s);
+    for (const LightItem& light : frame.lights)
+      if (scene->nodes[light.node].name == "head lamps" && glm::length(light.position) < most_m)
+        found.push_back(light.position);
+    return found;
+  };
+  for (double wrap_s : {6.4, 8.0}) {
+    const double step_s = 1.0 / 64;
+    const std::vector<glm::vec3> before = head_lamps(wrap_s - step_s, 100), after = head_lamps(wrap_s + step_s, 110);
+    EXPECT_GT(before.size(), 50u);
+    double largest_step_m = 0;
+    for (const glm::vec3& lamp : before) {
+      double nearest_m = 1e9;
+      for (const glm::vec3& other : after) nearest_m = std::min(nearest_m, double(glm::length(lamp - other)));
+      largest_step_m = std::max(largest_step_m, nearest_m);
+    }
+    EXPECT_NEAR(largest_step_m, 2 * step_s * 10, 0.02);
+  }
+}
+
+TEST(MakeScene, LightFieldsMeetTheHardCases) {
+  std::set<std::string> kinds;
+  bool orthographic = false, wide = false, narrow = false;
+  for (uint64_t seed = 0; seed < 24; ++seed) {
+    const nlohmann::json json = document(made("light-field", seed));
+    for (const auto& light : json["extensions"]["KHR_lights_punctual"]["lights"]) {
+      const std::string name = light["name"];
+      kinds.insert(name.substr(0, name.rfind(' ')));
+    }
+    const auto& camera = json["cameras"][0];
+    orthographic |= camera["type"] == "orthographic";
+    if (camera["type"] == "orthographic") continue;
+    wide |= camera["perspective"]["yfov"] > 2.6;
+    narrow |= camera["perspective"]["yfov"] < 0.018;
+  }
+  EXPECT_TRUE(orthographic && wide && narrow);
+  for (const char* kind : {"needle", "half space", "sharp edge", "tiny range", "huge range", "no range", "sun",
+                           "bright", "dark", "at the camera", "around the camera", "behind the camera", "on a surface",
+                           "power of two", "tile edge", "touching", "touching spot"})
+    EXPECT_TRUE(kinds.contains(kind)) << kind;
+}
+
 TEST(MakeScene, RefusesWhatItCannotMake) {
   const auto unknown = make_scene_bytes("castle", 1, 0);
   ASSERT_FALSE(unknown.has_value());
   EXPECT_EQ(unknown.error().kind, ErrorKind::usage);
   EXPECT_NE(unknown.error().message.find("unlit-box"), std::string::npos);
   EXPECT_EQ(make_scene_bytes("spheres", 1, 5).error().kind, ErrorKind::usage);
+  EXPECT_EQ(make_scene_bytes("street", 1, 1048577).error().kind, ErrorKind::usage);
   EXPECT_EQ(make_scene_bytes("animated", 1, -1).error().kind, ErrorKind::usage);
   EXPECT_EQ(make_scene("unlit-box", 1, 0, "/proc/none/box.glb").error().kind, ErrorKind::output);
 }

@@ -9,15 +9,16 @@
 namespace candela {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double tiny = 1e-6;  // stands in for "greater than zero"
 
-struct Property {
-  const char* name;
-  double lowest = -infinity, highest = infinity;
-};
+}  // namespace
 
-Property property_of(TargetPath path) {
+std::string light_place(const Scene& scene, size_t light) {
+  return fmt::format("/extensions/KHR_lights_punctual/lights/{} '{}'", light,
+                     light < scene.lights.size() ? scene.lights[light].name : "");
+}
+
+PropertyRange range_of(TargetPath path) {
   using enum TargetPath;
   constexpr double right_angle = std::numbers::pi / 2;
   switch (path) {
@@ -85,22 +86,26 @@ Property property_of(TargetPath path) {
   return {"value"};
 }
 
-const char* array_of(TargetPath path) {
-  if (path <= TargetPath::node_visible) return "nodes";
-  if (path <= TargetPath::texture_scale) return "materials";
-  return path <= TargetPath::light_outer_cone ? "lights" : "cameras";
+namespace {
+
+std::string place_of(const AnimationTarget& target, const AnimationChannel& channel) {
+  const char* array = channel.path <= TargetPath::node_visible    ? "nodes"
+                      : channel.path <= TargetPath::texture_scale ? "materials"
+                                                                  : "cameras";
+  return drives_light(channel.path) ? light_place(target.scene, size_t(channel.object))
+                                    : fmt::format("/{}/{}", array, channel.object);
 }
 
 void warn(AnimationTarget& target, const AnimationChannel& channel, double value, const std::string& instead) {
-  target.pose.warnings.push_back(fmt::format(
-      "/{}/{} {}: animation '{}' gives {} at {} s; {}", array_of(channel.path), channel.object,
-      property_of(channel.path).name, target.animation ? target.animation->name : "", value, target.time_s, instead));
+  target.pose.warnings.push_back(
+      fmt::format("{} {}: animation '{}' gives {} at {} s; {}", place_of(target, channel), range_of(channel.path).name,
+                  target.animation ? target.animation->name : "", value, target.time_s, instead));
 }
 
 // One number into its place: checked as float, for a double may be finite and its float not.
 template <class T>
 void assign(AnimationTarget& target, const AnimationChannel& channel, T& destination, double value) {
-  const Property property = property_of(channel.path);
+  const PropertyRange property = range_of(channel.path);
   if (!std::isfinite(float(value))) {
     if (channel.path == TargetPath::light_intensity) destination = T(0);
     return warn(target, channel, value, fmt::format("{} is taken", destination));

@@ -1,6 +1,7 @@
 #pragma once
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,18 @@ struct NodeState {
   glm::dquat rotation{1, 0, 0, 0};
   bool visible = true;
 };
+
+// What the specification allows a property that a channel drives.
+struct PropertyRange {
+  const char* name;
+  double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
+};
+PropertyRange range_of(TargetPath path);
+// "/extensions/KHR_lights_punctual/lights/3 'Torch'", for messages.
+std::string light_place(const Scene& scene, size_t light);
+inline bool drives_light(TargetPath path) {
+  return path >= TargetPath::light_color && path <= TargetPath::light_outer_cone;
+}
 
 // Where a channel's value goes, and what a warning says about it.
 struct AnimationTarget {

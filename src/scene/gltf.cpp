@@ -27,6 +27,7 @@ Scene import_scene(gltf::Document& document) {
   gltf::import_nodes(document, scene);
   gltf::import_skins(document, scene);
   gltf::import_animations(document, scene);
+  gltf::check_animated_lights(document, scene);
   scene.files = std::move(document.files);
   scene.warnings = std::move(document.warnings);
   return scene;

@@ -1,5 +1,7 @@
 #include "scene/gltf_document.h"
 
+#include <charconv>
+
 #include "base/files.h"
 #include "scene/gltf_meshopt.h"
 #include "scene/gltf_uri.h"
@@ -67,13 +69,29 @@ void check_version(const Document& document) {
                     asset.minVersion);
 }
 
+// "light 'Torch': " for a path into the lights: what the validation found is told by number and by name.
+std::string light_named_by(const Json& json, const std::string& path) {
+  constexpr std::string_view lights = "/extensions/KHR_lights_punctual/lights/";
+  size_t index = 0;
+  if (!path.starts_with(lights) ||
+      std::from_chars(path.data() + lights.size(), path.data() + path.size(), index).ec != std::errc())
+    return {};
+  const Json::json_pointer pointer(std::string(lights) + std::to_string(index) + "/name");
+  return json.contains(pointer) && json[pointer].is_string()
+             ? fmt::format("light '{}': ", json[pointer].get_ref<const std::string&>())
+             : std::string();
+}
+
 void validate(Document& document, const GltfParts& parts, std::vector<Finding>& findings) {
   std::vector<Finding> more = validate_gltf(document.json, parts);
   findings.insert(findings.end(), more.begin(), more.end());
   for (const Finding& finding : findings)
-    if (finding.fatal) document.refuse(finding.path, "{} ({})", finding.message, finding.code);
+    if (finding.fatal)
+      document.refuse(finding.path, "{}{} ({})", light_named_by(document.json, finding.path), finding.message,
+                      finding.code);
   for (const Finding& finding : findings) {
-    document.warn(finding.path, "{} ({})", finding.message, finding.code);
+    document.warn(finding.path, "{}{} ({})", light_named_by(document.json, finding.path), finding.message,
+                  finding.code);
     document.finding_codes.insert(finding.code);
   }
 }

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "scene/animation_targets.h"
+
 namespace candela::gltf {
 namespace {
 
@@ -16,7 +18,7 @@ void read_cone(Document& document, const Json& json, const std::string& path, Li
                     "cone angles {} (inner) and {} (outer) do not satisfy 0 <= inner < outer <= pi/2 "
                     "(KHR_LIGHTS_PUNCTUAL_LIGHT_SPOT_ANGLES)",
                     inner, outer);
-  // Equal angles break the specification too (the validation warns), but a sharp edge is what they mean.
+  // Equal angles break the specification too, but a sharp edge is what they mean (the validation warns).
   light.inner_cone_rad = float(inner);
   light.outer_cone_rad = float(std::min(outer, std::numbers::pi / 2));
 }
@@ -84,6 +86,29 @@ void import_lights(Document& document, Scene& scene) {
   for (size_t i = 0; i < lights->size(); ++i)
     scene.lights.push_back(
         read_light(document, (*lights)[i], fmt::format("/extensions/KHR_lights_punctual/lights/{}", i)));
+}
+
+void check_animated_lights(Document& document, const Scene& scene) {
+  for (size_t a = 0; a < scene.animations.size(); ++a)
+    for (const AnimationChannel& channel : scene.animations[a].channels) {
+      if (!drives_light(channel.path) || channel.object < 0) continue;
+      const PropertyRange range = range_of(channel.path);
+      // Cubic splines hold a tangent before and behind each value.
+      const bool is_cubic = channel.interpolation == Interpolation::cubic_spline;
+      const size_t components = size_t(channel.components), stride = components * (is_cubic ? 3 : 1);
+      for (size_t key = 0; key < channel.times_s.size(); ++key)
+        for (size_t c = 0; c < components; ++c) {
+          const double value = double(channel.values[key * stride + (is_cubic ? components : 0) + c]);
+          if (float(value) >= float(range.lowest) && float(value) <= float(range.highest)) continue;
+          document.warn(light_place(scene, size_t(channel.object)),
+                        "animation {} '{}' gives {} {} at {} s, which is outside [{}, {}] and will be clamped "
+                        "(VALUE_NOT_IN_RANGE)",
+                        a, scene.animations[a].name, range.name, value, channel.times_s[key], range.lowest,
+                        range.highest);
+          key = channel.times_s.size();  // one line a channel
+          break;
+        }
+    }
 }
 
 }  // namespace candela::gltf

@@ -113,7 +113,7 @@ class City {
       const Lamp& lamp = parts_.lamps[size_t(i)];
       // A street along Z has the masts 0, 2, ...; its lamps are all sodium or all white, along its whole length.
       const bool along_z = i % 4 < 2;
-      const bool is_white = rng_at(seed_, along_z ? cell.x : cell.z, along_z ? 901 : 902).next() % 3 == 0;
+      const bool is_white = rng_at(seed_, along_z ? cell.x : cell.z, along_z ? 901 : 902).next() % 3 == 1;
       const bool is_faulty = rng.next() % 24 == 0;
       const double intensity = rng.uniform(420, 620), phase = rng.uniform();
       const glm::dvec3 tilt(rng.uniform(-0.05, 0.05), 0, rng.uniform(-0.05, 0.05));

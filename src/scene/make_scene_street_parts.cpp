@@ -241,7 +241,7 @@ int make_street_mesh(GlbWriter& out, const Materials& materials, std::array<Lamp
 
 void add_car(Builder& car, double z, glm::dvec3 paint) {
   const glm::dvec3 at(0, 0, z), glass(0.03, 0.035, 0.045);
-  car.block(at + glm::dvec3(-0.9, 0.3, -2.1), at + glm::dvec3(0.9, 0.95, 2.1), paint);
+  car.block(at + glm::dvec3(-0.9, 0.12, -2.1), at + glm::dvec3(0.9, 0.95, 2.1), paint);
   car.block(at + glm::dvec3(-0.78, 0.95, -0.7), at + glm::dvec3(0.78, 1.45, 1.5), glass);
   for (double side : {-0.62, 0.62}) {
     car.glowing(at + glm::dvec3(side + 0.2, 0.55, -2.12), {-0.4, 0, 0}, {0, 0.2, 0}, glass, head_glow);

@@ -55,14 +55,16 @@ void place_nodes(const Scene& scene, const std::vector<NodeState>& nodes, Pose& 
   }
 }
 
-// Two animated cone angles may cross, though each is in its range.
-void order_cones(Pose& pose) {
+// Two animated cone angles may cross, though each is in its range. `drivers` names the last animation that drove one.
+void order_cones(const Scene& scene, const std::vector<const Animation*>& drivers, Pose& pose) {
   for (size_t i = 0; i < pose.lights.size(); ++i) {
     Light& light = pose.lights[i];
     if (light.type != LightType::spot || light.inner_cone_rad <= light.outer_cone_rad) continue;
     pose.warnings.push_back(
-        fmt::format("/lights/{} innerConeAngle: {} is greater than outerConeAngle {}, which is taken for both", i,
-                    light.inner_cone_rad, light.outer_cone_rad));
+        fmt::format("{} innerConeAngle: animation '{}' gives {} at {} s, which is greater than outerConeAngle {}; that "
+                    "is taken for both",
+                    light_place(scene, i), i < drivers.size() && drivers[i] ? drivers[i]->name : "",
+                    light.inner_cone_rad, pose.time_s, light.outer_cone_rad));
     light.inner_cone_rad = light.outer_cone_rad;
   }
 }
@@ -104,6 +106,7 @@ Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double
   std::vector<int> in_file_order = animations.animations;
   std::sort(in_file_order.begin(), in_file_order.end());
   std::vector<double> values;
+  std::vector<const Animation*> cone_drivers;  // per light
   for (int a : in_file_order) {
     const Animation& animation = scene.animations[size_t(a)];
     AnimationTarget target{scene, pose, nodes, &animation, time_s};
@@ -111,9 +114,13 @@ Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double
       values.assign(size_t(channel.components), 0.0);
       sample_channel(channel, time_s, values);
       apply_channel(target, channel, values);
+      const bool is_cone = channel.path == TargetPath::light_inner_cone || channel.path == TargetPath::light_outer_cone;
+      if (!is_cone || channel.object < 0) continue;
+      cone_drivers.resize(scene.lights.size());
+      if (size_t(channel.object) < cone_drivers.size()) cone_drivers[size_t(channel.object)] = &animation;
     }
   }
-  order_cones(pose);
+  order_cones(scene, cone_drivers, pose);
   place_nodes(scene, nodes, pose);
   return pose;
 }

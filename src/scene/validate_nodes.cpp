@@ -116,41 +116,48 @@ void check_node_light(Document& d, const Json& node, const std::string& node_pat
 }
 
 // Formats and counts; the values are looked at where they are read.
+void check_light_attribute(Document& d, const Json& attributes, const std::string& name, const std::string& path,
+                           std::string_view light_name, uint64_t count) {
+  const std::string at = path + "/" + pointer_token(name);
+  const bool is_vector = name == "TRANSLATION" || name == "DIRECTION" || name == "COLOR" || name == "MODULATION";
+  if (!is_vector && name != "INTENSITY" && name != "RANGE")
+    return d.findings.fatal("MESH_PRIMITIVE_INVALID_ATTRIBUTE", at,
+                            "lights of '{}': there are TRANSLATION, DIRECTION, COLOR, INTENSITY, RANGE and MODULATION",
+                            light_name);
+  const AccessorLayout* a = d.accessor(attributes, name, path);
+  if (!a) return;
+  const std::string_view type = is_vector ? "VEC3" : "SCALAR";
+  if (a->type != type || a->component_type != component_float)
+    d.findings.fatal("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", at,
+                     "lights of '{}': invalid accessor format {}, must be {{{}, FLOAT}}", light_name, a->format(),
+                     type);
+  if (a->count != count)
+    d.findings.fatal("MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT", at, "lights of '{}': {} elements, TRANSLATION has {}",
+                     light_name, a->count, count);
+  d.use_view(*a, ViewUse::other, at);
+}
+
 void check_light_instances(Document& d, const Json& node, const std::string& node_path) {
   const Json& use = extension(node, "CANDELA_light_instances");
   if (!use.is_object()) return;
-  const std::string path = node_path + "/extensions/CANDELA_light_instances";
-  const int64_t light = check_light_index(d, use, path);
-  if (light < 0) return;
-  const std::string_view type = text(elements(extension(d.json, "KHR_lights_punctual"), "lights")[light], "type");
+  const std::string path = node_path + "/extensions/CANDELA_light_instances", at = path + "/attributes";
+  const int64_t index = check_light_index(d, use, path);
+  if (index < 0) return;
+  const Json& light = elements(extension(d.json, "KHR_lights_punctual"), "lights")[index];
+  const std::string_view name = text(light, "name"), type = text(light, "type");
   if (type == "directional")
     d.findings.fatal("VALUE_NOT_IN_LIST", path + "/light",
-                     "light {} is directional; instances are of point and spot lights", light);
+                     "light {} '{}' is directional; instances are of point and spot lights", index, name);
   const Json& attributes = member(use, "attributes");
   if (!attributes.contains("TRANSLATION"))
-    return d.findings.fatal("UNDEFINED_PROPERTY", path + "/attributes", "property 'TRANSLATION' must be defined");
-  const AccessorLayout* translation = d.accessor(attributes, "TRANSLATION", path + "/attributes");
-  for (const auto& [name, item] : attributes.items()) {
-    const std::string at = path + "/attributes/" + pointer_token(name);
-    const bool is_vector = name == "TRANSLATION" || name == "DIRECTION" || name == "COLOR" || name == "MODULATION";
-    if (!is_vector && name != "INTENSITY" && name != "RANGE") {
-      d.findings.fatal("MESH_PRIMITIVE_INVALID_ATTRIBUTE", at,
-                       "there are TRANSLATION, DIRECTION, COLOR, INTENSITY, RANGE and MODULATION");
-      continue;
-    }
-    if (name == "DIRECTION" && type == "point")
-      d.findings.warning("UNSATISFIED_DEPENDENCY", at, "light {} is a point light, which has no direction; ignored",
-                         light);
-    const AccessorLayout* a = d.accessor(attributes, name, path + "/attributes");
-    if (!a) continue;
-    if (a->type != (is_vector ? "VEC3" : "SCALAR") || a->component_type != component_float)
-      d.findings.fatal("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", at,
-                       "invalid accessor format {}, must be {{{}, FLOAT}}", a->format(), is_vector ? "VEC3" : "SCALAR");
-    if (translation && a->count != translation->count)
-      d.findings.fatal("MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT", at, "{} elements, TRANSLATION has {}", a->count,
-                       translation->count);
-    d.use_view(*a, ViewUse::other, at);
-  }
+    return d.findings.fatal("UNDEFINED_PROPERTY", at, "lights of '{}': property 'TRANSLATION' must be defined", name);
+  if (attributes.contains("DIRECTION") && type == "point")
+    d.findings.warning("UNSATISFIED_DEPENDENCY", at + "/DIRECTION",
+                       "light {} '{}' is a point light, which has no direction; ignored", index, name);
+  const AccessorLayout* translation = d.accessor(attributes, "TRANSLATION", at);
+  if (!translation) return;
+  for (const auto& [attribute, item] : attributes.items())
+    check_light_attribute(d, attributes, attribute, at, name, translation->count);
 }
 
 void check_node(Document& d, size_t i) {

@@ -136,7 +136,58 @@ TEST(GltfScene, LightsWithoutMeaningAreRefusedByPath) {
     EXPECT_EQ(scene.error().kind, ErrorKind::input);
     EXPECT_NE(scene.error().place.find("/extensions/KHR_lights_punctual/lights/0"), std::string::npos)
         << scene.error().text();
+    EXPECT_NE(scene.error().text().find("Torch"), std::string::npos) << scene.error().text();
   }
+}
+
+// JSON has no NaN and no infinity; what a float cannot hold is the nearest thing.
+TEST(GltfScene, LightsBeyondAFloatAreRefused) {
+  for (const char* member : {R"("intensity":1e39)", R"("color":[1e39,0,0])", R"("range":1e-50)"}) {
+    const Json light = Json::parse(std::string(R"({"name":"Torch","type":"point",)") + member + "}");
+    const Expected<Scene> scene = with_light(light).load();
+    ASSERT_FALSE(scene) << light;
+    EXPECT_NE(scene.error().text().find("Torch"), std::string::npos) << scene.error().text();
+  }
+}
+
+TEST(GltfScene, EqualConeAnglesAreASharpEdgeWithAWarning) {
+  const Expected<Scene> scene =
+      with_light({{"name", "Torch"}, {"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}})
+          .load();
+  ASSERT_TRUE(scene) << scene.error().text();
+  EXPECT_TRUE(
+      test::mentions(scene->warnings, "/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle: light 'Torch'"));
+}
+
+TEST(GltfScene, AnimatedLightsOutsideTheirRangeAreWarnedOfAtLoad) {
+  const auto driven = [](const char* property, const std::string& type, std::vector<float> values,
+                         const char* interpolation) {
+    GltfBuilder b = with_light({{"name", "Torch"}, {"type", "spot"}, {"spot", Json::object()}});
+    b.use("KHR_animation_pointer");
+    const int input = b.accessor<float>("SCALAR", {0, 1}), output = b.accessor<float>(type, values);
+    b.json["animations"] = {
+        {{"name", "blaze"},
+         {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
+         {"channels",
+          {{{"sampler", 0},
+            {"target",
+             {{"path", "pointer"},
+              {"extensions",
+               {{"KHR_animation_pointer",
+                 {{"pointer", std::string("/extensions/KHR_lights_punctual/lights/0/") + property}}}}}}}}}}}};
+    const Expected<Scene> scene = b.load();
+    EXPECT_TRUE(scene) << scene.error().text();
+    return scene->warnings;
+  };
+  const std::string place = "/extensions/KHR_lights_punctual/lights/0 'Torch': animation 0 'blaze'";
+  EXPECT_TRUE(test::mentions(driven("intensity", "SCALAR", {1, -1}, "LINEAR"), place));
+  EXPECT_TRUE(test::mentions(driven("range", "SCALAR", {0, 1}, "LINEAR"), place));
+  EXPECT_TRUE(test::mentions(driven("color", "VEC3", {0, 0, 0, 1, -1, 0}, "STEP"), place));
+  EXPECT_TRUE(test::mentions(driven("spot/outerConeAngle", "SCALAR", {1, 2}, "LINEAR"), place));
+  EXPECT_TRUE(driven("intensity", "SCALAR", {1, 0}, "LINEAR").empty());
+  // Tangents may be anything.
+  EXPECT_TRUE(driven("intensity", "SCALAR", {-9, 1, -9, -9, 1, -9}, "CUBICSPLINE").empty());
+  EXPECT_TRUE(test::mentions(driven("intensity", "SCALAR", {0, 1, 0, 0, -1, 0}, "CUBICSPLINE"), place));
 }
 
 TEST(GltfScene, VersionsAreReadAsTheSpecificationSays) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "math/transforms.h"
+#include "scene_gltf_builder.h"
 
 namespace candela {
 namespace {
@@ -281,6 +282,7 @@ TEST(Pointers, ValuesOutsideTheirRangeAreClampedWithAWarning) {
   Scene scene = two_nodes();
   scene.materials.resize(1);
   scene.lights.resize(1);
+  scene.lights[0].name = "Torch";
   scene.lights[0].type = LightType::spot;
   const float infinity = std::numeric_limits<float>::infinity();
   using enum TargetPath;
@@ -297,6 +299,10 @@ TEST(Pointers, ValuesOutsideTheirRangeAreClampedWithAWarning) {
   EXPECT_EQ(pose.materials[0].metallic, 1);  // the file's own value
   EXPECT_EQ(pose.lights[0].inner_cone_rad, pose.lights[0].outer_cone_rad);
   EXPECT_EQ(pose.warnings.size(), 5u);
+  EXPECT_TRUE(test::mentions(pose.warnings, "/extensions/KHR_lights_punctual/lights/0 'Torch' intensity"));
+  EXPECT_TRUE(test::mentions(pose.warnings, "/extensions/KHR_lights_punctual/lights/0 'Torch' innerConeAngle"));
+  for (const std::string& warning : pose.warnings)
+    EXPECT_NE(warning.find("animation 'a'"), std::string::npos) << warning;
   EXPECT_EQ(pose_at(scene, {channel(light_intensity, step, 1, {0}, {infinity})}, 0).lights[0].intensity, 0);
   EXPECT_EQ(pose_at(scene, {channel(material_ior, step, 1, {0}, {0})}, 0).materials[0].ior, 0);  // has its own meaning
 }

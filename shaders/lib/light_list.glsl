@@ -65,7 +65,8 @@ bool next_light(inout LightWalk w) {
       if (left < 32u) w.mine &= (1u << left) - 1u;
       ++w.cursor;
     }
-    w.light = 32u * (w.cursor - 1u) + uint(findLSB(w.mine));
+    // llvmpipe runs lanes that no sample covers with an empty union: findLSB's -1 would have them load light -1, and crash.
+    w.light = 32u * (w.cursor - 1u) + uint(max(findLSB(w.mine), 0));
     w.mine &= w.mine - 1u;
     return true;
   }

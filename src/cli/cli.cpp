@@ -28,6 +28,7 @@ void build_parser(CLI::App& app, Action& action) {
   add_facts(app, action);
   add_compare(app, action);
   add_golden(app, action);
+  add_bench(app, action);
   add_make_scene(app, action);
   add_list(app, action);
 }

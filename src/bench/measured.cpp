@@ -1,0 +1,226 @@
+#include "bench/measured.h"
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/hash.h"
+#include "render/outputs.h"
+#include "render/timings.h"
+#include "scene/frame_data.h"
+
+namespace candela {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+std::string line_value(const char* file, std::string_view key) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);)
+    if (line.starts_with(key)) {
+      const size_t colon = line.find(':');
+      const size_t begin = colon == std::string::npos ? colon : line.find_first_not_of(" \t", colon + 1);
+      return begin == std::string::npos ? std::string() : line.substr(begin);
+    }
+  return {};
+}
+
+// Bytes of main memory that new allocations can have, and in all.
+std::pair<uint64_t, uint64_t> main_memory() {
+  const auto bytes = [](std::string_view key) {
+    return std::strtoull(line_value("/proc/meminfo", key).c_str(), nullptr, 10) * 1024;
+  };
+  return {bytes("MemAvailable"), bytes("MemTotal")};
+}
+
+int64_t lights_in_frame(const Scene& scene, const Job& job, const View& view, double time_s) {
+  const auto animations = choose_animations(scene, job.animation);
+  if (!animations) return -1;
+  return int64_t(make_frame_data(scene, evaluate_pose(scene, *animations, time_s), view).lights.size());
+}
+
+// All knobs as the job sets them, so that equal hashes mean equal knobs even when defaults change between versions.
+std::string knob_hash(const Job& job, int samples) {
+  std::map<std::string, std::string> values;
+  for (const KnobRow& knob : knob_rows(job.quality)) values[knob.pass + "." + knob.knob] = knob.value_now;
+  for (const KnobSetting& s : job.settings) values[s.pass + "." + s.knob] = s.value;
+  std::string text = fmt::format("samples={}\n", samples);
+  for (const auto& [name, value] : values) text += name + "=" + value + "\n";
+  return hash128(text).hex();
+}
+
+}  // namespace
+
+std::string processor_name() { return line_value("/proc/cpuinfo", "model name"); }
+
+Measured::Measured(const Configuration& configuration, const Suite& suite, const RunSettings& settings)
+    : configuration_(configuration), rules_(suite.sampling), settings_(settings), runs_(suite.sampling.min_runs) {
+  const Job& job = configuration.job;
+  settings_.timed = true;
+  wanted_ = {.linear = suite.output != "png", .display = suite.output != "exr"};
+  row.suite = suite.name;
+  row.scene = configuration.scene.label;
+  row.technique = job.technique;
+  row.settings = settings_text(job);
+  row.quality = job.quality;
+  row.output = suite.output;
+  row.seed = configuration.scene.generated() ? configuration.seed : 0;
+  row.lights_wanted = configuration.lights.value_or(-1);
+  row.camera = job.camera.camera;
+  row.width_px = job.width_px, row.height_px = job.height_px, row.samples = job.samples;
+  row.time_s = configuration.time_s;
+  row.version = CANDELA_VERSION;
+  row.machine = processor_name();
+  row.cores = int(std::thread::hardware_concurrency());
+  row.job = job_json(job);  // names the scene by its label: where files lie does not matter
+  row.gpu.name = "gpu", row.frame.name = "frame";
+}
+
+Expected<FrameResult> Measured::render() {
+  const auto start = Clock::now();
+  auto frame = session_->render(configuration_.time_s);
+  last_frame_ms_ = ms_since(start);
+  return frame;
+}
+
+void Measured::describe(const FrameResult& frame) {
+  const gpu::DeviceInfo& device = session_->device().info();
+  row.device = device.name, row.driver = device.driver, row.device_class = device.device_class;
+  row.device_type = device.type;
+  row.scene_content = session_->scene_content().hex();
+  row.samples = frame.request.samples;
+  row.plan_hash = frame.plan_hash.hex();
+  row.knob_hash = knob_hash(configuration_.job, row.samples);
+  row.lights = lights_in_frame(session_->scene(), configuration_.job, frame.view, configuration_.time_s);
+  row.opening_ms.clear();
+  for (const auto& [stage, ms] : session_->opening().cpu_ms) row.opening_ms.emplace_back(stage, ms);
+  for (const char* stage : {"decode", "compile", "warm_up"})
+    row.opening_ms.emplace_back(std::string("first ") + stage, frame.timings.total(stage));
+  row.remarks = frame.notes;
+  row.remarks.insert(row.remarks.end(), frame.warnings.begin(), frame.warnings.end());
+  row.memory.clear();
+  const nlohmann::ordered_json memory = memory_json(*session_, frame.plan);
+  for (const auto& [name, bytes] : memory.items())
+    if (name != "process_peak_bytes") row.memory.emplace_back(name, bytes.get<uint64_t>());
+}
+
+Expected<void> Measured::open_session(const std::string& scene_file) {
+  Job job = configuration_.job;
+  job.scene = scene_file;
+  auto session = Session::open(job, wanted_, settings_);
+  if (!session) return std::unexpected(session.error());
+  session_ = std::move(*session);
+  return {};
+}
+
+Expected<void> Measured::warm_up() {
+  std::vector<double> frames;
+  while (!warmed_up(frames, rules_)) {
+    const auto frame = render();
+    if (!frame) return std::unexpected(frame.error());
+    frames.push_back(last_frame_ms_);
+  }
+  row.warm_up_frames = int(frames.size());
+  return {};
+}
+
+Expected<void> Measured::open(const std::string& scene_file) {
+  if (auto opened = open_session(scene_file); !opened) return opened;
+  {
+    // The first frame compiles; the picture is checked on it.
+    const auto frame = render();
+    if (!frame) return std::unexpected(frame.error());
+    first_frame_ms_ = last_frame_ms_;
+    describe(*frame);
+    beauty_ = beauty_of(*frame);
+  }
+  return warm_up();
+}
+
+void Measured::close() {
+  session_.reset();
+  row.reopened = true;
+}
+
+uint64_t Measured::device_bytes() const { return session_ ? session_->device().memory_use().peak : 0; }
+
+bool Measured::fits_in_memory(uint64_t others_bytes) const {
+  if (!session_) return true;
+  const gpu::DeviceInfo& device = session_->device().info();
+  // A quarter stays free for what is opened next and for what else runs.
+  const auto [available, total] = main_memory();
+  if (available < total / 4) return false;
+  return device.is_cpu || others_bytes + device_bytes() < device.memory_bytes / 4 * 3;
+}
+
+bool Measured::wants_sample() const { return int(row.frame.ms.size()) < runs_; }
+
+void Measured::decide_runs() {
+  if (decided_ || int(row.frame.ms.size()) < rules_.min_runs) return;
+  const RunCount count = runs_needed(row.frame.ms, rules_);
+  runs_ = count.runs;
+  row.runs_capped = count.capped;
+  decided_ = true;
+}
+
+Expected<void> Measured::sample(const std::string& scene_file) {
+  const bool closed = !session_;
+  if (closed) {
+    if (auto opened = open_session(scene_file); !opened) return opened;
+    if (auto warm = warm_up(); !warm) return warm;
+  }
+  {
+    const auto frame = render();
+    if (!frame) return std::unexpected(frame.error());
+    row.frame.ms.push_back(last_frame_ms_);
+    row.gpu.ms.push_back(frame->timings.frame_gpu_ms);
+    std::map<std::string, double> passes;  // a pass that runs twice counts once, with both times
+    std::vector<std::string> order;
+    for (const gpu::PassTime& pass : frame->timings.gpu_ms) {
+      if (!passes.contains(pass.name)) order.push_back(pass.name);
+      passes[pass.name] += pass.gpu_ms;
+    }
+    for (const std::string& name : order) series(row.passes, name).ms.push_back(passes[name]);
+    for (const auto& [stage, ms] : frame->timings.cpu_ms) series(row.cpu, stage).ms.push_back(ms);
+  }
+  if (closed) session_.reset();
+  decide_runs();
+  return {};
+}
+
+void Measured::fail_with(const Error& error) {
+  row.error = error.text();
+  row.error_kind = int(error.kind);
+  session_.reset();
+}
+
+void Measured::finish() {
+  session_.reset();
+  beauty_.reset();
+}
+
+Expected<SeenFrame> render_once(const Configuration& configuration, SceneStore& store, const RunSettings& settings,
+                                const WantedOutputs& wanted, int most_px) {
+  const auto file = store.file_of(configuration);
+  if (!file) return std::unexpected(file.error());
+  Job job = configuration.job;
+  job.scene = *file;
+  const auto session = Session::open(job, wanted, settings);
+  if (!session) return std::unexpected(session.error());
+  const auto frame = (*session)->render(configuration.time_s);
+  if (!frame) return std::unexpected(frame.error());
+  SeenFrame seen;
+  seen.beauty = beauty_of(*frame);
+  seen.lists = light_lists(*frame);
+  if (most_px > 0) {
+    seen.heatmap = heatmap_png(layer_values(*frame, listed_layer), frame->width_px, frame->height_px, most_px);
+    if (wanted.display) seen.thumbnail = thumbnail_png(display_image(*frame, job), most_px);
+  }
+  return seen;
+}
+
+}  // namespace candela

@@ -1,0 +1,93 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "bench/sampling.h"
+
+namespace candela {
+
+// Raw samples of one quantity, in the order in which they were taken.
+struct Series {
+  std::string name;
+  std::vector<double> ms;
+};
+Series& series(std::vector<Series>& all, const std::string& name);  // made when it is not there
+
+// How often lights stand in the lists that pixels walk (layers heatmap.*). "Lights per tile", weighted by pixels.
+struct LightLists {
+  double mean = 0, p95 = 0, max = 0;
+  double waste_share = 0;  // of listed lights: those that contribute nothing
+  double missed = 0;       // lights that contribute and are not listed, over all pixels: must be 0
+};
+
+// The picture against the reference's.
+struct PictureCheck {
+  std::string reference;   // technique; empty: not compared
+  std::string note;        // why it was not compared, or not against the suite's reference
+  uint64_t differing = 0;  // pixels whose linear colour is not bit-equal
+  double max_difference = 0;
+};
+
+// One configuration as measured. Every number of a report is here or follows from it.
+struct BenchRow {
+  // What was measured.
+  std::string suite, scene, scene_content, technique, settings, quality, output;
+  uint64_t seed = 0;
+  int64_t lights = -1;         // that shine in the frame; -1: unknown
+  int64_t lights_wanted = -1;  // asked of a generated scene; -1: its own number
+  std::string camera;
+  int width_px = 0, height_px = 0, samples = 0;
+  double time_s = 0;
+  // Where.
+  std::string device, driver, device_class, device_type, machine, version;
+  int cores = 0;
+  // How.
+  std::string plan_hash, knob_hash, job;  // job: JSON
+  int warm_up_frames = 0;
+  bool runs_capped = false;  // the precision wanted would have needed more runs
+  bool budget_hit = false;   // time ran out first
+  bool reopened = false;     // memory did not allow to keep it open between rounds
+  // Times. gpu is the sum of the passes, frame the wall time from the scene's pose to bytes in host memory.
+  Series gpu, frame;
+  std::vector<Series> passes, cpu;
+  std::vector<std::pair<std::string, double>> opening_ms;  // load and upload, once
+  std::vector<std::pair<std::string, uint64_t>> memory;    // bytes, as in --timings
+  PictureCheck picture;
+  std::optional<LightLists> lists;
+  std::string lists_note;            // why there are none
+  std::vector<std::string> remarks;  // what the frame's own notes and warnings say
+  std::string left_out;              // the whole configuration was not measured, and why
+  std::string error;                 // it failed
+  int error_kind = 0;
+  std::vector<std::byte> thumbnail, heatmap;  // PNG; in reports, not in files of rows
+};
+
+// Names what the row measured, without the device: equal for the same configuration in another run.
+std::string row_key(const BenchRow& row);
+// The same for readers: "street, 1024 lights, clustered, 1280x720, 4 samples".
+std::string row_title(const BenchRow& row);
+// A technique with its settings: what a line in a plot stands for.
+std::string row_way(const BenchRow& row);
+// Everything but the number of lights and the technique: rows that may share axes. Holds the device.
+std::string row_axis(const BenchRow& row);
+
+// What became of each row of `before` in `after`.
+struct RowChange {
+  std::string title, quantity;  // "gpu", "frame" or a pass
+  Judgement judgement;
+};
+struct RowComparison {
+  std::vector<RowChange> changes;                               // everything judged, in the new file's order
+  std::vector<std::string> only_old, only_new, not_comparable;  // titles; the last with a reason
+  std::vector<std::string> worse_pictures;  // differ from their reference in more pixels than before
+  bool slower() const;
+};
+// Errors (input): rows of different devices or machines, which say nothing about each other.
+Expected<RowComparison> compare_rows(const std::vector<BenchRow>& before, const std::vector<BenchRow>& after,
+                                     const NoiseRules& rules);
+
+}  // namespace candela

@@ -1,0 +1,272 @@
+#include "bench/run_suite.h"
+
+#include <chrono>
+
+#include "base/log.h"
+#include "bench/measured.h"
+#include "bench/picture.h"
+#include "bench/scene_store.h"
+#include "render/timings.h"
+
+namespace candela {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Item {
+  const Suite* suite;
+  Configuration configuration;
+  std::string group;
+};
+
+class SuiteRun {
+ public:
+  SuiteRun(const std::vector<Suite>& suites, const RunSettings& settings, const std::function<bool()>& stop)
+      : suites_(suites), settings_(settings), stop_(stop) {}
+
+  Expected<BenchRun> run();
+
+ private:
+  Expected<void> list_items();
+  void open_all();
+  void open_one(size_t i);
+  void keep_or_close(size_t i);
+  void check_picture(const Item& item, Measured& measured);
+  void make_reference(const Item& item);
+  void sample_rounds();
+  bool out_of_time();
+  void finish();
+
+  const std::vector<Suite>& suites_;
+  RunSettings settings_;
+  const std::function<bool()>& stop_;
+  Clock::time_point start_ = Clock::now();
+  bool budget_hit_ = false, stopped_ = false;
+  int open_ = 0, reopened_ = 0;
+  uint64_t device_bytes_ = 0;  // of the sessions that stay open
+  SceneStore store_;
+  std::vector<Item> items_;
+  std::vector<std::unique_ptr<Measured>> measured_;  // one an item, in the same order
+  BenchRun result_;
+  // The reference picture of the group at hand.
+  std::string group_, reference_technique_, reference_note_;
+  std::optional<Beauty> reference_;
+};
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Up to how many lights the reference technique is rendered.
+int reference_limit(const Suite& suite) {
+  if (suite.reference_max_lights > 0) return suite.reference_max_lights;
+  const auto limit = suite.max_lights.find(suite.reference);
+  return limit == suite.max_lights.end() ? std::numeric_limits<int>::max() : limit->second;
+}
+
+Expected<void> SuiteRun::list_items() {
+  for (const Suite& suite : suites_) {
+    auto all = configurations(suite);
+    if (!all) return std::unexpected(all.error());
+    for (Configuration& c : *all) {
+      std::string group = picture_group(c, suite);
+      items_.push_back({&suite, std::move(c), std::move(group)});
+    }
+  }
+  return {};
+}
+
+// The run's budget is the sum of the suites'; one suite without a budget makes it endless.
+bool SuiteRun::out_of_time() {
+  if (stop_ && stop_()) stopped_ = true;
+  double budget_s = 0;
+  bool endless = false;
+  for (const Suite& suite : suites_) {
+    endless = endless || suite.budget_s <= 0;
+    budget_s += suite.budget_s;
+  }
+  if (!endless && seconds_since(start_) > budget_s) budget_hit_ = true;
+  return budget_hit_ || stopped_;
+}
+
+// The suite's reference technique where its number of lights is not limited, else the first technique of the group.
+// When the reference is itself measured, it is opened first and its picture is taken; otherwise it is rendered once.
+void SuiteRun::make_reference(const Item& item) {
+  group_ = item.group;
+  reference_.reset();
+  reference_note_.clear();
+  reference_technique_ = item.suite->reference;
+  const int most = reference_limit(*item.suite);
+  if (item.configuration.lights.value_or(0) > most) {
+    for (const Item& other : items_)
+      if (other.group == group_ && other.configuration.left_out.empty()) {
+        reference_technique_ = other.configuration.job.technique;
+        break;
+      }
+    reference_note_ = fmt::format("{} is limited to {} lights", item.suite->reference, most);
+  }
+  const Configuration wanted = reference_of(item.configuration, *item.suite, reference_technique_);
+  for (size_t i = 0; i < items_.size(); ++i)
+    if (items_[i].group == group_ && items_[i].configuration.left_out.empty() &&
+        job_json(items_[i].configuration.job) == job_json(wanted.job)) {
+      open_one(i);
+      reference_ = measured_[i]->beauty();
+      if (reference_) return;
+    }
+  auto frame = render_once(wanted, store_, settings_, {.linear = true, .display = false}, 0);
+  if (frame) {
+    reference_ = std::move(frame->beauty);
+  } else {
+    reference_technique_.clear();
+    reference_note_ = "the reference failed: " + frame.error().text();
+    log::warning("{}", reference_note_);
+  }
+}
+
+void SuiteRun::check_picture(const Item& item, Measured& measured) {
+  BenchRow& row = measured.row;
+  // What is slow is not rendered once more for its lists and its thumbnail.
+  constexpr double slow_ms = 20'000;
+  std::optional<Beauty> beauty = measured.beauty();
+  const std::vector<std::string> layers = light_list_layers();
+  if (layers.empty()) row.lists_note = "this build has no layers of light lists";
+  if (measured.first_frame_ms() < slow_ms) {
+    Configuration seen = item.configuration;
+    seen.job.layers = layers;
+    auto frame = render_once(seen, store_, settings_, {.linear = true, .display = true}, thumbnail_px);
+    if (frame) {
+      row.lists = frame->lists;
+      row.thumbnail = std::move(frame->thumbnail);
+      row.heatmap = std::move(frame->heatmap);
+      if (!beauty) beauty = std::move(frame->beauty);
+      if (!layers.empty() && !row.lists) row.lists_note = "the technique has no light lists";
+    } else {
+      row.lists_note = frame.error().text();
+    }
+  } else {
+    row.lists_note = fmt::format("a frame takes {:.0f} s", measured.first_frame_ms() / 1000);
+  }
+  row.picture.note = reference_note_;
+  if (!reference_ || !beauty) {
+    if (row.picture.note.empty()) row.picture.note = "there is no linear picture";
+    return;
+  }
+  const PictureDifference d = difference(*reference_, *beauty);
+  row.picture.reference = reference_technique_;
+  row.picture.differing = d.differing;
+  row.picture.max_difference = d.max_difference;
+  if (d.differing > 0)
+    log::warning("{}: {} pixels differ from {}, the first at {}, {}", row_title(row), d.differing, reference_technique_,
+                 d.first_x, d.first_y);
+}
+
+void SuiteRun::open_one(size_t i) {
+  if (measured_[i]) return;
+  const Item& item = items_[i];
+  measured_[i] = std::make_unique<Measured>(item.configuration, *item.suite, settings_);
+  Measured& measured = *measured_[i];
+  if (!item.configuration.left_out.empty()) {
+    measured.row.left_out = item.configuration.left_out;
+    return;
+  }
+  if (out_of_time()) {
+    measured.row.left_out = stopped_ ? "the run was stopped" : "the time budget was used up";
+    measured.row.budget_hit = budget_hit_;
+    return;
+  }
+  log::info("{}", row_title(measured.row));
+  const auto file = store_.file_of(item.configuration);
+  const auto opened = file ? measured.open(*file) : std::unexpected(file.error());
+  if (!opened) {
+    log::error("{}: {}", row_title(measured.row), opened.error().text());
+    measured.fail_with(opened.error());
+  }
+}
+
+// Configurations whose sessions do not fit are closed again.
+void SuiteRun::keep_or_close(size_t i) {
+  const int most = items_[i].suite->sampling.max_sessions;
+  Measured& measured = *measured_[i];
+  if (most > 0 ? open_ < most : measured.fits_in_memory(device_bytes_)) {
+    ++open_;
+    device_bytes_ += measured.device_bytes();
+  } else {
+    measured.close();
+    ++reopened_;
+  }
+}
+
+void SuiteRun::open_all() {
+  measured_.resize(items_.size());
+  for (size_t i = 0; i < items_.size(); ++i) {
+    const Item& item = items_[i];
+    if (item.configuration.left_out.empty() && item.group != group_ && !out_of_time()) make_reference(item);
+    open_one(i);
+    if (!measured_[i]->can_sample()) continue;
+    check_picture(item, *measured_[i]);
+    measured_[i]->forget_beauty();
+    keep_or_close(i);
+  }
+  if (reopened_ > 0)
+    result_.notes.push_back(fmt::format(
+        "{} of {} configurations were reopened for every sample: {}", reopened_, open_ + reopened_,
+        suites_.front().sampling.max_sessions > 0 ? "max_sessions says so" : "memory does not hold all at once"));
+}
+
+void SuiteRun::sample_rounds() {
+  Clock::time_point told = Clock::now();
+  for (int round = 0;; ++round) {
+    std::vector<size_t> active;
+    for (size_t i = 0; i < items_.size(); ++i)
+      if (measured_[i]->can_sample() && measured_[i]->wants_sample()) active.push_back(i);
+    if (active.empty()) return;
+    for (const size_t k : round_order(active.size(), suites_.front().sampling.order_seed, round)) {
+      if (out_of_time()) {
+        for (const size_t i : active) measured_[i]->row.budget_hit = measured_[i]->wants_sample();
+        return;
+      }
+      const size_t i = active[k];
+      const auto file = store_.file_of(items_[i].configuration);
+      const auto sampled = file ? measured_[i]->sample(*file) : std::unexpected(file.error());
+      if (!sampled) measured_[i]->fail_with(sampled.error());
+    }
+    if (seconds_since(told) > 5) {
+      told = Clock::now();
+      log::info("round {}: {} configurations, {:.0f} s so far", round + 1, active.size(), seconds_since(start_));
+    }
+  }
+}
+
+void SuiteRun::finish() {
+  int capped = 0, unfinished = 0;
+  for (auto& measured : measured_) {
+    measured->finish();
+    capped += measured->row.runs_capped;
+    unfinished += measured->row.budget_hit;
+    result_.rows.push_back(std::move(measured->row));
+  }
+  result_.wall_s = seconds_since(start_);
+  if (capped > 0)
+    result_.notes.push_back(
+        fmt::format("{} configurations hit the cap on runs before the precision that was asked for", capped));
+  if (budget_hit_)
+    result_.notes.push_back(
+        fmt::format("the time budget was used up: {} configurations have fewer runs than they need", unfinished));
+  if (stopped_) result_.notes.push_back("the run was stopped before its end");
+  for (const std::string& note : result_.notes) log::warning("{}", note);
+}
+
+Expected<BenchRun> SuiteRun::run() {
+  if (auto listed = list_items(); !listed) return std::unexpected(listed.error());
+  open_all();
+  sample_rounds();
+  finish();
+  return std::move(result_);
+}
+
+}  // namespace
+
+Expected<BenchRun> run_suites(const std::vector<Suite>& suites, const RunSettings& settings,
+                              const std::function<bool()>& stop) {
+  return SuiteRun(suites, settings, stop).run();
+}
+
+}  // namespace candela

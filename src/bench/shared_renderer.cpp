@@ -1,0 +1,77 @@
+#include "bench/shared_renderer.h"
+
+#include "base/files.h"
+#include "scene/gltf.h"
+
+namespace candela {
+namespace {
+// What a scene of the assets may have; room for more costs time with every frame.
+constexpr uint32_t textures = 256;
+
+Error as_error(const gpu::GpuError& e) {
+  return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
+}
+}  // namespace
+
+Expected<std::unique_ptr<SharedRenderer>> SharedRenderer::open(const RunSettings& settings) {
+  std::unique_ptr<SharedRenderer> renderer(new SharedRenderer);
+  renderer->settings_ = settings;
+  auto device = gpu::Device::open({settings.device, settings.validate});
+  if (!device) return std::unexpected(device.error());
+  renderer->device_ = std::move(*device);
+  try {
+    renderer->bindless_ = std::make_unique<gpu::Bindless>(*renderer->device_, textures);
+    const std::filesystem::path cache = cache_folder();
+    renderer->runner_ = std::make_unique<gpu::FrameRunner>(*renderer->device_, *renderer->bindless_,
+                                                           gpu::ShaderCompiler(settings.shader_folder, cache), cache);
+    renderer->runner_->timeout_s = settings.timeout_s;
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+  return renderer;
+}
+
+SharedRenderer::~SharedRenderer() = default;
+
+Expected<void> SharedRenderer::load(const std::string& scene_file) {
+  gpu_scene_.reset();
+  auto scene = load_gltf(scene_file);
+  if (!scene) return std::unexpected(scene.error());
+  scene_ = std::move(*scene);
+  auto layout = layout_geometry(scene_);
+  if (!layout) return std::unexpected(layout.error());
+  layout_ = std::move(*layout);
+  if (2 * scene_.images.size() + 1 > textures)
+    return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
+                textures / 2);
+  try {
+    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+  return {};
+}
+
+Expected<Beauty> SharedRenderer::render(const Job& job, double time_s) {
+  auto planned = plan_frame(job, PlanContext{scene_, layout_}, {.linear = true, .display = false}, time_s);
+  if (!planned) return std::unexpected(planned.error());
+  try {
+    const GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
+    if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());
+    FrameResult frame;
+    frame.width_px = job.width_px, frame.height_px = job.height_px;
+    frame.outputs = planned->outputs;
+    frame.readbacks = runner_->run(planned->graph, uploaded.imports, {}).readbacks;
+    if (settings_.validate)
+      if (const auto messages = device_->validation_messages(); !messages.empty())
+        return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
+                    messages.front());
+    auto beauty = beauty_of(frame);
+    if (!beauty) return fail(ErrorKind::device, "", "the frame has no linear picture");
+    return std::move(*beauty);
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+}
+
+}  // namespace candela

@@ -1,0 +1,297 @@
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "base/files.h"
+#include "base/text.h"
+#include "bench/suite.h"
+#include "scene/make_scene.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What reading one value needs to know of its surroundings.
+struct Place {
+  fs::path folder, assets;
+  std::string at;  // file and JSON path, for messages
+  Place inside(const std::string& key) const { return {folder, assets, at + "/" + key}; }
+  std::unexpected<Error> wrong(const std::string& what) const {
+    return std::unexpected(Error{ErrorKind::input, "the value " + what, at});
+  }
+};
+
+template <class T>
+using Readers = std::map<std::string, std::function<Expected<void>(const Json&, const Place&, T&)>>;
+
+template <class T>
+Expected<void> read_keys(const Json& j, const Place& place, const Readers<T>& readers, T& into) {
+  if (!j.is_object()) return place.wrong("is not an object");
+  for (const auto& [key, value] : j.items()) {
+    const auto reader = readers.find(key);
+    if (reader == readers.end()) {
+      std::vector<std::string> names;
+      for (const auto& entry : readers) names.push_back(entry.first);
+      return fail(ErrorKind::input, place.at + "/" + key, "{}", unknown_name("key", key, names));
+    }
+    if (auto read = reader->second(value, place.inside(key), into); !read) return read;
+  }
+  return {};
+}
+
+Expected<void> read_text(const Json& j, const Place& place, std::string& into) {
+  if (!j.is_string()) return place.wrong("is not a text");
+  into = j.get<std::string>();
+  return {};
+}
+
+template <class T>
+Expected<void> read_whole(const Json& j, const Place& place, T lowest, T& into) {
+  if (!j.is_number_integer() ||
+      (j.is_number_unsigned() && j.get<uint64_t>() > uint64_t(std::numeric_limits<T>::max())) ||
+      (!j.is_number_unsigned() && j.get<int64_t>() < int64_t(lowest)) ||
+      (j.is_number_unsigned() && j.get<uint64_t>() < uint64_t(lowest)))
+    return place.wrong(fmt::format("is not a whole number of at least {}", lowest));
+  into = j.get<T>();
+  return {};
+}
+
+Expected<void> read_positive(const Json& j, const Place& place, double& into) {
+  if (!j.is_number() || !(j.get<double>() > 0)) return place.wrong("is not a number above 0");
+  into = j.get<double>();
+  return {};
+}
+
+// A list, or one value instead of a list of one. read(value, place) gives Expected<T>.
+template <class T, class Read>
+Expected<void> read_list(const Json& j, const Place& place, std::vector<T>& into, Read read) {
+  const Json list = j.is_array() ? j : Json::array({j});
+  if (list.empty()) return place.wrong("is an empty list");
+  into.clear();
+  for (size_t i = 0; i < list.size(); ++i) {
+    auto value = read(list[i], j.is_array() ? place.inside(std::to_string(i)) : place);
+    if (!value) return std::unexpected(value.error());
+    into.push_back(std::move(*value));
+  }
+  return {};
+}
+
+template <class T>
+auto whole_of(T lowest) {
+  return [lowest](const Json& j, const Place& place) -> Expected<T> {
+    T value{};
+    if (auto read = read_whole(j, place, lowest, value); !read) return std::unexpected(read.error());
+    return value;
+  };
+}
+
+Expected<std::string> text_of(const Json& j, const Place& place) {
+  std::string text;
+  if (auto read = read_text(j, place, text); !read) return std::unexpected(read.error());
+  return text;
+}
+
+Expected<std::pair<int, int>> size_of(const Json& j, const Place& place) {
+  const auto text = text_of(j, place);
+  if (!text) return std::unexpected(text.error());
+  const auto size = parse_size(*text);
+  if (!size) return std::unexpected(Error{ErrorKind::input, size.error().message, place.at});
+  return *size;
+}
+
+Expected<double> time_of(const Json& j, const Place& place) {
+  if (!j.is_number()) return place.wrong("is not a number of seconds");
+  return j.get<double>();
+}
+
+// {"lights.test": ["aabb", "capsule"], "lights.mask": 1}
+Expected<void> read_sweeps(const Json& j, const Place& place, std::vector<KnobSweep>& into) {
+  if (!j.is_object()) return place.wrong("is not an object of knobs");
+  into.clear();
+  for (const auto& [knob, values] : j.items()) {
+    const auto name = parse_knob_setting(knob + "=0");
+    if (!name) return fail(ErrorKind::input, place.at, "'{}' is not the name of a knob; write PASS.KNOB", knob);
+    KnobSweep sweep{name->pass, name->knob, {}};
+    auto value_of = [](const Json& v, const Place& at) -> Expected<std::string> {
+      if (v.is_string()) return v.get<std::string>();
+      if (v.is_boolean()) return std::string(v.get<bool>() ? "1" : "0");
+      if (v.is_number()) return v.dump();
+      return at.wrong("is neither a number nor a name");
+    };
+    if (auto read = read_list(values, place.inside(knob), sweep.values, value_of); !read) return read;
+    into.push_back(std::move(sweep));
+  }
+  return {};
+}
+
+Expected<std::optional<glm::dvec3>> point_of(const Json& j, const Place& place) {
+  if (!j.is_array() || j.size() != 3 || !j[0].is_number() || !j[1].is_number() || !j[2].is_number())
+    return place.wrong("is not three numbers");
+  return glm::dvec3(j[0].get<double>(), j[1].get<double>(), j[2].get<double>());
+}
+
+template <std::optional<glm::dvec3> CameraRequest::*member>
+Expected<void> read_point(const Json& j, const Place& place, SuiteScene& scene) {
+  const auto point = point_of(j, place);
+  if (!point) return std::unexpected(point.error());
+  scene.camera.*member = *point;
+  return {};
+}
+
+Expected<SuiteScene> scene_of(const Json& j, const Place& place) {
+  if (j.is_string()) return suite_scene(j.get<std::string>(), place.folder, place.assets);
+  if (!j.is_object()) return place.wrong("is neither a scene nor an object with the key \"scene\"");
+  if (!j.contains("scene")) return fail(ErrorKind::input, place.at + "/scene", "is missing");
+  static const Readers<SuiteScene> readers = {
+      {"scene",
+       [](const Json& v, const Place& at, SuiteScene& scene) -> Expected<void> {
+         const auto text = text_of(v, at);
+         if (!text) return std::unexpected(text.error());
+         const SuiteScene named = suite_scene(*text, at.folder, at.assets);
+         scene.label = named.label, scene.file = named.file, scene.missing = named.missing;
+         return {};
+       }},
+      {"lights",
+       [](const Json& v, const Place& at, SuiteScene& scene) { return read_list(v, at, scene.lights, whole_of(0)); }},
+      {"seed", [](const Json& v, const Place& at,
+                  SuiteScene& scene) { return read_whole(v, at, uint64_t(0), scene.seed.emplace()); }},
+      {"camera",
+       [](const Json& v, const Place& at, SuiteScene& scene) { return read_text(v, at, scene.camera.camera); }},
+      {"yfov", [](const Json& v, const Place& at,
+                  SuiteScene& scene) { return read_positive(v, at, scene.camera.yfov_deg.emplace()); }},
+      {"eye", read_point<&CameraRequest::eye>},
+      {"target", read_point<&CameraRequest::target>},
+  };
+  SuiteScene scene;
+  if (auto read = read_keys(j, place, readers, scene); !read) return std::unexpected(read.error());
+  return scene;
+}
+
+Expected<SuiteTechnique> technique_of(const Json& j, const Place& place) {
+  if (j.is_string()) return SuiteTechnique{j.get<std::string>(), {}};
+  static const Readers<SuiteTechnique> readers = {
+      {"technique", [](const Json& v, const Place& at, SuiteTechnique& t) { return read_text(v, at, t.name); }},
+      {"set", [](const Json& v, const Place& at, SuiteTechnique& t) { return read_sweeps(v, at, t.set); }},
+  };
+  SuiteTechnique technique;
+  if (auto read = read_keys(j, place, readers, technique); !read) return std::unexpected(read.error());
+  if (technique.name.empty()) return fail(ErrorKind::input, place.at + "/technique", "is missing");
+  return technique;
+}
+
+Expected<void> read_frames(const Json& j, const Place& place, const FrameRate& rate, Suite& suite) {
+  const auto text = text_of(j, place);
+  if (!text) return std::unexpected(text.error());
+  const auto frames = parse_frame_list(*text);
+  if (!frames) return std::unexpected(Error{ErrorKind::input, frames.error().message, place.at});
+  suite.times_s.clear();
+  for (const int64_t frame : *frames) suite.times_s.push_back(rate.seconds(frame));
+  return {};
+}
+
+Expected<void> read_max_lights(const Json& j, const Place& place, Suite& suite) {
+  if (!j.is_object()) return place.wrong("is not an object of techniques");
+  for (const auto& [technique, most] : j.items())
+    if (auto read = read_whole(most, place.inside(technique), 0, suite.max_lights[technique]); !read) return read;
+  return {};
+}
+
+template <class T, class Read>
+auto list_into(std::vector<T> Suite::*member, Read read) {
+  return [member, read](const Json& j, const Place& at, Suite& suite) { return read_list(j, at, suite.*member, read); };
+}
+auto text_into(std::string Suite::*member) {
+  return [member](const Json& j, const Place& at, Suite& suite) { return read_text(j, at, suite.*member); };
+}
+auto count_into(int SamplingRules::*member, int lowest) {
+  return [member, lowest](const Json& j, const Place& at, Suite& suite) {
+    return read_whole(j, at, lowest, suite.sampling.*member);
+  };
+}
+auto seconds_into(double SamplingRules::*member) {
+  return
+      [member](const Json& j, const Place& at, Suite& suite) { return read_positive(j, at, suite.sampling.*member); };
+}
+
+const Readers<Suite>& suite_readers() {
+  static const Readers<Suite> table = {
+      {"name", text_into(&Suite::name)},
+      {"description", text_into(&Suite::description)},
+      {"scenes", list_into(&Suite::scenes, scene_of)},
+      {"lights", list_into(&Suite::lights, whole_of(0))},
+      {"seed", [](const Json& j, const Place& at, Suite& s) { return read_whole(j, at, uint64_t(0), s.seed); }},
+      {"techniques", list_into(&Suite::techniques, technique_of)},
+      {"sizes", list_into(&Suite::sizes, size_of)},
+      {"samples", list_into(&Suite::samples, whole_of(0))},
+      {"set", [](const Json& j, const Place& at, Suite& s) { return read_sweeps(j, at, s.set); }},
+      {"qualities", list_into(&Suite::qualities, text_of)},
+      {"times", list_into(&Suite::times_s, time_of)},
+      {"frames", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},  // with fps, below
+      {"fps", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},
+      {"output", text_into(&Suite::output)},
+      {"reference", text_into(&Suite::reference)},
+      {"picture_knobs", list_into(&Suite::picture_knobs, text_of)},
+      {"max_lights", read_max_lights},
+      {"reference_max_lights",
+       [](const Json& j, const Place& at, Suite& s) { return read_whole(j, at, 0, s.reference_max_lights); }},
+      {"precision", seconds_into(&SamplingRules::precision)},
+      {"min_runs", count_into(&SamplingRules::min_runs, 1)},
+      {"max_runs", count_into(&SamplingRules::max_runs, 1)},
+      {"max_warm_up", count_into(&SamplingRules::max_warm_up, 1)},
+      {"warm_up_s", seconds_into(&SamplingRules::warm_up_s)},
+      {"max_sessions", count_into(&SamplingRules::max_sessions, 0)},
+      {"budget_s", [](const Json& j, const Place& at, Suite& s) { return read_positive(j, at, s.budget_s); }},
+  };
+  return table;
+}
+
+}  // namespace
+
+SuiteScene suite_scene(const std::string& text, const fs::path& folder, const fs::path& assets) {
+  SuiteScene scene{.label = text};
+  constexpr std::string_view prefix = "assets:";
+  const auto generated = scene_names();
+  if (std::find(generated.begin(), generated.end(), text) != generated.end()) return scene;
+  if (text.starts_with(prefix)) {
+    std::error_code failed;
+    scene.file = (assets / text.substr(prefix.size())).string();
+    if (!fs::is_directory(assets, failed))
+      scene.missing = fmt::format("there is no folder of assets at {}", assets.string());
+    return scene;
+  }
+  scene.file = (folder / text).lexically_normal().string();
+  return scene;
+}
+
+Expected<Suite> suite_from_json(const std::string& text, const std::string& place, const fs::path& folder,
+                                const fs::path& assets) {
+  const Json j = Json::parse(text, nullptr, false);
+  if (j.is_discarded() || !j.is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
+  const Place at{folder, assets, place + ": "};
+  Suite suite;
+  if (auto read = read_keys(j, at, suite_readers(), suite); !read) return std::unexpected(read.error());
+  if (j.contains("frames") && j.contains("times"))
+    return fail(ErrorKind::input, place + ": /frames", "moments are chosen either by frames or by times");
+  if (j.contains("frames")) {
+    const auto rate = parse_frame_rate(!j.contains("fps")     ? "24"
+                                       : j["fps"].is_string() ? j["fps"].get<std::string>()
+                                                              : j["fps"].dump());
+    if (!rate) return std::unexpected(Error{ErrorKind::input, rate.error().message, place + ": /fps"});
+    if (auto read = read_frames(j["frames"], at.inside("frames"), *rate, suite); !read)
+      return std::unexpected(read.error());
+  }
+  if (suite.scenes.empty()) return fail(ErrorKind::input, place + ": /scenes", "is missing");
+  return suite;
+}
+
+Expected<Suite> read_suite(const fs::path& file, const fs::path& assets) {
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
+  const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  auto suite = suite_from_json(text, file.string(), file.parent_path(), assets);
+  if (suite && suite->name.empty()) suite->name = file.stem().string();
+  return suite;
+}
+
+}  // namespace candela

@@ -1,0 +1,237 @@
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/files.h"
+#include "base/log.h"
+#include "base/text.h"
+#include "bench/run_suite.h"
+#include "cli/bench_options.h"
+#include "cli/command.h"
+#include "cli/result.h"
+#include "cli/signals.h"
+#include "render/frame_names.h"
+#include "report/bench_report.h"
+#include "report/bench_rows.h"
+#include "report/plot.h"
+
+namespace candela::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Table = std::vector<std::vector<std::string>>;
+
+std::string milliseconds(const Series& s) {
+  const Summary sum = summary(s.ms);
+  return sum.count == 0 ? "" : fmt::format("{:.3f} ± {:.3f}", sum.median, sum.mad);
+}
+
+std::string differing(const BenchRow& row) {
+  return row.picture.reference.empty() ? "" : fmt::format("{}", row.picture.differing);
+}
+
+std::string rows_text(const BenchRun& run) {
+  Table table = {{"CONFIGURATION", "FRAME MS", "MIN", "GPU MS", "RUNS", "DIFFERING", "NOTE"}};
+  for (const BenchRow& row : run.rows) {
+    const std::string note = !row.error.empty()      ? row.error
+                             : !row.left_out.empty() ? "left out: " + row.left_out
+                             : row.budget_hit        ? "time ran out"
+                             : row.runs_capped       ? "cap on runs"
+                                                     : "";
+    table.push_back({row_title(row), milliseconds(row.frame),
+                     row.frame.ms.empty() ? "" : fmt::format("{:.3f}", summary(row.frame.ms).min),
+                     milliseconds(row.gpu), fmt::format("{}", row.frame.ms.size()), differing(row), note});
+  }
+  return table_text(table);
+}
+
+Expected<void> write_files(const BenchOptions& o, const BenchRun& run, const std::string& title) {
+  const std::string json = bench_json(run).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const std::string csv = bench_csv(run);
+  std::vector<std::pair<std::string, const std::string*>> files;
+  if (!o.json.empty()) files.emplace_back(o.json, &json);
+  if (!o.csv.empty()) files.emplace_back(o.csv, &csv);
+  std::string html;
+  if (!o.report.empty()) {
+    html = bench_html(run, title, has_gnuplot());
+    files.emplace_back((fs::path(o.report) / "index.html").string(), &html);
+    files.emplace_back((fs::path(o.report) / "rows.json").string(), &json);
+    files.emplace_back((fs::path(o.report) / "rows.csv").string(), &csv);
+  }
+  for (const auto& [file, text] : files)
+    if (auto written = write_text_output(file, *text); !written) return written;
+  return {};
+}
+
+// Before the first sample: an hour of measuring must not end at a folder that cannot be written.
+Expected<void> prepare_files(const BenchOptions& o) {
+  if (o.json == "-" && o.csv == "-") return fail(ErrorKind::usage, "--csv", "- and --json - both ask for stdout");
+  for (const std::string& file :
+       {o.json, o.csv, o.report.empty() ? std::string() : (fs::path(o.report) / "index.html").string()})
+    if (!file.empty() && file != "-")
+      if (auto ready = prepare_output(file); !ready) return ready;
+  return {};
+}
+
+int first_error(const BenchRun& run) {
+  for (const BenchRow& row : run.rows)
+    if (row.error_kind != 0) return row.error_kind;
+  return 0;
+}
+
+Expected<int> finish(const BenchOptions& o, const BenchRun& run, const std::string& title) {
+  if (auto written = write_files(o, run, title); !written) return std::unexpected(written.error());
+  if (o.json != "-" && o.csv != "-")
+    if (auto printed = print(rows_text(run)); !printed) return std::unexpected(printed.error());
+  if (!o.report.empty() && !has_gnuplot())
+    log::warning("gnuplot is not on PATH (apt install gnuplot-nox): the report has tables and no plots");
+  return first_error(run);
+}
+
+Expected<int> run_measure(const BenchOptions& o) {
+  const auto suites = suites_of(o);
+  if (!suites) return std::unexpected(suites.error());
+  if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
+  const HeldSignals signals;
+  const auto run = run_suites(*suites, bench_settings(o), [&] { return signals.pending() != 0; });
+  if (!run) return std::unexpected(run.error());
+  std::vector<std::string> names;
+  for (const Suite& suite : *suites)
+    if (!suite.name.empty()) names.push_back(suite.name);
+  return finish(o, *run, "candela bench" + (names.empty() ? "" : ": " + joined(names)));
+}
+
+// A report from rows that were kept, also of several runs and devices.
+Expected<int> run_from_rows(const BenchOptions& o) {
+  if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
+  BenchRun all;
+  for (const std::string& file : o.from) {
+    auto run = read_bench_rows(file);
+    if (!run) return std::unexpected(run.error());
+    for (BenchRow& row : run->rows) all.rows.push_back(std::move(row));
+    for (const std::string& note : run->notes) all.notes.push_back(fs::path(file).filename().string() + ": " + note);
+    all.wall_s += run->wall_s;
+  }
+  const auto finished = finish(o, all, "candela bench");
+  return finished ? Expected<int>(0) : finished;
+}
+
+Expected<int> run_compare(const BenchOptions& o) {
+  const auto before = read_bench_rows(o.compare[0]), after = read_bench_rows(o.compare[1]);
+  if (!before) return std::unexpected(before.error());
+  if (!after) return std::unexpected(after.error());
+  const auto result = compare_rows(before->rows, after->rows, {.min_relative = o.min_change});
+  if (!result) return std::unexpected(result.error());
+  static constexpr const char* verdicts[] = {"same", "slower", "faster", "too few runs"};
+  Table table = {{"CONFIGURATION", "WHAT", "OLD MS", "NEW MS", "RATIO", "NOISE MS", "VERDICT"}};
+  int counts[4] = {};
+  for (const RowChange& c : result->changes) {
+    const Judgement& j = c.judgement;
+    ++counts[int(j.verdict)];
+    if (j.verdict == Verdict::same) continue;
+    table.push_back({c.title, c.quantity, fmt::format("{:.3f}", j.old_median), fmt::format("{:.3f}", j.new_median),
+                     fmt::format("{:.3f}", j.ratio()), fmt::format("{:.3f}", j.bound), verdicts[int(j.verdict)]});
+  }
+  std::string text = table.size() > 1 ? table_text(table) : std::string();
+  const auto list = [&](const char* what, const std::vector<std::string>& titles) {
+    for (const std::string& title : titles) text += fmt::format("{}: {}\n", what, title);
+  };
+  list("picture worse", result->worse_pictures);
+  list("only in the old file", result->only_old);
+  list("only in the new file", result->only_new);
+  list("not comparable", result->not_comparable);
+  text += fmt::format("{} slower, {} faster, {} within noise, {} with too few runs\n", counts[1], counts[2], counts[0],
+                      counts[3]);
+  if (!o.json.empty())
+    if (auto written = write_text_output(o.json, comparison_json(*result).dump(2) + "\n"); !written)
+      return std::unexpected(written.error());
+  if (o.json != "-")
+    if (auto printed = print(text); !printed) return std::unexpected(printed.error());
+  return result->slower() || !result->worse_pictures.empty() ? int(ErrorKind::comparison) : 0;
+}
+
+std::string rows_text(const ExactnessReport& report) {
+  Table table = {{"SCENE", "TECHNIQUE", "PICTURES", "DIFFERING", "PIXELS", "LARGEST"}};
+  std::string worst;
+  // Scenes that show nothing wrong are one line a technique; --json has them all.
+  std::vector<std::pair<ExactnessRow, int>> rows;
+  for (const ExactnessRow& row : report.rows) {
+    const bool alone = row.scene == report.rows.front().scene || row.differing_pixels > 0;
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const auto& r) {
+      return !alone && r.second > 0 && r.first.technique == row.technique;
+    });
+    if (found == rows.end()) {
+      rows.emplace_back(row, alone ? 0 : 1);
+    } else {
+      found->first.pictures += row.pictures;
+      ++found->second;
+    }
+    if (!row.worst.empty()) worst += fmt::format("{}, worst: {}\n", row.technique, row.worst);
+  }
+  for (const auto& [row, scenes] : rows)
+    table.push_back({scenes > 0 ? fmt::format("{} other scenes", scenes) : row.scene, row.technique,
+                     fmt::format("{}", row.pictures), fmt::format("{}", row.differing_pictures),
+                     fmt::format("{}", row.differing_pixels), fmt::format("{:.3g}", row.max_difference)});
+  return table_text(table) + worst +
+         fmt::format("{} pictures in {:.1f} s on {}: {} pixels differ\n", report.pictures, report.wall_s, report.device,
+                     report.differing_pixels);
+}
+
+nlohmann::ordered_json report_json(const ExactnessReport& report) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const ExactnessRow& row : report.rows)
+    rows.push_back(
+        {{"scene", row.scene},
+         {"technique", row.technique},
+         {"pictures", row.pictures},
+         {"differing_pictures", row.differing_pictures},
+         {"differing_pixels", row.differing_pixels},
+         {"max_difference", std::isfinite(row.max_difference) ? nlohmann::ordered_json(row.max_difference) : nullptr},
+         {"worst", row.worst}});
+  return {{"version", CANDELA_VERSION},
+          {"device", report.device},
+          {"driver", report.driver},
+          {"pictures", report.pictures},
+          {"differing_pixels", report.differing_pixels},
+          {"skipped", report.skipped},
+          {"stopped", report.stopped},
+          {"wall_s", report.wall_s},
+          {"rows", std::move(rows)}};
+}
+
+Expected<int> run_exactness(const BenchOptions& o) {
+  const auto options = exactness_of(o);
+  if (!options) return std::unexpected(options.error());
+  if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
+  const HeldSignals signals;
+  const auto report = check_exactness(*options, bench_settings(o), [&] { return signals.pending() != 0; });
+  if (!report) return std::unexpected(report.error());
+  for (const std::string& skipped : report->skipped) log::warning("skipped {}", skipped);
+  if (report->stopped) log::warning("stopped before the end");
+  if (!o.json.empty())
+    if (auto written = write_text_output(o.json, report_json(*report).dump(2) + "\n"); !written)
+      return std::unexpected(written.error());
+  if (o.json != "-")
+    if (auto printed = print(rows_text(*report)); !printed) return std::unexpected(printed.error());
+  if (report->pictures == 0) return fail(ErrorKind::usage, "--count", "nothing was compared");
+  return report->differing_pixels > 0 ? int(ErrorKind::comparison) : 0;
+}
+
+Expected<int> run_bench(const BenchOptions& o) {
+  if (o.quiet) log::set_level(log::Level::warning);
+  if (auto good = check_options(o); !good) return std::unexpected(good.error());
+  if (!o.compare.empty()) return run_compare(o);
+  if (!o.from.empty()) return run_from_rows(o);
+  if (o.suite == "exactness") return run_exactness(o);
+  return run_measure(o);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Action& action) {
+  auto o = std::make_shared<BenchOptions>();
+  CLI::App* command = app.add_subcommand("bench", "Measure techniques, light counts, sizes and knobs; compare results");
+  add_bench_options(*command, *o);
+  command->callback([o, &action] { action = [o] { return run_bench(*o); }; });
+}
+
+}  // namespace candela::cli

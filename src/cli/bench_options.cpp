@@ -1,0 +1,269 @@
+#include "cli/bench_options.h"
+
+#include "base/text.h"
+#include "cli/job_options.h"
+#include "render/plan_frame.h"
+
+namespace candela::cli {
+namespace fs = std::filesystem;
+namespace {
+
+Expected<std::vector<int>> whole_list(const char* option, const std::string& text, int lowest) {
+  std::vector<int> list;
+  for (const std::string& part : split(text, ',')) {
+    int value = 0;
+    const auto [at, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc{} || at != part.data() + part.size() || value < lowest)
+      return fail(ErrorKind::usage, option, "'{}' is not a whole number of at least {}", part, lowest);
+    list.push_back(value);
+  }
+  return list;
+}
+
+Expected<std::vector<std::pair<int, int>>> size_list(const std::string& text) {
+  std::vector<std::pair<int, int>> list;
+  for (const std::string& part : split(text, ',')) {
+    const auto size = parse_size(part);
+    if (!size) return std::unexpected(Error{ErrorKind::usage, size.error().message, "--size"});
+    list.push_back(*size);
+  }
+  return list;
+}
+
+Expected<std::vector<double>> time_list(const BenchOptions& o) {
+  std::vector<double> list;
+  if (!o.frames.empty()) {
+    const auto rate = parse_frame_rate(o.fps);
+    if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+    const auto frames = parse_frame_list(o.frames);
+    if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
+    for (const int64_t frame : *frames) list.push_back(rate->seconds(frame));
+    return list;
+  }
+  for (const std::string& part : split(o.times, ',')) {
+    double value = 0;
+    const auto [at, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc{} || at != part.data() + part.size() || !std::isfinite(value))
+      return fail(ErrorKind::usage, "--times", "'{}' is not a time in seconds", part);
+    list.push_back(value);
+  }
+  return list;
+}
+
+Expected<std::vector<SuiteTechnique>> technique_list(const BenchOptions& o) {
+  std::vector<SuiteTechnique> list;
+  for (const std::string& name : split(o.techniques, ',')) list.push_back({name, {}});
+  return list;
+}
+
+Expected<std::vector<KnobSweep>> sweeps(const BenchOptions& o) {
+  std::vector<KnobSweep> list;
+  for (const std::string& text : o.settings) {
+    const auto sweep = parse_knob_sweep(text);
+    if (!sweep) return std::unexpected(Error{ErrorKind::usage, sweep.error().message, "--set"});
+    list.push_back(*sweep);
+  }
+  return list;
+}
+
+// Puts a parsed list over a suite's, when the option was given.
+template <class T>
+Expected<void> put(const std::string& given, Expected<std::vector<T>> parsed, std::vector<T>& over) {
+  if (given.empty()) return {};
+  if (!parsed) return std::unexpected(parsed.error());
+  over = std::move(*parsed);
+  return {};
+}
+
+Expected<void> put_options(const BenchOptions& o, Suite& suite) {
+  const Expected<void> done[] = {
+      put(o.lights, whole_list("--lights", o.lights, 0), suite.lights),
+      put(o.samples, whole_list("--samples", o.samples, 0), suite.samples),
+      put(o.sizes, size_list(o.sizes), suite.sizes),
+      put(o.times + o.frames, time_list(o), suite.times_s),
+      put(o.techniques, technique_list(o), suite.techniques),
+      put(o.qualities, Expected<std::vector<std::string>>(split(o.qualities, ',')), suite.qualities),
+  };
+  for (const Expected<void>& one : done)
+    if (!one) return one;
+  const auto set = sweeps(o);
+  if (!set) return std::unexpected(set.error());
+  // Over the suite's sweeps of the same knob, and over those of single techniques.
+  for (const KnobSweep& sweep : *set) {
+    const auto same = [&](const KnobSweep& s) { return s.pass == sweep.pass && s.knob == sweep.knob; };
+    std::erase_if(suite.set, same);
+    for (SuiteTechnique& technique : suite.techniques) std::erase_if(technique.set, same);
+    suite.set.push_back(sweep);
+  }
+  if (!o.lights.empty())
+    for (SuiteScene& scene : suite.scenes) scene.lights.clear();
+  if (!o.camera.empty())
+    for (SuiteScene& scene : suite.scenes) scene.camera = {.camera = o.camera};
+  if (o.seed) suite.seed = *o.seed;
+  if (!o.output.empty()) suite.output = o.output;
+  if (!o.reference.empty()) suite.reference = o.reference;
+  if (o.budget_s) suite.budget_s = *o.budget_s;
+  if (o.reference_max_lights) suite.reference_max_lights = *o.reference_max_lights;
+  if (o.precision) suite.sampling.precision = *o.precision;
+  if (o.warm_up_s) suite.sampling.warm_up_s = *o.warm_up_s;
+  if (o.min_runs) suite.sampling.min_runs = *o.min_runs;
+  if (o.max_runs) suite.sampling.max_runs = *o.max_runs;
+  if (o.max_sessions) suite.sampling.max_sessions = *o.max_sessions;
+  return {};
+}
+
+bool is_suite(const std::string& text) { return fs::path(text).extension() == ".json"; }
+
+fs::path assets_of(const BenchOptions& o) {
+  return o.assets.empty() ? fs::path("../shared/assets") : fs::path(o.assets);
+}
+
+}  // namespace
+
+void add_bench_options(CLI::App& command, BenchOptions& o) {
+  command.add_option("what", o.what, "Suite files (.json), scenes (.gltf, .glb), or generated scenes by name")
+      ->type_name("SUITE.json|SCENE");
+  command
+      .add_option("--suite", o.suite, "Built-in suite: exactness renders in all techniques and counts differing pixels")
+      ->type_name("NAME");
+  command.add_option("--techniques", o.techniques, "Separated by commas; all by default")->type_name("LIST");
+  command.add_option("--lights", o.lights, "Numbers of lights of generated scenes: 1,4,16")->type_name("LIST");
+  command.add_option("--size", o.sizes, "Sizes: 1280x720,640x360")->type_name("LIST");
+  command.add_option("--samples", o.samples, "Samples a pixel: 1,4; 0: as the quality says")->type_name("LIST");
+  command.add_option("--quality", o.qualities, "Presets of all knobs: draft,high")->type_name("LIST");
+  command.add_option("--set", o.settings, "Values of one knob, each a configuration; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("PASS.KNOB=A,B,C");
+  CLI::Option* times = command.add_option("--times", o.times, "Times in seconds")->type_name("LIST");
+  command.add_option("--frames", o.frames, "Frames instead of times: 0-3")->type_name("LIST")->excludes(times);
+  command.add_option("--fps", o.fps, "Frames per second of --frames")->capture_default_str()->type_name("RATE");
+  command.add_option("--camera", o.camera, "Camera of the scenes by name or index")->type_name("NAME");
+  command.add_option("--seed", o.seed, "Seed of generated scenes")->transform(whole_number<uint64_t>())->type_name("N");
+  command.add_option("--output", o.output, "What a timed frame leaves: exr (linear), png (tone-mapped) or both")
+      ->type_name("NAME");
+  command.add_option("--reference", o.reference, "Technique whose pixels the others must have")->type_name("NAME");
+  command
+      .add_option("--reference-max-lights", o.reference_max_lights,
+                  "The reference is rendered once up to here, even where it is not measured")
+      ->transform(whole_number<int>())
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  command.add_option("--precision", o.precision, "Wanted standard error of medians, as a part of them")
+      ->check(CLI::PositiveNumber)
+      ->type_name("X");
+  command.add_option("--min-runs", o.min_runs, "Samples of every configuration, the pilot")
+      ->transform(whole_number<int>())
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  command.add_option("--max-runs", o.max_runs, "Cap on samples; rows that hit it say so")
+      ->transform(whole_number<int>())
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  command.add_option("--warm-up-s", o.warm_up_s, "Longest warm-up of a configuration")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
+  command.add_option("--max-sessions", o.max_sessions, "Configurations open at once; 0: as memory allows")
+      ->transform(whole_number<int>())
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N");
+  command.add_option("--budget-s", o.budget_s, "Wall time of the run; rows that lack runs say so")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
+  command.add_option("--count", o.count, "With --suite exactness: number of light fields")
+      ->transform(whole_number<int>())
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N");
+  command.add_option("--assets", o.assets, "Folder of scenes named assets:...; by default ../shared/assets")
+      ->type_name("DIR");
+  command.add_option("--report", o.report, "Folder for an HTML page and the rows as JSON and CSV")->type_name("DIR");
+  command.add_option("--json", o.json, "The rows, or the comparison, as JSON; - is stdout")->type_name("FILE");
+  command.add_option("--csv", o.csv, "The rows as CSV; - is stdout")->type_name("FILE");
+  command.add_option("--from", o.from, "Make the report from rows that were kept, instead of measuring")
+      ->type_name("ROWS.json");
+  command
+      .add_option("--compare", o.compare, "Say what became slower or faster beyond noise; exit 1 when something did")
+      ->expected(2)
+      ->type_name("OLD.json NEW.json");
+  command.add_option("--min-change", o.min_change, "With --compare: smaller changes are not reported, as a part")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("X");
+  command.add_option("--device", o.device, "As for render")->type_name("DEVICE");
+  command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  command.add_flag("--validate", o.validate, "Khronos validation layer; a message fails the configuration");
+  command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
+}
+
+Expected<void> check_options(const BenchOptions& o) {
+  const int modes = int(!o.compare.empty()) + int(!o.from.empty()) + int(!o.suite.empty());
+  if (modes > 1) return fail(ErrorKind::usage, "--suite", "--suite, --compare and --from are different things to do");
+  if (modes == 1 && !o.what.empty())
+    return fail(ErrorKind::usage, o.what.front(), "--suite, --compare and --from take no suite file or scene beside");
+  if (modes == 0 && o.what.empty())
+    return fail(ErrorKind::usage, "SCENE", "nothing to measure; name suite files, scenes, or generated scenes");
+  static const std::vector<std::string> suites = {"exactness"};
+  if (!o.suite.empty() && o.suite != "exactness")
+    return fail(ErrorKind::usage, "--suite", "{}; suite files are named without --suite",
+                unknown_name("built-in suite", o.suite, suites));
+  if (o.count && o.suite.empty()) return fail(ErrorKind::usage, "--count", "goes with --suite exactness");
+  if (!o.report.empty() && (!o.suite.empty() || !o.compare.empty()))
+    return fail(ErrorKind::usage, "--report", "reports are of measurements");
+  if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())
+    return fail(ErrorKind::usage, "--from", "goes with --report, --json or --csv");
+  return {};
+}
+
+Expected<std::vector<Suite>> suites_of(const BenchOptions& o) {
+  std::vector<Suite> suites;
+  Suite of_scenes;
+  for (const std::string& text : o.what) {
+    if (!is_suite(text)) {
+      of_scenes.scenes.push_back(suite_scene(text, {}, assets_of(o)));
+      continue;
+    }
+    auto suite = read_suite(text, assets_of(o));
+    if (!suite) return std::unexpected(suite.error());
+    suites.push_back(std::move(*suite));
+  }
+  if (!of_scenes.scenes.empty()) suites.push_back(std::move(of_scenes));
+  for (Suite& suite : suites)
+    if (auto put_over = put_options(o, suite); !put_over) return std::unexpected(put_over.error());
+  // One budget for the run, not for each suite.
+  if (o.budget_s)
+    for (Suite& suite : suites) suite.budget_s = *o.budget_s / double(suites.size());
+  return suites;
+}
+
+Expected<ExactnessOptions> exactness_of(const BenchOptions& o) {
+  Suite suite;
+  suite.scenes = scenes_with_lights(assets_of(o));
+  if (auto put_over = put_options(o, suite); !put_over) return std::unexpected(put_over.error());
+  ExactnessOptions options;
+  if (o.count) options.fields = *o.count;
+  if (o.seed) options.seed = *o.seed;
+  if (!o.sizes.empty()) options.sizes = suite.sizes;
+  if (!o.samples.empty()) options.samples = suite.samples;
+  options.reference = suite.reference;
+  options.scenes = suite.scenes;
+  if (o.techniques.empty() && o.settings.empty()) return options;
+  // Knobs that were named go to all techniques that were named, else to all there are.
+  if (suite.techniques.empty())
+    for (const std::string& name : technique_names()) suite.techniques.push_back({name, {}});
+  for (SuiteTechnique& technique : suite.techniques) technique.set = suite.set;
+  if (auto fine = configurations(suite); !fine) return std::unexpected(fine.error());
+  options.techniques = suite.techniques;
+  return options;
+}
+
+RunSettings bench_settings(const BenchOptions& o) {
+  RunSettings settings;
+  settings.device = o.device;
+  settings.validate = o.validate;
+  settings.timeout_s = o.timeout_s;
+  return settings;
+}
+
+}  // namespace candela::cli

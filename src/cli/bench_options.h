@@ -1,0 +1,33 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/exactness.h"
+#include "bench/suite.h"
+
+namespace candela::cli {
+
+// The options of bench, as text until all are read.
+struct BenchOptions {
+  std::vector<std::string> what;  // suite files and scenes
+  std::string suite, techniques, lights, sizes, samples, qualities, times, frames,
+      fps = "24", output, reference, camera, assets, report, json, csv, device;
+  std::vector<std::string> settings, compare, from;
+  std::optional<uint64_t> seed;
+  std::optional<double> budget_s, precision, warm_up_s;
+  std::optional<int> min_runs, max_runs, max_sessions, count, reference_max_lights;
+  double min_change = 0.05, timeout_s = 600;
+  bool validate = false, quiet = false;
+};
+void add_bench_options(CLI::App& command, BenchOptions& options);
+
+// That options which ask for different things are not given together.
+Expected<void> check_options(const BenchOptions& options);
+// The suites named, and one of the scenes named, with the options put over what suites say.
+Expected<std::vector<Suite>> suites_of(const BenchOptions& options);
+Expected<ExactnessOptions> exactness_of(const BenchOptions& options);
+RunSettings bench_settings(const BenchOptions& options);
+
+}  // namespace candela::cli

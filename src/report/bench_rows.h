@@ -1,0 +1,20 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "bench/run_suite.h"
+
+namespace candela {
+
+// The file of --json: notes, and a row a configuration with raw samples and their statistics. Pictures are not in it.
+nlohmann::ordered_json bench_json(const BenchRun& run);
+// Reads it back. Errors (input) name the file and the place.
+Expected<BenchRun> read_bench_rows(const std::filesystem::path& file);
+
+// One line a row, RFC 4180; columns gpu.<pass>_ms hold medians, empty where a row does not run the pass.
+std::string bench_csv(const BenchRun& run);
+
+nlohmann::ordered_json comparison_json(const RowComparison& comparison);
+
+}  // namespace candela

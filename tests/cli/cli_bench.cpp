@@ -1,0 +1,186 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace candela::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Ended bench(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "bench");
+  arguments.push_back("--quiet");
+  return candela(std::move(arguments));
+}
+
+// Two light counts, with and without culling, as small and short as it gets.
+std::vector<std::string> small(std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments = {"animated",
+                                        "--lights",
+                                        "2,5",
+                                        "--size",
+                                        "40x24",
+                                        "--samples",
+                                        "1",
+                                        "--techniques",
+                                        "brute-force",
+                                        "--set",
+                                        "cull.enabled=0,1",
+                                        "--min-runs",
+                                        "3",
+                                        "--max-runs",
+                                        "3",
+                                        "--warm-up-s",
+                                        "0.001"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+void write_json(const std::string& file, const Json& j) { std::ofstream(file) << j.dump(); }
+
+TEST(Bench, MeasuresEveryConfigurationAndWritesItsReport) {
+  const TestFolder folder;
+  const Ended ended =
+      bench(small({"--report", folder / "report", "--json", folder / "r.json", "--csv", folder / "r.csv"}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("brute-force cull.enabled=0, 40x24, 1 sample"), std::string::npos) << ended.out;
+  const Json json = Json::parse(bytes_of(folder / "r.json"));
+  ASSERT_EQ(json["rows"].size(), 4u);
+  for (const Json& row : json["rows"]) {
+    EXPECT_EQ(row["frame_ms"]["count"], 3);
+    EXPECT_EQ(row["frame_ms"]["samples"].size(), 3u);
+    EXPECT_EQ(row["gpu_ms"]["count"], 3);
+    EXPECT_EQ(row["passes_ms"]["shade_forward"]["count"], 3);
+    EXPECT_EQ(row["cpu_ms"]["wait"]["count"], 3);
+    EXPECT_GT(row["memory"]["device_peak_bytes"], 0);
+    EXPECT_EQ(row["picture"]["reference"], "brute-force");
+    EXPECT_EQ(row["picture"]["differing"], 0);
+    EXPECT_EQ(row["plan_hash"].get<std::string>().size(), 32u);
+    EXPECT_FALSE(row["device"]["name"].get<std::string>().empty());
+    EXPECT_EQ(row["job"]["scene"], "animated") << "no path of this machine";
+  }
+  EXPECT_EQ(json["rows"][0]["lights_wanted"], 2);
+  EXPECT_GT(json["rows"][2]["lights"], json["rows"][0]["lights"]);
+  EXPECT_NE(json["rows"][0]["knob_hash"], json["rows"][1]["knob_hash"]);
+  EXPECT_EQ(bytes_of(folder / "report/rows.json"), bytes_of(folder / "r.json"));
+  EXPECT_EQ(bytes_of(folder / "report/rows.csv"), bytes_of(folder / "r.csv"));
+  const std::string html = bytes_of(folder / "report/index.html");
+  EXPECT_NE(html.find("data:image/png;base64,"), std::string::npos) << "a thumbnail";
+  EXPECT_NE(html.find("shade_forward"), std::string::npos);
+  // The report again from the rows that were kept.
+  const Ended again = bench({"--from", folder / "r.json", "--report", folder / "again"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(Json::parse(bytes_of(folder / "again/rows.json"))["rows"], json["rows"]);
+}
+
+TEST(Bench, ComparesByExitCode) {
+  const TestFolder folder;
+  ASSERT_EQ(bench(small({"--json", folder / "old.json"})).code, 0);
+  Json rows = Json::parse(bytes_of(folder / "old.json"));
+  const Ended same = bench({"--compare", folder / "old.json", folder / "old.json"});
+  EXPECT_EQ(same.code, 0) << same.out << same.err;
+  for (Json& sample : rows["rows"][1]["frame_ms"]["samples"]) sample = sample.get<double>() * 10 + 1000;
+  write_json(folder / "new.json", rows);
+  const Ended slower = bench({"--compare", folder / "old.json", folder / "new.json", "--json", folder / "c.json"});
+  EXPECT_EQ(slower.code, 1) << slower.err;
+  EXPECT_NE(slower.out.find("slower"), std::string::npos);
+  EXPECT_EQ(Json::parse(bytes_of(folder / "c.json"))["slower"], true);
+  const Ended faster = bench({"--compare", folder / "new.json", folder / "old.json"});
+  EXPECT_EQ(faster.code, 0) << faster.out;
+  EXPECT_NE(faster.out.find("faster"), std::string::npos);
+  rows["rows"][0]["device"]["name"] = "Some GPU";
+  write_json(folder / "gpu.json", rows);
+  const Ended refused = bench({"--compare", folder / "old.json", folder / "gpu.json"});
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("Some GPU"), std::string::npos) << refused.err;
+  EXPECT_EQ(bench({"--compare", folder / "old.json", folder / "absent.json"}).code, 3);
+}
+
+TEST(Bench, ReadsSuitesStrictly) {
+  const TestFolder folder;
+  const auto suite = [&](const char* text) {
+    std::ofstream(folder / "s.json") << text;
+    return bench({folder / "s.json", "--json", "-"});
+  };
+  const Ended unknown = suite(R"({"scenes": ["spheres"], "tehniques": ["brute-force"]})");
+  EXPECT_EQ(unknown.code, 3);
+  EXPECT_NE(unknown.err.find("techniques"), std::string::npos) << unknown.err;
+  const Ended technique = suite(R"({"scenes": ["spheres"], "techniques": ["brut-force"]})");
+  EXPECT_EQ(technique.code, 2);
+  EXPECT_NE(technique.err.find("did you mean 'brute-force'"), std::string::npos) << technique.err;
+  const Ended measured =
+      suite(R"({"name": "tiny", "scenes": [{"scene": "animated", "lights": [2, 9]}, "assets:none.glb"],
+      "techniques": ["brute-force"], "sizes": "40x24", "samples": 1, "min_runs": 1, "max_runs": 1, "warm_up_s": 0.001,
+      "max_lights": {"brute-force": 4}})");
+  ASSERT_EQ(measured.code, 3) << "the asset is not there: " << measured.err;
+  const Json rows = Json::parse(measured.out)["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["suite"], "tiny");
+  EXPECT_EQ(rows[0]["frame_ms"]["count"], 1);
+  EXPECT_EQ(rows[1]["left_out"], "the suite limits brute-force to 4 lights");
+  EXPECT_EQ(rows[1]["frame_ms"]["count"], 0);
+  EXPECT_FALSE(rows[2].value("error", Json()).is_null());
+}
+
+TEST(Bench, SaysWhenTimeOrMemoryRunOut) {
+  const Ended late = bench(small({"--json", "-", "--budget-s", "0.000001"}));
+  ASSERT_EQ(late.code, 0) << late.err;
+  Json json = Json::parse(late.out);
+  EXPECT_NE(json["notes"].dump().find("time budget"), std::string::npos) << json["notes"];
+  EXPECT_EQ(json["rows"][0]["budget_hit"], true);
+  const Ended few = bench(small({"--json", "-", "--max-sessions", "1"}));
+  ASSERT_EQ(few.code, 0) << few.err;
+  json = Json::parse(few.out);
+  EXPECT_EQ(json["rows"][0]["reopened"], false);
+  EXPECT_EQ(json["rows"][3]["reopened"], true);
+  EXPECT_EQ(json["rows"][3]["frame_ms"]["count"], 3);
+}
+
+TEST(Bench, UsageErrorsSayWhatIsMeant) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{},
+                                             {"spheres", "--size", "12"},
+                                             {"spheres", "--samples", "a"},
+                                             {"spheres", "--set", "cull.enabled"},
+                                             {"spheres", "--set", "cull.enabld=1"},
+                                             {"spheres", "--count", "3"},
+                                             {"spheres", "--suite", "exactness"},
+                                             {"--suite", "exactnes"},
+                                             {"spheres", "--times", "x"},
+                                             {"spheres", "--output", "jpg"},
+                                             {"--from", "x.json"}}) {
+    const Ended ended = bench(arguments);
+    EXPECT_EQ(ended.code, 2) << (arguments.empty() ? "" : arguments.back()) << ": " << ended.err;
+    EXPECT_FALSE(ended.err.empty());
+  }
+}
+
+TEST(Bench, ExactnessComparesEveryTechniqueWithTheReference) {
+  const TestFolder folder;
+  const Ended ended = bench({"--suite", "exactness", "--count", "2", "--size", "48x32", "--samples", "1", "--assets",
+                             folder / "none", "--json", folder / "e.json"});
+  ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
+  EXPECT_NE(ended.err.find("skipped assets:"), std::string::npos) << ended.err;
+  EXPECT_NE(ended.out.find("0 pixels differ"), std::string::npos) << ended.out;
+  const Json json = Json::parse(bytes_of(folder / "e.json"));
+  EXPECT_EQ(json["differing_pixels"], 0);
+  EXPECT_GE(json["pictures"], 2);
+}
+
+TEST(Bench, ExactnessFindsLightsThatAreLost) {
+  const TestFolder folder;
+  // A cap drops lights, as it does in other renderers: seed 2 has a field of 349.
+  const Ended ended =
+      bench({"--suite", "exactness", "--count", "1", "--seed", "2", "--size", "48x32", "--samples", "1", "--techniques",
+             "forward-plus", "--set", "lights.cap=1", "--set", "lights.few=0", "--assets", folder / "none"});
+  EXPECT_EQ(ended.code, 1) << ended.out << ended.err;
+  EXPECT_EQ(ended.out.find("\n0 pixels differ"), std::string::npos);
+  EXPECT_NE(ended.out.find("worst: make-scene light-field --seed 2"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("--technique forward-plus"), std::string::npos) << ended.out;
+}
+
+}  // namespace
+}  // namespace candela::test

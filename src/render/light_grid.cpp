@@ -230,6 +230,12 @@ uint32_t apply_light_floor(std::vector<LightItem>& lights, float floor_lux) {
   return count;
 }
 
+shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameConstants& constants) {
+  shared::LightBounds bounds{};
+  Grid(LightGridKind::tiles, constants, {}, 16, 1, 1).bounds_of(light, bounds);
+  return bounds;
+}
+
 LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights, const shared::FrameConstants& constants,
                           double farthest_m, double reach_m, const LightKnobs& knobs) {
   LightGrid out;

@@ -27,6 +27,9 @@ struct LightGrid {
 LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights, const shared::FrameConstants& constants,
                           double farthest_m, double reach_m, const LightKnobs& knobs);
 
+// What the GPU's tests get for one light with a range, whatever the grid. For tests.
+shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameConstants& constants);
+
 // Gives every point and spot light without range the range at which it falls to floor_lux; 0 leaves them. Returns how many got one.
 uint32_t apply_light_floor(std::vector<LightItem>& lights, float floor_lux);
 

@@ -47,6 +47,9 @@ void add_job_options(CLI::App& command, JobOptions& o) {
   command.add_option("--tonemap", o.tonemap, "Tone curve of PNG: agx, none, reinhard, aces, neutral or rec709")
       ->capture_default_str()
       ->type_name("NAME");
+  command.add_option("--view", o.view, "What PNG and video show: beauty, or heatmap.lights, .waste, .missed in colours")
+      ->capture_default_str()
+      ->type_name("NAME");
   command.add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas (candela list layers)")
       ->type_name("LIST");
   command.add_option("--background", o.background, "Where there is no sky: transparent, or linear R,G,B")
@@ -191,6 +194,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.sky = o.sky;
   job.exposure_ev = o.exposure_ev;
   job.tonemap = o.tonemap;
+  job.view = o.view;
   if (!o.layers.empty()) job.layers = split(o.layers, ',');
   job.background = o.background;
   job.seed = o.seed;

@@ -10,7 +10,8 @@ std::span<const std::string_view> tone_curve_names() {
 }
 
 Need Tonemap::needed(const SceneFacts&, const FrameRequest& request) const {
-  return needed_if(request.want_display, "no display output (PNG, video) is wanted");
+  if (!request.want_display) return {false, "no display output (PNG, video) is wanted"};
+  return needed_if(request.view == "beauty", "display output shows a layer (--view)");
 }
 
 Tonemap::Out Tonemap::declare(GraphBuilder& builder, const In& in) const {

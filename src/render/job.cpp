@@ -54,6 +54,7 @@ std::string job_json(const Job& job) {
   if (!job.sky.empty()) j["sky"] = job.sky;
   j["exposure"] = shortest(job.exposure_ev);
   j["tonemap"] = job.tonemap;
+  j["view"] = job.view;
   if (!job.layers.empty()) j["layers"] = job.layers;
   j["background"] = job.background;
   j["seed"] = job.seed;
@@ -159,6 +160,7 @@ const std::map<std::string, Reader>& readers() {
          return {};
        }},
       {"tonemap", text_into(&Job::tonemap)},
+      {"view", text_into(&Job::view)},
       {"layers", read_layers},
       {"background", text_into(&Job::background)},
       {"seed",

@@ -36,6 +36,7 @@ struct Job {
   float exposure_ev = 0;
   std::string tonemap = "agx";       // agx, none, reinhard, aces, neutral, rec709
   std::vector<std::string> layers;   // beside beauty
+  std::string view = "beauty";       // what PNG and video show: beauty, or a heatmap layer in colours with a legend
   std::string background = "transparent";  // or "R,G,B" linear, used where there is no sky
   uint64_t seed = 0;
   // Encoding.

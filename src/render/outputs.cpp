@@ -7,6 +7,7 @@
 #include "base/files.h"
 #include "image/png_text.h"
 #include "math/transforms.h"
+#include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/timings.h"
 
@@ -183,6 +184,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   image.height = frame.height_px;
   for (const OutputImage& output : frame.outputs) {
     if (output.layer == "display") continue;
+    if (output.layer == job.view && std::find(job.layers.begin(), job.layers.end(), job.view) == job.layers.end()) continue;
     if (output.format == VK_FORMAT_R32_UINT)
       add_id_layer(image, output, readback_bytes(frame, output));
     else if (output.layer == "depth")
@@ -194,7 +196,24 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   return image;
 }
 
+namespace {
+DisplayImage view_image(const FrameResult& frame, const Job& job) {
+  for (const OutputImage& output : frame.outputs) {
+    if (output.layer != job.view) continue;
+    std::vector<float> counts(size_t(frame.width_px) * size_t(frame.height_px));
+    std::memcpy(counts.data(), readback_bytes(frame, output).data(), counts.size() * sizeof(float));
+    DisplayImage image = count_view(counts, frame.width_px, frame.height_px);
+    if (job.png_bits == 8) return image;
+    DisplayImage wide = {.width = image.width, .height = image.height, .channels = image.channels, .bits = 16};
+    for (const std::byte b : image.pixels) wide.pixels.insert(wide.pixels.end(), 2, b);  // times 257
+    return wide;
+  }
+  CHECK_MSG(false, "the frame has no " + job.view);
+}
+}  // namespace
+
 DisplayImage display_image(const FrameResult& frame, const Job& job) {
+  if (job.view != "beauty") return view_image(frame, job);
   DisplayImage image;
   image.width = frame.width_px;
   image.height = frame.height_px;

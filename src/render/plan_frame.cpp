@@ -63,6 +63,8 @@ FrameRequest make_request(const Job& job, const FrameKnobValues& knobs, const Wa
   request.want_linear = wanted.linear;
   request.want_display = wanted.display;
   request.layers = wanted.linear ? job.layers : std::vector<std::string>{};
+  request.view = job.view;
+  if (wanted.display && job.view != "beauty" && !request.has_layer(job.view)) request.layers.push_back(job.view);
   request.technique = job.technique;
   request.tonemap = job.tonemap;
   request.exposure_ev = job.exposure_ev;
@@ -251,6 +253,12 @@ std::vector<std::string> technique_names() {
   return names;
 }
 std::vector<std::string> layer_names() { return {layer_name_table().begin(), layer_name_table().end()}; }
+std::vector<std::string> view_names() {
+  std::vector<std::string> names = {"beauty"};
+  for (const std::string_view layer : layer_name_table())
+    if (layer.starts_with("heatmap.")) names.emplace_back(layer);
+  return names;
+}
 std::vector<std::string> tonemap_names() { return {tone_curve_names().begin(), tone_curve_names().end()}; }
 
 }  // namespace candela

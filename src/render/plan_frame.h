@@ -69,6 +69,7 @@ std::vector<std::string> technique_names();
 std::vector<std::string> pass_names();
 std::vector<std::string> layer_names();
 std::vector<std::string> tonemap_names();
+std::vector<std::string> view_names();
 struct KnobRow {
   std::string pass, knob, value_now, unit, range, ladder, trades;
 };

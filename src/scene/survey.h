@@ -38,6 +38,7 @@ struct FrameRequest {
   bool want_display = false;              // PNG or video: tone-mapped
   bool draw_background = true;
   std::vector<std::string> layers;        // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
+  std::string view = "beauty";            // what display output shows: beauty, or a layer
   std::string technique = "clustered";
   std::string tonemap = "agx";
   float exposure_ev = 0;                  // stops; multiplies by 2^ev before tone mapping

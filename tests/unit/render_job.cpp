@@ -23,7 +23,7 @@ Job rich_job() {
   job.background = "0.1,0.2,0.3";
   job.seed = UINT64_MAX;
   job.exr_float = true, job.exr_compression = ExrCompression::piz, job.png_bits = 16, job.dither = false;
-  job.timings_in_metadata = true, job.allow_nonfinite = true;
+  job.timings_in_metadata = true, job.allow_nonfinite = true, job.view = "heatmap.waste";
   return job;
 }
 
@@ -66,6 +66,7 @@ TEST(JobJson, TellsApartJobsThatDifferInOneMember) {
   add([](Job& j) { j.sky = "x"; });
   add([](Job& j) { j.exposure_ev = 1; });
   add([](Job& j) { j.tonemap = "x"; });
+  add([](Job& j) { j.view = "x"; });
   add([](Job& j) { j.layers = {"x"}; });
   add([](Job& j) { j.background = "x"; });
   add([](Job& j) { j.seed = 1; });

@@ -5,7 +5,7 @@
 namespace candela {
 
 Need TileDepth::needed(const SceneFacts&, const FrameRequest&) const {
-  return needed_if(grid.reason.empty(), grid.reason);
+  return needed_if(grid.tiled, grid.reason.empty() ? "clusters take a point's own depth" : grid.reason);
 }
 
 TileDepth::Out TileDepth::declare(GraphBuilder& builder, const In& in) const {

@@ -43,7 +43,7 @@ shared::Light shared_light(const LightItem& l) {
   out.type = l.type == LightType::directional ? shared::light_directional
              : l.type == LightType::point     ? shared::light_point
                                               : shared::light_spot;
-  out.inverse_range = std::isfinite(l.range_m) ? 1.0f / l.range_m : 0.0f;
+  out.inverse_range = std::isfinite(l.range_m) ? std::min(1.0f / l.range_m, std::numeric_limits<float>::max()) : 0.0f;
   // KHR_lights_punctual's recommended spot angle attenuation, its cosines in double.
   const double inner = std::cos(double(l.inner_cone_rad)), outer = std::cos(double(l.outer_cone_rad));
   const double scale = 1.0 / std::max(0.001, inner - outer);

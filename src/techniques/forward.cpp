@@ -1,5 +1,3 @@
-#include "techniques/forward.h"
-
 #include "passes/clear.h"
 #include "passes/cull.h"
 #include "passes/cull_compact.h"
@@ -12,27 +10,19 @@
 #include "passes/shade_forward.h"
 #include "passes/shade_unlit.h"
 #include "passes/sky.h"
+#include "passes/tile_depth.h"
 #include "passes/transparent.h"
+#include "techniques/technique.h"
 
 namespace candela {
 namespace {
+
 // A pass that draws over an image gives it a new version; one that was left out leaves the old.
 ImageHandle newest(ImageHandle made, ImageHandle before) { return made ? made : before; }
-}  // namespace
 
-ForwardGeometry forward_geometry(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs) {
-  ForwardGeometry g;
-  Cull cull;
-  cull.knobs.enabled = knobs.cull_enabled ? 1 : 0;
-  const BufferHandle survivors = frame.add(cull, {scene}).survivors;
-  g.draws = frame.add(CullCompact{}, {scene, survivors, knobs.cull_enabled}).draws;
-  g.deformed = frame.add(Deform{}, {scene}).deformed;
-  g.depth = frame.add(DepthPrepass{}, {scene, g.draws, g.deformed}).depth;
-  return g;
-}
-
-CellLists make_light_lists(Frame& frame, const SceneInputs& scene, BufferHandle tiles) {
+CellLists make_light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth) {
   const LightGridShape& grid = scene.light_grid;
+  const BufferHandle tiles = frame.add(TileDepth{grid}, {scene, depth}).tiles;
   const LightAssign::Out assigned = frame.add(LightAssign{grid}, {scene, tiles});
   const BufferHandle offsets = frame.add(LightScan{grid}, {assigned.lists, assigned.sums}).offsets;
   const BufferHandle unsorted = frame.add(LightFill{grid}, {scene, offsets, assigned.hits}).unsorted;
@@ -40,14 +30,28 @@ CellLists make_light_lists(Frame& frame, const SceneInputs& scene, BufferHandle 
   return {grid.compact ? offsets : assigned.lists, entries, tiles};
 }
 
-FrameImages forward_shading(Frame& frame, const SceneInputs& scene, const ForwardGeometry& g, const CellLists& lists) {
-  ImageHandle color = frame.add(Clear{}, {scene}).color;
-  color = newest(frame.add(ShadeForward{}, {scene, g.draws, g.deformed, lists, g.depth, color}).color, color);
-  color = newest(frame.add(ShadeUnlit{}, {scene, g.draws, g.deformed, g.depth, color}).color, color);
-  color = newest(frame.add(Sky{}, {scene, g.depth, color}).color, color);
-  color = newest(frame.add(Transparent{}, {scene, g.draws, g.deformed, lists, g.depth, color}).color, color);
+}  // namespace
 
-  Layers::In wanted{scene, g.draws, g.deformed, lists};
+// Forward shading after a depth pre-pass. The techniques that it serves differ in nothing but the light grid of the scene's inputs:
+// clusters (Olsson, Billeter, Assarsson, "Clustered Deferred and Forward Shading", 2012), where a point takes the list of its own
+// depth; tiles between the depths of their samples (Harada, McKee, Yang, "Forward+: Bringing Deferred Lighting to the Next Level",
+// 2012), where a point outside them takes the list of its column; or none, where every pixel walks every light.
+FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs) {
+  Cull cull;
+  cull.knobs.enabled = knobs.cull_enabled ? 1 : 0;
+  const BufferHandle survivors = frame.add(cull, {scene}).survivors;
+  const Draws draws = frame.add(CullCompact{}, {scene, survivors, knobs.cull_enabled}).draws;
+  const BufferHandle deformed = frame.add(Deform{}, {scene}).deformed;
+  const ImageHandle depth = frame.add(DepthPrepass{}, {scene, draws, deformed}).depth;
+  const CellLists lists = make_light_lists(frame, scene, depth);
+
+  ImageHandle color = frame.add(Clear{}, {scene}).color;
+  color = newest(frame.add(ShadeForward{}, {scene, draws, deformed, lists, depth, color}).color, color);
+  color = newest(frame.add(ShadeUnlit{}, {scene, draws, deformed, depth, color}).color, color);
+  color = newest(frame.add(Sky{}, {scene, depth, color}).color, color);
+  color = newest(frame.add(Transparent{}, {scene, draws, deformed, lists, depth, color}).color, color);
+
+  Layers::In wanted{scene, draws, deformed, lists};
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(layer_name_table()[i]);
   return {color, frame.add(Layers{}, wanted).images};
 }

@@ -55,8 +55,6 @@ struct Technique {
 };
 std::span<const Technique> techniques();
 
-FrameImages brute_force(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
-FrameImages clustered(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
-FrameImages forward_plus(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
+FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
 
 }  // namespace candela

@@ -34,18 +34,6 @@ layout(location = EMISSION) out vec4 out_emission;
 #ifdef DIRECT
 layout(location = DIRECT) out vec4 out_direct;
 #endif
-#ifdef HEATMAP_LIGHTS
-layout(location = HEATMAP_LIGHTS) out float out_listed;
-#endif
-#ifdef HEATMAP_WASTE
-layout(location = HEATMAP_WASTE) out float out_waste;
-#endif
-#ifdef HEATMAP_MISSED
-layout(location = HEATMAP_MISSED) out float out_missed;
-#endif
-#if defined(HEATMAP_LIGHTS) || defined(HEATMAP_WASTE) || defined(HEATMAP_MISSED)
-#define HEATMAP
-#endif
 
 void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
@@ -78,29 +66,5 @@ void main() {
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);)
       direct += light_contribution(w.light, s, v.relative_position, to_viewer);
   out_direct = vec4(direct * frame.pre_exposure, 1.0);
-#endif
-#ifdef HEATMAP
-  // Every light against this point's own list, which is walked beside.
-  float listed = 0.0, waste = 0.0, missed = 0.0;
-  if (HAS_LIGHTS != 0 && !unlit) {
-    ListCursor own = begin_list(v.relative_position);
-    for (uint i = 0u; i < frame.light_count; ++i) {
-      const bool is_listed = list_holds(own, i);
-      vec3 l;
-      const bool gives = light_arriving(LightsRef(frame.lights).l[i], v.relative_position, l) != vec3(0.0);
-      listed += is_listed ? 1.0 : 0.0;
-      waste += is_listed && !gives ? 1.0 : 0.0;
-      missed += gives && !is_listed ? 1.0 : 0.0;
-    }
-  }
-#ifdef HEATMAP_LIGHTS
-  out_listed = listed;
-#endif
-#ifdef HEATMAP_WASTE
-  out_waste = waste;
-#endif
-#ifdef HEATMAP_MISSED
-  out_missed = missed;
-#endif
 #endif
 }

@@ -23,6 +23,12 @@ uint light_cell(vec3 relative) {
   return tiles + column.x + frame.grid.columns.x * column.y;
 }
 
+// A word of the lights of every cell. The address and the place are valid even where there are none: a driver may load from a
+// branch that no lane takes when all lanes agree on the address (lavapipe 25.0.7 does).
+uint global_word(uint place) {
+  return ConstUintsRef(frame.grid.globals).u[min(place, max(frame.grid.global_count, 1u) - 1u)];
+}
+
 struct LightWalk {
   uint light;         // where the walk stands, the same in all lanes
   uint cell;
@@ -60,7 +66,7 @@ bool next_light(inout LightWalk w) {
       uint bits = 0xffffffffu;
       if (w.cell != every_cell) bits = ConstUintsRef(pc.light_cells).u[w.cell * frame.grid.words + w.cursor];
       w.mine = subgroupOr(bits);
-      if (frame.grid.global_count != 0u) w.mine |= ConstUintsRef(frame.grid.globals).u[w.cursor];
+      if (frame.grid.global_count != 0u) w.mine |= global_word(w.cursor);
       const uint left = frame.light_count - 32u * w.cursor;
       if (left < 32u) w.mine &= (1u << left) - 1u;
       ++w.cursor;
@@ -70,7 +76,7 @@ bool next_light(inout LightWalk w) {
     w.mine &= w.mine - 1u;
     return true;
   }
-  const uint global = w.global < frame.grid.global_count ? ConstUintsRef(frame.grid.globals).u[w.global] : no_light;
+  const uint global = w.global < frame.grid.global_count ? global_word(w.global) : no_light;
   w.light = min(subgroupMin(w.mine), global);
   if (w.light == global) ++w.global;
   if (w.mine == w.light && w.mine != no_light) {
@@ -93,10 +99,10 @@ bool list_holds(inout ListCursor c, uint light) {
   if (c.cell == every_cell) return true;
   if (frame.grid.mode == light_mode_bitmask) {
     uint bits = ConstUintsRef(pc.light_cells).u[c.cell * frame.grid.words + light / 32u];
-    if (frame.grid.global_count != 0u) bits |= ConstUintsRef(frame.grid.globals).u[light / 32u];
+    if (frame.grid.global_count != 0u) bits |= global_word(light / 32u);
     return (bits >> (light & 31u) & 1u) != 0u;
   }
-  if (c.global < frame.grid.global_count && ConstUintsRef(frame.grid.globals).u[c.global] == light) {
+  if (c.global < frame.grid.global_count && global_word(c.global) == light) {
     ++c.global;
     return true;
   }

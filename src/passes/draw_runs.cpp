@@ -51,14 +51,18 @@ ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHa
 }
 
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists& lists) {
+                 const RunPipelines& pipelines, const CellLists* lists) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
   push.frame = commands.address(scene.constants);
   push.deformed = deformed ? commands.address(deformed) : 0;
-  push.light_cells = lists.cells ? commands.address(lists.cells) : 0;
-  push.light_entries = lists.entries ? commands.address(lists.entries) : 0;
-  push.light_tiles = lists.tiles ? commands.address(lists.tiles) : 0;
+  if (lists && scene.lights) {
+    // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
+    const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : scene.lights); };
+    push.light_cells = address(lists->cells);
+    push.light_entries = address(lists->entries);
+    push.light_tiles = address(lists->tiles);
+  }
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
     const DrawRun& run = (*scene.runs)[r];

@@ -26,9 +26,9 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
 // none yet.
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);
 
-// One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering.
+// One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights.
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists& lists = {});
+                 const RunPipelines& pipelines, const CellLists* lists = nullptr);
 
 // What a pass that shades under lights reads besides.
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists);

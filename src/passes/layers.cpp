@@ -3,26 +3,25 @@
 namespace candela {
 namespace {
 constexpr VkFormat formats[layer_count] = {VK_FORMAT_R32_SFLOAT, color_format, color_format, VK_FORMAT_R32_UINT,
-                                           VK_FORMAT_R32_UINT,   color_format, color_format, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32_SFLOAT,
-                                           VK_FORMAT_R32_SFLOAT};
+                                           VK_FORMAT_R32_UINT,   color_format, color_format};
 constexpr float no_id = -1;  // clear values travel as floats; -1 wraps to 0xffffffff in an unsigned format
+
 }  // namespace
 
 std::span<const std::string_view> layer_name_table() {
   static constexpr std::string_view names[] = {"depth",       "normal",   "albedo", "object_id",
-                                               "material_id", "emission", "direct", "heatmap.lights",
-                                               "heatmap.waste", "heatmap.missed"};
+                                               "material_id", "emission", "direct"};
   return names;
 }
 
 Need Layers::needed(const SceneFacts&, const FrameRequest& request) const {
-  return needed_if(!request.layers.empty(), "no layer beside beauty is wanted (--layers)");
+  for (const std::string_view layer : layer_name_table())
+    if (request.has_layer(layer)) return {};
+  return {false, "no layer beside beauty is wanted (--layers)"};
 }
 
 Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
-  const auto wanted = [&](Layer l) { return in.wanted[size_t(l)]; };
-  if (wanted(Layer::direct) || wanted(Layer::heatmap_lights) || wanted(Layer::heatmap_waste) || wanted(Layer::heatmap_missed))
-    declare_lights(builder, in.scene, in.lists);
+  if (in.wanted[size_t(Layer::direct)]) declare_lights(builder, in.scene, in.lists);
   Out out;
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
@@ -34,7 +33,7 @@ Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
   for (uint32_t i = 0; i < layer_count; ++i) {
     if (!in.wanted[i]) continue;
     std::string define(layer_name_table()[i]);
-    std::transform(define.begin(), define.end(), define.begin(), [](unsigned char c) { return c == '.' ? '_' : char(std::toupper(c)); });
+    std::transform(define.begin(), define.end(), define.begin(), [](unsigned char c) { return char(std::toupper(c)); });
     choice.desc.fragment_shader += fmt::format("#{}={}", define, choice.desc.color_formats.size());
     choice.desc.color_formats.push_back(formats[i]);
   }
@@ -57,7 +56,7 @@ void Layers::record(CommandList& commands, const In& in, const Out& out) const {
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
   commands.begin_rendering(colors, out.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, in.lists);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, in.wanted[size_t(Layer::direct)] ? &in.lists : nullptr);
   commands.end_rendering();
 }
 

@@ -7,14 +7,12 @@
 namespace candela {
 
 // The layers beside beauty, in the order of shaders/layers.frag's outputs.
-enum class Layer : uint32_t { depth, normal, albedo, object_id, material_id, emission, direct, heatmap_lights, heatmap_waste, heatmap_missed };
-inline constexpr uint32_t layer_count = 10;
+enum class Layer : uint32_t { depth, normal, albedo, object_id, material_id, emission, direct };
+inline constexpr uint32_t layer_count = 7;
 std::span<const std::string_view> layer_name_table();
 
-// Depth (metres along the view axis), world normal, base colour, ids, emission, direct light, and how the light lists
-// fare (lights listed; listed that give nothing; that give something and are not listed, which must be 0) of the nearest
-// opaque or masked surface, one sample at the pixel's centre: averaged ids and depths would name surfaces that do not
-// exist.
+// Depth (metres along the view axis), world normal, base colour, ids, emission and direct light of the nearest opaque
+// or masked surface, one sample at the pixel's centre: averaged ids and depths would name surfaces that do not exist.
 // Blended surfaces do not appear. Background: depth 1e10, ids 0xffffffff, everything else 0.
 struct Layers {
   static constexpr std::string_view name = "layers";

@@ -28,7 +28,7 @@ ShadeForward::Out ShadeForward::declare(GraphBuilder& builder, const In& in) con
 void ShadeForward::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, in.lists);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, &in.lists);
   commands.end_rendering();
 }
 

@@ -37,7 +37,7 @@ void Transparent::record(CommandList& commands, const In& in, const Out& out) co
     if (out.unlit.by_run[r]) all.by_run[r] = out.unlit.by_run[r];
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, all, in.lists);
+  record_runs(commands, in.scene, in.draws, in.deformed, all, &in.lists);
   commands.end_rendering();
 }
 

@@ -11,6 +11,7 @@
 #include "passes/layers.h"
 #include "passes/light_assign.h"
 #include "passes/light_fill.h"
+#include "passes/light_heat.h"
 #include "passes/light_scan.h"
 #include "passes/light_sort.h"
 #include "passes/readback.h"
@@ -129,7 +130,7 @@ std::vector<std::string> pass_names() {
   std::vector<std::string> names;
   for (const std::string_view n :
        {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, TileDepth::name, LightAssign::name, LightScan::name, LightFill::name, LightSort::name, Clear::name, ShadeForward::name,
-        ShadeUnlit::name, Sky::name, Transparent::name, Layers::name, Resolve::name, Tonemap::name, Readback::name})
+        ShadeUnlit::name, Sky::name, Transparent::name, Layers::name, LightHeat::name, Resolve::name, Tonemap::name, Readback::name})
     names.emplace_back(n);
   return names;
 }

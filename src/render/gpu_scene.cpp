@@ -195,6 +195,8 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   put(frame.imports.light_bounds, light_bounds_, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
   put(frame.imports.light_chunks, light_chunks_, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
   c.grid.globals = put(frame.imports.light_globals, light_globals_, "frame.light_globals", grid.globals);
+  // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be valid.
+  if (c.grid.globals == 0) c.grid.globals = c.lights;
   put(frame.imports.cull_groups, groups_, "frame.cull_groups", u.groups);
   put(frame.imports.deform_jobs, jobs_, "frame.deform_jobs", u.deform_jobs);
   put(frame.imports.joints, joints_, "frame.joints", frame.data.joint_matrices);

@@ -184,7 +184,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   image.height = frame.height_px;
   for (const OutputImage& output : frame.outputs) {
     if (output.layer == "display") continue;
-    if (output.layer == job.view && std::find(job.layers.begin(), job.layers.end(), job.view) == job.layers.end()) continue;
+    if (job.view != "beauty" && output.layer == job.view && std::find(job.layers.begin(), job.layers.end(), job.view) == job.layers.end()) continue;
     if (output.format == VK_FORMAT_R32_UINT)
       add_id_layer(image, output, readback_bytes(frame, output));
     else if (output.layer == "depth")

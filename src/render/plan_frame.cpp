@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "passes/features.h"
+#include "passes/layers.h"
+#include "passes/light_heat.h"
 #include "passes/readback.h"
 #include "passes/resolve.h"
 #include "passes/tonemap.h"
@@ -158,7 +160,7 @@ void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const
   };
   if (wanted.linear) want("beauty", linear);
   want("display", display);
-  for (uint32_t i = 0; i < layer_count; ++i) want(std::string(layer_name_table()[i]), images.layers[i]);
+  for (const auto& [name, image] : images.layers) want(name, image);
   const auto buffers = frame.add(Readback{}, readback).buffers;
   for (size_t i = 0; i < buffers.size(); ++i) f.outputs[i].resource = buffers[i].resource;
 }
@@ -252,11 +254,14 @@ std::vector<std::string> technique_names() {
   for (const Technique& t : techniques()) names.emplace_back(t.name);
   return names;
 }
-std::vector<std::string> layer_names() { return {layer_name_table().begin(), layer_name_table().end()}; }
+std::vector<std::string> layer_names() {
+  std::vector<std::string> names(layer_name_table().begin(), layer_name_table().end());
+  names.insert(names.end(), LightHeat::layers.begin(), LightHeat::layers.end());
+  return names;
+}
 std::vector<std::string> view_names() {
   std::vector<std::string> names = {"beauty"};
-  for (const std::string_view layer : layer_name_table())
-    if (layer.starts_with("heatmap.")) names.emplace_back(layer);
+  names.insert(names.end(), LightHeat::layers.begin(), LightHeat::layers.end());
   return names;
 }
 std::vector<std::string> tonemap_names() { return {tone_curve_names().begin(), tone_curve_names().end()}; }

@@ -3,8 +3,10 @@
 #include "passes/cull_compact.h"
 #include "passes/deform.h"
 #include "passes/depth_prepass.h"
+#include "passes/layers.h"
 #include "passes/light_assign.h"
 #include "passes/light_fill.h"
+#include "passes/light_heat.h"
 #include "passes/light_scan.h"
 #include "passes/light_sort.h"
 #include "passes/shade_forward.h"
@@ -51,9 +53,16 @@ FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& kn
   color = newest(frame.add(Sky{}, {scene, depth, color}).color, color);
   color = newest(frame.add(Transparent{}, {scene, draws, deformed, lists, depth, color}).color, color);
 
+  FrameImages images{color, {}};
   Layers::In wanted{scene, draws, deformed, lists};
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(layer_name_table()[i]);
-  return {color, frame.add(Layers{}, wanted).images};
+  const auto layers = frame.add(Layers{}, wanted).images;
+  for (uint32_t i = 0; i < layer_count; ++i)
+    if (layers[i]) images.layers.emplace_back(layer_name_table()[i], layers[i]);
+  const auto counts = frame.add(LightHeat{}, {scene, draws, deformed, lists}).counts;
+  for (size_t i = 0; i < counts.size(); ++i)
+    if (counts[i] && frame.request.has_layer(LightHeat::layers[i])) images.layers.emplace_back(LightHeat::layers[i], counts[i]);
+  return images;
 }
 
 }  // namespace candela

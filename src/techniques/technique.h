@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "graph/builder.h"
-#include "passes/layers.h"
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
 #include "scene/survey.h"
@@ -44,7 +43,7 @@ enum class LightGridKind { none, clusters, tiles };
 // What a technique leaves: linear radiance (multisampled when the request is), and single-sample layers.
 struct FrameImages {
   ImageHandle color;
-  std::array<ImageHandle, layer_count> layers;
+  std::vector<std::pair<std::string, ImageHandle>> layers;  // by name, those that were wanted
 };
 
 using TechniqueFunction = FrameImages (*)(Frame&, const SceneInputs&, const FrameKnobs&);

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   app.add_option("--samples", job.samples);
   app.add_option("--technique", job.technique);
   app.add_option("--device", settings.device);
+  app.add_option("--shader-dir", settings.shader_folder, "Shaders from a folder, to measure a change of one");
   app.add_flag("--passes", settings.timed, "Time each pass, which submits each alone on a CPU device");
   CLI11_PARSE(app, argc, argv);
   const auto failed = [](const Error& error) {

@@ -1,22 +1,11 @@
 #include <numbers>
 
-#include "passes_fixture.h"
-#include "render/light_grid.h"
-#include "shared/scene.h"
+#include "lights_bounds_fixture.h"
 
 namespace candela::gpu::test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-struct Slab {
-  glm::vec2 low, high;
-  float z_near, z_far;
-};
-struct Pair {
-  LightItem light;
-  Slab slab;
-};
 
 glm::dvec3 direction(Rng& rng) {
   const double z = rng.uniform(-1, 1), a = rng.uniform(0, 2 * pi), r = std::sqrt(1 - z * z);
@@ -35,9 +24,9 @@ bool reaches(const LightItem& l, glm::dvec3 p) {
 }
 
 // Slabs of 16-pixel tiles (60 degrees, 1080p, anywhere in the image) of a given depth ratio, and lights of all sizes near them.
-std::vector<Pair> random_pairs(size_t count, double ratio, bool spots, bool perspective, Rng& rng) {
-  std::vector<Pair> pairs(count);
-  for (Pair& p : pairs) {
+std::vector<SlabPair> random_pairs(size_t count, double ratio, bool spots, bool perspective, Rng& rng) {
+  std::vector<SlabPair> pairs(count);
+  for (SlabPair& p : pairs) {
     const double side = 16 / 935.0, z_near = std::exp(rng.uniform(-1, 7));
     const glm::dvec2 low(rng.uniform(-1.7, 1.7), rng.uniform(-1, 1));
     const double scale = perspective ? 1 : z_near;
@@ -56,47 +45,6 @@ std::vector<Pair> random_pairs(size_t count, double ratio, bool spots, bool pers
 }
 
 }  // namespace
-
-class LightBoundsTest : public PassTest {
- protected:
-  // bits of the four tests for each pair. The slab is a tile's; view space is relative space here.
-  std::vector<uint32_t> touches(const std::vector<Pair>& pairs, bool perspective) {
-    shared::FrameConstants frame{};
-    frame.camera_right = {1, 0, 0}, frame.camera_up = {0, 1, 0}, frame.camera_back = {0, 0, -1};
-    frame.perspective = perspective;
-    frame.size_px = {16, 16};
-    frame.tan_half = {1e3f, 1e3f};  // everything is in view
-    std::vector<LightItem> lights;
-    std::vector<Slab> slabs;
-    for (const Pair& p : pairs) lights.push_back(p.light), slabs.push_back(p.slab);
-    std::vector<shared::LightBounds> bounds(pairs.size());
-    const Buffer constants = upload(std::vector{frame}, "frame");
-    for (size_t i = 0; i < pairs.size(); ++i) bounds[i] = inflated_bounds(pairs[i].light, frame);
-    const Buffer bounds_buffer = upload(bounds, "bounds"), slab_buffer = upload(slabs, "slabs");
-    GraphBuilder builder;
-    const BufferHandle f = import(builder, constants, "frame"), b = import(builder, bounds_buffer, "bounds"),
-                       s = import(builder, slab_buffer, "slabs");
-    builder.begin_pass("touches");
-    for (const BufferHandle handle : {f, b, s}) builder.read(handle, Access::compute_read, "input");
-    const BufferHandle results =
-        builder.write(builder.create(BufferDesc{.name = "results", .size_bytes = pairs.size() * 4}), Access::compute_write);
-    const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "light_touches.comp"});
-    builder.end_pass([=, count = uint32_t(pairs.size())](CommandList& commands) {
-      struct {
-        uint64_t frame, bounds, slabs, results;
-        uint32_t count, padding;
-      } const push{commands.address(f), commands.address(b), commands.address(s), commands.address(results), count, 0};
-      commands.bind(pipeline);
-      commands.push(push);
-      commands.dispatch(count);
-    });
-    const BufferHandle words = read_words(builder, "results", results, pairs.size() * 4);
-    const FrameRun run = run_all(builder);
-    std::vector<uint32_t> bits(pairs.size());
-    std::memcpy(bits.data(), run.readbacks.at(words.resource)->bytes().data(), bits.size() * 4);
-    return bits;
-  }
-};
 
 // Points of the slab that the light reaches show that it must be listed: none of the tests may say no. And the ratio of what is
 // listed to what is needed is what TECHNIQUES 6.4 reports, by its order of size.
@@ -147,7 +95,7 @@ TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
 // A ball beside a tapered capsule: at the foot of the perpendicular from its centre the capsule is still too thin; the ball that
 // touches it lies further along.
 TEST_F(LightBoundsTest, TheFootOfThePerpendicularIsNotTheClosestPoint) {
-  Pair p;
+  SlabPair p;
   p.slab = {{-0.5f, -0.5f}, {0.5f, 0.5f}, 1, 100};
   p.light.type = LightType::point;
   p.light.position = {0, 30, 30};
@@ -158,11 +106,11 @@ TEST_F(LightBoundsTest, TheFootOfThePerpendicularIsNotTheClosestPoint) {
 
 // Lights that only touch by a hair, and numbers near the ends of what floats hold: yes is always allowed, no only if it is right.
 TEST_F(LightBoundsTest, ExtremeNumbersAreKept) {
-  std::vector<Pair> pairs;
+  std::vector<SlabPair> pairs;
   for (const float range : {1e-20f, 1e-3f, 1.0f, 1e6f, 1e18f})
     for (const float depth : {1e-3f, 1.0f, 1e5f, 1e12f})
       for (const float angle : {1e-6f, 0.5f, 1.5707f, 1.5707964f}) {
-        Pair p;
+        SlabPair p;
         p.slab = {{0.1f, -0.2f}, {0.12f, -0.18f}, depth, depth * 2};
         p.light.type = LightType::spot;
         p.light.position = glm::vec3(0.11f, -0.19f, 1.0f) * depth * 1.5f;

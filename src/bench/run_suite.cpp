@@ -128,16 +128,22 @@ void SuiteRun::check_picture(const Item& item, Measured& measured) {
   std::optional<Beauty> beauty = measured.beauty();
   const std::vector<std::string> layers = light_list_layers();
   if (layers.empty()) row.lists_note = "this build has no layers of light lists";
+  // The heat maps test every light at every pixel.
+  constexpr double most_tests = 5e9;
+  const double tests = double(std::max<int64_t>(row.lights, 0)) * row.width_px * row.height_px;
   if (measured.first_frame_ms() < slow_ms) {
     Configuration seen = item.configuration;
-    seen.job.layers = layers;
+    if (tests <= most_tests)
+      seen.job.layers = layers;
+    else
+      row.lists_note = fmt::format("counting would test {} lights at every pixel", row.lights);
     auto frame = render_once(seen, store_, settings_, {.linear = true, .display = true}, thumbnail_px);
     if (frame) {
       row.lists = frame->lists;
       row.thumbnail = std::move(frame->thumbnail);
       row.heatmap = std::move(frame->heatmap);
       if (!beauty) beauty = std::move(frame->beauty);
-      if (!layers.empty() && !row.lists) row.lists_note = "the technique has no light lists";
+      if (!seen.job.layers.empty() && !row.lists) row.lists_note = "the technique has no light lists";
     } else {
       row.lists_note = frame.error().text();
     }

@@ -186,12 +186,24 @@ std::string remedy(const DeviceInfo& info) {
   return "install a newer driver or choose another device with --device";
 }
 
+// Light lists are walked by their union over a subgroup.
+bool has_subgroup_arithmetic(VkPhysicalDevice physical) {
+  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11};
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  constexpr VkShaderStageFlags stages = VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT;
+  return (v11.subgroupSupportedStages & stages) == stages &&
+         (v11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) != 0;
+}
+
 std::string why_unusable(VkPhysicalDevice physical, const DeviceInfo& info) {
   if (info.api_major < 1 || (info.api_major == 1 && info.api_minor < 3))
     return fmt::format("Vulkan {}.{} where 1.3 is needed: {}", info.api_major, info.api_minor, remedy(info));
   DeviceFeatures present;
   vkGetPhysicalDeviceFeatures2(physical, &present.core);
-  const std::string missing = missing_features(present);
+  std::string missing = missing_features(present);
+  if (!has_subgroup_arithmetic(physical))
+    missing += (missing.empty() ? "" : ", ") + std::string("subgroup arithmetic in fragment and compute shaders");
   return missing.empty() ? "" : fmt::format("lacks {}: {}", missing, remedy(info));
 }
 

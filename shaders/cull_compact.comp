@@ -35,7 +35,7 @@ void main() {
   const uint run_first_item = CullGroupsRef(pc.groups).g[group.first_group].first_item;
   if (survives) {
     const uint index = group.first_item + t;
-    const Item item = ItemsRef(FrameConstantsRef(pc.frame).c.items).i[index];
+    const Item item = ItemsRef(frame.items).i[index];
     DrawCommandsRef(pc.commands).d[run_first_item + before + prefix[t] - 1u] = DrawCommand(item.index_count, 1u, item.first_index, 0, index);
   }
   if (t == 0u && group.is_last != 0u) CountsRef(pc.counts).n[group.run] = before + prefix[cull_group_size - 1u];

@@ -4,6 +4,7 @@
 #include "shared/deform.h"
 layout(push_constant, scalar) uniform Push { DeformPush pc; };
 #include "lib/bindless.glsl"
+#include "lib/frame.glsl"
 layout(local_size_x = 64) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MatricesRef { mat4 m[]; };
@@ -37,7 +38,7 @@ mat4 blended_joints(uint64_t vertices, DeformJob job, uint vertex) {
 }
 
 void deform_vertex(DeformJob job, uint v) {
-  const uint64_t vertices = FrameConstantsRef(pc.frame).c.vertices;
+  const uint64_t vertices = frame.vertices;
   vec3 position = load3(vertices, job.position + 3u * v);
   vec3 normal = job.normal != absent ? load3(vertices, job.normal + 3u * v) : vec3(0.0);
   vec3 tangent = job.tangent != absent ? load3(vertices, job.tangent + 4u * v) : vec3(0.0);

@@ -3,7 +3,7 @@
 // Bits and counts do not depend on the order in which threads arrive.
 #include "shared/scene.h"
 layout(push_constant, scalar) uniform Push { LightAssignPush pc; };
-#define frame (FrameConstantsRef(pc.frame).c)
+#include "lib/frame.glsl"
 #include "lib/light_cells.glsl"
 #include "lib/light_bounds.glsl"
 layout(local_size_x = 64) in;

@@ -2,7 +2,7 @@
 // Puts every light that light_assign found into its cells' lists, in the order in which threads arrive; light_sort orders them.
 #include "shared/scene.h"
 layout(push_constant, scalar) uniform Push { LightFillPush pc; };
-#define frame (FrameConstantsRef(pc.frame).c)
+#include "lib/frame.glsl"
 layout(local_size_x = 64) in;
 #include "lib/light_chunk.glsl"
 

@@ -20,8 +20,9 @@ void main() {
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer(v.relative_position);
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
-  const float coverage = surface_coverage(m, s.alpha);
-  if (IS_MASKED != 0 && coverage == 0.0) discard;
+  // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples that passed
+  // the depth test may lie in a hole, and the kept sample would be nobody's.
+  const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
   if (HAS_LIGHTS != 0) {

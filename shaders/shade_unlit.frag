@@ -12,7 +12,6 @@ layout(location = 0) out vec4 out_radiance;  // premultiplied, pre-exposed
 void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
   const vec4 base = surface_base_color(m, load_varyings());
-  const float coverage = surface_coverage(m, base.a);
-  if (IS_MASKED != 0 && coverage == 0.0) discard;
+  const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, base.a);  // the pre-pass cut: shade_forward.frag
   out_radiance = vec4(max(base.rgb, vec3(0.0)) * frame.pre_exposure * coverage, coverage);
 }

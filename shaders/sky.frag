@@ -1,25 +1,22 @@
 #version 460
 // Equirectangular environment where nothing was drawn. The level of detail follows the direction's derivative, which has no
 // jump where longitude wraps.
-#include "shared/draw.h"
-layout(push_constant, scalar) uniform Push { SkyPush pc; };
-#include "shared/scene.h"
 #include "lib/bindless.glsl"
+#include "lib/frame.glsl"
 
 layout(location = 0) in vec2 in_ndc;
 layout(location = 0) out vec4 out_radiance;
 const float PI = 3.14159265358979323846;
 
 void main() {
-  FrameConstantsRef frame = FrameConstantsRef(pc.frame);
-  vec3 direction = -frame.c.camera_back;
-  if (frame.c.perspective != 0u)
-    direction += in_ndc.x * frame.c.tan_half.x * frame.c.camera_right - in_ndc.y * frame.c.tan_half.y * frame.c.camera_up;
+  vec3 direction = -frame.camera_back;
+  if (frame.perspective != 0u)
+    direction += in_ndc.x * frame.tan_half.x * frame.camera_right - in_ndc.y * frame.tan_half.y * frame.camera_up;
   direction = normalize(direction);
   // The middle of the image is +X, and u grows towards +Z, as three.js places an environment (scene/environment.h agrees).
   const vec2 uv = vec2(atan(direction.z, direction.x) / (2.0 * PI) + 0.5, acos(clamp(direction.y, -1.0, 1.0)) / PI);
   const float step = max(length(dFdx(direction)), length(dFdy(direction)));
-  const float lod = log2(max(step * frame.c.sky_size_px.x / (2.0 * PI), 1e-6));
-  const vec3 radiance = textureLod(sampler2D(textures[frame.c.sky_texture], samplers[frame.c.sky_sampler]), uv, max(lod, 0.0)).rgb;
-  out_radiance = vec4(radiance * frame.c.pre_exposure, 1.0);
+  const float lod = log2(max(step * frame.sky_size_px.x / (2.0 * PI), 1e-6));
+  const vec3 radiance = textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv, max(lod, 0.0)).rgb;
+  out_radiance = vec4(radiance * frame.pre_exposure, 1.0);
 }

@@ -4,7 +4,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared/scene.h"
 layout(push_constant, scalar) uniform Push { TileDepthPush pc; };
-#define frame (FrameConstantsRef(pc.frame).c)
+#include "lib/frame.glsl"
 #include "lib/bindless.glsl"
 #include "lib/light_cells.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -32,15 +32,16 @@ void main() {
   barrier();
   const ivec2 p = ivec2(gl_GlobalInvocationID.xy);
   const bool inside = all(lessThan(uvec2(p), frame.size_px));
+  // Fetched once: fetches are most of this pass. Below 0: no surface.
+  float z[SAMPLES];
   uint low = 0xffffffffu, high = 0u;
-  if (inside)
-    for (int s = 0; s < SAMPLES; ++s) {
-      const float d = sample_depth(p, s);
-      if (!(d > 0.0)) continue;
-      const uint z = floatBitsToUint(depth_m(d));
-      low = min(low, z);
-      high = max(high, z);
-    }
+  for (int s = 0; s < SAMPLES; ++s) {
+    const float d = inside ? sample_depth(p, s) : 0.0;
+    z[s] = d > 0.0 ? depth_m(d) : -1.0;
+    if (z[s] < 0.0) continue;
+    low = min(low, floatBitsToUint(z[s]));
+    high = max(high, floatBitsToUint(z[s]));
+  }
   low = subgroupMin(low);
   high = subgroupMax(high);
   if (subgroupElect()) {
@@ -56,14 +57,11 @@ void main() {
     tile.z_near = uintBitsToFloat(nearest) * (1.0 - 1.0 / 1024.0);
     tile.z_far = min(uintBitsToFloat(farthest) * (1.0 + 1.0 / 1024.0), 3e38);
     uint mask = 0u;
-    if (inside)
-      for (int s = 0; s < SAMPLES; ++s) {
-        const float d = sample_depth(p, s);
-        if (!(d > 0.0)) continue;
-        const float z = depth_m(d);
-        mask |= 1u << tile_slice(tile, z * (1.0 - 1.0 / 4096.0));
-        mask |= 1u << tile_slice(tile, z * (1.0 + 1.0 / 4096.0));
-      }
+    for (int s = 0; s < SAMPLES; ++s) {
+      if (z[s] < 0.0) continue;
+      mask |= 1u << tile_slice(tile, z[s] * (1.0 - 1.0 / 4096.0));
+      mask |= 1u << tile_slice(tile, z[s] * (1.0 + 1.0 / 4096.0));
+    }
     mask = subgroupOr(mask);
     if (subgroupElect()) atomicOr(slices, mask);
   }

@@ -1,9 +1,6 @@
 // Reads the scene through device addresses. Needs `DrawPush` (shared/draw.h) as the push constants `pc`.
-#include "shared/scene.h"
 #include "lib/bindless.glsl"
-
-FrameConstantsRef frame_ref() { return FrameConstantsRef(pc.frame); }
-#define frame (frame_ref().c)
+#include "lib/frame.glsl"
 
 Item load_item(uint i) { return ItemsRef(frame.items).i[i]; }
 Geometry load_geometry(uint i) { return GeometriesRef(frame.geometries).g[i]; }

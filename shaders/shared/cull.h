@@ -18,7 +18,7 @@ struct DrawCommand {
   uint first_instance;
 };
 struct CullPush {
-  uint64_t frame, groups, survivors, commands, counts;
+  uint64_t groups, survivors, commands, counts;
   uint culling;         // 0: everything is kept
   uint group_count;
 };
@@ -33,7 +33,7 @@ inline uvec2 cull_threads(uint groups) {
   const uint row = groups < 65535 ? groups : 65535;
   return {row * cull_group_size, (groups + 65534) / 65535};
 }
-static_assert(sizeof(CullGroup) == 20 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 48);
+static_assert(sizeof(CullGroup) == 20 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 40);
 }  // namespace candela::shared
 #else
 const uint cull_group_size = 256u;

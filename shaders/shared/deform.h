@@ -15,7 +15,7 @@ struct DeformJob {
   uint out_position, out_normal, out_tangent;
 };
 struct DeformPush {
-  uint64_t frame, jobs, joints, weights, deformed;
+  uint64_t jobs, joints, weights, deformed;
   uint job;
 };
 

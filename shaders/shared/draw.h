@@ -3,11 +3,11 @@
 #include "shared/types.h"
 SHARED_BEGIN
 struct DrawPush {       // every pass that draws the scene
-  uint64_t frame, deformed, lights;
+  uint64_t deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
 };
-struct SkyPush {
-  uint64_t frame;
+struct BackgroundPush {
+  vec4 color;           // premultiplied, pre-exposed
 };
 struct TonemapPush {
   uint source, target;  // bindless

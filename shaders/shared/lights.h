@@ -48,11 +48,11 @@ struct TileDepth {
 };
 
 struct TileDepthPush {
-  uint64_t frame, tiles;
+  uint64_t tiles;
   uint depth;            // place in the pass's images
 };
 struct LightAssignPush {
-  uint64_t frame, bounds, chunks, tiles;
+  uint64_t bounds, chunks, tiles;
   uint64_t lists;        // bitmasks, or counts of cells
   uint64_t sums, hits;   // compact lists: counts of light_scan_cells cells, and a bit a thread
   uint chunk_count;
@@ -62,7 +62,7 @@ struct LightScanPush {
   uint cells;
 };
 struct LightFillPush {
-  uint64_t frame, bounds, chunks, hits, offsets, cursors, entries;
+  uint64_t bounds, chunks, hits, offsets, cursors, entries;
   uint chunk_count;
 };
 struct LightSortPush {
@@ -78,7 +78,7 @@ inline constexpr uint light_chunk_cells = 8, light_group = 64, light_scan_cells 
 enum : uint { light_mode_all = 0, light_mode_bitmask = 1, light_mode_compact = 2 };
 static_assert(sizeof(LightGrid) == 80 && offsetof(LightGrid, globals) == 72);
 static_assert(sizeof(LightBounds) == 72 && sizeof(LightChunk) == 12 && sizeof(TileDepth) == 12);
-static_assert(sizeof(LightAssignPush) == 64 && sizeof(LightFillPush) == 64);
+static_assert(sizeof(LightAssignPush) == 56 && sizeof(LightFillPush) == 56);
 // Groups beyond what one dimension of a dispatch takes on every device (65535) go to the second.
 inline uvec2 light_threads(uint64_t threads, uint group = light_group) {
   const uint64_t groups = (threads + group - 1) / group;

@@ -101,7 +101,6 @@ const uint geometry_deformed = 1u;
 const uint material_masked = 1u, material_double_sided = 2u, material_unlit = 4u, material_orm_occlusion = 8u,
            material_orm_metallic_roughness = 16u, material_blended = 32u;
 const uint light_directional = 0u, light_point = 1u, light_spot = 2u;
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameConstantsRef { FrameConstants c; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer WordsRef { uint w[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float f[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TransformsRef { Transform t[]; };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <mutex>
+#include <vector>
 
 #include "base/check.h"
 
@@ -46,18 +47,19 @@ bool equal(const VkSamplerCreateInfo& a, const VkSamplerCreateInfo& b) {
 }  // namespace
 
 namespace {
-VkDescriptorSetLayout make_set_layout(Device& device, std::span<const VkDescriptorType, 2> types,
-                                      std::span<const uint32_t, 2> counts, VkDescriptorBindingFlags more) {
-  VkDescriptorSetLayoutBinding bindings[2]{};
-  const VkDescriptorBindingFlags each = VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT | more;
-  const VkDescriptorBindingFlags flags[2] = {each, each};
-  for (uint32_t i = 0; i < 2; ++i) bindings[i] = {i, types[i], counts[i], VK_SHADER_STAGE_ALL, nullptr};
+// One binding for each size, in order.
+VkDescriptorSetLayout make_set_layout(Device& device, std::span<const VkDescriptorPoolSize> sizes,
+                                      VkDescriptorBindingFlags more) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  for (const VkDescriptorPoolSize& size : sizes)
+    bindings.push_back({uint32_t(bindings.size()), size.type, size.descriptorCount, VK_SHADER_STAGE_ALL, nullptr});
+  const std::vector<VkDescriptorBindingFlags> flags(sizes.size(), VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT | more);
   const VkDescriptorSetLayoutBindingFlagsCreateInfo flags_info{
-      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO, nullptr, 2, flags};
+      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO, nullptr, uint32_t(flags.size()), flags.data()};
   VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, &flags_info};
   info.flags = more ? VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT : 0;
-  info.bindingCount = 2;
-  info.pBindings = bindings;
+  info.bindingCount = uint32_t(bindings.size());
+  info.pBindings = bindings.data();
   VkDescriptorSetLayout layout = VK_NULL_HANDLE;
   VK_CHECK(vkCreateDescriptorSetLayout(device.handle(), &info, nullptr, &layout));
   return layout;
@@ -79,12 +81,10 @@ Bindless::Bindless(Device& device, uint32_t textures) : hidden_(std::make_unique
   const uint32_t counts[] = {std::min(room, v12.maxPerStageDescriptorUpdateAfterBindSampledImages),
                              std::min(max_samplers, v12.maxPerStageDescriptorUpdateAfterBindSamplers)};
   hidden_->sampled = Slots(counts[0]);
-  const VkDescriptorType types[] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLER};
-  set_layout_ = make_set_layout(device, types, counts, VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT);
-  const VkDescriptorType pass_types[] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE};
-  const uint32_t pass_counts[] = {pass_sampled, pass_storage};
-  pass_set_layout_ = make_set_layout(device, pass_types, pass_counts, 0);
-  const VkDescriptorPoolSize sizes[] = {{types[0], counts[0]}, {types[1], counts[1]}};
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, counts[0]},
+                                        {VK_DESCRIPTOR_TYPE_SAMPLER, counts[1]}};
+  set_layout_ = make_set_layout(device, sizes, VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT);
+  pass_set_layout_ = make_set_layout(device, pass_sizes, 0);
 
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool_info.flags = VK_DESCRIPTOR_POOL_CREATE_UPDATE_AFTER_BIND_BIT;

@@ -9,11 +9,14 @@ namespace candela::gpu {
 // constants visible to all stages.
 //   set 0, update-after-bind and partially bound: binding 0 sampled textures of the scene, binding 1 samplers
 //   set 1, one for each pass of a plan (Physical makes them): binding 0 sampled images of the graph, binding 1 storage
-//   images
+//   images, binding 2 the pass's block of uniforms
 class Bindless {
  public:
   static constexpr uint32_t most_textures = 16384;
   static constexpr uint32_t pass_sampled = 16, pass_storage = 8;  // images that one pass may sample, and store to
+  static constexpr VkDescriptorPoolSize pass_sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, pass_sampled},
+                                                        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, pass_storage},
+                                                        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}};  // of one set 1
 
   // textures: how many sampled images there will be at most. The set has room for the next power of two, so that few
   // layouts exist and pipeline caches serve most scenes; memory of descriptors that nobody uses still costs time.

@@ -240,7 +240,9 @@ FrameRun FrameRunner::run(const CompiledGraph& graph, const std::map<int, const 
   FrameRun result;
   if (graph.plan.passes.empty()) return result;
   if (options.hash_outputs && !h.copyable) h.rebuild(graph.plan, true);
-  const FrameContext frame = h.context(graph.plan, imports, result);
+  FrameContext frame = h.context(graph.plan, imports, result);
+  frame.hashed = options.hash_outputs;
+  h.physical.bind_uniforms(graph.plan, frame.buffers);
   const bool isolated = options.hash_outputs || (options.timed && (h.device.info().is_cpu || !h.timing.available()));
   if (isolated)
     h.run_isolated(frame, graph, options, timeout_s, result);

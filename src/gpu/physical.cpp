@@ -66,12 +66,12 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
 void Physical::make_pass_sets(const FramePlan& plan) {
   const uint32_t passes = uint32_t(plan.passes.size());
   if (passes == 0) return;
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, passes * Bindless::pass_sampled},
-                                        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, passes * Bindless::pass_storage}};
+  std::vector<VkDescriptorPoolSize> sizes(std::begin(Bindless::pass_sizes), std::end(Bindless::pass_sizes));
+  for (VkDescriptorPoolSize& size : sizes) size.descriptorCount *= passes;
   VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   info.maxSets = passes;
-  info.poolSizeCount = 2;
-  info.pPoolSizes = sizes;
+  info.poolSizeCount = uint32_t(sizes.size());
+  info.pPoolSizes = sizes.data();
   VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &pool_));
   pass_images_.resize(passes);
   for (uint32_t i = 0; i < passes; ++i) write_pass_set(plan, plan.passes[i], pass_images_[i]);
@@ -107,6 +107,25 @@ void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, PassI
                                      &image};
     vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
   }
+}
+
+void Physical::bind_uniforms(const FramePlan& plan, std::span<const Buffer* const> buffers) {
+  for (size_t i = 0; i < plan.passes.size(); ++i)
+    for (const PlanUse& use : plan.passes[i].uses) {
+      if (use.access != Access::uniform_read) continue;
+      const VkDescriptorBufferInfo buffer{buffers[size_t(use.resource)]->handle(), 0,
+                                          std::get<BufferDesc>(plan.resources[size_t(use.resource)].desc).size_bytes};
+      const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                       nullptr,
+                                       pass_images_[i].set,
+                                       2,
+                                       0,
+                                       1,
+                                       VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                                       nullptr,
+                                       &buffer};
+      vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+    }
 }
 
 namespace {

@@ -43,6 +43,8 @@ class Physical {
   void clear();
   const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }
   const PassImages& pass_images(size_t pass) const { return pass_images_[pass]; }
+  // Writes the block of uniforms of each pass into its set, which no frame may be using. buffers: by resource.
+  void bind_uniforms(const FramePlan& plan, std::span<const Buffer* const> buffers);
   const Buffer& buffer(int resource) const {
     return buffers_[size_t(resource)];
   }  // empty: imported, read back, or unused

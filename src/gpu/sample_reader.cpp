@@ -20,12 +20,10 @@ uint32_t channels(VkFormat format) {
 
 SampleReader::SampleReader(Device& device, Bindless& bindless, Pipelines& pipelines)
     : device_(device), bindless_(bindless), pipelines_(pipelines) {
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, Bindless::pass_sampled},
-                                        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, Bindless::pass_storage}};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = 1;
-  pool.poolSizeCount = 2;
-  pool.pPoolSizes = sizes;
+  pool.poolSizeCount = uint32_t(std::size(Bindless::pass_sizes));
+  pool.pPoolSizes = Bindless::pass_sizes;
   VK_CHECK(vkCreateDescriptorPool(device.handle(), &pool, nullptr, &pool_));
   const VkDescriptorSetLayout layout = bindless.pass_set_layout();
   VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};

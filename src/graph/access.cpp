@@ -45,6 +45,8 @@ constexpr std::array<AccessInfo, access_count> table{{
     {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, storage_read, none, 0, addressed, false, "vertex_read"},
     {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, storage_read, none, 0, addressed, false, "fragment_read"},
     {vertex_and_fragment, storage_read, none, 0, addressed, false, "graphics_read"},
+    {vertex_and_fragment | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_UNIFORM_READ_BIT, none, 0,
+     VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, false, "uniform_read"},
     {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, storage_read, none, 0, addressed, false, "compute_read"},
     {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, storage_read | storage_write, none, 0, addressed, true, "compute_write"},
     {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, storage_read | storage_write, none, 0, addressed, true, "fragment_write"},

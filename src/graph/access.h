@@ -9,7 +9,7 @@ namespace candela {
 
 enum class Access : uint8_t {
   // images
-  color_attachment,        // written; cleared by its first writer, loaded (and blended) by later ones
+  color_attachment,        // written; cleared by its first writer (ImageDesc::covered: not even that), loaded (and blended) by later ones
   depth_attachment,        // tested and written
   depth_test,              // tested only (EQUAL after a pre-pass); may be shared with sampling
   resolve_attachment,      // written by the end of a multisampled rendering
@@ -23,6 +23,7 @@ enum class Access : uint8_t {
   vertex_read,             // storage buffer read in the vertex shader (vertices are pulled)
   fragment_read,
   graphics_read,           // vertex and fragment shader
+  uniform_read,            // the one block of uniforms that all shaders of the pass read (lib/frame.glsl)
   compute_read,
   compute_write,           // and read: a storage buffer written by compute
   fragment_write,          // integer atomics from fragment shaders (counters)

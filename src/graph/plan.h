@@ -17,6 +17,9 @@ struct ImageDesc {
   VkFormat format = VK_FORMAT_UNDEFINED;
   uint32_t width_px = 0, height_px = 0, samples = 1;
   std::array<float, 4> clear{0, 0, 0, 0};  // colour, or depth in [0]; integers as floats
+  // The passes that write it cover every texel between them before anything reads it: the first finds what was there, and does not
+  // clear. While outputs are hashed it does, for a hash may not see what the next pass covers.
+  bool covered = false;
 };
 enum class BufferMemory : uint8_t { device, host_read };
 struct BufferDesc {

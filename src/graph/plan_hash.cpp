@@ -39,6 +39,7 @@ void add(Text& out, const ImageDesc& desc) {
   out.string(desc.name);
   for (const uint32_t field : {uint32_t(desc.format), desc.width_px, desc.height_px, desc.samples}) out.number(field);
   for (const float channel : desc.clear) out.number(std::bit_cast<uint32_t>(channel));
+  out.number(desc.covered);
 }
 void add(Text& out, const BufferDesc& desc) {
   out.string(desc.name);

@@ -16,7 +16,8 @@ Need Cull::needed(const SceneFacts& facts, const FrameRequest&) const {
 }
 
 Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.items, in.scene.cull_groups})
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {in.scene.items, in.scene.cull_groups})
     builder.read(b, Access::compute_read, "the scene");
   Out out;
   out.survivors = builder.create(BufferDesc{"cull.survivors", in.scene.cull_group_count * sizeof(uint32_t)});
@@ -28,7 +29,6 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
 void Cull::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::CullPush push{};
-  push.frame = commands.address(in.scene.constants);
   push.groups = commands.address(in.scene.cull_groups);
   push.survivors = commands.address(out.survivors);
   push.culling = uint32_t(knobs.enabled);

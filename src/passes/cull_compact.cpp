@@ -9,7 +9,8 @@ Need CullCompact::needed(const SceneFacts& facts, const FrameRequest&) const {
 }
 
 CullCompact::Out CullCompact::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.items, in.scene.cull_groups})
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {in.scene.items, in.scene.cull_groups})
     builder.read(b, Access::compute_read, "the scene");
   builder.read(in.survivors, Access::compute_read, "survivor counts");
   Out out;
@@ -24,7 +25,6 @@ CullCompact::Out CullCompact::declare(GraphBuilder& builder, const In& in) const
 void CullCompact::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::CullPush push{};
-  push.frame = commands.address(in.scene.constants);
   push.groups = commands.address(in.scene.cull_groups);
   push.survivors = commands.address(in.survivors);
   push.commands = commands.address(out.draws.commands);

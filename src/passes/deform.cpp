@@ -9,7 +9,8 @@ Need Deform::needed(const SceneFacts& facts, const FrameRequest&) const {
 }
 
 Deform::Out Deform::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.vertices, in.scene.deform_jobs})
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {in.scene.vertices, in.scene.deform_jobs})
     builder.read(b, Access::compute_read, "the scene");
   builder.read_optional(in.scene.joints, Access::compute_read);
   builder.read_optional(in.scene.weights, Access::compute_read);
@@ -23,7 +24,6 @@ Deform::Out Deform::declare(GraphBuilder& builder, const In& in) const {
 void Deform::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::DeformPush push{};
-  push.frame = commands.address(in.scene.constants);
   push.jobs = commands.address(in.scene.deform_jobs);
   push.joints = in.scene.joints ? commands.address(in.scene.joints) : 0;
   push.weights = in.scene.weights ? commands.address(in.scene.weights) : 0;

@@ -15,8 +15,9 @@ VkPrimitiveTopology vulkan_topology(Topology t) {
 
 RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                           const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice) {
+  builder.read(scene.constants, Access::uniform_read, "the frame's constants");
   for (const BufferHandle b :
-       {scene.constants, scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
+       {scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
     builder.read(b, Access::graphics_read, "the scene");
   builder.read(scene.indices, Access::index_read, "the scene's indices");
   builder.read(draws.commands, Access::indirect_read, "draw commands");
@@ -44,9 +45,11 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellL
 }
 
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
-  if (!color)
-    color = builder.create(
-        ImageDesc{"color", color_format, scene.width_px, scene.height_px, scene.samples, scene.background});
+  if (!color) {
+    ImageDesc desc{"color", color_format, scene.width_px, scene.height_px, scene.samples};
+    desc.covered = true;
+    color = builder.create(desc);
+  }
   return builder.write(color, Access::color_attachment);
 }
 
@@ -54,7 +57,6 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
                  const RunPipelines& pipelines, const CellLists* lists) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
-  push.frame = commands.address(scene.constants);
   push.deformed = deformed ? commands.address(deformed) : 0;
   if (lists && scene.lights) {
     // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.

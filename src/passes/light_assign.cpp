@@ -9,7 +9,8 @@ Need LightAssign::needed(const SceneFacts&, const FrameRequest&) const {
 }
 
 LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.light_bounds, in.scene.light_chunks})
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})
     builder.read(b, Access::compute_read, "the scene's lights");
   if (grid.tiled) builder.read(in.tiles, Access::compute_read, "tile depths");
   const auto zeroed = [&](const char* buffer, uint64_t words) {
@@ -35,7 +36,6 @@ LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const
 void LightAssign::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::LightAssignPush push{};
-  push.frame = commands.address(in.scene.constants);
   push.bounds = commands.address(in.scene.light_bounds);
   push.chunks = commands.address(in.scene.light_chunks);
   push.tiles = grid.tiled ? commands.address(in.tiles) : 0;

@@ -9,7 +9,8 @@ Need LightFill::needed(const SceneFacts&, const FrameRequest&) const {
 }
 
 LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
-  for (const BufferHandle b : {in.scene.constants, in.scene.light_bounds, in.scene.light_chunks})
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})
     builder.read(b, Access::compute_read, "the scene's lights");
   builder.read(in.offsets, Access::compute_read, "where lists begin");
   builder.read(in.hits, Access::compute_read, "lights of cells");
@@ -27,7 +28,6 @@ LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
 void LightFill::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::LightFillPush push{};
-  push.frame = commands.address(in.scene.constants);
   push.bounds = commands.address(in.scene.light_bounds);
   push.chunks = commands.address(in.scene.light_chunks);
   push.hits = commands.address(in.hits);

@@ -10,10 +10,10 @@ Need Sky::needed(const SceneFacts& facts, const FrameRequest& request) const {
 }
 
 Sky::Out Sky::declare(GraphBuilder& builder, const In& in) const {
-  builder.read(in.scene.constants, Access::graphics_read, "the frame's constants");
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
   GraphicsPipelineDesc desc;
-  desc.vertex_shader = "sky.vert";
+  desc.vertex_shader = "background.vert";
   desc.fragment_shader = "sky.frag";
   desc.color_formats = {color_format};
   desc.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
@@ -30,9 +30,6 @@ void Sky::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
   commands.bind(out.pipeline);
-  shared::SkyPush push{};
-  push.frame = commands.address(in.scene.constants);
-  commands.push(push);
   commands.set_cull(false, false);
   commands.draw(3);
   commands.end_rendering();

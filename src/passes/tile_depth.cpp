@@ -9,7 +9,7 @@ Need TileDepth::needed(const SceneFacts&, const FrameRequest&) const {
 }
 
 TileDepth::Out TileDepth::declare(GraphBuilder& builder, const In& in) const {
-  builder.read(in.scene.constants, Access::compute_read, "the scene");
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   builder.read(in.depth, Access::sampled_compute, "depth");
   Out out;
   out.tiles = builder.create(
@@ -22,7 +22,6 @@ TileDepth::Out TileDepth::declare(GraphBuilder& builder, const In& in) const {
 void TileDepth::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::TileDepthPush push{};
-  push.frame = commands.address(in.scene.constants);
   push.tiles = commands.address(out.tiles);
   push.depth = commands.sampled(in.depth);
   commands.push(push);

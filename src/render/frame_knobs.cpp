@@ -3,7 +3,7 @@
 #include <bit>
 #include <charconv>
 
-#include "passes/clear.h"
+#include "passes/background.h"
 #include "passes/cull.h"
 #include "passes/cull_compact.h"
 #include "passes/deform.h"
@@ -129,8 +129,8 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
 std::vector<std::string> pass_names() {
   std::vector<std::string> names;
   for (const std::string_view n :
-       {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, TileDepth::name, LightAssign::name, LightScan::name, LightFill::name, LightSort::name, Clear::name, ShadeForward::name,
-        ShadeUnlit::name, Sky::name, Transparent::name, Layers::name, LightHeat::name, Resolve::name, Tonemap::name, Readback::name})
+       {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, TileDepth::name, LightAssign::name, LightScan::name, LightFill::name, LightSort::name, ShadeForward::name,
+        ShadeUnlit::name, Sky::name, Background::name, Transparent::name, Layers::name, LightHeat::name, Resolve::name, Tonemap::name, Readback::name})
     names.emplace_back(n);
   return names;
 }

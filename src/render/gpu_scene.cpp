@@ -56,7 +56,8 @@ void for_each_slot(const Material& m, F&& f) {  // slot, whether its colours are
 void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void* data, size_t size, size_t room) {
   const size_t least = std::max(size, room);
   if (!buffer || buffer.size() < least)
-    buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least), storage_usage,
+    buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least),
+                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                          gpu::Buffer::Memory::upload, gpu::Device::Purpose::frame, name);
   if (size) std::memcpy(buffer.mapped(), data, size);
 }

@@ -1,4 +1,4 @@
-#include "passes/clear.h"
+#include "passes/background.h"
 #include "passes/cull.h"
 #include "passes/cull_compact.h"
 #include "passes/deform.h"
@@ -47,10 +47,10 @@ FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& kn
   const ImageHandle depth = frame.add(DepthPrepass{}, {scene, draws, deformed}).depth;
   const CellLists lists = make_light_lists(frame, scene, depth);
 
-  ImageHandle color = frame.add(Clear{}, {scene}).color;
-  color = newest(frame.add(ShadeForward{}, {scene, draws, deformed, lists, depth, color}).color, color);
+  ImageHandle color = frame.add(ShadeForward{}, {scene, draws, deformed, lists, depth, {}}).color;
   color = newest(frame.add(ShadeUnlit{}, {scene, draws, deformed, depth, color}).color, color);
   color = newest(frame.add(Sky{}, {scene, depth, color}).color, color);
+  color = newest(frame.add(Background{}, {scene, depth, color}).color, color);
   color = newest(frame.add(Transparent{}, {scene, draws, deformed, lists, depth, color}).color, color);
 
   FrameImages images{color, {}};

@@ -56,8 +56,8 @@ using Names = std::vector<std::string>;
 
 TEST(Plan, AnUnlitBoxTakesNoLightAndNoSky) {
   const PlannedFrame frame = plan(generated("unlit-box"));
-  EXPECT_EQ(kept(frame), (Names{"cull", "cull_compact", "depth_prepass", "shade_unlit", "resolve", "readback"}));
-  for (const char* pass : {"shade_forward", "sky", "transparent", "deform", "layers", "tonemap", "clear"})
+  EXPECT_EQ(kept(frame), (Names{"cull", "cull_compact", "depth_prepass", "shade_unlit", "background", "resolve", "readback"}));
+  for (const char* pass : {"shade_forward", "sky", "transparent", "deform", "layers", "tonemap"})
     EXPECT_FALSE(reason(frame, pass).empty()) << pass;
   EXPECT_EQ(reason(frame, "shade_forward"), "the scene has no opaque or masked surface that takes light");
 }
@@ -125,9 +125,9 @@ TEST(Plan, AnEmptySceneClearsAndNothingElse) {
   const auto scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
   const PlannedFrame frame = plan(*scene, small_job(1));
-  EXPECT_EQ(kept(frame), (Names{"clear", "readback"}));
+  EXPECT_EQ(kept(frame), (Names{"background", "readback"}));
   EXPECT_FALSE(frame.notes.empty());
-  EXPECT_EQ(kept(plan(*scene, small_job(4))), (Names{"clear", "resolve", "readback"}));
+  EXPECT_EQ(kept(plan(*scene, small_job(4))), (Names{"background", "resolve", "readback"}));
 }
 
 // The neutral light comes when nothing else lights the scene, says so, and needs something that it can light.

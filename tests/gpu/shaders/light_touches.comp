@@ -11,6 +11,7 @@ struct TouchesPush {
   uint count;
 };
 layout(push_constant, scalar) uniform Push { TouchesPush pc; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameConstantsRef { FrameConstants c; };
 #define frame (FrameConstantsRef(pc.frame).c)
 #include "lib/light_cells.glsl"
 #include "lib/light_bounds.glsl"

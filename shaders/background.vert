@@ -1,7 +1,5 @@
 #version 460
 // One triangle over the whole image at infinity (depth 0).
-#include "shared/draw.h"
-layout(push_constant, scalar) uniform Push { SkyPush pc; };
 layout(location = 0) out vec2 out_ndc;
 void main() {
   out_ndc = vec2(gl_VertexIndex == 1 ? 3.0 : -1.0, gl_VertexIndex == 2 ? 3.0 : -1.0);

@@ -49,9 +49,8 @@ class Collapse {
       }
       node.child[c] = no_child;
       if (c >= count) continue;
-      const BinaryNode& binary = tree_.nodes[child[c]];
-      if (binary.count > 0) {
-        node.child[c] = leaf(binary);
+      if (gather(child[c])) {
+        node.child[c] = leaf();
       } else if (make_nodes) {
         node.child[c] = uint32_t(out_.nodes.size());
         next.push_back({child[c], node.child[c], work.depth + 1});
@@ -85,21 +84,46 @@ class Collapse {
     return count;
   }
 
-  uint32_t leaf(const BinaryNode& node) {
+  // The references below a leaf, or below an inner node if they fit into one block, which costs a ray less than a node
+  // whose leaves each have a block. False: too many.
+  bool gather(uint32_t binary) {
+    ids_.clear();
+    if (tree_.nodes[binary].count == 0 && triangles_.empty()) return false;
+    uint32_t stack[2 * block_triangles], waiting = 0;
+    stack[waiting++] = binary;
+    while (waiting > 0) {
+      const BinaryNode& node = tree_.nodes[stack[--waiting]];
+      if (node.count == 0) {
+        // Every node left to see has a reference at least.
+        if (ids_.size() + waiting + 2 > block_triangles) return false;
+        stack[waiting++] = node.first + 1, stack[waiting++] = node.first;
+        continue;
+      }
+      for (uint32_t i = node.first; i < node.first + node.count; ++i) {
+        const uint32_t id = tree_.references[i].id;
+        if (std::find(ids_.begin(), ids_.end(), id) == ids_.end()) ids_.push_back(id);  // parts of one triangle
+      }
+      if (&node != &tree_.nodes[binary] && ids_.size() + waiting > block_triangles) return false;
+    }
+    return true;
+  }
+
+  uint32_t leaf() {
+    const uint32_t count = uint32_t(ids_.size());
     if (triangles_.empty()) {
       const uint32_t first = uint32_t(out_.indices.size());
-      for (uint32_t i = 0; i < node.count; ++i) out_.indices.push_back(tree_.references[node.first + i].id);
-      CHECK(node.count <= largest_leaf && out_.indices.size() <= leaf_first_mask);
-      return leaf_child(first, node.count);
+      out_.indices.insert(out_.indices.end(), ids_.begin(), ids_.end());
+      CHECK(count <= largest_leaf && out_.indices.size() <= leaf_first_mask);
+      return leaf_child(first, count);
     }
-    const uint32_t first = uint32_t(out_.blocks.size()), blocks = (node.count + block_triangles - 1) / block_triangles;
+    const uint32_t first = uint32_t(out_.blocks.size()), blocks = (count + block_triangles - 1) / block_triangles;
     CHECK(blocks <= largest_leaf && first + blocks <= leaf_first_mask);
     for (uint32_t b = 0; b < blocks; ++b) {
       TriangleBlock& block = out_.blocks.emplace_back();
       for (uint32_t lane = 0; lane < block_triangles; ++lane) {
         const uint32_t i = b * block_triangles + lane;
-        block.id[lane] = i < node.count ? tree_.references[node.first + i].id : no_triangle;
-        const TriangleCorners& t = triangles_[tree_.references[node.first + std::min(i, node.count - 1)].id];
+        block.id[lane] = i < count ? ids_[i] : no_triangle;
+        const TriangleCorners& t = triangles_[ids_[std::min(i, count - 1)]];
         for (int corner = 0; corner < 3; ++corner)
           for (int axis = 0; axis < 3; ++axis) block.corner[corner][axis][lane] = t.corner[corner][axis];
       }
@@ -110,6 +134,7 @@ class Collapse {
   const BinaryTree& tree_;
   std::span<const TriangleCorners> triangles_;
   WideTree& out_;
+  std::vector<uint32_t> ids_;  // of the leaf at hand
 };
 
 struct Part {

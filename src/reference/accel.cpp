@@ -1,0 +1,212 @@
+#include "reference/accel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "reference/accel_trees.h"
+#include "reference/triangle.h"
+
+namespace candela {
+namespace {
+
+bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// One traversal: what the kernels call back.
+struct Search : KernelCaller {
+  const Accel::Trees& trees;
+  const HitFilter* filter;
+  KernelCounts* counts;
+  const bool any;
+  const AccelInstance* instance = nullptr;  // the one entered; null: in the world tree
+  KernelHit best{};                         // with the instance it lies in; made a Hit at the end
+  const AccelInstance* best_instance = nullptr;
+  bool found = false;
+  float inverse_scale = 1;  // from the kernels' t to the caller's
+
+  Search(const Accel::Trees& t, const HitFilter* f, KernelCounts* c, bool any_hit)
+      : KernelCaller{&accept_hit, &enter_instance}, trees(t), filter(f), counts(c), any(any_hit) {}
+
+  Hit resolve(const KernelHit& h, const AccelInstance* in) const {
+    Hit hit{h.t * inverse_scale, h.u, h.v, 0, 0, h.clockwise};
+    if (in) {
+      // A mirroring transform turns corners and sight alike: in mesh space the front is always counter-clockwise.
+      hit.item = in->item, hit.primitive = h.id;
+    } else {
+      hit.item = trees.world_item[h.id], hit.primitive = h.id - trees.item_first[hit.item];
+      if (trees.frame->items[hit.item].mirrored) hit.back = !hit.back;
+    }
+    return hit;
+  }
+
+  bool loses_tie(const KernelHit& h) const {
+    const Hit a = resolve(h, instance), b = resolve(best, best_instance);
+    return std::tie(a.item, a.primitive) >= std::tie(b.item, b.primitive);
+  }
+
+  bool filtered_out(const KernelHit& h) const {
+    const Hit hit = resolve(h, instance);
+    return (trees.ask[hit.item] & (hit.back ? 2 : 1)) && !filter->accepts(hit);
+  }
+
+  static bool accept_hit(KernelCaller& caller, const KernelHit& h) {
+    Search& s = static_cast<Search&>(caller);
+    if (s.found && h.t == s.best.t && s.loses_tie(h)) return false;
+    if (s.filter && s.filtered_out(h)) return false;
+    s.best = h, s.best_instance = s.instance, s.found = true;
+    return true;
+  }
+
+  static bool enter_instance(KernelCaller& caller, uint32_t index, KernelRay& ray) {
+    Search& s = static_cast<Search&>(caller);
+    const AccelInstance& instance = s.trees.instances[index];
+    const glm::dmat4x3& m = instance.local_from_relative;
+    const glm::vec3 origin = m * glm::dvec4(ray.origin[0], ray.origin[1], ray.origin[2], 1.0);
+    const glm::vec3 direction = m * glm::dvec4(ray.direction[0], ray.direction[1], ray.direction[2], 0.0);
+    if (!finite(origin) || !finite(direction) || direction == glm::vec3(0)) return false;
+    KernelRay local{{origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, ray.t_min, ray.t_max};
+    s.instance = &instance;
+    const bool ended = s.run(s.trees.parts[instance.part].tree, local);
+    s.instance = nullptr;
+    ray.t_max = local.t_max;
+    return ended;
+  }
+
+  bool run(const WideTree& tree, KernelRay& ray) {
+    if (tree.nodes.empty()) return false;
+    const KernelTree t{tree.nodes.data(), tree.blocks.data(), tree.indices.data()};
+    return tree.indices.empty() ? trees.kernels->triangles(t, ray, *this, any, counts)
+                                : trees.kernels->things(t, ray, *this, any, counts);
+  }
+
+  bool trace(const Ray& from) {
+    if (!finite(from.origin) || !finite(from.direction) || from.direction == glm::vec3(0)) return false;
+    if (!(from.t_min <= from.t_max)) return false;
+    const float scale = direction_scale(from.direction);
+    const glm::vec3 d = from.direction / scale;
+    KernelRay ray{
+        {from.origin.x, from.origin.y, from.origin.z}, {d.x, d.y, d.z}, from.t_min * scale, from.t_max * scale};
+    inverse_scale = 1.0f / scale;
+    if (!run(trees.world, ray)) run(trees.top, ray);
+    return found;
+  }
+};
+
+bool search(const Accel::Trees& trees, const Ray& ray, const HitFilter* filter, TraceCounts* counts, bool any,
+            Hit& hit) {
+  KernelCounts counted{};
+  Search search(trees, filter, counts ? &counted : nullptr, any);
+  const bool found = search.trace(ray);
+  if (counts) counts->nodes += counted.nodes, counts->boxes += counted.boxes, counts->triangles += counted.triangles;
+  if (found && !any) hit = search.resolve(search.best, search.best_instance);
+  return found;
+}
+
+float largest_of(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+}  // namespace
+
+Accel::Accel(const Scene& scene, const Pose& pose, const FrameData& frame, const AccelOptions& options)
+    : trees_(std::make_unique<Trees>(scene, pose, frame, options)) {}
+Accel::~Accel() = default;
+Accel::Accel(Accel&&) noexcept = default;
+Accel& Accel::operator=(Accel&&) noexcept = default;
+
+std::optional<Hit> Accel::closest(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
+  Hit hit;
+  if (!search(*trees_, ray, filter, counts, false, hit)) return {};
+  return hit;
+}
+
+bool Accel::occluded(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
+  Hit hit;
+  return search(*trees_, ray, filter, counts, true, hit);
+}
+
+PosedTriangle Accel::triangle(uint32_t item_index, uint32_t primitive) const {
+  const DrawItem& item = trees_->frame->items[item_index];
+  const MeshSection& section = trees_->section_of(item);
+  const std::vector<glm::vec3>& position = trees_->positions_of(item);
+  const bool relative = trees_->is_skinned(item);
+  PosedTriangle out;
+  for (size_t k = 0; k < 3; ++k) {
+    out.vertex[k] = section.index[3 * size_t(primitive) + k];
+    const glm::vec3 p = position[out.vertex[k]];
+    out.position[k] = relative ? p : glm::vec3(trees_->frame->relative_from_local[item.transform] * glm::vec4(p, 1.0f));
+  }
+  return out;
+}
+
+SurfacePoint Accel::surface(const Hit& hit) const {
+  const DrawItem& item = trees_->frame->items[hit.item];
+  const auto p = triangle(hit.item, hit.primitive).position;
+  SurfacePoint out;
+  out.position = (1.0f - hit.u - hit.v) * p[0] + hit.u * p[1] + hit.v * p[2];
+  const glm::dvec3 a(p[0]), n = glm::cross(glm::dvec3(p[1]) - a, glm::dvec3(p[2]) - a);
+  const double length = glm::length(n);
+  if (length > 0) out.geometric_normal = glm::vec3((item.mirrored ? -n : n) / length);
+  // Roundings of the point (four sums of products), of this triangle as the next ray sees it (corners less origin,
+  // shear, products) and of the sum in leaving_origin, all in units of the largest coordinate at hand.
+  float reach = std::max({largest_of(p[0]), largest_of(p[1]), largest_of(p[2])});
+  if (!trees_->is_skinned(item)) {
+    // An instance sees the ray in mesh space, rounded there; the transform's translation may cancel.
+    const glm::mat4& m = trees_->frame->relative_from_local[item.transform];
+    const glm::vec3 local = trees_->positions_of(item)[trees_->section_of(item).index[3 * size_t(hit.primitive)]];
+    glm::vec3 sum = glm::abs(glm::vec3(m[3]));
+    for (int c = 0; c < 3; ++c) sum += glm::abs(glm::vec3(m[c]) * local[c]);
+    reach = std::max(reach, largest_of(sum));
+  }
+  // Rounded corners tilt a thin triangle's plane: by their rounding over its width, at a distance of its length.
+  const glm::dvec3 e0 = glm::dvec3(p[1]) - a, e1 = glm::dvec3(p[2]) - a, e2 = e1 - e0;
+  const double longest2 = std::max({glm::dot(e0, e0), glm::dot(e1, e1), glm::dot(e2, e2)});
+  const double thinness = length > 0 ? std::min(longest2 / length, 1000.0) : 1000.0;
+  out.error_m = (16 * reach + 4 * float(std::sqrt(longest2) * thinness)) * 0x1p-24f;
+  return out;
+}
+
+const DeformedVertices& Accel::deformed(int deformation) const { return trees_->deformed[size_t(deformation)]; }
+
+const AccelStatistics& Accel::statistics() const { return trees_->statistics; }
+
+std::vector<LeafBox> Accel::leaves() const {
+  std::vector<LeafBox> out;
+  const auto add = [&](const WideTree& tree, const glm::dmat4& relative_from_tree) {
+    struct Place {
+      uint32_t node, depth;
+    };
+    std::vector<Place> stack;
+    if (!tree.nodes.empty()) stack.push_back({0, 1});
+    while (!stack.empty()) {
+      const Place at = stack.back();
+      stack.pop_back();
+      const WideNode& node = tree.nodes[at.node];
+      for (uint32_t c = 0; c < wide_children; ++c) {
+        if (node.child[c] == no_child) continue;
+        if (!(node.child[c] & leaf_bit)) {
+          stack.push_back({node.child[c], at.depth + 1});
+          continue;
+        }
+        const DAabb box{{node.bounds[0][c], node.bounds[2][c], node.bounds[4][c]},
+                        {node.bounds[1][c], node.bounds[3][c], node.bounds[5][c]}};
+        const DAabb placed = transformed(box, relative_from_tree);
+        LeafBox leaf{{glm::vec3(placed.min), glm::vec3(placed.max)}, 0, at.depth};
+        const uint32_t first = first_of_leaf(node.child[c]);
+        for (uint32_t b = first; b < first + count_of_leaf(node.child[c]); ++b)
+          for (uint32_t id : tree.blocks[b].id) leaf.triangles += id != no_triangle;
+        out.push_back(leaf);
+      }
+    }
+  };
+  add(trees_->world, glm::dmat4(1.0));
+  for (const AccelInstance& instance : trees_->instances)
+    add(trees_->parts[instance.part].tree,
+        glm::dmat4(trees_->frame->relative_from_local[trees_->frame->items[instance.item].transform]));
+  return out;
+}
+
+glm::vec3 leaving_origin(const SurfacePoint& point, glm::vec3 direction) {
+  const float side = glm::dot(direction, point.geometric_normal) < 0 ? -1.0f : 1.0f;
+  return point.position + (side * point.error_m) * point.geometric_normal;
+}
+
+}  // namespace candela

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "math/bounds.h"
+
+namespace candela::reference {
+
+// What the tree knows of a light: where it is, how strong, and which way it shines. All light leaves within theta_o + theta_e of the
+// axis; normals of the emitter lie within theta_o.
+struct LightExtent {
+  DAabb box;
+  double power = 0;                 // any unit, the same for all
+  glm::dvec3 axis{0, 0, 1};
+  double theta_o = 0, theta_e = 0;  // radians
+  double range_m = std::numeric_limits<double>::infinity();
+};
+
+// Picks one of many lights for a point, with a probability near to its share of what arrives there (Conty Estévez and Kulla,
+// "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018; without the splitting). A light that may reach the point
+// has a probability above 0. One that cannot - out of range, behind the surface, turned away - mostly has none.
+class LightTree {
+ public:
+  LightTree() = default;
+  explicit LightTree(std::vector<LightExtent> lights);
+
+  struct Choice {
+    uint32_t light;
+    double probability;
+  };
+  std::optional<Choice> choose(glm::dvec3 point, glm::dvec3 normal, double u) const;
+  double probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal) const;
+  bool empty() const { return nodes_.empty(); }
+
+ private:
+  struct Node {
+    LightExtent extent;
+    int left = -1, right = -1, parent = -1;
+    uint32_t light = 0;  // of a leaf
+  };
+  int build(std::vector<uint32_t>& order, size_t first, size_t last, const std::vector<LightExtent>& lights, int parent);
+
+  std::vector<Node> nodes_;
+  std::vector<int> leaf_of_light_;
+};
+
+// The least cone about both: an axis and the half angle of normals.
+void merge_cones(glm::dvec3 axis_a, double theta_a, glm::dvec3 axis_b, double theta_b, glm::dvec3& axis, double& theta);
+
+}  // namespace candela::reference

@@ -1,0 +1,91 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "math/bounds.h"
+#include "reference/deform.h"
+#include "reference/ray.h"
+#include "scene/frame_data.h"
+#include "scene/pose.h"
+#include "scene/scene.h"
+
+namespace candela {
+
+enum class BvhBuilder : uint8_t { equal_counts, sah, sbvh };
+
+struct AccelOptions {
+  BvhBuilder builder = BvhBuilder::sah;
+  int buckets = 12;             // of the binned surface area heuristic, per axis (2 to 64)
+  float overlap_alpha = 1e-5f;  // sbvh: spatial splits are tried where the children's overlap exceeds this share of the root's area
+  float split_budget = 0.3f;    // sbvh: references that spatial splits may add, as a share of the triangles
+  // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, and backs of surfaces that
+  // are not double sided. true: for every candidate.
+  bool always_ask_filter = false;
+};
+
+// A triangle of an item as it lies in relative space, after morphing and skinning.
+struct PosedTriangle {
+  std::array<uint32_t, 3> vertex;     // into the arrays of the section (or of Accel::deformed)
+  std::array<glm::vec3, 3> position;  // relative, metres
+};
+
+// A point on a surface, with what is needed to leave it.
+struct SurfacePoint {
+  glm::vec3 position{0};          // relative; from the corners, hence closer to the surface than origin + t * direction
+  glm::vec3 geometric_normal{0};  // unit, towards the glTF front side; zero for a degenerate triangle
+  float error_m = 0;              // a ray that begins this far off along the normal does not meet this triangle again
+};
+
+struct LeafBox {
+  Aabb box;            // relative space (of an instanced tree: the box around its transformed box)
+  uint32_t triangles;  // references in the leaf
+  uint32_t depth;      // of the wide tree
+};
+
+struct AccelStatistics {
+  size_t triangles = 0;           // in all trees, instanced ones once
+  size_t references = 0;          // in leaves; above `triangles` by spatial splits
+  size_t instances = 0;           // items reached through the top tree
+  size_t left_out = 0;            // triangles with non-finite corners
+  size_t skipped_items = 0;       // items of points or lines: rays do not meet them
+  size_t nodes = 0, bytes = 0;
+  double sah_cost = 0;            // of the binary trees, summed over the items, relative to one triangle test
+  double build_ms = 0;
+};
+
+// The triangles of one posed frame, for rays. Items whose geometry occurs once lie in one tree of relative space, with the
+// vertices the rasterizer has; geometry that occurs several times has a tree of its own and a top tree over its instances.
+// Points and lines are not traced. Answers do not depend on the number of threads, on the builder (up to ties at equal t,
+// which the lower item and primitive wins) nor on the processor's vector width. The scene and the frame must outlive it.
+class Accel {
+ public:
+  Accel(const Scene& scene, const Pose& pose, const FrameData& frame, const AccelOptions& options = {});
+  ~Accel();
+  Accel(Accel&&) noexcept;
+  Accel& operator=(Accel&&) noexcept;
+
+  // The nearest accepted hit with t_min <= t <= t_max. No filter accepts everything. Rays with non-finite numbers or no
+  // direction hit nothing. Safe to call from many threads.
+  std::optional<Hit> closest(const Ray& ray, const HitFilter* filter = nullptr, TraceCounts* counts = nullptr) const;
+  // Whether there is any accepted hit.
+  bool occluded(const Ray& ray, const HitFilter* filter = nullptr, TraceCounts* counts = nullptr) const;
+
+  PosedTriangle triangle(uint32_t item, uint32_t primitive) const;
+  SurfacePoint surface(const Hit& hit) const;
+  // The vertices of FrameData::deformations[deformation] at this frame.
+  const DeformedVertices& deformed(int deformation) const;
+
+  std::vector<LeafBox> leaves() const;
+  const AccelStatistics& statistics() const;
+
+ private:
+  struct Trees;
+  std::unique_ptr<Trees> trees_;
+};
+
+// The origin of a ray that leaves `point` in `direction` (to either side) without meeting the triangle it comes from.
+glm::vec3 leaving_origin(const SurfacePoint& point, glm::vec3 direction);
+
+}  // namespace candela

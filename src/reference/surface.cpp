@@ -78,7 +78,7 @@ double World::coverage(const Hit& hit) const {
   const size_t at = 3 * size_t(hit.primitive);
   const Vertex v = vertex_at(item, {index[at], index[at + 1], index[at + 2]},
                              {1 - double(hit.u) - double(hit.v), double(hit.u), double(hit.v)});
-  return coverage_of(item.material->material, base_color(*item.material, v).a);
+  return coverage_of(item.material->material, base_color(*item.material, v).w);
 }
 
 Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const {
@@ -102,7 +102,7 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   if (glm::dot(s.geometric, to_viewer) < 0) s.geometric = -s.geometric;
   const glm::dvec4 base = base_color(t, v);
   s.base_color = glm::max(glm::dvec3(base), glm::dvec3(0));
-  s.coverage = coverage_of(m, base.a);
+  s.coverage = coverage_of(m, base.w);
   s.unlit = item.unlit;
   if (s.unlit) {
     s.normal = s.geometric;
@@ -112,10 +112,10 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   s.roughness = m.roughness;
   if (t.orm) {
     const glm::dvec4 orm = fetch(t.orm, m.orm_texture, v);
-    if (m.orm_has_metallic_roughness) s.roughness *= orm.g, s.metallic *= orm.b;
-    if (m.orm_has_occlusion) s.occlusion = 1 + double(m.occlusion_strength) * (orm.r - 1);
+    if (m.orm_has_metallic_roughness) s.roughness *= orm.y, s.metallic *= orm.z;
+    if (m.orm_has_occlusion) s.occlusion = 1 + double(m.occlusion_strength) * (orm.x - 1);
   }
-  if (t.occlusion) s.occlusion = 1 + double(m.occlusion_strength) * (fetch(t.occlusion, m.occlusion_texture, v).r - 1);
+  if (t.occlusion) s.occlusion = 1 + double(m.occlusion_strength) * (fetch(t.occlusion, m.occlusion_texture, v).x - 1);
   s.metallic = std::clamp(s.metallic, 0.0, 1.0);
   s.roughness = std::clamp(s.roughness, 0.0, 1.0);
 
@@ -133,7 +133,7 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   // KHR_materials_ior and KHR_materials_specular; ior 0 stands for f0 = 1.
   double specular = m.specular;
   glm::dvec3 specular_color(m.specular_color);
-  if (t.specular) specular *= fetch(t.specular, m.specular_texture, v).a;
+  if (t.specular) specular *= fetch(t.specular, m.specular_texture, v).w;
   if (t.specular_color) specular_color *= glm::dvec3(fetch(t.specular_color, m.specular_color_texture, v));
   const double ratio = m.ior == 0 ? 1 : (double(m.ior) - 1) / (double(m.ior) + 1);
   s.dielectric_f0 = glm::min(ratio * ratio * specular_color, glm::dvec3(1)) * specular;

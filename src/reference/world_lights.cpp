@@ -67,7 +67,7 @@ void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
         for (int b = 0; a + b < rows; ++b) {
           const double u = (a + 1.0 / 3) / rows, v = (b + 1.0 / 3) / rows;
           const Vertex vertex = vertex_at(item, posed.vertex, {1 - u - v, u, v});
-          mean += luminance(emission_at(*item.material, vertex)) * coverage_of(m, base_color(*item.material, vertex).a);
+          mean += luminance(emission_at(*item.material, vertex)) * coverage_of(m, base_color(*item.material, vertex).w);
         }
       mean /= rows * (rows + 1) / 2;
       if (!(mean > 0)) continue;

@@ -291,7 +291,7 @@ void add_trace_options(CLI::App& command, ReferenceOptions& o) {
   command.add_option("--seconds", o.seconds, "Stop after this time; the number of samples then depends on the machine")->type_name("S");
   command
       .add_option("--noise", o.noise,
-                  "Stop when the relative standard error of the image (two halves of the samples compared) is no larger, 0.01 for 1 %")
+                  "Stop when the relative standard error (of two halves of the samples, root mean square over the pixels) is no larger; 0.01: 1 %")
       ->type_name("SHARE");
   command.add_option("--sampler", o.sampler, "sobol (Owen-scrambled), jittered, or uniform: a grid, x4, x8, x16")
       ->capture_default_str()

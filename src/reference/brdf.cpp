@@ -41,7 +41,7 @@ double specular_share(const Surface& s, glm::dvec3 v) {
   const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
   const double specular = std::max(luminance(glm::mix(dielectric, metal, s.metallic)), 0.0);
   const double diffuse = luminance(s.base_color) * (1 - s.metallic) * std::max(1 - largest(dielectric), 0.0);
-  if (!(specular + diffuse > 0)) return 0;
+  if (!(specular > 0)) return 0;
   // Neither lobe is ever left out where it could matter.
   return std::clamp(specular / (specular + diffuse), 0.05, s.metallic < 1 ? 0.95 : 1.0);
 }

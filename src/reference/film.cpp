@@ -46,24 +46,26 @@ glm::dvec3 Film::variance(size_t pixel) const {
 
 double Film::traversal(size_t pixel) const { return sums_[pixel].traversal / double(std::max<uint64_t>(samples_, 1)); }
 
-double Film::mean_square_error() const {
+template <class Scale>
+double Film::mean_of_halves(Scale&& scale) const {
   if (samples_ < 2) return 0;
-  const double even_count = double((samples_ + 1) / 2), odd_count = double(samples_ / 2);
+  const double n = double(samples_), even_count = double((samples_ + 1) / 2), odd_count = double(samples_ / 2);
   double sum = 0;
   for (const Sums& s : sums_)
     for (int c = 0; c < 3; ++c) {
       const double difference = s.even[c] / even_count - (s.value[c] - s.even[c]) / odd_count;
-      sum += difference * difference;
+      sum += difference * difference / 4 / scale(s.value[c] / n);
     }
-  return sum / (12 * double(sums_.size()));
+  return sum / (3 * double(sums_.size()));
+}
+
+double Film::mean_square_error() const {
+  return mean_of_halves([](double) { return 1.0; });
 }
 
 double Film::relative_error() const {
-  double level = 0;
-  for (const Sums& s : sums_)
-    for (int c = 0; c < 3; ++c) level += std::abs(s.value[c]);
-  level /= 3 * double(sums_.size()) * double(std::max<uint64_t>(samples_, 1));
-  return level > 0 ? std::sqrt(mean_square_error()) / level : 0;
+  constexpr double epsilon = 0.01;
+  return std::sqrt(mean_of_halves([](double mean) { return mean * mean + epsilon; }));
 }
 
 bool Film::add(const Integrator& integrator, int count, const std::function<bool(double)>& keep_going) {

@@ -26,7 +26,8 @@ class Film {
   // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared difference of
   // their means, over all pixels and channels. 0 for fewer than two samples.
   double mean_square_error() const;
-  // The root of that over the mean absolute value of the image: the relative standard error that --noise asks for.
+  // The same with every difference taken relative to the pixel's value, its square plus 0.01 as in relMSE, and the root of it: what
+  // --noise asks for. Its square is the floor below which a relMSE against this film says nothing.
   double relative_error() const;
 
   // Adds samples [samples(), samples() + count) of every pixel. keep_going is asked after every tile and may stop the work: then
@@ -41,6 +42,10 @@ class Film {
   struct Sums {
     double value[4] = {}, square[3] = {}, even[3] = {}, traversal = 0;
   };
+  // The mean over pixels and channels of a quarter of the squared difference of the halves over scale(mean).
+  template <class Scale>
+  double mean_of_halves(Scale&& scale) const;
+
   int width_, height_;
   uint64_t samples_ = 0;
   std::vector<Sums> sums_;

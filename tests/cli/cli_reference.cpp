@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "image/io.h"
+#include "program.h"
+
+namespace candela::test {
+namespace {
+
+const std::string box = scene("unlit-box"), spheres = scene("spheres");
+
+std::vector<std::string> traced(const std::string& out, std::vector<std::string> more = {}) {
+  std::vector<std::string> words = {"reference", spheres, "--size", "24x16", "-o", out, "--quiet"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+}  // namespace
+
+TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
+  const TestFolder folder;
+  const Ended ended = candela({"reference", spheres, "--size", "24x16", "--spp", "4", "-o", folder / "a.exr", "-o", folder / "a.png",
+                               "--layers", "variance,heatmap.traversal,heatmap.leaves", "--frame", "3", "--json"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  const auto json = nlohmann::json::parse(ended.out);
+  EXPECT_EQ(json["spp"], 4);
+  EXPECT_EQ(json["reference"]["mode"], "direct");
+  EXPECT_GT(json["bvh"]["triangles"], 0);
+  const auto image = read_image(folder / "a.exr");
+  ASSERT_TRUE(image);
+  for (const char* name : {"R", "A", "variance.G", "heatmap.traversal.Y", "heatmap.leaves.Y"}) EXPECT_TRUE(image->find(name)) << name;
+  std::set<std::string> entries;
+  for (const MetadataEntry& entry : image->metadata) entries.insert(entry.name);
+  for (const char* name : {"worldToCamera", "candela:reference", "candela:spp", "candela:mse", "candela:job"})
+    EXPECT_TRUE(entries.contains(name)) << name;
+  EXPECT_TRUE(read_image(folder / "a.png"));
+}
+
+TEST(Reference, AResumedRunHasTheBytesOfAWholeOne) {
+  const TestFolder folder;
+  const std::vector<std::string> path = {"--mode", "path", "--bounces", "2"};
+  const auto run = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.end(), path.begin(), path.end());
+    const Ended ended = candela(traced(folder / name, more));
+    EXPECT_EQ(ended.code, 0) << ended.err;
+  };
+  run("whole.exr", {"--spp", "10"});
+  run("part.exr", {"--spp", "4", "--state", folder / "s"});
+  run("resumed.exr", {"--spp", "10", "--state", folder / "s", "--resume", "--threads", "1"});
+  EXPECT_EQ(bytes_of(folder / "whole.exr"), bytes_of(folder / "resumed.exr"));
+  EXPECT_NE(bytes_of(folder / "whole.exr"), bytes_of(folder / "part.exr"));
+  const Ended other = candela(traced(folder / "other.exr", {"--spp", "10", "--state", folder / "s", "--resume", "--seed", "2"}));
+  EXPECT_EQ(other.code, 3);
+  EXPECT_NE(other.err.find("another picture"), std::string::npos) << other.err;
+}
+
+TEST(Reference, TakesNoThreadCountForAByte) {
+  const TestFolder folder;
+  for (const char* threads : {"1", "2", "5"})
+    EXPECT_EQ(candela(traced(folder / (std::string(threads) + ".exr"), {"--spp", "4", "--threads", threads})).code, 0);
+  EXPECT_EQ(bytes_of(folder / "1.exr"), bytes_of(folder / "2.exr"));
+  EXPECT_EQ(bytes_of(folder / "1.exr"), bytes_of(folder / "5.exr"));
+}
+
+TEST(Reference, NamesWhatIsWrong) {
+  const TestFolder folder;
+  const std::string out = folder / "x.exr";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"reference", box}, "-o"},
+      {{"reference"}, "SCENE"},
+      {{"reference", box, "-o", out, "--mode", "paths"}, "did you mean 'path'"},
+      {{"reference", box, "-o", out, "--bvh", "sahh"}, "did you mean 'sah'"},
+      {{"reference", box, "-o", out, "--sampler", "random"}, "jittered"},
+      {{"reference", box, "-o", out, "--sampler", "uniform", "--seconds", "1"}, "--spp"},
+      {{"reference", box, "-o", out, "--resume"}, "--state"},
+      {{"reference", box, "-o", out, "--noise", "-1"}, "--noise"},
+      {{"reference", box, "-o", out, "--spp", "-1"}, "--spp"},
+      {{"reference", box, "-o", out, "--layers", "depth"}, "variance"},
+      {{"reference", box, "-o", out, "--view", "leaves"}, "heatmap.leaves"},
+      {{"reference", box, "-o", out, "--technique", "forward"}, "--technique"},
+      {{"reference", box, "-o", folder / "x.jpg"}, ".exr nor .png"},
+  };
+  for (const auto& [words, named] : cases) {
+    const Ended ended = candela(words);
+    EXPECT_EQ(ended.code, 2) << named;
+    EXPECT_NE(ended.err.find(named), std::string::npos) << ended.err;
+  }
+  EXPECT_EQ(candela({"reference", folder / "none.glb", "-o", out}).code, 3);
+  EXPECT_TRUE(files_in(folder.path()).empty());
+}
+
+}  // namespace candela::test

@@ -1,197 +1,194 @@
 #include "reference/accel.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <functional>
-#include <numeric>
+#include <tuple>
 
+#include "reference/accel_trees.h"
 #include "reference/triangle.h"
 
 namespace candela {
 namespace {
 
-struct Corner3 {
-  std::array<glm::vec3, 3> p;
-  uint32_t item, primitive;
-};
-struct TreeNode {
-  Aabb box;
-  uint32_t first = 0, count = 0;  // count 0: children first and first + 1
-};
-
 bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-}  // namespace
+// One traversal: what the kernels call back.
+struct Search : KernelCaller {
+  const Accel::Trees& trees;
+  const HitFilter* filter;
+  KernelCounts* counts;
+  const bool any;
+  const AccelInstance* instance = nullptr;  // the one entered; null: in the world tree
+  Hit best{};
+  bool found = false;
+  float inverse_scale = 1;  // of t
 
-struct Accel::Trees {
-  const Scene* scene = nullptr;
-  const FrameData* frame = nullptr;
-  std::vector<DeformedVertices> deformed;
-  std::vector<uint8_t> ask;  // per item: 1 front, 2 back
-  std::vector<Corner3> triangles;
-  std::vector<TreeNode> nodes;
-  AccelStatistics statistics;
+  Search(const Accel::Trees& t, const HitFilter* f, KernelCounts* c, bool any_hit)
+      : KernelCaller{&accept_hit, &enter_instance}, trees(t), filter(f), counts(c), any(any_hit) {}
 
-  const MeshSection& section(const DrawItem& item) const { return scene->meshes[item.mesh].sections[item.section]; }
-
-  PosedTriangle posed(uint32_t item_index, uint32_t primitive) const {
-    const DrawItem& item = frame->items[item_index];
-    const MeshSection& s = section(item);
-    PosedTriangle out;
-    const bool skinned = item.deformed >= 0 && frame->deformations[size_t(item.deformed)].joint_count > 0;
-    const std::vector<glm::vec3>& position = item.deformed >= 0 ? deformed[size_t(item.deformed)].position : s.position;
-    for (size_t i = 0; i < 3; ++i) {
-      out.vertex[i] = s.index[3 * size_t(primitive) + i];
-      const glm::vec3 p = position[out.vertex[i]];
-      out.position[i] = skinned ? p : glm::vec3(frame->relative_from_local[item.transform] * glm::vec4(p, 1.0f));
+  static bool accept_hit(KernelCaller& caller, const KernelHit& h) {
+    Search& s = static_cast<Search&>(caller);
+    Hit hit{h.t * s.inverse_scale, h.u, h.v, 0, 0, h.clockwise};
+    if (s.instance) {
+      // A mirroring transform turns corners and sight alike: in mesh space the front is always counter-clockwise.
+      hit.item = s.instance->item, hit.primitive = h.id;
+    } else {
+      hit.item = s.trees.world_item[h.id], hit.primitive = h.id - s.trees.item_first[hit.item];
+      if (s.trees.frame->items[hit.item].mirrored) hit.back = !hit.back;
     }
-    return out;
+    if (s.found && hit.t == s.best.t && std::tie(hit.item, hit.primitive) >= std::tie(s.best.item, s.best.primitive))
+      return false;
+    if (s.filter && (s.trees.ask[hit.item] & (hit.back ? 2 : 1)) && !s.filter->accepts(hit)) return false;
+    s.best = hit, s.found = true;
+    return true;
   }
 
-  void split(uint32_t n) {
-    TreeNode& node = nodes[n];
-    Aabb centres;
-    for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-      Aabb b;
-      for (glm::vec3 p : triangles[i].p) b.add(p);
-      node.box.add(b);
-      centres.add(b.centre());
-    }
-    if (node.count <= 4) return;
-    const glm::vec3 size = centres.max - centres.min;
-    const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-    const auto key = [axis](const Corner3& c) {
-      return std::min({c.p[0][axis], c.p[1][axis], c.p[2][axis]}) + std::max({c.p[0][axis], c.p[1][axis], c.p[2][axis]});
-    };
-    const uint32_t first = node.first, count = node.count, half = count / 2;
-    std::nth_element(triangles.begin() + first, triangles.begin() + first + half, triangles.begin() + first + count,
-                     [&](const Corner3& a, const Corner3& b) { return key(a) < key(b); });
-    const uint32_t child = uint32_t(nodes.size());
-    node.first = child, node.count = 0;
-    nodes.push_back({{}, first, half});
-    nodes.push_back({{}, first + half, count - half});
-    split(child), split(child + 1);
+  static bool enter_instance(KernelCaller& caller, uint32_t index, KernelRay& ray) {
+    Search& s = static_cast<Search&>(caller);
+    const AccelInstance& instance = s.trees.instances[index];
+    const glm::dmat4x3& m = instance.local_from_relative;
+    const glm::vec3 origin = m * glm::dvec4(ray.origin[0], ray.origin[1], ray.origin[2], 1.0);
+    const glm::vec3 direction = m * glm::dvec4(ray.direction[0], ray.direction[1], ray.direction[2], 0.0);
+    if (!finite(origin) || !finite(direction) || direction == glm::vec3(0)) return false;
+    KernelRay local{{origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, ray.t_min, ray.t_max};
+    s.instance = &instance;
+    const bool ended = s.run(s.trees.parts[instance.part].tree, local);
+    s.instance = nullptr;
+    ray.t_max = local.t_max;
+    return ended;
   }
 
-  bool slab(const Aabb& box, const Ray& ray, glm::vec3 inverse, float t_max) const {
-    float near = ray.t_min, far = t_max;
-    for (int i = 0; i < 3; ++i) {
-      const float a = (box.min[i] - ray.origin[i]) * inverse[i], b = (box.max[i] - ray.origin[i]) * inverse[i];
-      near = std::fmax(near, inverse[i] >= 0 ? a : b), far = std::fmin(far, inverse[i] >= 0 ? b : a);
-    }
-    return near <= far * 1.000001f;
+  bool run(const WideTree& tree, KernelRay& ray) {
+    if (tree.nodes.empty()) return false;
+    const KernelTree t{tree.nodes.data(), tree.blocks.data(), tree.indices.data()};
+    return tree.indices.empty() ? trees.kernels->triangles(t, ray, *this, any, counts)
+                                : trees.kernels->things(t, ray, *this, any, counts);
   }
 
-  bool trace(const Ray& ray, const HitFilter* filter, TraceCounts* counts, bool any, Hit& best) const {
-    if (nodes.empty() || !finite(ray.origin) || !finite(ray.direction) || ray.direction == glm::vec3(0)) return false;
-    const RayShear shear = shear_of(ray.direction);
-    const glm::vec3 inverse = 1.0f / ray.direction;
-    bool found = false;
-    float t_max = ray.t_max;
-    uint32_t stack[256], top = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-      const TreeNode& node = nodes[stack[--top]];
-      if (counts) ++counts->boxes;
-      if (!slab(node.box, ray, inverse, t_max)) continue;
-      if (node.count == 0) {
-        if (counts) ++counts->nodes;
-        stack[top++] = node.first, stack[top++] = node.first + 1;
-        continue;
-      }
-      for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-        const Corner3& c = triangles[i];
-        TriangleHit h;
-        if (counts) ++counts->triangles;
-        if (!meet_triangle(shear, ray.origin, c.p[0], c.p[1], c.p[2], ray.t_min, t_max, h)) continue;
-        const bool back = h.clockwise != frame->items[c.item].mirrored;
-        const Hit hit{h.t, h.u, h.v, c.item, c.primitive, back};
-        if (found && h.t == best.t && std::tie(c.item, c.primitive) >= std::tie(best.item, best.primitive)) continue;
-        if (filter && (ask[c.item] & (back ? 2 : 1)) && !filter->accepts(hit)) continue;
-        best = hit, t_max = h.t, found = true;
-        if (any) return true;
-      }
-    }
+  bool trace(const Ray& from) {
+    if (!finite(from.origin) || !finite(from.direction) || from.direction == glm::vec3(0)) return false;
+    if (!(from.t_min <= from.t_max)) return false;
+    const float scale = direction_scale(from.direction);
+    const glm::vec3 d = from.direction / scale;
+    KernelRay ray{
+        {from.origin.x, from.origin.y, from.origin.z}, {d.x, d.y, d.z}, from.t_min * scale, from.t_max * scale};
+    inverse_scale = 1.0f / scale;
+    if (!run(trees.world, ray)) run(trees.top, ray);
     return found;
   }
 };
 
-Accel::Accel(const Scene& scene, const Pose& pose, const FrameData& frame, const AccelOptions& options)
-    : trees_(std::make_unique<Trees>()) {
-  const auto begin = std::chrono::steady_clock::now();
-  Trees& t = *trees_;
-  t.scene = &scene, t.frame = &frame;
-  for (const Deformation& d : frame.deformations) t.deformed.push_back(deform_vertices(scene, frame, d));
-  for (uint32_t i = 0; i < frame.items.size(); ++i) {
-    const DrawItem& item = frame.items[i];
-    const Material* m = item.material >= 0 ? &pose.materials[size_t(item.material)] : nullptr;
-    const bool doubtful = options.always_ask_filter || (m && m->alpha_mode != AlphaMode::opaque);
-    t.ask.push_back(doubtful ? 3 : m && m->double_sided ? 0 : 2);
-    const MeshSection& s = t.section(item);
-    if (s.topology != Topology::triangles) {
-      ++t.statistics.skipped_items;
-      continue;
-    }
-    for (uint32_t k = 0; k < s.index.size() / 3; ++k) {
-      const PosedTriangle p = t.posed(i, k);
-      if (finite(p.position[0]) && finite(p.position[1]) && finite(p.position[2]))
-        t.triangles.push_back({p.position, i, k});
-      else
-        ++t.statistics.left_out;
-    }
-  }
-  t.statistics.triangles = t.statistics.references = t.triangles.size();
-  if (!t.triangles.empty()) {
-    t.nodes.reserve(t.triangles.size() + 2);
-    t.nodes.push_back({{}, 0, uint32_t(t.triangles.size())});
-    t.split(0);
-  }
-  t.statistics.nodes = t.nodes.size();
-  t.statistics.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+bool search(const Accel::Trees& trees, const Ray& ray, const HitFilter* filter, TraceCounts* counts, bool any,
+            Hit& hit) {
+  KernelCounts counted{};
+  Search search(trees, filter, counts ? &counted : nullptr, any);
+  const bool found = search.trace(ray);
+  if (counts) counts->nodes += counted.nodes, counts->boxes += counted.boxes, counts->triangles += counted.triangles;
+  if (found) hit = search.best;
+  return found;
 }
 
+float largest_of(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+}  // namespace
+
+Accel::Accel(const Scene& scene, const Pose& pose, const FrameData& frame, const AccelOptions& options)
+    : trees_(std::make_unique<Trees>(scene, pose, frame, options)) {}
 Accel::~Accel() = default;
 Accel::Accel(Accel&&) noexcept = default;
 Accel& Accel::operator=(Accel&&) noexcept = default;
 
 std::optional<Hit> Accel::closest(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
   Hit hit;
-  if (!trees_->trace(ray, filter, counts, false, hit)) return {};
+  if (!search(*trees_, ray, filter, counts, false, hit)) return {};
   return hit;
 }
 
 bool Accel::occluded(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
   Hit hit;
-  return trees_->trace(ray, filter, counts, true, hit);
+  return search(*trees_, ray, filter, counts, true, hit);
 }
 
-PosedTriangle Accel::triangle(uint32_t item, uint32_t primitive) const { return trees_->posed(item, primitive); }
+PosedTriangle Accel::triangle(uint32_t item_index, uint32_t primitive) const {
+  const DrawItem& item = trees_->frame->items[item_index];
+  const MeshSection& section = trees_->section_of(item);
+  const std::vector<glm::vec3>& position = trees_->positions_of(item);
+  const bool relative = trees_->is_skinned(item);
+  PosedTriangle out;
+  for (size_t k = 0; k < 3; ++k) {
+    out.vertex[k] = section.index[3 * size_t(primitive) + k];
+    const glm::vec3 p = position[out.vertex[k]];
+    out.position[k] = relative ? p : glm::vec3(trees_->frame->relative_from_local[item.transform] * glm::vec4(p, 1.0f));
+  }
+  return out;
+}
 
 SurfacePoint Accel::surface(const Hit& hit) const {
   const DrawItem& item = trees_->frame->items[hit.item];
-  const auto p = trees_->posed(hit.item, hit.primitive).position;
+  const auto p = triangle(hit.item, hit.primitive).position;
   SurfacePoint out;
   out.position = (1.0f - hit.u - hit.v) * p[0] + hit.u * p[1] + hit.v * p[2];
   const glm::dvec3 a(p[0]), n = glm::cross(glm::dvec3(p[1]) - a, glm::dvec3(p[2]) - a);
   const double length = glm::length(n);
   if (length > 0) out.geometric_normal = glm::vec3((item.mirrored ? -n : n) / length);
-  float reach = 0;
-  for (glm::vec3 q : p) reach = std::max({reach, std::abs(q.x), std::abs(q.y), std::abs(q.z)});
-  out.error_m = reach * 32 * 0x1p-24f;
+  // Roundings of the point (four sums of products), of this triangle as the next ray sees it (corners less origin,
+  // shear, products) and of the sum in leaving_origin, all in units of the largest coordinate at hand.
+  float reach = std::max({largest_of(p[0]), largest_of(p[1]), largest_of(p[2])});
+  if (!trees_->is_skinned(item)) {
+    // An instance sees the ray in mesh space, rounded there; the transform's translation may cancel.
+    const glm::mat4& m = trees_->frame->relative_from_local[item.transform];
+    const glm::vec3 local = trees_->positions_of(item)[trees_->section_of(item).index[3 * size_t(hit.primitive)]];
+    glm::vec3 sum = glm::abs(glm::vec3(m[3]));
+    for (int c = 0; c < 3; ++c) sum += glm::abs(glm::vec3(m[c]) * local[c]);
+    reach = std::max(reach, largest_of(sum));
+  }
+  // Rounded corners tilt a thin triangle's plane: by their rounding over its width, at a distance of its length.
+  const glm::dvec3 e0 = glm::dvec3(p[1]) - a, e1 = glm::dvec3(p[2]) - a, e2 = e1 - e0;
+  const double longest2 = std::max({glm::dot(e0, e0), glm::dot(e1, e1), glm::dot(e2, e2)});
+  const double thinness = length > 0 ? std::min(longest2 / length, 1000.0) : 1000.0;
+  out.error_m = (16 * reach + 4 * float(std::sqrt(longest2) * thinness)) * 0x1p-24f;
   return out;
 }
 
 const DeformedVertices& Accel::deformed(int deformation) const { return trees_->deformed[size_t(deformation)]; }
 
+const AccelStatistics& Accel::statistics() const { return trees_->statistics; }
+
 std::vector<LeafBox> Accel::leaves() const {
   std::vector<LeafBox> out;
-  for (const TreeNode& n : trees_->nodes)
-    if (n.count > 0) out.push_back({n.box, n.count, 0});
+  const auto add = [&](const WideTree& tree, const glm::dmat4& relative_from_tree) {
+    struct Place {
+      uint32_t node, depth;
+    };
+    std::vector<Place> stack;
+    if (!tree.nodes.empty()) stack.push_back({0, 1});
+    while (!stack.empty()) {
+      const Place at = stack.back();
+      stack.pop_back();
+      const WideNode& node = tree.nodes[at.node];
+      for (uint32_t c = 0; c < wide_children; ++c) {
+        if (node.child[c] == no_child) continue;
+        if (!(node.child[c] & leaf_bit)) {
+          stack.push_back({node.child[c], at.depth + 1});
+          continue;
+        }
+        const DAabb box{{node.bounds[0][c], node.bounds[2][c], node.bounds[4][c]},
+                        {node.bounds[1][c], node.bounds[3][c], node.bounds[5][c]}};
+        const DAabb placed = transformed(box, relative_from_tree);
+        LeafBox leaf{{glm::vec3(placed.min), glm::vec3(placed.max)}, 0, at.depth};
+        const uint32_t first = first_of_leaf(node.child[c]);
+        for (uint32_t b = first; b < first + count_of_leaf(node.child[c]); ++b)
+          for (uint32_t id : tree.blocks[b].id) leaf.triangles += id != no_triangle;
+        out.push_back(leaf);
+      }
+    }
+  };
+  add(trees_->world, glm::dmat4(1.0));
+  for (const AccelInstance& instance : trees_->instances)
+    add(trees_->parts[instance.part].tree,
+        glm::dmat4(trees_->frame->relative_from_local[trees_->frame->items[instance.item].transform]));
   return out;
 }
-
-const AccelStatistics& Accel::statistics() const { return trees_->statistics; }
 
 glm::vec3 leaving_origin(const SurfacePoint& point, glm::vec3 direction) {
   const float side = glm::dot(direction, point.geometric_normal) < 0 ? -1.0f : 1.0f;

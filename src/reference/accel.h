@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "math/bounds.h"
+#include "reference/bvh_options.h"
 #include "reference/deform.h"
 #include "reference/ray.h"
 #include "scene/frame_data.h"
@@ -13,16 +14,18 @@
 
 namespace candela {
 
-enum class BvhBuilder : uint8_t { equal_counts, sah, sbvh };
+struct Kernels;
 
 struct AccelOptions {
   BvhBuilder builder = BvhBuilder::sah;
-  int buckets = 12;             // of the binned surface area heuristic, per axis (2 to 64)
-  float overlap_alpha = 1e-5f;  // sbvh: spatial splits are tried where the children's overlap exceeds this share of the root's area
-  float split_budget = 0.3f;    // sbvh: references that spatial splits may add, as a share of the triangles
-  // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, and backs of surfaces that
-  // are not double sided. true: for every candidate.
+  int buckets = 12;  // of the binned surface area heuristic, per axis (2 to 64)
+  float overlap_alpha =
+      1e-5f;  // sbvh: spatial splits are tried where the children's overlap exceeds this share of the root's area
+  float split_budget = 1.0f;  // sbvh: references that spatial splits may add, as a share of the triangles
+  // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, and backs of surfaces
+  // that are not double sided. true: for every candidate.
   bool always_ask_filter = false;
+  const Kernels* kernels = nullptr;  // null: the best for this processor (trace.h); all give the same hits
 };
 
 // A triangle of an item as it lies in relative space, after morphing and skinning.
@@ -45,20 +48,21 @@ struct LeafBox {
 };
 
 struct AccelStatistics {
-  size_t triangles = 0;           // in all trees, instanced ones once
-  size_t references = 0;          // in leaves; above `triangles` by spatial splits
-  size_t instances = 0;           // items reached through the top tree
-  size_t left_out = 0;            // triangles with non-finite corners
-  size_t skipped_items = 0;       // items of points or lines: rays do not meet them
+  size_t triangles = 0;      // in all trees, instanced ones once
+  size_t references = 0;     // in leaves; above `triangles` by spatial splits
+  size_t instances = 0;      // items reached through the top tree
+  size_t left_out = 0;       // triangles with non-finite corners
+  size_t skipped_items = 0;  // items of points or lines: rays do not meet them
   size_t nodes = 0, bytes = 0;
-  double sah_cost = 0;            // of the binary trees, summed over the items, relative to one triangle test
+  double sah_cost = 0;  // of the binary trees (instanced ones once), in triangle tests; see sah_cost
   double build_ms = 0;
 };
 
-// The triangles of one posed frame, for rays. Items whose geometry occurs once lie in one tree of relative space, with the
-// vertices the rasterizer has; geometry that occurs several times has a tree of its own and a top tree over its instances.
-// Points and lines are not traced. Answers do not depend on the number of threads, on the builder (up to ties at equal t,
-// which the lower item and primitive wins) nor on the processor's vector width. The scene and the frame must outlive it.
+// The triangles of one posed frame, for rays. Items whose geometry occurs once lie in one tree of relative space, with
+// the vertices the rasterizer has; geometry that occurs several times has a tree of its own and a top tree over its
+// instances. Points and lines are not traced. Answers do not depend on the number of threads, on the builder (up to
+// ties at equal t, which the lower item and primitive wins) nor on the processor's vector width. The scene and the
+// frame must outlive it.
 class Accel {
  public:
   Accel(const Scene& scene, const Pose& pose, const FrameData& frame, const AccelOptions& options = {});
@@ -80,8 +84,10 @@ class Accel {
   std::vector<LeafBox> leaves() const;
   const AccelStatistics& statistics() const;
 
+  struct Trees;  // accel_trees.h: for tests and tools
+  const Trees& trees() const { return *trees_; }
+
  private:
-  struct Trees;
   std::unique_ptr<Trees> trees_;
 };
 

@@ -27,8 +27,8 @@ struct TraceCounts {
   uint64_t nodes = 0, boxes = 0, triangles = 0;
 };
 
-// Decides about hits that the material leaves in doubt (masks, blending, culled backs). The same candidate may be offered
-// more than once and in any order, so the answer must depend on it alone.
+// Decides about hits that the material leaves in doubt (masks, blending, culled backs). The same candidate may be
+// offered more than once and in any order, so the answer must depend on it alone.
 class HitFilter {
  public:
   virtual bool accepts(const Hit& candidate) const = 0;

@@ -6,10 +6,11 @@
 
 namespace candela {
 
-// Watertight ray and triangle test (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013): corners are sheared
-// so that the ray runs along one axis; what is left is a 2D test whose edge functions have the exact sign, or are zero
-// and then made anew in double, where products of floats are exact. Needs arithmetic without fused multiply-add, or both
-// sides of a shared edge would round differently. The wide kernels do the same operations in the same order.
+// Watertight ray and triangle test (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013): corners are
+// sheared so that the ray runs along one axis; what is left is a 2D test whose edge functions have the exact sign, or
+// are zero and then made anew in double, where products of floats are exact. Needs arithmetic without fused
+// multiply-add, or both sides of a shared edge would round differently. The wide kernels do the same operations in the
+// same order.
 struct RayShear {
   int x = 0, y = 1, z = 2;  // the axis of the largest direction component is z
   float sx = 0, sy = 0, sz = 1;
@@ -28,12 +29,23 @@ inline RayShear shear_of(glm::vec3 direction) {
   return s;
 }
 
+// Directions are used as they come, of any length, but t then grows and shrinks with it, and may leave the range of
+// floats on the way. The power of two by which a ray's direction is to be divided, and t multiplied, to keep away from
+// the ends; 1 for all directions of usual lengths.
+inline float direction_scale(glm::vec3 direction) {
+  const glm::vec3 size = glm::abs(direction);
+  const float largest = size.x > size.y ? (size.x > size.z ? size.x : size.z) : (size.y > size.z ? size.y : size.z);
+  if (largest >= 0x1p-20f && largest <= 0x1p20f) return 1;
+  return std::ldexp(1.0f, std::ilogb(largest));
+}
+
 struct TriangleHit {
   float t, u, v;
   bool clockwise;  // as seen along the ray: the corners' normal by the right-hand rule points along it
 };
 
-// The edge functions of the sheared corners and the hit from them, in double. Float corners times float corners are exact.
+// The edge functions of the sheared corners and the hit from them, in double. Float corners times float corners are
+// exact.
 inline bool meet_sheared_double(const float (&a)[3], const float (&b)[3], const float (&c)[3], float t_min, float t_max,
                                 TriangleHit& hit) {
   const double u = double(c[0]) * double(b[1]) - double(c[1]) * double(b[0]);
@@ -55,7 +67,7 @@ constexpr float smallest_float_determinant = 1e-20f, largest_float_determinant =
 // t_min <= t <= t_max. Degenerate triangles and those seen edge-on are not hit.
 inline bool meet_triangle(const RayShear& s, glm::vec3 origin, glm::vec3 p0, glm::vec3 p1, glm::vec3 p2, float t_min,
                           float t_max, TriangleHit& hit) {
-  const auto sheared = [&](glm::vec3 p, float (&out)[3]) {
+  const auto sheared = [&](glm::vec3 p, float(&out)[3]) {
     const float z = p[s.z] - origin[s.z];
     out[0] = (p[s.x] - origin[s.x]) - s.sx * z;
     out[1] = (p[s.y] - origin[s.y]) - s.sy * z;

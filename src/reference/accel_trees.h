@@ -1,0 +1,49 @@
+#pragma once
+#include <vector>
+
+#include "reference/accel.h"
+#include "reference/bvh_build.h"
+#include "reference/trace.h"
+#include "reference/wide_tree.h"
+
+namespace candela {
+
+// Geometry that several items show: a tree in mesh space.
+struct AccelPart {
+  WideTree tree;
+};
+
+struct AccelInstance {
+  uint32_t item = 0, part = 0;
+  glm::dmat4x3 local_from_relative{1};
+  Aabb bounds;  // relative, of the part's triangles and a margin for the rounding of rays
+};
+
+// What an Accel is made of.
+struct Accel::Trees {
+  const Scene* scene = nullptr;
+  const FrameData* frame = nullptr;
+  const Kernels* kernels = &best_kernels();
+  std::vector<DeformedVertices> deformed;
+  std::vector<uint8_t> ask;  // per item: bit 0, the filter is asked about fronts; bit 1, about backs
+
+  WideTree world;                    // triangles of single items, in relative space
+  std::vector<uint32_t> world_item;  // per triangle id of `world`
+  std::vector<uint32_t> item_first;  // per item: the id of its first triangle in `world`
+  WideTree top;                      // over `instances`
+  std::vector<AccelInstance> instances;
+  std::vector<AccelPart> parts;
+  AccelStatistics statistics;
+
+  Trees(const Scene& scene, const Pose& pose, const FrameData& frame, const AccelOptions& options);
+
+  const MeshSection& section_of(const DrawItem& item) const { return scene->meshes[item.mesh].sections[item.section]; }
+  bool is_skinned(const DrawItem& item) const {
+    return item.deformed >= 0 && frame->deformations[size_t(item.deformed)].joint_count > 0;
+  }
+  const std::vector<glm::vec3>& positions_of(const DrawItem& item) const {
+    return item.deformed >= 0 ? deformed[size_t(item.deformed)].position : section_of(item).position;
+  }
+};
+
+}  // namespace candela

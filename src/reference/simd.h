@@ -1,0 +1,134 @@
+#pragma once
+// Four and eight floats at once, for the reference's builders and traversal: AVX2, SSE2 or plain C++, by what the
+// including file is compiled for. Every operation is one IEEE operation per lane (no fused multiply-add, no approximate
+// reciprocal), so all three give the same bits. min and max are x86's: the second operand where either is NaN. Each
+// variant lives in a namespace of its own: inline functions of files compiled for AVX2 must never be the ones that the
+// linker keeps for the rest of the program.
+#include <bit>
+#include <cstdint>
+
+#if defined(__AVX2__) && !defined(CANDELA_SIMD_SCALAR)
+#include <immintrin.h>
+#define CANDELA_SIMD_NAME simd_avx2
+#elif defined(__SSE2__) && !defined(CANDELA_SIMD_SCALAR)
+#include <emmintrin.h>
+#define CANDELA_SIMD_NAME simd_sse2
+#else
+#define CANDELA_SIMD_NAME simd_scalar
+#endif
+
+namespace candela::inline CANDELA_SIMD_NAME {
+
+#if defined(__SSE2__) && !defined(CANDELA_SIMD_SCALAR)
+
+struct F4 {
+  __m128 v;
+  static F4 load(const float* p) { return {_mm_loadu_ps(p)}; }
+  static F4 all(float x) { return {_mm_set1_ps(x)}; }
+  void store(float* p) const { _mm_storeu_ps(p, v); }
+};
+inline F4 operator+(F4 a, F4 b) { return {_mm_add_ps(a.v, b.v)}; }
+inline F4 operator-(F4 a, F4 b) { return {_mm_sub_ps(a.v, b.v)}; }
+inline F4 operator*(F4 a, F4 b) { return {_mm_mul_ps(a.v, b.v)}; }
+inline F4 operator/(F4 a, F4 b) { return {_mm_div_ps(a.v, b.v)}; }
+inline F4 min(F4 a, F4 b) { return {_mm_min_ps(a.v, b.v)}; }
+inline F4 max(F4 a, F4 b) { return {_mm_max_ps(a.v, b.v)}; }
+inline F4 absolute(F4 a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
+// Bit i is lane i.
+inline uint32_t less(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v))); }
+inline uint32_t less_equal(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v, b.v))); }
+inline uint32_t equal(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v))); }
+// Towards zero; the lanes must be within int's range.
+inline void to_ints(F4 a, int32_t* out) { _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm_cvttps_epi32(a.v)); }
+inline F4 without_lane_3(F4 a) { return {_mm_and_ps(a.v, _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1)))}; }
+
+#else
+
+struct F4 {
+  float v[4];
+  static F4 load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
+  static F4 all(float x) { return {{x, x, x, x}}; }
+  void store(float* p) const {
+    for (int i = 0; i < 4; ++i) p[i] = v[i];
+  }
+};
+template <class Operation>
+F4 each(F4 a, F4 b, Operation operation) {
+  F4 r;
+  for (int i = 0; i < 4; ++i) r.v[i] = operation(a.v[i], b.v[i]);
+  return r;
+}
+template <class Test>
+uint32_t lanes(F4 a, F4 b, Test test) {
+  uint32_t mask = 0;
+  for (int i = 0; i < 4; ++i) mask |= uint32_t(test(a.v[i], b.v[i])) << i;
+  return mask;
+}
+inline F4 operator+(F4 a, F4 b) {
+  return each(a, b, [](float x, float y) { return x + y; });
+}
+inline F4 operator-(F4 a, F4 b) {
+  return each(a, b, [](float x, float y) { return x - y; });
+}
+inline F4 operator*(F4 a, F4 b) {
+  return each(a, b, [](float x, float y) { return x * y; });
+}
+inline F4 operator/(F4 a, F4 b) {
+  return each(a, b, [](float x, float y) { return x / y; });
+}
+inline F4 min(F4 a, F4 b) {
+  return each(a, b, [](float x, float y) { return x < y ? x : y; });
+}
+inline F4 max(F4 a, F4 b) {
+  return each(a, b, [](float x, float y) { return x > y ? x : y; });
+}
+inline F4 absolute(F4 a) {
+  return each(a, a, [](float x, float) { return std::bit_cast<float>(std::bit_cast<uint32_t>(x) & 0x7fffffffu); });
+}
+inline uint32_t less(F4 a, F4 b) {
+  return lanes(a, b, [](float x, float y) { return x < y; });
+}
+inline uint32_t less_equal(F4 a, F4 b) {
+  return lanes(a, b, [](float x, float y) { return x <= y; });
+}
+inline uint32_t equal(F4 a, F4 b) {
+  return lanes(a, b, [](float x, float y) { return x == y; });
+}
+inline void to_ints(F4 a, int32_t* out) {
+  for (int i = 0; i < 4; ++i) out[i] = int32_t(a.v[i]);
+}
+inline F4 without_lane_3(F4 a) { return {{a.v[0], a.v[1], a.v[2], 0}}; }
+
+#endif
+
+#if defined(__AVX2__) && !defined(CANDELA_SIMD_SCALAR)
+
+struct F8 {
+  __m256 v;
+  static F8 load(const float* p) { return {_mm256_load_ps(p)}; }  // p on 32 bytes
+  static F8 all(float x) { return {_mm256_set1_ps(x)}; }
+  void store(float* p) const { _mm256_store_ps(p, v); }
+};
+inline F8 operator-(F8 a, F8 b) { return {_mm256_sub_ps(a.v, b.v)}; }
+inline F8 operator*(F8 a, F8 b) { return {_mm256_mul_ps(a.v, b.v)}; }
+inline F8 min(F8 a, F8 b) { return {_mm256_min_ps(a.v, b.v)}; }
+inline F8 max(F8 a, F8 b) { return {_mm256_max_ps(a.v, b.v)}; }
+inline uint32_t less_equal(F8 a, F8 b) { return uint32_t(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ))); }
+
+#else
+
+struct F8 {
+  F4 a, b;
+  static F8 load(const float* p) { return {F4::load(p), F4::load(p + 4)}; }
+  static F8 all(float x) { return {F4::all(x), F4::all(x)}; }
+  void store(float* p) const { a.store(p), b.store(p + 4); }
+};
+inline F8 operator-(F8 x, F8 y) { return {x.a - y.a, x.b - y.b}; }
+inline F8 operator*(F8 x, F8 y) { return {x.a * y.a, x.b * y.b}; }
+inline F8 min(F8 x, F8 y) { return {min(x.a, y.a), min(x.b, y.b)}; }
+inline F8 max(F8 x, F8 y) { return {max(x.a, y.a), max(x.b, y.b)}; }
+inline uint32_t less_equal(F8 x, F8 y) { return less_equal(x.a, y.a) | less_equal(x.b, y.b) << 4; }
+
+#endif
+
+}  // namespace candela::inline CANDELA_SIMD_NAME

@@ -1,0 +1,211 @@
+#pragma once
+// The traversal itself, compiled once per instruction set: included by trace_avx2.cpp, trace_sse2.cpp and
+// trace_scalar.cpp alone. Slabs after Ize, "Robust BVH Ray Traversal", 2013; triangles after Woop, Benthin, Wald 2013
+// (see triangle.h, whose operations and order these are).
+#include <bit>
+#include <cstdint>
+
+#include "reference/simd.h"
+#include "reference/trace.h"
+
+namespace candela {
+namespace {
+
+// Wide trees are at most 92 deep, and a level leaves at most seven siblings waiting.
+constexpr int stack_size = 7 * 92 + 8;
+// Ize's factor covers the roundings of both slabs' t; the rest covers how far a triangle's own t may lie before its
+// box's.
+constexpr float slab_slack = 1.000001f;
+constexpr float smallest_determinant = 1e-20f, largest_determinant = 1e30f;  // as in triangle.h
+
+struct Shear {
+  int x, y, z;
+  float sx, sy, sz;
+};
+
+inline Shear shear_along(const float (&d)[3]) {
+  const float a[3] = {d[0] < 0 ? -d[0] : d[0], d[1] < 0 ? -d[1] : d[1], d[2] < 0 ? -d[2] : d[2]};
+  Shear s;
+  s.z = a[0] > a[1] ? (a[0] > a[2] ? 0 : 2) : (a[1] > a[2] ? 1 : 2);
+  s.x = s.z == 2 ? 0 : s.z + 1;
+  s.y = s.x == 2 ? 0 : s.x + 1;
+  if (d[s.z] < 0) {
+    const int x = s.x;
+    s.x = s.y, s.y = x;
+  }
+  s.sx = d[s.x] / d[s.z], s.sy = d[s.y] / d[s.z], s.sz = 1.0f / d[s.z];
+  return s;
+}
+
+struct Waiting {
+  uint32_t child;
+  float near;
+};
+
+struct Prepared {  // a ray, spread over lanes
+  F8 origin[3], inverse[3], t_min;
+  uint32_t near_row[3], far_row[3];  // of WideNode::bounds
+  Shear shear;
+  F4 shear_origin[3], sx, sy, sz;
+  explicit Prepared(const KernelRay& ray) : t_min(F8::all(ray.t_min)), shear(shear_along(ray.direction)) {
+    for (int a = 0; a < 3; ++a) {
+      const float inverse_a = 1.0f / ray.direction[a];
+      origin[a] = F8::all(ray.origin[a]), inverse[a] = F8::all(inverse_a);
+      const uint32_t backwards = std::bit_cast<uint32_t>(inverse_a) >> 31;
+      near_row[a] = uint32_t(2 * a) + backwards, far_row[a] = uint32_t(2 * a) + 1 - backwards;
+    }
+    shear_origin[0] = F4::all(ray.origin[shear.x]);
+    shear_origin[1] = F4::all(ray.origin[shear.y]);
+    shear_origin[2] = F4::all(ray.origin[shear.z]);
+    sx = F4::all(shear.sx), sy = F4::all(shear.sy), sz = F4::all(shear.sz);
+  }
+};
+
+// Bit per child whose box the ray meets. A slab's 0 * infinity (the origin in the plane of a slab that the ray runs
+// along) is NaN, which min and max drop: the slab then does not limit.
+inline uint32_t meet_boxes(const WideNode& node, const Prepared& p, float t_max, float (&near)[wide_children]) {
+  F8 begin = p.t_min, end = F8::all(t_max);
+  for (int a = 0; a < 3; ++a) {
+    begin = max((F8::load(node.bounds[p.near_row[a]]) - p.origin[a]) * p.inverse[a], begin);
+    end = min((F8::load(node.bounds[p.far_row[a]]) - p.origin[a]) * p.inverse[a], end);
+  }
+  begin.store(near);
+  return less_equal(begin, end * F8::all(slab_slack));
+}
+
+struct Sheared {
+  F4 x, y, z;
+};
+
+inline bool meet_in_double(const float (&a)[3], const float (&b)[3], const float (&c)[3], const KernelRay& ray,
+                           KernelHit& hit) {
+  const double u = double(c[0]) * double(b[1]) - double(c[1]) * double(b[0]);
+  const double v = double(a[0]) * double(c[1]) - double(a[1]) * double(c[0]);
+  const double w = double(b[0]) * double(a[1]) - double(b[1]) * double(a[0]);
+  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+  const double determinant = u + v + w;
+  if (!(determinant != 0)) return false;
+  const float t = float((u * double(a[2]) + v * double(b[2]) + w * double(c[2])) / determinant);
+  if (!(t >= ray.t_min && t <= ray.t_max)) return false;
+  hit.t = t, hit.u = float(v / determinant), hit.v = float(w / determinant), hit.clockwise = determinant < 0;
+  return true;
+}
+
+inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay& ray, KernelCaller& caller, bool any,
+                       KernelCounts* counts) {
+  Sheared s[3];
+  for (int k = 0; k < 3; ++k) {
+    const F4 z = F4::load(block.corner[k][p.shear.z]) - p.shear_origin[2];
+    s[k].x = (F4::load(block.corner[k][p.shear.x]) - p.shear_origin[0]) - p.sx * z;
+    s[k].y = (F4::load(block.corner[k][p.shear.y]) - p.shear_origin[1]) - p.sy * z;
+    s[k].z = z;
+  }
+  const F4 u = s[2].x * s[1].y - s[2].y * s[1].x;
+  const F4 v = s[0].x * s[2].y - s[0].y * s[2].x;
+  const F4 w = s[1].x * s[0].y - s[1].y * s[0].x;
+  const F4 zero = F4::all(0.0f);
+  uint32_t present = 15u;
+  if (block.id[block_triangles - 1] == no_triangle)
+    for (int lane = 1; lane < int(block_triangles); ++lane)
+      present &= ~(uint32_t(block.id[lane] == no_triangle) << lane);
+  if (counts) counts->triangles += uint64_t(std::popcount(present));
+  uint32_t candidates = present & ~(less(min(min(u, v), w), zero) & less(zero, max(max(u, v), w)));
+  if (candidates == 0) return false;
+
+  const F4 determinant = (u + v) + w, size = absolute(determinant);
+  const uint32_t exact = less_equal(F4::all(smallest_determinant), size) &
+                         less_equal(size, F4::all(largest_determinant)) &
+                         ~(equal(u, zero) | equal(v, zero) | equal(w, zero));
+  for (int k = 0; k < 3; ++k) s[k].z = p.sz * s[k].z;
+  const F4 t = ((u * s[0].z + v * s[1].z) + w * s[2].z) / determinant;
+  candidates &= ~exact | (less_equal(F4::all(ray.t_min), t) & less_equal(t, F4::all(ray.t_max)));
+  if (candidates == 0) return false;
+  float ts[4], us[4], vs[4], size_sign[4];
+  t.store(ts), (v / determinant).store(us), (w / determinant).store(vs), determinant.store(size_sign);
+  for (; candidates != 0; candidates &= candidates - 1) {
+    const int lane = std::countr_zero(candidates);
+    KernelHit hit{ts[lane], us[lane], vs[lane], block.id[lane], size_sign[lane] < 0};
+    if (exact >> lane & 1u) {
+      if (!(hit.t <= ray.t_max)) continue;  // another lane has shortened the ray
+    } else {
+      float corner[3][3];
+      for (int k = 0; k < 3; ++k) {
+        float x[4], y[4], z[4];
+        s[k].x.store(x), s[k].y.store(y), s[k].z.store(z);
+        corner[k][0] = x[lane], corner[k][1] = y[lane], corner[k][2] = z[lane];
+      }
+      if (!meet_in_double(corner[0], corner[1], corner[2], ray, hit)) continue;
+    }
+    if (!caller.accept(caller, hit)) continue;
+    if (any) return true;
+    ray.t_max = hit.t;
+  }
+  return false;
+}
+
+template <bool over_triangles, bool any>
+bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, KernelCounts* counts) {
+  const Prepared p(ray);
+  Waiting stack[stack_size];
+  Waiting* top = stack;
+  uint32_t child = 0;
+  while (true) {
+    // Down to a leaf, nearest child first.
+    while (!(child & leaf_bit)) {
+      const WideNode& node = tree.nodes[child];
+      alignas(32) float near[wide_children];
+      uint32_t met = meet_boxes(node, p, ray.t_max, near);
+      if (counts) {
+        ++counts->nodes;
+        for (uint32_t c : node.child) counts->boxes += c != no_child;
+      }
+      if (met == 0) goto next;
+      uint32_t lane = uint32_t(std::countr_zero(met));
+      met &= met - 1;
+      child = node.child[lane];
+      if (met == 0) continue;
+      Waiting nearest{child, near[lane]};
+      Waiting* const first = top;
+      do {
+        lane = uint32_t(std::countr_zero(met));
+        met &= met - 1;
+        Waiting one{node.child[lane], near[lane]};
+        if (one.near < nearest.near) {
+          const Waiting other = nearest;
+          nearest = one, one = other;
+        }
+        // Farthest lowest; equals stay in the children's order. For any hit the order among the rest does not matter.
+        Waiting* at = top++;
+        if constexpr (!any)
+          for (; at > first && at[-1].near < one.near; --at) at[0] = at[-1];
+        *at = one;
+      } while (met != 0);
+      child = nearest.child;
+    }
+    {
+      const uint32_t first = first_of_leaf(child), count = count_of_leaf(child);
+      for (uint32_t i = first; i < first + count; ++i) {
+        if constexpr (over_triangles) {
+          if (meet_block(tree.blocks[i], p, ray, caller, any, counts)) return true;
+        } else {
+          if (caller.enter(caller, tree.indices[i], ray)) return true;
+        }
+      }
+    }
+  next:
+    do {
+      if (top == stack) return false;
+      --top;
+    } while (!(top->near <= ray.t_max * slab_slack));
+    child = top->child;
+  }
+}
+
+template <bool over_triangles>
+bool trace(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, bool any, KernelCounts* counts) {
+  return any ? traverse<over_triangles, true>(tree, ray, caller, counts)
+             : traverse<over_triangles, false>(tree, ray, caller, counts);
+}
+
+}  // namespace
+}  // namespace candela

@@ -1,0 +1,212 @@
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "reference/trace.h"
+#include "reference_bvh_fixture.h"
+
+namespace candela {
+namespace {
+
+using namespace bvh_test;
+
+// Some of each: what the tree flattens, what it instances, mirrored, skewed, flattened to nothing, tiny, huge.
+std::unique_ptr<Made> instanced_scene() {
+  auto m = std::make_unique<Made>();
+  m->name = "instances";
+  const uint32_t mesh = m->add_mesh(closed_mesh(8, 4));
+  const glm::mat4 one(1.0f);
+  const auto at = [&](float x, glm::vec3 scale) {
+    m->place(mesh, glm::scale(glm::rotate(glm::translate(one, {x, 0.2f * x, -x}), x, {1, 2, 3}), scale));
+  };
+  at(0, {1, 1, 1}), at(0.5f, {0.3f, 0.9f, 0.5f}), at(-0.7f, {-1, 1, 1}), at(1.0f, {0.5f, -0.5f, -0.25f});
+  at(1.3f, {1, 0, 1}), at(-1.3f, {1e-8f, 1e-8f, 1e-8f}), at(0.2f, {0, 0, 0}), at(-0.2f, {1, 1e-7f, 1});
+  return m;
+}
+
+std::vector<std::unique_ptr<Made>> scenes() {
+  std::vector<std::unique_ptr<Made>> out;
+  out.push_back(made("soup", random_soup(1, 120, 0.5)));
+  out.push_back(made("closed", closed_mesh(12, 6)));
+  out.push_back(made("slivers", slivers(3, 100)));
+  out.push_back(instanced_scene());
+  return out;
+}
+
+// Numbers of rays whose answer differs from brute force's, first few only.
+template <class Differs>
+std::vector<uint64_t> differing(uint64_t count, Differs differs) {
+  std::vector<uint8_t> bad(count);
+  tbb::parallel_for(uint64_t(0), count, [&](uint64_t i) { bad[i] = differs(i); });
+  std::vector<uint64_t> out;
+  for (uint64_t i = 0; i < count && out.size() < 10; ++i)
+    if (bad[i]) out.push_back(i);
+  return out;
+}
+
+TEST(BvhHits, EqualBruteForceOnAMillionRaysAScene) {
+  for (const auto& m : scenes()) {
+    std::vector<Accel> trees;
+    for (BvhBuilder b : all_builders) trees.emplace_back(m->scene, m->pose, m->frame, built_by(b));
+    const BruteForce brute(trees[0]);
+    const Rays rays(trees[0]);
+    std::atomic<uint64_t> met = 0;
+    const auto bad = differing(1'000'000, [&](uint64_t i) {
+      const Ray ray = rays[i];
+      const std::optional<Hit> expected = brute.closest(ray);
+      met += expected.has_value();
+      if (!same(trees[i % 3].closest(ray), expected)) return true;
+      return i % 4 == 0 && trees[(i + 1) % 3].occluded(ray) != expected.has_value();
+    });
+    EXPECT_TRUE(bad.empty()) << m->name << ": ray " << (bad.empty() ? 0 : bad[0]) << " and " << bad.size() - 1
+                             << " more";
+    EXPECT_GT(met, 200'000u) << m->name;
+  }
+}
+
+// Bigger ones with fewer rays: the trees have several levels and tasks.
+TEST(BvhHits, EqualBruteForceInBigTrees) {
+  std::vector<std::unique_ptr<Made>> big;
+  big.push_back(made("big soup", random_soup(11, 6000, 0.1)));
+  big.push_back(made("big closed", closed_mesh(60, 40)));
+  for (const auto& m : big)
+    for (BvhBuilder b : all_builders) {
+      const Accel accel(m->scene, m->pose, m->frame, built_by(b));
+      const BruteForce brute(accel);
+      const Rays rays(accel);
+      const auto bad =
+          differing(8'000, [&](uint64_t i) { return !same(accel.closest(rays[i]), brute.closest(rays[i])); });
+      EXPECT_TRUE(bad.empty()) << m->name << " " << int(b) << ": ray " << (bad.empty() ? 0 : bad[0]);
+    }
+}
+
+TEST(BvhHits, AreTheSameWhateverTheVectorWidth) {
+  const Kernels* others[] = {sse2_kernels(), avx2_kernels()};
+  for (const auto& m : scenes()) {
+    AccelOptions options;
+    options.kernels = scalar_kernels();
+    const Accel plain(m->scene, m->pose, m->frame, options);
+    const Rays rays(plain);
+    for (const Kernels* kernels : others) {
+      if (!kernels) continue;
+      options.kernels = kernels;
+      const Accel wide(m->scene, m->pose, m->frame, options);
+      const auto bad = differing(50'000, [&](uint64_t i) {
+        TraceCounts a, b;
+        const bool equal = same(plain.closest(rays[i], nullptr, &a), wide.closest(rays[i], nullptr, &b));
+        return !equal || a.boxes != b.boxes || a.triangles != b.triangles || a.nodes != b.nodes;
+      });
+      EXPECT_TRUE(bad.empty()) << m->name << " " << kernels->name << ": ray " << (bad.empty() ? 0 : bad[0]);
+    }
+  }
+}
+
+// From inside a closed mesh, at its corners, edges and faces, near the origin and far from it.
+TEST(BvhHits, NoRayEscapesAClosedMesh) {
+  for (float centre : {0.0f, 1000.0f, -3e5f})
+    for (BvhBuilder b : all_builders) {
+      const auto triangles = closed_mesh(24, 16, centre);
+      const auto m = made("closed", triangles);
+      const Accel accel(m->scene, m->pose, m->frame, built_by(b));
+      const auto bad = differing(120'000, [&](uint64_t i) {
+        Rng rng(i);
+        const TriangleCorners& t = triangles[rng.next() % triangles.size()];
+        const glm::vec3 p = t.corner[rng.next() % 3], q = t.corner[rng.next() % 3], r = t.corner[rng.next() % 3];
+        const float s = i % 3 == 0 ? 0.0f : float(rng.uniform()), u = i % 3 == 2 ? float(rng.uniform()) : 0.0f;
+        Ray ray;
+        ray.origin = glm::vec3(centre) + random_in(rng, -0.1, 0.1);
+        ray.direction = glm::mix(glm::mix(p, q, s), r, u) - ray.origin;
+        return !accel.closest(ray) || !accel.occluded(ray);
+      });
+      EXPECT_TRUE(bad.empty()) << centre << " " << int(b) << ": ray " << (bad.empty() ? 0 : bad[0]);
+    }
+}
+
+struct Only final : HitFilter {
+  uint32_t primitive;
+  explicit Only(uint32_t p) : primitive(p) {}
+  bool accepts(const Hit& hit) const override { return hit.primitive == primitive; }
+};
+struct Never final : HitFilter {
+  bool accepts(const Hit&) const override { return false; }
+};
+
+TEST(BvhHits, FiltersSeeEveryLayer) {
+  std::vector<TriangleCorners> layers;
+  for (int i = 0; i < 40; ++i) {
+    const float z = -1.0f - float(i);
+    layers.push_back({{{-1, -1, z}, {1, -1, z}, {0, 1, z}}});
+  }
+  const auto m = made("layers", layers);
+  AccelOptions options;
+  options.always_ask_filter = true;
+  const Accel accel(m->scene, m->pose, m->frame, options);
+  const Ray ray;
+  for (uint32_t i = 0; i < 40; ++i) {
+    const Only only(i);
+    const auto hit = accel.closest(ray, &only);
+    ASSERT_TRUE(hit) << i;
+    EXPECT_EQ(hit->primitive, i);
+    EXPECT_EQ(hit->t, 1.0f + float(i));
+    EXPECT_TRUE(accel.occluded(ray, &only));
+    EXPECT_FALSE(hit->back);
+  }
+  EXPECT_FALSE(accel.closest(ray, &static_cast<const HitFilter&>(Never())));
+  // Opaque fronts are not asked about, backs of surfaces that are not double sided are.
+  const Accel trusting(m->scene, m->pose, m->frame);
+  const Never never;
+  EXPECT_TRUE(trusting.closest(ray, &never));
+  Ray back;
+  back.origin = {0, 0, -100}, back.direction = {0, 0, 1};
+  EXPECT_TRUE(trusting.closest(back)->back);
+  EXPECT_FALSE(trusting.closest(back, &never));
+}
+
+TEST(BvhHits, RaysThatAreNoneMeetNothing) {
+  const auto m = made("one", {{{{-1, -1, -1}, {1, -1, -1}, {0, 1, -1}}}});
+  const Accel accel(m->scene, m->pose, m->frame);
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  Ray ray;
+  EXPECT_TRUE(accel.closest(ray));
+  for (float x : {nan, infinity}) {
+    Ray broken = ray;
+    broken.origin.x = x;
+    EXPECT_FALSE(accel.closest(broken));
+    broken = ray, broken.direction.y = x;
+    EXPECT_FALSE(accel.closest(broken));
+  }
+  ray.direction = glm::vec3(0);
+  EXPECT_FALSE(accel.closest(ray));
+  ray.direction = {0, 0, -1}, ray.t_min = nan;
+  EXPECT_FALSE(accel.closest(ray));
+}
+
+// A ray that leaves a surface by leaving_origin does not meet the triangle it comes from, and does meet one right
+// behind.
+TEST(BvhHits, SecondaryRaysLeaveTheirTriangle) {
+  for (const auto& m : scenes())
+    for (float scale : {1.0f, 1e-8f, 1e7f}) {
+      Made moved = *m;
+      for (glm::mat4& t : moved.frame.relative_from_local)
+        t = glm::scale(glm::translate(glm::mat4(1.0f), glm::vec3(3, -2, 5) * scale), glm::vec3(scale)) * t;
+      const Accel accel(moved.scene, moved.pose, moved.frame);
+      const Rays rays(accel);
+      const auto bad = differing(60'000, [&](uint64_t i) {
+        const auto hit = accel.closest(rays[i]);
+        if (!hit) return false;
+        const SurfacePoint p = accel.surface(*hit);
+        if (p.geometric_normal == glm::vec3(0)) return false;
+        Rng rng(i);
+        Ray away;
+        away.direction = random_direction(rng);
+        if (i % 4 == 0) away.direction -= 0.999f * glm::dot(away.direction, p.geometric_normal) * p.geometric_normal;
+        away.origin = leaving_origin(p, away.direction);
+        const auto next = accel.closest(away);
+        if (next && next->item == hit->item && next->primitive == hit->primitive)
+          printf("DBG leave %s %g: t %g error %g\n", m->name.c_str(), scale, next->t, p.error_m);
+        return next && next->item == hit->item && next->primitive == hit->primitive;
+      });
+      EXPECT_TRUE(bad.empty()) << m->name << " x " << scale << ": ray " << (bad.empty() ? 0 : bad[0]);
+    }
+}
+
+}  // namespace
+}  // namespace candela

@@ -7,10 +7,19 @@ namespace candela::reference {
 namespace {
 // The end of a shadow ray is kept off what it is aimed at by some units in the last place of a float.
 constexpr float before_end = 1 - 4e-6f;
+
+// A ray along the edge that two triangles of an item share meets both, and covers it but once. (The centres of pixels lie on the
+// diagonals of squares often.)
+bool is_on_edge(const Hit& h) { return std::min({h.u, h.v, 1 - h.u - h.v}) < 1e-5f; }
+bool is_same_point(const Hit& a, const Hit& b) {
+  return a.item == b.item && a.primitive != b.primitive && std::abs(a.t - b.t) <= 4e-6f * std::abs(b.t) && is_on_edge(a) && is_on_edge(b);
+}
 }  // namespace
 
 bool SurfaceFilter::accepts(const Hit& hit) const {
-  if (passed_ && std::tie(hit.t, hit.item, hit.primitive) <= std::tie(passed_->t, passed_->item, passed_->primitive)) return false;
+  if (passed_ && (std::tie(hit.t, hit.item, hit.primitive) <= std::tie(passed_->t, passed_->item, passed_->primitive) ||
+                  is_same_point(hit, *passed_)))
+    return false;
   if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item)) return false;
   return !world_.is_masked(hit.item) || world_.coverage(hit) > 0;
 }

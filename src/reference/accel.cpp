@@ -21,7 +21,8 @@ struct Search : KernelCaller {
   const AccelInstance* instance = nullptr;  // the one entered; null: in the world tree
   Hit best{};
   bool found = false;
-  float inverse_scale = 1;  // of t
+  float best_t = 0;         // as the kernels have it
+  float inverse_scale = 1;  // from their t to the caller's
 
   Search(const Accel::Trees& t, const HitFilter* f, KernelCounts* c, bool any_hit)
       : KernelCaller{&accept_hit, &enter_instance}, trees(t), filter(f), counts(c), any(any_hit) {}
@@ -36,10 +37,10 @@ struct Search : KernelCaller {
       hit.item = s.trees.world_item[h.id], hit.primitive = h.id - s.trees.item_first[hit.item];
       if (s.trees.frame->items[hit.item].mirrored) hit.back = !hit.back;
     }
-    if (s.found && hit.t == s.best.t && std::tie(hit.item, hit.primitive) >= std::tie(s.best.item, s.best.primitive))
+    if (s.found && h.t == s.best_t && std::tie(hit.item, hit.primitive) >= std::tie(s.best.item, s.best.primitive))
       return false;
     if (s.filter && (s.trees.ask[hit.item] & (hit.back ? 2 : 1)) && !s.filter->accepts(hit)) return false;
-    s.best = hit, s.found = true;
+    s.best = hit, s.best_t = h.t, s.found = true;
     return true;
   }
 

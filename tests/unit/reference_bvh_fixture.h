@@ -152,25 +152,22 @@ class BruteForce {
 
   std::optional<Hit> closest(const Ray& ray) const {
     std::optional<Hit> best;
-    float t_max = ray.t_max;
+    const float scale = direction_scale(ray.direction);
+    float t_max = ray.t_max * scale;
     for (const Group& g : groups_) {
-      glm::vec3 origin = ray.origin, direction = ray.direction;
+      glm::vec3 origin = ray.origin, direction = ray.direction / scale;
       if (g.instance) {
         origin = g.instance->local_from_relative * glm::dvec4(glm::dvec3(ray.origin), 1.0);
-        direction = g.instance->local_from_relative * glm::dvec4(glm::dvec3(ray.direction), 0.0);
+        direction = g.instance->local_from_relative * glm::dvec4(glm::dvec3(direction), 0.0);
       }
       const bool mirrored = !g.instance && trees_.frame->items[g.item].mirrored;
-      const float scale = direction_scale(ray.direction);
-      direction /= scale;
       const RayShear shear = shear_of(direction);
       for (uint32_t k = 0; k < g.triangles.size(); ++k) {
         const TriangleCorners& c = g.triangles[k];
         TriangleHit h;
-        if (!meet_triangle(shear, origin, c.corner[0], c.corner[1], c.corner[2], ray.t_min * scale, t_max * scale, h))
-          continue;
-        h.t /= scale;
-        if (best && h.t == best->t && std::tie(g.item, k) >= std::tie(best->item, best->primitive)) continue;
-        best = Hit{h.t, h.u, h.v, g.item, k, h.clockwise != mirrored};
+        if (!meet_triangle(shear, origin, c.corner[0], c.corner[1], c.corner[2], ray.t_min * scale, t_max, h)) continue;
+        if (best && h.t == t_max && std::tie(g.item, k) >= std::tie(best->item, best->primitive)) continue;
+        best = Hit{h.t * (1.0f / scale), h.u, h.v, g.item, k, h.clockwise != mirrored};
         t_max = h.t;
       }
     }

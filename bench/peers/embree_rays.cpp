@@ -1,0 +1,350 @@
+// Traces the same rays through candela's trees and through Embree's, at equal quality, round by round, and prints JSON:
+//   embree_rays [--rounds N] [--size WxH] SCENE[@EX,EY,EZ@TX,TY,TZ]...
+// `sah` stands against Embree's medium quality, `sbvh` against its high one. Both get one ray at a time, in the order
+// of pixels. Embree's default kernels let rays slip through edges; its robust ones, like candela's, do not: both are
+// timed.
+#include <embree3/rtcore.h>
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/rng.h"
+#include "base/statistics.h"
+#include "reference/accel.h"
+#include "scene/gltf.h"
+#include "scene/view.h"
+
+using namespace candela;
+using nlohmann::ordered_json;
+
+namespace {
+
+double ms_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// The frame's triangles as one indexed mesh in relative space, in the order of items.
+struct Mesh3 {
+  std::vector<glm::vec3> position;
+  std::vector<uint32_t> index;
+  std::vector<uint32_t> item_first;  // triangle
+
+  Mesh3(const Scene& scene, const FrameData& frame, const Accel& accel) {
+    for (const DrawItem& item : frame.items) {
+      item_first.push_back(uint32_t(index.size() / 3));
+      const MeshSection& s = scene.meshes[item.mesh].sections[item.section];
+      if (s.topology != Topology::triangles) continue;
+      const uint32_t first = uint32_t(position.size());
+      const bool skinned = item.deformed >= 0 && frame.deformations[size_t(item.deformed)].joint_count > 0;
+      for (glm::vec3 p : item.deformed >= 0 ? accel.deformed(item.deformed).position : s.position)
+        position.push_back(skinned ? p : glm::vec3(frame.relative_from_local[item.transform] * glm::vec4(p, 1.0f)));
+      for (uint32_t i : s.index) index.push_back(first + i);
+    }
+    position.emplace_back(0);  // Embree reads 16 bytes of the last vertex
+  }
+};
+
+class Embree {
+ public:
+  Embree(const Mesh3& mesh, RTCBuildQuality quality, bool robust, int threads) {
+    device_ = rtcNewDevice(threads > 0 ? ("threads=" + std::to_string(threads)).c_str() : nullptr);
+    scene_ = rtcNewScene(device_);
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.position.data(), 0, 12,
+                               mesh.position.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.index.data(), 0, 12,
+                               mesh.index.size() / 3);
+    rtcSetGeometryBuildQuality(geometry, quality);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneBuildQuality(scene_, quality);
+    rtcSetSceneFlags(scene_, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    const auto begin = std::chrono::steady_clock::now();
+    rtcCommitScene(scene_);
+    build_ms = ms_since(begin);
+  }
+  ~Embree() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  Embree(const Embree&) = delete;
+
+  uint32_t closest(const Ray& ray, float& t) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit hit;
+    fill(ray, hit.ray);
+    hit.hit.geomID = hit.hit.primID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_, &context, &hit);
+    t = hit.ray.tfar;
+    return hit.hit.primID;
+  }
+  bool occluded(const Ray& ray) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRay r;
+    fill(ray, r);
+    rtcOccluded1(scene_, &context, &r);
+    return r.tfar < 0;
+  }
+
+  double build_ms = 0;
+
+ private:
+  static void fill(const Ray& ray, RTCRay& r) {
+    r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
+    r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
+    r.tnear = ray.t_min, r.tfar = ray.t_max, r.time = 0, r.mask = 0xffffffffu, r.id = 0, r.flags = 0;
+  }
+  RTCDevice device_;
+  RTCScene scene_;
+};
+
+struct RayKind {
+  const char* name;
+  bool any;
+  std::vector<Ray> rays;
+};
+
+std::vector<RayKind> make_rays(const Accel& accel, const FrameData&, const View& view, const Aabb& bounds, int width,
+                               int height) {
+  std::vector<RayKind> kinds = {{"primary", false, {}}, {"shadow", true, {}}, {"diffuse", false, {}}};
+  const glm::dmat3 relative_from_view = glm::transpose(glm::dmat3(view.view_from_relative));
+  const glm::vec3 light = bounds.centre() + glm::vec3(0, 0.6f, 0) * bounds.extent();
+  Rng rng(1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + 0.5) / width * 2 - 1, v = 1 - (y + 0.5) / height * 2;
+      Ray ray;
+      ray.direction = glm::vec3(relative_from_view * glm::normalize(glm::dvec3(u * view.tan_x, v * view.tan_y, -1)));
+      kinds[0].rays.push_back(ray);
+      const auto hit = accel.closest(ray);
+      if (!hit) continue;
+      SurfacePoint p = accel.surface(*hit);
+      if (glm::dot(p.geometric_normal, ray.direction) > 0) p.geometric_normal = -p.geometric_normal;
+      Ray shadow;
+      shadow.origin = leaving_origin(p, p.geometric_normal);
+      shadow.direction = light - shadow.origin, shadow.t_max = 0.9999f;
+      kinds[1].rays.push_back(shadow);
+      const double r = std::sqrt(rng.uniform()), phi = 2 * M_PI * rng.uniform();
+      const glm::vec3 n = p.geometric_normal;
+      const glm::vec3 tangent =
+          glm::normalize(std::abs(n.x) > 0.5f ? glm::cross(n, {0, 1, 0}) : glm::cross(n, {1, 0, 0}));
+      Ray diffuse;
+      diffuse.origin = shadow.origin;
+      diffuse.direction = tangent * float(r * std::cos(phi)) + glm::cross(n, tangent) * float(r * std::sin(phi)) +
+                          n * float(std::sqrt(1 - r * r));
+      kinds[2].rays.push_back(diffuse);
+    }
+  return kinds;
+}
+
+template <class Trace>
+double time_rays(const RayKind& kind, bool all_threads, Trace trace) {
+  const auto run = [&](size_t first, size_t last) {
+    uint64_t sum = 0;
+    for (size_t i = first; i < last; ++i) sum += trace(kind.rays[i]);
+    static std::atomic<uint64_t> sink;
+    sink += sum;
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  if (all_threads)
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, kind.rays.size(), 2048),
+                      [&](const auto& r) { run(r.begin(), r.end()); });
+  else
+    run(0, kind.rays.size());
+  return ms_since(begin);
+}
+
+ordered_json spread(const std::vector<double>& samples) {
+  return {{"median", median(samples)}, {"mad", mad(samples)}, {"count", samples.size()}};
+}
+
+// What both say about every ray. Rays whose answers differ graze an edge, or meet surfaces that lie in one another,
+// where the rounding of t decides; `far` counts those where neither explains it: t differs by more than a hundred
+// thousandth.
+ordered_json compare(const RayKind& kind, const Accel& accel, const Embree& peer, const Mesh3& mesh) {
+  size_t same = 0, tied = 0, missed = 0, extra = 0, nearer = 0, farther = 0;
+  for (const Ray& ray : kind.rays) {
+    if (kind.any) {
+      const bool a = accel.occluded(ray), b = peer.occluded(ray);
+      same += a == b, missed += b && !a, extra += a && !b;
+      continue;
+    }
+    float t;
+    const uint32_t other = peer.closest(ray, t);
+    const auto hit = accel.closest(ray);
+    if (!hit || other == RTC_INVALID_GEOMETRY_ID) {
+      same += !hit && other == RTC_INVALID_GEOMETRY_ID;
+      missed += !hit && other != RTC_INVALID_GEOMETRY_ID, extra += hit && other == RTC_INVALID_GEOMETRY_ID;
+    } else if (mesh.item_first[hit->item] + hit->primitive == other) {
+      ++same;
+    } else if (std::abs(hit->t - t) <= 1e-5f * t) {
+      ++tied;
+    } else {
+      ++(hit->t < t ? nearer : farther);
+    }
+  }
+  const double count = double(kind.rays.size());
+  return {{"same", double(same) / count},
+          {"same_t_other_triangle", double(tied) / count},
+          {"only_embree", double(missed) / count},
+          {"only_candela", double(extra) / count},
+          {"candela_nearer", double(nearer) / count},
+          {"embree_nearer", double(farther) / count}};
+}
+
+struct Quality {
+  const char* name;
+  BvhBuilder builder;
+  RTCBuildQuality embree;
+};
+constexpr Quality qualities[] = {{"sah", BvhBuilder::sah, RTC_BUILD_QUALITY_MEDIUM},
+                                 {"sbvh", BvhBuilder::sbvh, RTC_BUILD_QUALITY_HIGH}};
+
+ordered_json time_builds(const Quality& q, const Scene& scene, const Pose& pose, const FrameData& frame,
+                         const Mesh3& mesh, int rounds) {
+  ordered_json out;
+  AccelOptions options;
+  options.builder = q.builder;
+  for (int threads : {1, tbb::info::default_concurrency()}) {
+    std::vector<double> ours, theirs, ratios;
+    for (int i = 0; i < rounds; ++i) {
+      tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
+      ours.push_back(Accel(scene, pose, frame, options).statistics().build_ms);
+      theirs.push_back(Embree(mesh, q.embree, false, threads).build_ms);
+      ratios.push_back(ours.back() / theirs.back());
+    }
+    out[threads == 1 ? "one_thread" : "all_threads"] = {
+        {"candela_ms", spread(ours)}, {"embree_ms", spread(theirs)}, {"ratio", median(ratios)}};
+  }
+  return out;
+}
+
+ordered_json time_traversal(const Quality& q, const RayKind& kind, const Accel& accel, const Embree& fast,
+                            const Embree& robust, int rounds) {
+  ordered_json out;
+  for (bool all : {false, true}) {
+    const auto candela_trace = [&](const Ray& r) -> uint64_t {
+      if (kind.any) return accel.occluded(r);
+      const auto hit = accel.closest(r);
+      return hit ? hit->primitive : 0;
+    };
+    const auto embree_trace = [&](const Embree& peer) {
+      return [&](const Ray& r) -> uint64_t {
+        float t;
+        return kind.any ? peer.occluded(r) : peer.closest(r, t);
+      };
+    };
+    std::vector<double> ours, theirs, robusts, ratio, robust_ratio;
+    for (int i = -1; i < rounds; ++i) {
+      const double a = time_rays(kind, all, candela_trace), b = time_rays(kind, all, embree_trace(fast)),
+                   c = time_rays(kind, all, embree_trace(robust));
+      if (i < 0) continue;  // warm-up
+      const double mega = double(kind.rays.size()) / 1e3;
+      ours.push_back(mega / a), theirs.push_back(mega / b), robusts.push_back(mega / c);
+      ratio.push_back(a / b), robust_ratio.push_back(a / c);
+    }
+    out[all ? "all_threads" : "one_thread"] = {{"candela_mray_s", spread(ours)},
+                                               {"embree_mray_s", spread(theirs)},
+                                               {"embree_robust_mray_s", spread(robusts)},
+                                               {"time_ratio", spread(ratio)},
+                                               {"time_ratio_robust", median(robust_ratio)}};
+  }
+  std::fprintf(stderr, "  %s %-8s %.2f / %.2f Mray/s, ratio %.2f, all threads %.2f, robust %.2f\n", q.name, kind.name,
+               out["one_thread"]["candela_mray_s"]["median"].get<double>(),
+               out["one_thread"]["embree_mray_s"]["median"].get<double>(),
+               out["one_thread"]["time_ratio"]["median"].get<double>(),
+               out["all_threads"]["time_ratio"]["median"].get<double>(),
+               out["one_thread"]["time_ratio_robust"].get<double>());
+  return out;
+}
+
+glm::dvec3 parse_point(const std::string& text) {
+  glm::dvec3 p(0);
+  std::sscanf(text.c_str(), "%lf,%lf,%lf", &p.x, &p.y, &p.z);
+  return p;
+}
+
+Expected<ordered_json> measure(const std::string& what, int width, int height, int rounds) {
+  std::vector<std::string> parts;
+  std::istringstream stream(what);
+  for (std::string part; std::getline(stream, part, '@');) parts.push_back(part);
+  const auto scene = load_gltf(parts[0]);
+  if (!scene) return std::unexpected(scene.error());
+  const Pose pose = evaluate_pose(*scene, {}, 0);
+  CameraRequest camera;
+  if (parts.size() == 3) camera.eye = parse_point(parts[1]), camera.target = parse_point(parts[2]);
+  const DAabb world = world_bounds(*scene, pose);
+  const auto view = make_view(*scene, pose, camera, width, height, world);
+  if (!view) return std::unexpected(view.error());
+  const FrameData frame = make_frame_data(*scene, pose, *view);
+  const Aabb bounds{glm::vec3(world.min - view->position), glm::vec3(world.max - view->position)};
+
+  AccelOptions options;
+  const Accel first(*scene, pose, frame, options);
+  const Mesh3 mesh(*scene, frame, first);
+  const std::vector<RayKind> kinds = make_rays(first, frame, *view, bounds, width, height);
+  ordered_json out = {{"scene", std::filesystem::path(parts[0]).stem().string()},
+                      {"triangles", mesh.index.size() / 3},
+                      {"view", view->name}};
+  std::fprintf(stderr, "%s: %zu triangles\n", out["scene"].get<std::string>().c_str(), mesh.index.size() / 3);
+  for (const Quality& q : qualities) {
+    options.builder = q.builder;
+    const Accel accel(*scene, pose, frame, options);
+    const Embree fast(mesh, q.embree, false, 0), robust(mesh, q.embree, true, 0);
+    ordered_json& result = out[q.name];
+    result["references"] = accel.statistics().references;
+    result["sah_cost"] = accel.statistics().sah_cost;
+    result["bytes"] = accel.statistics().bytes;
+    result["build"] = time_builds(q, *scene, pose, frame, mesh, rounds);
+    std::fprintf(stderr, "  %s build ratio %.2f, all threads %.2f (%.1f ms)\n", q.name,
+                 result["build"]["one_thread"]["ratio"].get<double>(),
+                 result["build"]["all_threads"]["ratio"].get<double>(),
+                 result["build"]["all_threads"]["candela_ms"]["median"].get<double>());
+    for (const RayKind& kind : kinds) {
+      ordered_json& row = result["rays"][kind.name];
+      row = time_traversal(q, kind, accel, fast, robust, rounds);
+      row["rays"] = kind.rays.size();
+      row["agreement"] = compare(kind, accel, fast, mesh);
+      row["agreement_robust"] = compare(kind, accel, robust, mesh);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int rounds = 9, width = 640, height = 360;
+  ordered_json scenes = ordered_json::array();
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--rounds" && i + 1 < argc) {
+      rounds = std::max(1, std::atoi(argv[++i]));
+    } else if (argument == "--size" && i + 1 < argc) {
+      if (std::sscanf(argv[++i], "%dx%d", &width, &height) != 2) return 2;
+    } else {
+      const auto result = measure(argument, width, height, rounds);
+      if (!result) {
+        std::fprintf(stderr, "%s\n", result.error().text().c_str());
+        return int(result.error().kind);
+      }
+      scenes.push_back(*result);
+    }
+  }
+  const ordered_json all = {{"version", "candela " CANDELA_VERSION},
+                            {"embree", RTC_VERSION_STRING},
+                            {"cpu_cores", tbb::info::default_concurrency()},
+                            {"size", {width, height}},
+                            {"rounds", rounds},
+                            {"scenes", scenes}};
+  std::printf("%s\n", all.dump(1).c_str());
+}

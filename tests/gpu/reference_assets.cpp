@@ -8,21 +8,31 @@ namespace {
 struct RealScene {
   const char *name, *file;
   double bound = 1e-5;
+  LampScene::Textures textures = LampScene::Textures::level_0;
 };
 // What has no lit surface or only lines would agree without saying anything.
 constexpr RealScene real_scenes[] = {
     {"FlightHelmet", "khronos/FlightHelmet/FlightHelmet.gltf"},
     {"CesiumMilkTruck", "khronos/CesiumMilkTruck/CesiumMilkTruck.gltf"},
-    {"CesiumMan", "khronos/CesiumMan"},
+    {"CesiumMan", "khronos/CesiumMan/glTF-Binary"},
     {"Fox", "khronos/Fox"},
-    {"NormalTangentTest", "khronos/NormalTangentTest"},
-    {"NormalTangentMirrorTest", "khronos/NormalTangentMirrorTest"},
+    // Near mirrors under 8-bit normal maps: a highlight's value hangs on how finely a device weighs and rounds the texels between
+    // which it filters. With one texel's value (below) they agree, so that is the term.
+    {"NormalTangentTest", "khronos/NormalTangentTest", 1e-3},
+    {"NormalTangentMirrorTest", "khronos/NormalTangentMirrorTest", 1e-3},
     {"AlphaBlendModeTest", "khronos/AlphaBlendModeTest"},
     {"OrientationTest", "khronos/OrientationTest"},
     {"PBR_Spheres", "materials/PBR_Spheres"},
     {"Sponza", "scenes/Sponza"},
     {"CornellBox", "scenes/CornellBox"},
     {"low-poly-jungle", "scenes/low-poly-jungle"},
+    {"NormalTangentTest_nearest", "khronos/NormalTangentTest", 1e-5, LampScene::Textures::nearest_texel},
+    {"NormalTangentMirrorTest_nearest", "khronos/NormalTangentMirrorTest", 1e-5, LampScene::Textures::nearest_texel},
+    // With mip maps: what they leave wrong at 16 samples a pixel, kept as figures.
+    {"Sponza_mipmapped", "scenes/Sponza", 1e-2, LampScene::Textures::as_they_are},
+    {"FlightHelmet_mipmapped", "khronos/FlightHelmet/FlightHelmet.gltf", 1e-2, LampScene::Textures::as_they_are},
+    {"Fox_mipmapped", "khronos/Fox", 1e-2, LampScene::Textures::as_they_are},
+    {"low-poly-jungle_mipmapped", "scenes/low-poly-jungle", 1e-2, LampScene::Textures::as_they_are},
 };
 
 std::filesystem::path file_of(const RealScene& scene) {
@@ -41,7 +51,7 @@ class ReferenceAssets : public ReferenceParity, public ::testing::WithParamInter
 TEST_P(ReferenceAssets, AgreeUnderOneLamp) {
   const std::filesystem::path file = file_of(GetParam());
   if (!std::filesystem::exists(file)) GTEST_SKIP() << GetParam().name << " is not here";
-  const Pair pair = rendered(job_for(one_lamp(file, Light::one_lamp), 160, 120), 4);
+  const Pair pair = rendered(job_for(one_lamp(file, Light::one_lamp, GetParam().textures), 160, 120), 4);
   size_t lit = 0;
   for (const glm::dvec4& p : pair.reference) lit += p.x > 0.01;
   EXPECT_GT(lit, 1000u);

@@ -33,7 +33,7 @@ struct Pair {
 // approximate the mean over a pixel, which is another matter than how that light is computed.
 struct LampScene {
   enum class Light { kept, one_lamp };
-  enum class Textures { level_0, as_they_are };
+  enum class Textures { level_0, nearest_texel, as_they_are };
 };
 
 class ReferenceParity : public FrameTest {
@@ -79,12 +79,16 @@ class ReferenceParity : public FrameTest {
   // The light stands beside and above the camera that candela takes by itself. Returns the copy's path.
   static std::string one_lamp(const std::filesystem::path& scene_file, Light light, Textures textures = Textures::level_0) {
     const auto bytes = read_file(scene_file);
-    EXPECT_TRUE(bytes);
+    EXPECT_TRUE(bytes) << scene_file;
+    if (!bytes) return {};
     std::vector<std::byte> binary;
     Json json = read_json(*bytes, binary);
-    if (textures == Textures::level_0) {
-      for (Json& sampler : json["samplers"]) sampler["minFilter"] = sampler.value("magFilter", 9729);
-      json["samplers"].push_back({{"magFilter", 9729}, {"minFilter", 9729}});
+    if (textures != Textures::as_they_are) {
+      constexpr int nearest = 9728, linear = 9729;
+      const bool one_texel = textures == Textures::nearest_texel;
+      for (Json& sampler : json["samplers"])
+        sampler["magFilter"] = sampler["minFilter"] = one_texel ? nearest : sampler.value("magFilter", linear);
+      json["samplers"].push_back({{"magFilter", one_texel ? nearest : linear}, {"minFilter", one_texel ? nearest : linear}});
       for (Json& texture : json["textures"])
         if (!texture.contains("sampler")) texture["sampler"] = json["samplers"].size() - 1;
       if (!json.contains("textures") || json["textures"].empty()) json.erase("textures"), json.erase("samplers");

@@ -48,7 +48,7 @@ class Integrator {
   glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const;
   double sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
   glm::dvec3 one_light(const PunctualLight& light, const Surface& s, const SurfacePoint& point, glm::dvec3 v) const;
-  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const;
+  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool split, SampleStream& stream) const;
   glm::dvec3 emissive_event(int index, double probability, const Surface& s, const SurfacePoint& point, glm::dvec3 v,
                             glm::dvec2 u) const;
   double weight(double this_pdf, double other_pdf, Strategy own) const;

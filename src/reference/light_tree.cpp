@@ -10,6 +10,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr int buckets = 12;
+// Clusters are taken apart where the point is nearer to their centre than this many radii.
+constexpr double split_reach = 1;
 
 double angle_between(glm::dvec3 a, glm::dvec3 b) { return std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0)); }
 
@@ -41,28 +43,9 @@ double cost(const LightExtent& e) {
   return e.power * std::max(directions, 1e-6) * (d.x * d.y + d.y * d.z + d.z * d.x + 1e-3 * length * length);
 }
 
-// An estimate of what arrives from a cluster, never 0 where some of its light can arrive.
-double importance(const LightExtent& e, glm::dvec3 point, glm::dvec3 normal) {
-  if (std::isfinite(e.range_m)) {
-    const glm::dvec3 outside = glm::max(glm::max(e.box.min - point, point - e.box.max), glm::dvec3(0));
-    if (glm::length(outside) > e.range_m * (1 + 1e-9)) return 0;
-  }
-  const glm::dvec3 to_centre = e.box.centre() - point;
-  const double radius = glm::length(e.box.extent()), distance = glm::length(to_centre);
-  const double held = std::max({distance, radius, 1e-2});
-  double shares = 1;
-  if (distance > radius * (1 + 1e-9)) {
-    const glm::dvec3 l = to_centre / distance;
-    const double spread = std::asin(std::min(radius / distance, 1.0)) + 1e-9;
-    const double received = std::max(angle_between(normal, l) - spread, 0.0);
-    if (received >= pi / 2) return 0;
-    const double sent = std::max(angle_between(e.axis, -l) - e.theta_o - spread, 0.0);
-    if (sent > e.theta_e + 1e-9) return 0;
-    // A spot's emission does not fall with the cosine, so its edge must keep some share.
-    shares = std::max(std::cos(received), 1e-3) * std::max(std::cos(sent), 1e-3);
-  }
-  return e.power * shares / (held * held);
-}
+// The cosine of an angle less another, held at 0 degrees.
+double cos_less(double cos_a, double sin_a, double cos_b, double sin_b) { return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b; }
+double sin_of(double cosine) { return std::sqrt(std::max(1 - cosine * cosine, 0.0)); }
 
 }  // namespace
 
@@ -79,6 +62,31 @@ void merge_cones(glm::dvec3 axis_a, double theta_a, glm::dvec3 axis_b, double th
     return;
   }
   axis = glm::normalize(turned(axis_a, about / length, theta - theta_a));
+}
+
+// An estimate of what arrives from a cluster, never 0 where some of its light can arrive.
+double LightTree::importance(const Node& node, glm::dvec3 point, glm::dvec3 normal) {
+  const LightExtent& e = node.extent;
+  if (std::isfinite(e.range_m)) {
+    const glm::dvec3 outside = glm::max(glm::max(e.box.min - point, point - e.box.max), glm::dvec3(0));
+    if (glm::dot(outside, outside) > e.range_m * e.range_m * (1 + 1e-9)) return 0;
+  }
+  const glm::dvec3 to_centre = node.centre - point;
+  const double distance2 = glm::dot(to_centre, to_centre), distance = std::sqrt(distance2);
+  const double held2 = std::max({distance2, node.radius * node.radius, 1e-4});
+  if (distance <= node.radius * (1 + 1e-9) || distance == 0) return e.power / held2;
+  const glm::dvec3 l = to_centre / distance;
+  // Half the angle that the cluster's sphere takes, and a little more against rounding.
+  const double sin_spread = std::min(node.radius / distance + 1e-9, 1.0), cos_spread = sin_of(sin_spread);
+  const double cos_in = std::clamp(glm::dot(normal, l), -1.0, 1.0);
+  const double received = cos_less(cos_in, sin_of(cos_in), cos_spread, sin_spread);
+  if (received <= 0) return 0;
+  double sent = std::clamp(-glm::dot(e.axis, l), -1.0, 1.0);
+  sent = cos_less(sent, sin_of(sent), node.cos_o, node.sin_o);
+  sent = cos_less(sent, sin_of(sent), cos_spread, sin_spread);
+  if (sent < node.cos_e - 1e-9) return 0;
+  // A spot's light does not fall with the cosine, so that its edge must keep some share.
+  return e.power * std::max(received, 1e-3) * std::max(sent, 1e-3) / held2;
 }
 
 LightTree::LightTree(std::vector<LightExtent> lights) : leaf_of_light_(lights.size(), -1) {
@@ -100,7 +108,10 @@ int LightTree::build(std::vector<uint32_t>& order, size_t first, size_t last, co
     whole = merged(whole, lights[order[i]]);
     centres.add(lights[order[i]].box.centre());
   }
-  nodes_[size_t(index)].extent = whole;
+  Node& node = nodes_[size_t(index)];
+  node.extent = whole;
+  node.centre = whole.box.centre(), node.radius = glm::length(whole.box.extent());
+  node.cos_o = std::cos(whole.theta_o), node.sin_o = std::sin(whole.theta_o), node.cos_e = std::cos(std::min(whole.theta_e, pi));
   if (last - first == 1) {
     nodes_[size_t(index)].light = order[first];
     leaf_of_light_[order[first]] = index;
@@ -140,40 +151,67 @@ int LightTree::build(std::vector<uint32_t>& order, size_t first, size_t last, co
   return index;
 }
 
-std::optional<LightTree::Choice> LightTree::choose(glm::dvec3 point, glm::dvec3 normal, double u) const {
-  if (nodes_.empty()) return std::nullopt;
-  double probability = 1;
-  const Node* node = &nodes_[0];
-  if (importance(node->extent, point, normal) <= 0) return std::nullopt;
-  while (node->left >= 0) {
-    const Node &left = nodes_[size_t(node->left)], &right = nodes_[size_t(node->right)];
-    const double a = importance(left.extent, point, normal), b = importance(right.extent, point, normal);
-    if (!(a + b > 0)) return std::nullopt;
-    const double share = a / (a + b);
-    if (u < share || b <= 0) {
-      u = std::min(u / share, 1 - 0x1p-53);
-      probability *= share;
-      node = &left;
-    } else {
-      u = std::min((u - share) / (1 - share), 1 - 0x1p-53);
-      probability *= 1 - share;
-      node = &right;
-    }
-  }
-  return Choice{node->light, probability};
+bool LightTree::is_about(const Node& node, glm::dvec3 point) {
+  return node.left >= 0 && node.radius > 0 && glm::length(node.centre - point) < split_reach * node.radius;
 }
 
-double LightTree::probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal) const {
+void LightTree::choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split, std::vector<Choice>& chosen) const {
+  chosen.clear();
+  if (nodes_.empty()) return;
+  int stack[128], top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const int at = stack[--top];
+    const Node* node = &nodes_[size_t(at)];
+    if (importance(*node, point, normal) <= 0) continue;
+    if (split && top + 2 <= 128 && is_about(*node, point)) {
+      stack[top++] = node->right, stack[top++] = node->left;
+      continue;
+    }
+    // Clusters get numbers of their own, each as even as u is.
+    double own = u + double(at) * 0.6180339887498949;
+    own -= std::floor(own);
+    double probability = 1;
+    while (node && node->left >= 0) {
+      const Node &left = nodes_[size_t(node->left)], &right = nodes_[size_t(node->right)];
+      const double a = importance(left, point, normal), b = importance(right, point, normal);
+      if (!(a + b > 0)) {
+        node = nullptr;
+        break;
+      }
+      const double share = a / (a + b);
+      if (own < share || b <= 0) {
+        own = std::min(own / share, 1 - 0x1p-53);
+        probability *= share;
+        node = &left;
+      } else {
+        own = std::min((own - share) / (1 - share), 1 - 0x1p-53);
+        probability *= 1 - share;
+        node = &right;
+      }
+    }
+    if (node) chosen.push_back({node->light, probability});
+  }
+}
+
+double LightTree::probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal, bool split) const {
   if (nodes_.empty() || leaf_of_light_[light] < 0) return 0;
-  if (importance(nodes_[0].extent, point, normal) <= 0) return 0;
+  int path[256], length = 0;  // from the leaf to the root
+  for (int n = leaf_of_light_[light]; n >= 0 && length < 256; n = nodes_[size_t(n)].parent) path[length++] = n;
   double probability = 1;
-  for (int n = leaf_of_light_[light]; nodes_[size_t(n)].parent >= 0; n = nodes_[size_t(n)].parent) {
-    const Node& parent = nodes_[size_t(nodes_[size_t(n)].parent)];
-    const double a = importance(nodes_[size_t(parent.left)].extent, point, normal);
-    const double b = importance(nodes_[size_t(parent.right)].extent, point, normal);
+  bool apart = split;
+  for (int i = length - 1; i >= 0; --i) {
+    const Node& node = nodes_[size_t(path[i])];
+    if (apart || i == length - 1)
+      if (importance(node, point, normal) <= 0) return 0;
+    if (node.left < 0) break;
+    apart = apart && is_about(node, point);
+    if (apart) continue;
+    const double a = importance(nodes_[size_t(node.left)], point, normal);
+    const double b = importance(nodes_[size_t(node.right)], point, normal);
     if (!(a + b > 0)) return 0;
     const double share = a / (a + b);
-    probability *= n == parent.left ? share : 1 - share;
+    probability *= path[i - 1] == node.left ? share : 1 - share;
   }
   return probability;
 }

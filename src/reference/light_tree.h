@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "math/bounds.h"
@@ -19,9 +18,9 @@ struct LightExtent {
   double range_m = std::numeric_limits<double>::infinity();
 };
 
-// Picks one of many lights for a point, with a probability near to its share of what arrives there (Conty Estévez and Kulla,
-// "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018; without the splitting). A light that may reach the point
-// has a probability above 0. One that cannot - out of range, behind the surface, turned away - mostly has none.
+// Picks a few of many lights for a point, with probabilities near to their shares of what arrives there (Conty Estévez and Kulla,
+// "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018). A light that may reach the point has a probability above
+// 0. One that cannot - out of range, behind the surface, turned away - mostly has none.
 class LightTree {
  public:
   LightTree() = default;
@@ -31,16 +30,23 @@ class LightTree {
     uint32_t light;
     double probability;
   };
-  std::optional<Choice> choose(glm::dvec3 point, glm::dvec3 normal, double u) const;
-  double probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal) const;
+  // One light, or with `split` one of each cluster that lies away from the point: those about the point hold lights of which a
+  // common estimate says little, and are taken apart. The probability is that of being among the chosen; u in [0, 1).
+  void choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split, std::vector<Choice>& chosen) const;
+  double probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal, bool split) const;
   bool empty() const { return nodes_.empty(); }
 
  private:
   struct Node {
     LightExtent extent;
+    // Of the extent: box centre and half diagonal, and functions of its angles, that every visit needs.
+    glm::dvec3 centre{0};
+    double radius = 0, cos_o = 1, sin_o = 0, cos_e = 1;
     int left = -1, right = -1, parent = -1;
     uint32_t light = 0;  // of a leaf
   };
+  static bool is_about(const Node& node, glm::dvec3 point);
+  static double importance(const Node& node, glm::dvec3 point, glm::dvec3 normal);
   int build(std::vector<uint32_t>& order, size_t first, size_t last, const std::vector<LightExtent>& lights, int parent);
 
   std::vector<Node> nodes_;

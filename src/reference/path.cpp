@@ -9,6 +9,7 @@ namespace candela::reference {
 namespace {
 
 constexpr int roulette_after = 4;
+constexpr int split_bounces = 1;  // surfaces at which more than one light is chosen: what the camera sees
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic
 
@@ -49,8 +50,8 @@ glm::dvec3 Integrator::emissive_event(int index, double probability, const Surfa
   return radiance * transmittance(world_, point, l, distance, &end);
 }
 
-// Every directional light, one direction of the sky, and one light of the tree.
-glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {
+// Every directional light, one direction of the sky, and lights of the tree.
+glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool split, SampleStream& stream) const {
   glm::dvec3 sum(0);
   for (const uint32_t index : world_.directional()) sum += one_light(world_.punctual_lights()[index], s, point, v);
   const glm::dvec2 for_sky = stream.next2();
@@ -66,13 +67,20 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
   const double which = stream.next();
   stream.next();
   const glm::dvec2 on_light = stream.next2();
-  const auto choice = world_.light_tree().choose(s.position, s.normal, which);
-  if (!choice) return sum;
+  static thread_local std::vector<LightTree::Choice> chosen;
+  world_.light_tree().choose(s.position, s.normal, which, split, chosen);
   const size_t points = world_.tree_punctual().size();
-  if (choice->light < points)
-    return sum + one_light(world_.punctual_lights()[world_.tree_punctual()[choice->light]], s, point, v) / choice->probability;
-  if (settings_.strategy == Strategy::brdf) return sum;
-  return sum + emissive_event(int(choice->light - points), choice->probability, s, point, v, on_light);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    const LightTree::Choice& choice = chosen[i];
+    if (choice.light < points) {
+      sum += one_light(world_.punctual_lights()[world_.tree_punctual()[choice.light]], s, point, v) / choice.probability;
+    } else if (settings_.strategy != Strategy::brdf) {
+      // Each light a place of its own, as even as the first (the R2 sequence's steps).
+      const glm::dvec2 turned = on_light + double(i) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
+      sum += emissive_event(int(choice.light - points), choice.probability, s, point, v, turned - glm::floor(turned));
+    }
+  }
+  return sum;
 }
 
 PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& stream) const {
@@ -125,7 +133,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
         const EmissiveTriangle& t = world_.emissive()[size_t(light)];
         const glm::dvec3 d = s.position - last_position;
         const double probability =
-            world_.light_tree().probability(uint32_t(world_.tree_punctual().size()) + uint32_t(light), last_position, last_normal);
+            world_.light_tree().probability(uint32_t(world_.tree_punctual().size()) + uint32_t(light), last_position, last_normal, bounce - 1 < split_bounces);
         const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
         w = weight(brdf_density, pdf, Strategy::brdf);
       }
@@ -136,7 +144,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     stream.start(4 + uint32_t(bounce) * dimensions_a_bounce);
     const glm::dvec2 for_lobe = stream.next2();
     const double lobe = stream.next(), roulette = stream.next();
-    out.radiance += through * next_event(s, point, v, stream);
+    out.radiance += through * next_event(s, point, v, bounce < split_bounces, stream);
 
     const glm::dvec3 l = sample_brdf(s, v, lobe, for_lobe);
     const double pdf = brdf_pdf(s, l, v);

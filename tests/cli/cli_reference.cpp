@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "image/io.h"
 #include "program.h"
@@ -61,6 +64,30 @@ TEST(Reference, TakesNoThreadCountForAByte) {
     EXPECT_EQ(candela(traced(folder / (std::string(threads) + ".exr"), {"--spp", "4", "--threads", threads})).code, 0);
   EXPECT_EQ(bytes_of(folder / "1.exr"), bytes_of(folder / "2.exr"));
   EXPECT_EQ(bytes_of(folder / "1.exr"), bytes_of(folder / "5.exr"));
+}
+
+// Lights beyond what floats hold: exit 7 with the place, unless it is allowed.
+TEST(Reference, RefusesWhatIsNotFinite) {
+  const TestFolder folder;
+  const std::string bytes = bytes_of(spheres);
+  uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + 12, 4);
+  auto json = nlohmann::json::parse(bytes.substr(20, length));
+  for (auto& light : json["extensions"]["KHR_lights_punctual"]["lights"]) light["intensity"] = 3e38;
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::string out = bytes.substr(0, 20) + text + bytes.substr(20 + length);
+  const uint32_t whole = uint32_t(out.size()), json_length = uint32_t(text.size());
+  std::memcpy(out.data() + 8, &whole, 4);
+  std::memcpy(out.data() + 12, &json_length, 4);
+  std::ofstream(folder / "bright.glb", std::ios::binary) << out;
+  std::vector<std::string> words = {"reference", folder / "bright.glb", "--size", "64x36", "--spp", "2", "-o", folder / "x.exr", "--quiet"};
+  const Ended ended = candela(words);
+  EXPECT_EQ(ended.code, 7) << ended.err;
+  EXPECT_NE(ended.err.find("first at x"), std::string::npos) << ended.err;
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"bright.glb"});
+  words.push_back("--allow-nonfinite");
+  EXPECT_EQ(candela(words).code, 0);
 }
 
 TEST(Reference, NamesWhatIsWrong) {

@@ -62,21 +62,32 @@ TEST(LightTree, ChoosesWithTheProbabilitiesItStates) {
   lights[7].power = 0;
   const LightTree tree(lights);
   const glm::dvec3 point(0.5, 0, 0.3), normal(0, 1, 0);
-  double total = 0;
-  std::vector<double> expected;
-  for (uint32_t i = 0; i < lights.size(); ++i) expected.push_back(tree.probability(i, point, normal)), total += expected.back();
-  EXPECT_NEAR(total, 1, 1e-9);
-  EXPECT_EQ(expected[7], 0);
-  std::vector<double> chosen(lights.size());
-  constexpr int count = 1 << 15;
-  for (int i = 0; i < count; ++i) {
-    const auto choice = tree.choose(point, normal, (i + 0.5) / count);
-    ASSERT_TRUE(choice);
-    ASSERT_NEAR(choice->probability, expected[choice->light], 1e-9);
-    chosen[choice->light] += 1.0 / count;
+  std::vector<LightTree::Choice> chosen;
+  for (const bool split : {false, true}) {
+    double total = 0;
+    std::vector<double> expected, counted(lights.size());
+    for (uint32_t i = 0; i < lights.size(); ++i) expected.push_back(tree.probability(i, point, normal, split)), total += expected.back();
+    EXPECT_EQ(expected[7], 0);
+    constexpr int count = 1 << 15;
+    double picks = 0;
+    for (int i = 0; i < count; ++i) {
+      tree.choose(point, normal, (i + 0.5) / count, split, chosen);
+      ASSERT_FALSE(chosen.empty());
+      picks += double(chosen.size()) / count;
+      for (const LightTree::Choice& choice : chosen) {
+        ASSERT_NEAR(choice.probability, expected[choice.light], 1e-9);
+        counted[choice.light] += 1.0 / count;
+      }
+    }
+    for (size_t i = 0; i < lights.size(); ++i) EXPECT_NEAR(counted[i], expected[i], 1e-3) << i;
+    EXPECT_NEAR(picks, total, 1e-2);
+    if (split)
+      EXPECT_GT(picks, 1.5);
+    else
+      EXPECT_NEAR(total, 1, 1e-9);
   }
-  for (size_t i = 0; i < lights.size(); ++i) EXPECT_NEAR(chosen[i], expected[i], 1e-3) << i;
-  EXPECT_FALSE(tree.choose(point, {0, -1, 0}, 0.5)) << "all lights are behind this surface";
+  tree.choose(point, {0, -1, 0}, 0.5, true, chosen);
+  EXPECT_TRUE(chosen.empty()) << "all lights are behind this surface";
 }
 
 TEST(LightTree, LeavesOutWhatCannotReach) {
@@ -84,8 +95,8 @@ TEST(LightTree, LeavesOutWhatCannotReach) {
   near.box.add(glm::dvec3(0, 1, 0)), near.power = 1e-6, near.theta_o = pi;
   far.box.add(glm::dvec3(0, 50, 0)), far.power = 1e6, far.theta_o = pi, far.range_m = 40;
   const LightTree tree({near, far});
-  EXPECT_EQ(tree.probability(0, {0, 0, 0}, {0, 1, 0}), 1);
-  EXPECT_EQ(tree.probability(1, {0, 0, 0}, {0, 1, 0}), 0);
+  EXPECT_EQ(tree.probability(0, {0, 0, 0}, {0, 1, 0}, false), 1);
+  EXPECT_EQ(tree.probability(1, {0, 0, 0}, {0, 1, 0}, true), 0);
 }
 
 TEST(LightTree, ConesHoldBoth) {

@@ -297,7 +297,7 @@ Expected<ordered_json> measure(const std::string& what, int width, int height, i
                       {"view", view->name}};
   std::fprintf(stderr, "%s: %zu triangles\n", out["scene"].get<std::string>().c_str(), mesh.index.size() / 3);
   for (const Quality& q : qualities) {
-    options.builder = q.builder;
+    options.builder = q.builder, options.measure_cost = true;
     const Accel accel(*scene, pose, frame, options);
     const Embree fast(mesh, q.embree, false, 0), robust(mesh, q.embree, true, 0);
     ordered_json& result = out[q.name];

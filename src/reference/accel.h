@@ -25,6 +25,7 @@ struct AccelOptions {
   // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, and backs of surfaces
   // that are not double sided. true: for every candidate.
   bool always_ask_filter = false;
+  bool measure_cost = false;         // fill AccelStatistics::sah_cost
   const Kernels* kernels = nullptr;  // null: the best for this processor (trace.h); all give the same hits
 };
 
@@ -54,7 +55,7 @@ struct AccelStatistics {
   size_t left_out = 0;       // triangles with non-finite corners
   size_t skipped_items = 0;  // items of points or lines: rays do not meet them
   size_t nodes = 0, bytes = 0;
-  double sah_cost = 0;  // of the binary trees (instanced ones once), in triangle tests; see sah_cost
+  double sah_cost = 0;  // of the binary trees (instanced ones once), in triangle tests, if asked for
   double build_ms = 0;
 };
 

@@ -41,8 +41,8 @@ bool invert(const glm::mat4& m, glm::dmat4x3& inverse) {
 
 // Triangles with their references; those with non-finite corners have none.
 struct Soup {
-  std::vector<TriangleCorners> triangles;
-  std::vector<BoxReference> references;
+  RawVector<TriangleCorners> triangles;
+  RawVector<BoxReference> references;
 
   explicit Soup(size_t count) : triangles(count), references(count) {}
   void fill(size_t first, const MeshSection& section, const std::vector<glm::vec3>& position,
@@ -64,17 +64,22 @@ struct Soup {
       const TriangleCorners& t = triangles[r.id];
       return !(finite(t.corner[0]) && finite(t.corner[1]) && finite(t.corner[2]));
     };
-    return std::erase_if(references, broken);
+    const auto kept = std::remove_if(references.begin(), references.end(), broken);
+    const size_t dropped = size_t(references.end() - kept);
+    references.erase(kept, references.end());
+    return dropped;
   }
 };
 
 class Assembly {
  public:
-  Assembly(Accel::Trees& trees, const AccelOptions& o) : trees_(trees) {
+  Assembly(Accel::Trees& trees, const AccelOptions& o) : trees_(trees), measure_cost_(o.measure_cost) {
     options_.builder = o.builder;
     options_.buckets = o.buckets;
     options_.overlap_alpha = o.overlap_alpha;
     options_.split_budget = o.split_budget;
+    if (getenv("NC")) options_.node_cost = float(atof(getenv("NC")));
+    if (getenv("ML")) options_.max_leaf = uint32_t(atoi(getenv("ML")));
   }
 
   void run() {
@@ -171,7 +176,7 @@ class Assembly {
       BoxReference r;
       for (int a = 0; a < 3; ++a)
         r.low[a] = trees_.instances[i].bounds.min[a], r.high[a] = trees_.instances[i].bounds.max[a];
-      r.id = i;
+      r.id = i, r.unused = 0;
       references.push_back(r);
     }
     BvhOptions options = options_;
@@ -184,7 +189,7 @@ class Assembly {
     const BinaryTree binary = build_tree(soup.references, soup.triangles, options_);
     trees_.statistics.triangles += soup.references.size();
     trees_.statistics.references += binary.reference_count;
-    trees_.statistics.sah_cost += sah_cost(binary, options_);
+    if (measure_cost_) trees_.statistics.sah_cost += sah_cost(binary, options_);
     return collapse(binary, soup.triangles);
   }
 
@@ -203,6 +208,7 @@ class Assembly {
 
   Accel::Trees& trees_;
   BvhOptions options_;
+  bool measure_cost_;
   std::vector<uint32_t> singles_;
 };
 

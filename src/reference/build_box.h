@@ -16,6 +16,11 @@ struct BuildBox {
     low.store(l), high.store(h);
     return {{l[0], l[1], l[2]}, {h[0], h[1], h[2]}};
   }
+  void write(BinaryNode& node) const {
+    float l[4], h[4];
+    low.store(l), high.store(h);
+    for (int a = 0; a < 3; ++a) node.low[a] = l[a], node.high[a] = h[a];
+  }
   // Half the surface; 0 for the empty box.
   float half_area() const {
     float e[4];

@@ -58,7 +58,7 @@ class Builder {
     while (waiting > 0) {
       const Subtree at = stack[--waiting];
       deepest = std::max(deepest, at.depth + 1);
-      tree_.nodes[at.node].box = at.box.aabb();
+      at.box.write(tree_.nodes[at.node]);
       Subtree left, right;
       if (!split(at, left, right)) {
         tree_.nodes[at.node].first = at.begin, tree_.nodes[at.node].count = at.count;
@@ -92,7 +92,8 @@ class Builder {
 
   bool split_by_area(const Subtree& at, Subtree& left, Subtree& right) {
     const bool may_cut = options_.builder == BvhBuilder::sbvh && !triangles_.empty();
-    const Buckets buckets(at.centres2, options_.buckets);
+    // Few references do not fill many buckets.
+    const Buckets buckets(at.centres2, int(std::min(uint32_t(options_.buckets), 4 + at.count / 4)));
     const Span references{references_ + at.begin, at.count};
     const ObjectSplit object = find_object_split(references, buckets, may_cut);
     const uint32_t slack = at.last - at.first - at.count;
@@ -211,20 +212,14 @@ class Builder {
 
 }  // namespace
 
-float rounding_margin(const TriangleCorners& t) {
-  const glm::vec3 size = glm::max(glm::max(t.corner[0], t.corner[1]), t.corner[2]) -
-                         glm::min(glm::min(t.corner[0], t.corner[1]), t.corner[2]);
-  return std::max({size.x, size.y, size.z}) * 0x1p-21f;
-}
-
 BoxReference reference_to(const TriangleCorners& t, uint32_t id) {
-  const float margin = rounding_margin(t);
+  const F4 a = F4::load3(&t.corner[0].x), b = F4::load3(&t.corner[1].x), c = F4::load3(&t.corner[2].x);
+  const F4 low = min(min(a, b), c), high = max(max(a, b), c);
+  const F4 margin = F4::all((high - low).largest3() * rounding_share);
   BoxReference r;
-  for (int a = 0; a < 3; ++a) {
-    r.low[a] = std::min({t.corner[0][a], t.corner[1][a], t.corner[2][a]}) - margin;
-    r.high[a] = std::max({t.corner[0][a], t.corner[1][a], t.corner[2][a]}) + margin;
-  }
-  r.id = id;
+  (low - margin).store(r.low);
+  (high + margin).store(r.high);
+  r.id = id, r.unused = 0;
   return r;
 }
 
@@ -247,12 +242,6 @@ BinaryTree build_tree(std::span<const BoxReference> boxes, std::span<const Trian
   return tree;
 }
 
-double half_area(const Aabb& box) {
-  if (box.empty()) return 0;
-  const glm::dvec3 e = glm::dvec3(box.max) - glm::dvec3(box.min);
-  return e.x * e.y + e.y * e.z + e.z * e.x;
-}
-
 double sah_cost(const BinaryTree& tree, const BvhOptions& options) {
   if (tree.empty()) return 0;
   double sum = 0;
@@ -260,10 +249,10 @@ double sah_cost(const BinaryTree& tree, const BvhOptions& options) {
   while (!stack.empty()) {
     const BinaryNode& node = tree.nodes[stack.back()];
     stack.pop_back();
-    sum += half_area(node.box) * (node.count > 0 ? double(node.count) : double(options.node_cost));
+    sum += double(node.half_area()) * (node.count > 0 ? double(node.count) : double(options.node_cost));
     if (node.count == 0) stack.push_back(node.first), stack.push_back(node.first + 1);
   }
-  const double root = half_area(tree.nodes[0].box);
+  const double root = double(tree.nodes[0].half_area());
   return root > 0 ? sum / root : double(tree.reference_count);
 }
 

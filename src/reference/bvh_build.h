@@ -6,6 +6,7 @@
 
 #include "math/bounds.h"
 #include "reference/bvh_options.h"
+#include "reference/raw_vector.h"
 
 namespace candela {
 
@@ -19,27 +20,32 @@ struct alignas(16) BoxReference {
   float low[3];
   uint32_t id;
   float high[3];
-  uint32_t unused = 0;
+  uint32_t unused;  // 0
 };
 
 // The sheared corners of the triangle test are rounded by a share of the triangle's size, so it may meet rays that pass
 // beside the triangle by that. Boxes are wider by a little more, or traversal would miss what the test would find.
-float rounding_margin(const TriangleCorners& triangle);
+constexpr float rounding_share = 0x1p-21f;
 BoxReference reference_to(const TriangleCorners& triangle, uint32_t id);
 
 struct BinaryNode {
-  Aabb box;
-  uint32_t first = 0;  // leaf: into BinaryTree::references; inner: its children are nodes first and first + 1
-  uint32_t count = 0;  // leaf: references; 0: inner
+  float low[3], high[3];
+  uint32_t first;  // leaf: into BinaryTree::references; inner: its children are nodes first and first + 1
+  uint32_t count;  // leaf: references; 0: inner
+  Aabb box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
+  float half_area() const {  // half the surface
+    const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+    return (x * y + y * z) + z * x;
+  }
 };
 
 // Nodes lie where the references of their subtree lie, with gaps, so that tasks need no common counter; the root is
 // node 0.
 struct BinaryTree {
-  std::vector<BinaryNode> nodes;
-  std::vector<BoxReference> references;  // leaves' ranges, with gaps where slack was left over
-  size_t reference_count = 0;            // in leaves
-  uint32_t depth = 0;                    // nodes on the longest way down
+  RawVector<BinaryNode> nodes;
+  RawVector<BoxReference> references;  // leaves' ranges, with gaps where slack was left over
+  size_t reference_count = 0;          // in leaves
+  uint32_t depth = 0;                  // nodes on the longest way down
   bool empty() const { return reference_count == 0; }
 };
 
@@ -51,7 +57,5 @@ BinaryTree build_tree(std::span<const BoxReference> boxes, std::span<const Trian
 // Expected cost of a ray that meets the root's box, in triangle tests (MacDonald and Booth, "Heuristics for Ray Tracing
 // using Space Subdivision", 1990): every inner node costs options.node_cost, every reference 1.
 double sah_cost(const BinaryTree& tree, const BvhOptions& options);
-
-double half_area(const Aabb& box);  // half the surface
 
 }  // namespace candela

@@ -11,13 +11,15 @@ namespace {
 constexpr int most_buckets = 64;
 
 struct Bins {
-  BuildBox box[3][most_buckets];
+  union {
+    BuildBox box[3][most_buckets];  // only the first `buckets` are ever begun
+  };
   uint32_t count[3][most_buckets];
   int buckets;
 
   explicit Bins(int n) : buckets(n) {
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < n; ++b) count[a][b] = 0;
+      for (int b = 0; b < n; ++b) box[a][b] = {}, count[a][b] = 0;
   }
   void add(Span references, const Buckets& how) {
     for (const BoxReference& r : references) {

@@ -24,7 +24,21 @@ namespace candela::inline CANDELA_SIMD_NAME {
 struct F4 {
   __m128 v;
   static F4 load(const float* p) { return {_mm_loadu_ps(p)}; }
+  static F4 load3(const float* p) {  // the fourth lane is 0
+    const __m128 xy = _mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(p)));
+    return {_mm_movelh_ps(xy, _mm_load_ss(p + 2))};
+  }
   static F4 all(float x) { return {_mm_set1_ps(x)}; }
+  static F4 one_lane(float others, int lane, float x) {
+    static constexpr uint32_t ones = 0xffffffffu;
+    alignas(16) static constexpr uint32_t masks[3][4] = {{ones, 0, 0, 0}, {0, ones, 0, 0}, {0, 0, ones, 0}};
+    const __m128 mask = _mm_castsi128_ps(_mm_load_si128(reinterpret_cast<const __m128i*>(masks[lane])));
+    return {_mm_or_ps(_mm_and_ps(mask, _mm_set1_ps(x)), _mm_andnot_ps(mask, _mm_set1_ps(others)))};
+  }
+  float largest3() const {  // of the first three lanes
+    const __m128 y = _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1)), z = _mm_movehl_ps(v, v);
+    return _mm_cvtss_f32(_mm_max_ss(_mm_max_ss(v, y), z));
+  }
   void store(float* p) const { _mm_storeu_ps(p, v); }
 };
 inline F4 operator+(F4 a, F4 b) { return {_mm_add_ps(a.v, b.v)}; }
@@ -47,7 +61,17 @@ inline F4 without_lane_3(F4 a) { return {_mm_and_ps(a.v, _mm_castsi128_ps(_mm_se
 struct F4 {
   float v[4];
   static F4 load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
+  static F4 load3(const float* p) { return {{p[0], p[1], p[2], 0}}; }
   static F4 all(float x) { return {{x, x, x, x}}; }
+  static F4 one_lane(float others, int lane, float x) {
+    F4 r = all(others);
+    r.v[lane] = x;
+    return r;
+  }
+  float largest3() const {
+    const float a = v[0] > v[1] ? v[0] : v[1];
+    return a > v[2] ? a : v[2];
+  }
   void store(float* p) const {
     for (int i = 0; i < 4; ++i) p[i] = v[i];
   }

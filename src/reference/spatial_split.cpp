@@ -12,6 +12,49 @@ namespace {
 
 constexpr int most_buckets = 64;
 
+// A triangle made ready to be cut by several planes.
+class Cutter {
+ public:
+  explicit Cutter(const TriangleCorners& t) : triangle_(t) {
+    F4 low = F4::all(0), high = low;
+    for (int i = 0; i < 3; ++i) {
+      corner_[i] = F4::load3(&t.corner[i].x);
+      low = i == 0 ? corner_[i] : min(low, corner_[i]), high = i == 0 ? corner_[i] : max(high, corner_[i]);
+    }
+    margin_ = F4::all((high - low).largest3() * rounding_share);
+    // Where an edge meets a plane: off by the rounding of the parameter, which moves the point along the edge, and of
+    // the point itself.
+    slack_ = ((high - low) + max(absolute(low), absolute(high))) * F4::all(4 * 0x1p-24f) + margin_;
+  }
+
+  CutReference operator()(const BuildBox& reference, int axis, float plane) const {
+    CutReference out;
+    for (int i = 0; i < 3; ++i) {
+      const int next = i == 2 ? 0 : i + 1;
+      const float from = triangle_.corner[i][axis], to = triangle_.corner[next][axis];
+      if (from <= plane) out.left.add(corner_[i] - margin_, corner_[i] + margin_);
+      if (from >= plane) out.right.add(corner_[i] - margin_, corner_[i] + margin_);
+      if ((from < plane && to > plane) || (from > plane && to < plane)) {
+        const F4 point = corner_[i] + (corner_[next] - corner_[i]) * F4::all((plane - from) / (to - from));
+        out.left.add(point - slack_, point + slack_);
+        out.right.add(point - slack_, point + slack_);
+      }
+    }
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    out.left = {max(out.left.low, reference.low),
+                min(min(out.left.high, reference.high), F4::one_lane(infinity, axis, plane))};
+    out.right = {max(max(out.right.low, reference.low), F4::one_lane(-infinity, axis, plane)),
+                 min(out.right.high, reference.high)};
+    out.has_left = valid(out.left), out.has_right = valid(out.right);
+    return out;
+  }
+
+ private:
+  static bool valid(const BuildBox& b) { return (less_equal(b.low, b.high) & 7u) == 7u; }
+  const TriangleCorners& triangle_;
+  F4 corner_[3], margin_, slack_;
+};
+
 struct Slabs {  // equal slabs of a box on one axis
   float low, width, scale;
   int count;
@@ -32,59 +75,59 @@ struct Slabs {  // equal slabs of a box on one axis
 };
 
 struct Bins {
-  BuildBox box[most_buckets];
-  uint32_t entry[most_buckets] = {}, exit[most_buckets] = {};
+  BuildBox* box;
+  uint32_t *entry, *exit;
 };
 
-void add_reference(Bins& bins, const Slabs& slabs, const BoxReference& r, const TriangleCorners& triangle, int axis) {
+void add_reference(const Bins& bins, const Slabs& slabs, const BoxReference& r, const Cutter& cutter, int axis) {
   const int first = slabs.of(r.low[axis]);
   int last = std::max(first, slabs.of(r.high[axis]));
   if (last > first && r.high[axis] <= slabs.plane(last)) --last;  // merely touches the next slab
   BuildBox rest = box_of(r);
-  int begin = -1;
+  int entry = -1;
   for (int k = first; k < last; ++k) {
-    const CutReference parts = cut(rest, triangle, axis, slabs.plane(k + 1));
+    const CutReference parts = cutter(rest, axis, slabs.plane(k + 1));
     if (parts.has_left) {
       bins.box[k].add(parts.left);
-      if (begin < 0) begin = k;
+      if (entry < 0) entry = k;
     }
     if (!parts.has_right) {
-      last = k;
-      break;
+      ++bins.entry[entry < 0 ? k : entry], ++bins.exit[k];
+      return;
     }
     rest = parts.right;
-    if (k + 1 == last) bins.box[last].add(rest);
   }
-  if (first == last) bins.box[first].add(rest);
-  ++bins.entry[begin < 0 ? last : begin];
-  ++bins.exit[last];
+  bins.box[last].add(rest);
+  ++bins.entry[entry < 0 ? last : entry], ++bins.exit[last];
 }
-
-struct AxisBins {
-  Bins axis[3];
-};
 
 struct SpatialBinning {
   Span references;
   std::span<const TriangleCorners> triangles;
   const Slabs* slabs;
-  std::unique_ptr<AxisBins> bins = std::make_unique<AxisBins>();
+  // Buckets of all axes side by side, so that few buckets touch little memory.
+  std::vector<BuildBox> boxes;
+  std::vector<uint32_t> counts;
 
-  SpatialBinning(Span r, std::span<const TriangleCorners> t, const Slabs* s) : references(r), triangles(t), slabs(s) {}
+  SpatialBinning(Span r, std::span<const TriangleCorners> t, const Slabs* s)
+      : references(r), triangles(t), slabs(s), boxes(size_t(3 * s->count)), counts(size_t(6 * s->count)) {}
   SpatialBinning(SpatialBinning& other, tbb::split) : SpatialBinning(other.references, other.triangles, other.slabs) {}
+  Bins axis(int a) {
+    const int n = slabs->count;
+    return {&boxes[size_t(a * n)], &counts[size_t(2 * a * n)], &counts[size_t((2 * a + 1) * n)]};
+  }
   void operator()(const tbb::blocked_range<uint32_t>& range) {
-    for (uint32_t i = range.begin(); i < range.end(); ++i)
+    const Bins bins[3] = {axis(0), axis(1), axis(2)};
+    for (uint32_t i = range.begin(); i < range.end(); ++i) {
+      const BoxReference& r = references.references[i];
+      const Cutter cutter(triangles[r.id]);
       for (int a = 0; a < 3; ++a)
-        if (slabs[a].usable())
-          add_reference(bins->axis[a], slabs[a], references.references[i], triangles[references.references[i].id], a);
+        if (slabs[a].usable()) add_reference(bins[a], slabs[a], r, cutter, a);
+    }
   }
   void join(const SpatialBinning& other) {
-    for (int a = 0; a < 3; ++a)
-      for (int k = 0; k < slabs[a].count; ++k) {
-        bins->axis[a].box[k].add(other.bins->axis[a].box[k]);
-        bins->axis[a].entry[k] += other.bins->axis[a].entry[k];
-        bins->axis[a].exit[k] += other.bins->axis[a].exit[k];
-      }
+    for (size_t i = 0; i < boxes.size(); ++i) boxes[i].add(other.boxes[i]);
+    for (size_t i = 0; i < counts.size(); ++i) counts[i] += other.counts[i];
   }
 };
 
@@ -106,8 +149,6 @@ void best_on_axis(const Bins& bins, const Slabs& slabs, int axis, uint32_t most,
   }
 }
 
-bool valid(const BuildBox& b) { return (less_equal(b.low, b.high) & 7u) == 7u; }
-
 void write(const BuildBox& box, BoxReference& r) {
   const Aabb b = box.aabb();
   for (int i = 0; i < 3; ++i) r.low[i] = b.min[i], r.high[i] = b.max[i];
@@ -120,37 +161,6 @@ BuildBox joined(BuildBox a, const BuildBox& b) {
 
 }  // namespace
 
-CutReference cut(const BuildBox& reference, const TriangleCorners& triangle, int axis, float plane) {
-  CutReference out;
-  for (int i = 0; i < 3; ++i) {
-    const glm::vec3& p = triangle.corner[i];
-    const glm::vec3& q = triangle.corner[(i + 1) % 3];
-    const float from = p[axis], to = q[axis];
-    const float p4[4] = {p.x, p.y, p.z, 0}, q4[4] = {q.x, q.y, q.z, 0};
-    const F4 at = F4::load(p4), next = F4::load(q4);
-    if (from <= plane) out.left.add(at, at);
-    if (from >= plane) out.right.add(at, at);
-    if ((from < plane && to > plane) || (from > plane && to < plane)) {
-      // Rounding: of the parameter, which moves the point along the edge, and of the point itself.
-      const float s = (plane - from) / (to - from);
-      const F4 along = next - at, point = at + along * F4::all(s);
-      const F4 slack = (absolute(along) + max(absolute(at), absolute(next))) * F4::all(4 * 0x1p-24f);
-      out.left.add(point - slack, point + slack);
-      out.right.add(point - slack, point + slack);
-    }
-  }
-  const F4 margin = F4::all(rounding_margin(triangle));
-  out.left = {out.left.low - margin, out.left.high + margin};
-  out.right = {out.right.low - margin, out.right.high + margin};
-  float high[4], low[4];
-  out.left.high.store(high), out.right.low.store(low);
-  high[axis] = std::min(high[axis], plane), low[axis] = std::max(low[axis], plane);
-  out.left = {max(out.left.low, reference.low), min(F4::load(high), reference.high)};
-  out.right = {max(F4::load(low), reference.low), min(out.right.high, reference.high)};
-  out.has_left = valid(out.left), out.has_right = valid(out.right);
-  return out;
-}
-
 SpatialSplit find_spatial_split(Span references, std::span<const TriangleCorners> triangles, const BuildBox& box,
                                 int buckets, uint32_t room) {
   const Slabs slabs[3] = {{box, 0, buckets}, {box, 1, buckets}, {box, 2, buckets}};
@@ -162,7 +172,7 @@ SpatialSplit find_spatial_split(Span references, std::span<const TriangleCorners
     tbb::parallel_reduce(all, binning);
   SpatialSplit best;
   for (int a = 0; a < 3; ++a)
-    if (slabs[a].usable()) best_on_axis(binning.bins->axis[a], slabs[a], a, references.count + room, best);
+    if (slabs[a].usable()) best_on_axis(binning.axis(a), slabs[a], a, references.count + room, best);
   return best;
 }
 
@@ -183,7 +193,7 @@ SplitCounts apply_spatial_split(BoxReference* references, uint32_t count, uint32
       continue;
     }
     const BuildBox whole = box_of(r);
-    const CutReference parts = cut(whole, triangles[r.id], split.axis, split.plane);
+    const CutReference parts = Cutter(triangles[r.id])(whole, split.axis, split.plane);
     bool to_left = !parts.has_right, to_right = !parts.has_left;
     if (!to_left && !to_right) {
       const float left_only =

@@ -11,7 +11,6 @@ struct CutReference {
   BuildBox left, right;
   bool has_left = false, has_right = false;
 };
-CutReference cut(const BuildBox& reference, const TriangleCorners& triangle, int axis, float plane);
 
 struct SpatialSplit {
   int axis = -1;

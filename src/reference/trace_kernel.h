@@ -65,6 +65,7 @@ struct Prepared {  // a ray, spread over lanes
 // along) is NaN, which min and max drop: the slab then does not limit.
 inline uint32_t meet_boxes(const WideNode& node, const Prepared& p, float t_max, float (&near)[wide_children]) {
   F8 begin = p.t_min, end = F8::all(t_max);
+#pragma GCC unroll 3
   for (int a = 0; a < 3; ++a) {
     begin = max((F8::load(node.bounds[p.near_row[a]]) - p.origin[a]) * p.inverse[a], begin);
     end = min((F8::load(node.bounds[p.far_row[a]]) - p.origin[a]) * p.inverse[a], end);
@@ -143,6 +144,20 @@ inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay&
   return false;
 }
 
+// Starts fetching what a child reference stands for: big trees do not fit into the caches.
+template <bool over_triangles>
+inline void prefetch(const KernelTree& tree, uint32_t child) {
+  const char* at;
+  if (!(child & leaf_bit))
+    at = reinterpret_cast<const char*>(tree.nodes + child);
+  else if (over_triangles)
+    at = reinterpret_cast<const char*>(tree.blocks + first_of_leaf(child));
+  else
+    return;
+  __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
+  if (!(child & leaf_bit)) __builtin_prefetch(at + 192);
+}
+
 template <bool over_triangles, bool any>
 bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, KernelCounts* counts) {
   const Prepared p(ray);
@@ -163,6 +178,7 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
       uint32_t lane = uint32_t(std::countr_zero(met));
       met &= met - 1;
       child = node.child[lane];
+      prefetch<over_triangles>(tree, child);
       if (met == 0) continue;
       Waiting nearest{child, near[lane]};
       Waiting* const first = top;
@@ -170,6 +186,7 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
         lane = uint32_t(std::countr_zero(met));
         met &= met - 1;
         Waiting one{node.child[lane], near[lane]};
+        prefetch<over_triangles>(tree, one.child);
         if (one.near < nearest.near) {
           const Waiting other = nearest;
           nearest = one, one = other;

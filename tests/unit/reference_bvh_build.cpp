@@ -34,7 +34,7 @@ std::vector<std::vector<Aabb>> boxes_in_leaves(const BinaryTree& tree, size_t tr
     const BinaryNode& node = tree.nodes[stack.back()];
     stack.pop_back();
     const auto inside = [&](glm::vec3 low, glm::vec3 high) {
-      EXPECT_TRUE(holds(node.box, low) && holds(node.box, high));
+      EXPECT_TRUE(holds(node.box(), low) && holds(node.box(), high));
     };
     for (uint32_t i = node.first; i < node.first + node.count; ++i) {
       const BoxReference& r = tree.references[i];
@@ -45,7 +45,7 @@ std::vector<std::vector<Aabb>> boxes_in_leaves(const BinaryTree& tree, size_t tr
     }
     if (node.count > 0) continue;
     for (uint32_t c : {node.first, node.first + 1}) {
-      inside(tree.nodes[c].box.min, tree.nodes[c].box.max);
+      inside(tree.nodes[c].box().min, tree.nodes[c].box().max);
       stack.push_back(c);
     }
   }

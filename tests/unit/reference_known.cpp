@@ -149,7 +149,7 @@ TEST(KnownAnswers, AClosedEmittingRoom) {
     const Film film = traced(*make_world(b, camera), settings, camera, 512);
     const MeanError m = mean_of(film);
     EXPECT_NEAR(m.mean, emitted / (1 - rho), 5 * m.error) << int(strategy);
-    EXPECT_LT(m.error, 0.02);
+    EXPECT_LT(m.error, strategy == Strategy::light ? 0.06 : 0.02);  // chosen points close by in the corners have large values
   }
 }
 

@@ -62,9 +62,11 @@ void main() {
 #endif
 #ifdef DIRECT
   precise vec3 direct = vec3(0.0);
-  if (HAS_LIGHTS != 0 && !unlit)
+  if (HAS_LIGHTS != 0 && !unlit) {
+    const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);)
-      direct += light_contribution(w.light, s, v.relative_position, to_viewer);
+      direct += light_contribution(light_at(pc.lights, w.light), brdf, v.relative_position);
+  }
   out_direct = vec4(direct * frame.pre_exposure, 1.0);
 #endif
 }

@@ -21,11 +21,11 @@ void main() {
   if (IS_MASKED != 0 && surface_coverage(m, surface_base_color(m, v).a) == 0.0) discard;
   float listed = 0.0, waste = 0.0, missed = 0.0;
   if (HAS_LIGHTS != 0 && (m.flags & material_unlit) == 0u) {
-    ListCursor own = begin_list(v.relative_position);
+    LightWalk own = begin_lights(v.relative_position);
     for (uint i = 0u; i < frame.light_count; ++i) {
       const bool is_listed = list_holds(own, i);
       vec3 l;
-      const bool gives = light_arriving(LightsRef(frame.lights).l[i], v.relative_position, l) != vec3(0.0);
+      const bool gives = light_arriving(light_at(pc.lights, i), v.relative_position, l) != 0.0;
       listed += is_listed ? 1.0 : 0.0;
       waste += is_listed && !gives ? 1.0 : 0.0;
       missed += gives && !is_listed ? 1.0 : 0.0;

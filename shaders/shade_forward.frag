@@ -24,8 +24,10 @@ void main() {
   if (IS_MASKED != 0 && coverage == 0.0) discard;
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
-  if (HAS_LIGHTS != 0)
+  if (HAS_LIGHTS != 0) {
+    const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);)
-      radiance += light_contribution(w.light, s, v.relative_position, to_viewer);
+      radiance += light_contribution(light_at(pc.lights, w.light), brdf, v.relative_position);
+  }
   out_radiance = vec4(radiance * frame.pre_exposure * coverage, coverage);
 }

@@ -5,7 +5,7 @@ layout(push_constant, scalar) uniform Push { TonemapPush pc; };
 #include "shared/types.h"
 #include "lib/bindless.glsl"
 #include "lib/tone_curves.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;  // rows, as in resolve.comp
 layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/tonemap.h
 
 vec3 srgb_encode(vec3 c) {

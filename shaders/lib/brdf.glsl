@@ -4,32 +4,56 @@ const float PI = 3.14159265358979323846;
 // alpha below this overflows D at its peak in 32-bit float arithmetic (TECHNIQUES 9.1: perceptual roughness 0.045).
 const float MIN_PERCEPTUAL_ROUGHNESS = 0.045;
 
-// D V with 1 - (n.h)^2 taken as |n x h|^2, which does not cancel near the peak.
-float ggx_dv(vec3 n, vec3 h, float n_l, float n_v, float alpha) {
-  const vec3 nxh = cross(n, h);
-  const float n_h = dot(n, h);
-  const float a = n_h * alpha;
-  const float k = alpha / (dot(nxh, nxh) + a * a);
-  const float d = k * k / PI;
-  const float a2 = alpha * alpha;
-  const float v = 0.5 / (n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2) + 1e-7);
-  return d * v;
+// What all lights of a shaded point share. The mix of the dielectric and the metal is linear in both Fresnel terms, and what a
+// dielectric's strongest channel reflects is the Fresnel term of its strongest f0.
+struct BrdfTerms {
+  vec3 normal, to_viewer;
+  float n_v, smith_v;     // cosine, and the square root of the Smith term that holds it
+  float alpha, alpha2;    // roughness squared, and that squared
+  vec3 f0, f90;           // of the mix
+  vec3 diffuse;           // of the dielectric part, over pi, before what Fresnel takes
+  float f0_max, f90_max;  // of the dielectric's strongest channel
+};
+
+BrdfTerms brdf_terms(Surface s, vec3 v) {
+  BrdfTerms b;
+  b.normal = s.normal;
+  b.to_viewer = v;
+  b.n_v = max(abs(dot(s.normal, v)), 1e-4);
+  const float roughness = max(s.roughness, MIN_PERCEPTUAL_ROUGHNESS);
+  b.alpha = roughness * roughness;
+  b.alpha2 = b.alpha * b.alpha;
+  b.smith_v = sqrt(b.n_v * b.n_v * (1.0 - b.alpha2) + b.alpha2);
+  b.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+  b.f90 = vec3(mix(s.dielectric_f90, 1.0, s.metallic));
+  b.diffuse = s.base_color * ((1.0 - s.metallic) / PI);
+  b.f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
+  b.f90_max = s.dielectric_f90;
+  return b;
 }
 
-// f * n.l for light from unit direction l to unit direction v.
-vec3 evaluate_brdf(Surface s, vec3 l, vec3 v) {
-  const float n_l = dot(s.normal, l);
-  if (!(n_l > 0.0)) return vec3(0.0);
-  const float n_v = max(abs(dot(s.normal, v)), 1e-4);
-  const vec3 sum = l + v;
-  const float length2 = dot(sum, sum);
-  const vec3 h = length2 > 1e-12 ? sum * inversesqrt(length2) : s.normal;
-  const float roughness = max(s.roughness, MIN_PERCEPTUAL_ROUGHNESS);
-  const float specular = ggx_dv(s.normal, h, n_l, n_v, roughness * roughness);
-  const float grazing = pow(clamp(1.0 - dot(v, h), 1e-7, 1.0), 5.0);
-  const vec3 f_dielectric = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * grazing;
-  const vec3 f_metal = s.base_color + (1.0 - s.base_color) * grazing;
-  const float diffuse_left = 1.0 - max(f_dielectric.r, max(f_dielectric.g, f_dielectric.b));
-  const vec3 dielectric = s.base_color * (diffuse_left / PI) + specular * f_dielectric;
-  return mix(dielectric, specular * f_metal, s.metallic) * n_l;
+// D V for the half vector h of any length but zero: with 1 - (n.h)^2 taken as |n x h|^2, which does not cancel near the peak, and
+// one division for all.
+float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
+  const vec3 nxh = cross(b.normal, h);
+  const float a = dot(b.normal, h) * b.alpha;
+  const float k = dot(nxh, nxh) + a * a;
+  const float smith = n_l * b.smith_v + b.n_v * sqrt(n_l * n_l * (1.0 - b.alpha2) + b.alpha2) + 1e-7;
+  return (0.5 / PI) * b.alpha2 * h_h * h_h / (k * k * smith);
+}
+
+// f for light from unit direction l, whose cosine with the normal n_l is positive.
+vec3 evaluate_brdf(BrdfTerms b, vec3 l, float n_l) {
+  vec3 h = l + b.to_viewer;
+  float h_h = dot(h, h);
+  float v_h = 0.5 * sqrt(h_h);  // of unit vectors
+  if (!(h_h > 1e-8)) {          // light from straight behind: no half vector
+    h = b.normal;
+    h_h = 1.0;
+    v_h = 0.0;
+  }
+  const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x, grazing = x2 * x2 * x;
+  const vec3 f = b.f0 + (b.f90 - b.f0) * grazing;
+  const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * grazing);
+  return b.diffuse * diffuse_left + f * ggx_dv(b, h, h_h, n_l);
 }

@@ -3,33 +3,46 @@
 // Closer than this a point light's inverse square is held, the same in every path (TECHNIQUES 9.3).
 const float MIN_LIGHT_DISTANCE_M = 0.01;
 
-// Illuminance (times colour) that arrives perpendicular to the light's direction, and that direction. Exactly zero outside the
-// range and the cone.
-vec3 light_arriving(Light light, vec3 position, out vec3 l) {
-  if (light.type == light_directional) {
-    l = -light.direction;
-    return light.intensity;
-  }
-  const vec3 to_light = light.position - position;
+// A 64-bit word of a light. llvmpipe gathers every word lane by lane, which is most of what a light costs there: so they are few,
+// and read only once the light may still give something.
+vec2 light_word(LightRef light, uint word) { return uintBitsToFloat(unpackUint2x32(light.w[word])); }
+
+LightRef light_at(uint64_t lights, uint index) { return LightRef(lights + 64ul * index); }
+
+vec3 light_intensity(LightRef light) { return vec3(light_word(light, 5u), light_word(light, 6u).x); }
+
+// What of the light's intensity arrives at the position, per square metre perpendicular to its direction l. Exactly zero outside
+// the range and the cone.
+float light_arriving(LightRef light, vec3 position, out vec3 l) {
+  const vec2 xy = light_word(light, 0u), z_range = light_word(light, 1u);
+  const vec3 to_light = vec3(xy, z_range.x) - position;
   const float d2 = dot(to_light, to_light);
   l = vec3(0.0, 1.0, 0.0);
-  if (!(d2 < 3.0e38)) return vec3(0.0);  // farther than floats can say
+  const float x2 = d2 * z_range.y * z_range.y;
+  if (x2 >= 1.0) return 0.0;
+  const vec2 z_type = light_word(light, 3u);
+  const uint type = floatBitsToUint(z_type.y);
+  if (type == light_directional) {
+    l = -vec3(light_word(light, 2u), z_type.x);
+    return 1.0;
+  }
+  if (!(d2 < 3.0e38)) return 0.0;  // farther than floats can say
   if (d2 > 0.0) l = to_light * inversesqrt(d2);
-  const float x2 = d2 * light.inverse_range * light.inverse_range;
-  const float window = max(1.0 - x2 * x2, 0.0);
-  float factor = window / max(d2, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M);
-  if (light.type == light_spot) {
-    const float a = clamp(dot(-l, light.direction) * light.spot_scale + light.spot_offset, 0.0, 1.0);
+  float factor = max(1.0 - x2 * x2, 0.0) / max(d2, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M);
+  if (type == light_spot) {
+    const vec2 angle = light_word(light, 4u);
+    const float a = clamp(dot(-l, vec3(light_word(light, 2u), z_type.x)) * angle.x + angle.y, 0.0, 1.0);
     factor *= a * a;
   }
-  return light.intensity * factor;
+  return factor;
 }
 
-vec3 light_contribution(uint index, Surface s, vec3 position, vec3 v) {
-  const Light light = LightsRef(frame.lights).l[index];
+vec3 light_contribution(LightRef light, BrdfTerms brdf, vec3 position) {
   vec3 l;
-  const vec3 arriving = light_arriving(light, position, l);
+  const float arriving = light_arriving(light, position, l);
   // Also keeps an overflowing highlight from turning no light into 0 times infinity.
-  if (arriving == vec3(0.0)) return vec3(0.0);
-  return arriving * evaluate_brdf(s, l, v);
+  if (arriving == 0.0) return vec3(0.0);
+  const float n_l = dot(brdf.normal, l);
+  if (!(n_l > 0.0)) return vec3(0.0);
+  return light_intensity(light) * (arriving * n_l) * evaluate_brdf(brdf, l, n_l);
 }

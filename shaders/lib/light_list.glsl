@@ -23,19 +23,19 @@ uint light_cell(vec3 relative) {
   return tiles + column.x + frame.grid.columns.x * column.y;
 }
 
-// A word of the lights of every cell. The address and the place are valid even where there are none: a driver may load from a
-// branch that no lane takes when all lanes agree on the address (lavapipe 25.0.7 does).
-uint global_word(uint place) {
-  return ConstUintsRef(frame.grid.globals).u[min(place, max(frame.grid.global_count, 1u) - 1u)];
-}
-
 struct LightWalk {
   uint light;         // where the walk stands, the same in all lanes
   uint cell;
   uint cursor, end;   // compact: entries left. Bitmask: word, and words
   uint mine;          // compact: this lane's next light. Bitmask: bits left of the word
   uint global;        // compact: place among the lights of every cell
+  // Of the frame, read once: a load inside the loop is a load for every light.
+  uint mode, words, light_count, global_count;
+  uint64_t globals;
 };
+
+// A word of the lights of every cell. The place is valid even where there are none: lanes may load ahead of a branch.
+uint global_word(LightWalk w, uint place) { return ConstUintsRef(w.globals).u[min(place, max(w.global_count, 1u) - 1u)]; }
 
 LightWalk begin_lights(vec3 relative) {
   LightWalk w;
@@ -44,15 +44,21 @@ LightWalk begin_lights(vec3 relative) {
   w.cursor = 0u;
   w.mine = 0u;
   w.global = 0u;
-  if (frame.grid.mode == light_mode_bitmask) {
-    w.end = frame.grid.words;
+  w.mode = frame.grid.mode;
+  w.words = frame.grid.words;
+  w.light_count = frame.light_count;
+  w.global_count = frame.grid.global_count;
+  w.globals = frame.grid.globals;
+  if (w.mode == light_mode_bitmask) {
+    w.end = w.words;
   } else {
-    w.end = frame.light_count;
+    w.end = w.light_count;
     w.mine = 0u < w.end ? 0u : no_light;
     if (w.cell != every_cell) {
       w.cursor = ConstUintsRef(pc.light_cells).u[w.cell];
       w.end = ConstUintsRef(pc.light_cells).u[w.cell + 1u];
-      if (frame.grid.cap != 0u) w.end = min(w.end, w.cursor + frame.grid.cap);
+      const uint cap = frame.grid.cap;
+      if (cap != 0u) w.end = min(w.end, w.cursor + cap);
       w.mine = w.cursor < w.end ? ConstUintsRef(pc.light_entries).u[w.cursor] : no_light;
     }
   }
@@ -60,14 +66,14 @@ LightWalk begin_lights(vec3 relative) {
 }
 
 bool next_light(inout LightWalk w) {
-  if (frame.grid.mode == light_mode_bitmask) {
+  if (w.mode == light_mode_bitmask) {
     while (w.mine == 0u) {
       if (w.cursor == w.end) return false;
       uint bits = 0xffffffffu;
-      if (w.cell != every_cell) bits = ConstUintsRef(pc.light_cells).u[w.cell * frame.grid.words + w.cursor];
+      if (w.cell != every_cell) bits = ConstUintsRef(pc.light_cells).u[w.cell * w.words + w.cursor];
       w.mine = subgroupOr(bits);
-      if (frame.grid.global_count != 0u) w.mine |= global_word(w.cursor);
-      const uint left = frame.light_count - 32u * w.cursor;
+      if (w.global_count != 0u) w.mine |= global_word(w, w.cursor);
+      const uint left = w.light_count - 32u * w.cursor;
       if (left < 32u) w.mine &= (1u << left) - 1u;
       ++w.cursor;
     }
@@ -76,7 +82,8 @@ bool next_light(inout LightWalk w) {
     w.mine &= w.mine - 1u;
     return true;
   }
-  const uint global = w.global < frame.grid.global_count ? global_word(w.global) : no_light;
+  uint global = no_light;
+  if (w.global < w.global_count) global = global_word(w, w.global);
   w.light = min(subgroupMin(w.mine), global);
   if (w.light == global) ++w.global;
   if (w.mine == w.light && w.mine != no_light) {
@@ -88,26 +95,19 @@ bool next_light(inout LightWalk w) {
 }
 
 // One point's own list, without the union of its subgroup: asked for lights in ascending order.
-struct ListCursor {
-  uint cell, cursor, end, global;
-};
-ListCursor begin_list(vec3 relative) {
-  const LightWalk w = begin_lights(relative);
-  return ListCursor(w.cell, w.cursor, w.end, 0u);
-}
-bool list_holds(inout ListCursor c, uint light) {
-  if (c.cell == every_cell) return true;
-  if (frame.grid.mode == light_mode_bitmask) {
-    uint bits = ConstUintsRef(pc.light_cells).u[c.cell * frame.grid.words + light / 32u];
-    if (frame.grid.global_count != 0u) bits |= global_word(light / 32u);
+bool list_holds(inout LightWalk w, uint light) {
+  if (w.cell == every_cell) return true;
+  if (w.mode == light_mode_bitmask) {
+    uint bits = ConstUintsRef(pc.light_cells).u[w.cell * w.words + light / 32u];
+    if (w.global_count != 0u) bits |= global_word(w, light / 32u);
     return (bits >> (light & 31u) & 1u) != 0u;
   }
-  if (c.global < frame.grid.global_count && global_word(c.global) == light) {
-    ++c.global;
+  if (w.global < w.global_count && global_word(w, w.global) == light) {
+    ++w.global;
     return true;
   }
-  if (c.cursor < c.end && ConstUintsRef(pc.light_entries).u[c.cursor] == light) {
-    ++c.cursor;
+  if (w.cursor < w.end && ConstUintsRef(pc.light_entries).u[w.cursor] == light) {
+    ++w.cursor;
     return true;
   }
   return false;

@@ -3,7 +3,7 @@
 #include "shared/types.h"
 SHARED_BEGIN
 struct DrawPush {       // every pass that draws the scene
-  uint64_t frame, deformed;
+  uint64_t frame, deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
 };
 struct SkyPush {

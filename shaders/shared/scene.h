@@ -56,18 +56,20 @@ struct Material {
 };
 
 // A punctual light in relative space. Spot factor: saturate(cos * spot_scale + spot_offset)^2 (KHR_lights_punctual).
+// Read in 64-bit words, in the order in which lib/light_eval.glsl can tell that a light gives nothing.
 struct Light {
   vec3 position;
-  uint type;
-  vec3 direction;       // unit, the way the light shines
   float inverse_range;  // 0: no range
-  vec3 intensity;       // cd or lux, times colour
+  vec3 direction;       // unit, the way the light shines
+  uint type;
   float spot_scale, spot_offset;
+  vec3 intensity;       // cd or lux, times colour
+  float unused[3];
 };
 
 // Everything that is the same for all draws of a frame.
 struct FrameConstants {
-  uint64_t vertices, transforms, geometries, items, materials, lights;
+  uint64_t vertices, transforms, geometries, items, materials;
   mat4 clip_from_relative;
   vec4 planes[5];       // relative space, inside is dot(n, p) + w >= 0
   vec4 ambient_sh[9];   // radiance projected on spherical harmonics, cosine-convolved, divided by pi
@@ -91,8 +93,8 @@ enum : uint { material_masked = 1u, material_double_sided = 2u, material_unlit =
 enum : uint { light_directional = 0, light_point = 1, light_spot = 2 };
 static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) == 48 && sizeof(TextureRef) == 36);
 static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture) == 76);
-static_assert(sizeof(Light) == 52);
-static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 && sizeof(FrameConstants) == 504);
+static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 && offsetof(Light, intensity) == 40);
+static_assert(offsetof(FrameConstants, pre_exposure) == 408 && offsetof(FrameConstants, grid) == 416 && sizeof(FrameConstants) == 496);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;
@@ -106,7 +108,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tra
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GeometriesRef { Geometry g[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ItemsRef { Item i[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialsRef { Material m[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightsRef { Light l[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 64) readonly buffer LightRef { uint64_t w[8]; };  // a Light
 #endif
 
 #endif

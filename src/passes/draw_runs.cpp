@@ -59,6 +59,7 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
   if (lists && scene.lights) {
     // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
     const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : scene.lights); };
+    push.lights = commands.address(scene.lights);
     push.light_cells = address(lists->cells);
     push.light_entries = address(lists->entries);
     push.light_tiles = address(lists->tiles);

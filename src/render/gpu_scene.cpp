@@ -190,13 +190,13 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   c.transforms = put(frame.imports.transforms, transforms_, "frame.transforms", u.transforms);
   c.geometries = put(frame.imports.geometries, geometries_, "frame.geometries", u.geometries);
   c.materials = put(frame.imports.materials, materials_, "frame.materials", materials);
-  c.lights = put(frame.imports.lights, lights_, "frame.lights", u.lights);
+  const uint64_t lights = put(frame.imports.lights, lights_, "frame.lights", u.lights);
   const LightGrid& grid = frame.light_grid;
   put(frame.imports.light_bounds, light_bounds_, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
   put(frame.imports.light_chunks, light_chunks_, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
   c.grid.globals = put(frame.imports.light_globals, light_globals_, "frame.light_globals", grid.globals);
   // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be valid.
-  if (c.grid.globals == 0) c.grid.globals = c.lights;
+  if (c.grid.globals == 0) c.grid.globals = lights;
   put(frame.imports.cull_groups, groups_, "frame.cull_groups", u.groups);
   put(frame.imports.deform_jobs, jobs_, "frame.deform_jobs", u.deform_jobs);
   put(frame.imports.joints, joints_, "frame.joints", frame.data.joint_matrices);

@@ -214,7 +214,8 @@ std::string refusal(LightGridKind kind, const std::vector<LightItem>& lights, co
   return "";
 }
 
-constexpr uint64_t most_bitmask_lights = 1024;
+// Two words a cell. With more, walking words costs more than sorting entries does, on CPU and GPU (suite light-lists).
+constexpr uint64_t most_bitmask_lights = 64;
 
 }  // namespace
 

@@ -101,9 +101,9 @@ TEST(Bench, ComparesByExitCode) {
 
 TEST(Bench, ReadsSuitesStrictly) {
   const TestFolder folder;
-  const auto suite = [&](const char* text) {
+  const auto suite = [&](const char* text, const std::string& assets = ".") {
     std::ofstream(folder / "s.json") << text;
-    return bench({folder / "s.json", "--json", "-"});
+    return bench({folder / "s.json", "--json", "-", "--assets", assets});
   };
   const Ended unknown = suite(R"({"scenes": ["spheres"], "tehniques": ["brute-force"]})");
   EXPECT_EQ(unknown.code, 3);
@@ -111,11 +111,14 @@ TEST(Bench, ReadsSuitesStrictly) {
   const Ended technique = suite(R"({"scenes": ["spheres"], "techniques": ["brut-force"]})");
   EXPECT_EQ(technique.code, 2);
   EXPECT_NE(technique.err.find("did you mean 'brute-force'"), std::string::npos) << technique.err;
-  const Ended measured =
-      suite(R"({"name": "tiny", "scenes": [{"scene": "animated", "lights": [2, 9]}, "assets:none.glb"],
+  const char* tiny = R"({"name": "tiny", "scenes": [{"scene": "animated", "lights": [2, 9]}, "assets:none.glb"],
       "techniques": ["brute-force"], "sizes": "40x24", "samples": 1, "min_runs": 1, "max_runs": 1, "warm_up_s": 0.001,
-      "max_lights": {"brute-force": 4}})");
-  ASSERT_EQ(measured.code, 3) << "the asset is not there: " << measured.err;
+      "max_lights": {"brute-force": 4}})";
+  const Ended without = suite(tiny, folder / "no-such-folder");
+  ASSERT_EQ(without.code, 0) << "the whole folder is optional: " << without.err;
+  EXPECT_NE(Json::parse(without.out)["rows"][2]["left_out"].dump().find("no folder of assets"), std::string::npos);
+  const Ended measured = suite(tiny, folder / "");
+  ASSERT_EQ(measured.code, 3) << "the folder is there and the asset is not: " << measured.err;
   const Json rows = Json::parse(measured.out)["rows"];
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_EQ(rows[0]["suite"], "tiny");

@@ -38,6 +38,11 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   for (const char* name : {"worldToCamera", "candela:reference", "candela:spp", "candela:mse", "candela:job"})
     EXPECT_TRUE(entries.contains(name)) << name;
   EXPECT_TRUE(read_image(folder / "a.png"));
+  // Its variance does not hinder a comparison with a picture that has none.
+  EXPECT_EQ(candela(traced(folder / "v.exr", {"--spp", "4"})).code, 0);
+  EXPECT_EQ(candela(traced(folder / "n.exr", {"--spp", "4", "--layers", "none"})).code, 0);
+  const Ended same = candela({"compare", folder / "v.exr", folder / "n.exr", "--limit", "max=0"});
+  EXPECT_EQ(same.code, 0) << same.err;
 }
 
 TEST(Reference, AResumedRunHasTheBytesOfAWholeOne) {

@@ -117,8 +117,8 @@ TEST(LightGrid, ListsAreMasksForFewLightsAndCompactForMany) {
   const auto grid = [&](size_t count) {
     return make_light_grid(LightGridKind::clusters, std::vector<LightItem>(count, point(ahead, 0.5f)), c, 100, 100, {});
   };
-  EXPECT_FALSE(grid(100).shape.compact);
-  EXPECT_TRUE(grid(5000).shape.compact);
+  EXPECT_FALSE(grid(64).shape.compact);
+  EXPECT_TRUE(grid(65).shape.compact);
   // Every chunk lies inside its light's box, and together they cover it.
   const LightGrid g = grid(100);
   uint64_t cells = 0;

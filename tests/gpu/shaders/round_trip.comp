@@ -9,6 +9,7 @@ layout(local_size_x = 1) in;
 layout(constant_id = 0) const uint kind = 0u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TargetRef { uint w[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FramesRef { FrameConstants c[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightsRef { Light l[]; };
 layout(push_constant, scalar) uniform Push { uint64_t source, target; } push;
 
 uint at = 0u;
@@ -38,10 +39,11 @@ void put_material(Material v) {
   put(v.emissive_texture); put(v.specular_texture); put(v.specular_color_texture);
 }
 void put_light(Light v) {
-  put(v.position); put(v.type); put(v.direction); put(v.inverse_range); put(v.intensity); put(v.spot_scale); put(v.spot_offset);
+  put(v.position); put(v.inverse_range); put(v.direction); put(v.type); put(v.spot_scale); put(v.spot_offset);
+  put(v.intensity); for (int i = 0; i < 3; ++i) put(v.unused[i]);
 }
 void put_frame(FrameConstants v) {
-  put(v.vertices); put(v.transforms); put(v.geometries); put(v.items); put(v.materials); put(v.lights);
+  put(v.vertices); put(v.transforms); put(v.geometries); put(v.items); put(v.materials);
   for (int i = 0; i < 4; ++i) put(v.clip_from_relative[i]);
   for (int i = 0; i < 5; ++i) put(v.planes[i]);
   for (int i = 0; i < 9; ++i) put(v.ambient_sh[i]);

@@ -80,6 +80,10 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
   if (o.threads < 0) return fail(ErrorKind::usage, "--threads", "{} is below 0", o.threads);
   if (o.spp > 1u << 30) return fail(ErrorKind::usage, "--spp", "{} is above {}", o.spp, 1u << 30);
   if (o.resume && o.state.empty()) return fail(ErrorKind::usage, "--resume", "needs --state FILE, which an earlier run wrote");
+  if (*mode == Mode::path)
+    for (const auto& [option, given] : {std::pair("--visibility", !*visibility), {"--ambient", *ambient != Ambient::traced}, {"--ambient-distance", o.ambient_distance_m > 0}})
+      if (given) return fail(ErrorKind::usage, option, "belongs to --mode direct; path follows all light as it goes");
+  if (*mode == Mode::direct && o.bounces > 0) return fail(ErrorKind::usage, "--bounces", "belongs to --mode path");
   constexpr uint64_t default_spp = 64;
   plan.stop = {o.spp, o.seconds, o.noise};
   if (o.spp == 0 && o.seconds == 0 && o.noise == 0) plan.stop.spp = default_spp;

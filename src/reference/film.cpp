@@ -135,8 +135,8 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
 }
 
 int next_batch(uint64_t samples, const Stop& stop) {
-  // Even counts, so that halves are of the same size, growing by a quarter.
-  uint64_t batch = std::clamp<uint64_t>(samples / 8 * 2, 2, 64);
+  // Even counts, so that halves are of the same size, growing by a quarter; not so large that an interruption costs much.
+  uint64_t batch = std::clamp<uint64_t>(samples / 8 * 2, 2, 16);
   if (stop.spp > 0) batch = std::min(batch, stop.spp - std::min(stop.spp, samples));
   return int(batch);
 }

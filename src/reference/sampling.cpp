@@ -60,12 +60,23 @@ struct SobolMatrices {
   }
 };
 
+// What each byte of an index adds to a number of each dimension.
+struct SobolTables {
+  uint32_t of[4][4][256] = {};
+  SobolTables() {
+    const SobolMatrices matrices;
+    for (int d = 0; d < 4; ++d)
+      for (int byte = 0; byte < 4; ++byte)
+        for (int value = 0; value < 256; ++value)
+          for (int bit = 0; bit < 8; ++bit)
+            if (value >> bit & 1) of[d][byte][value] ^= matrices.column[d][8 * byte + bit];
+  }
+};
+const SobolTables tables;
+
 uint32_t sobol(uint32_t index, uint32_t dimension) {
-  static const SobolMatrices matrices;
-  uint32_t x = 0;
-  for (int bit = 0; index; ++bit, index >>= 1)
-    if (index & 1u) x ^= matrices.column[dimension][bit];
-  return x;
+  const auto& t = tables.of[dimension];
+  return t[0][index & 255] ^ t[1][index >> 8 & 255] ^ t[2][index >> 16 & 255] ^ t[3][index >> 24];
 }
 
 double unit(uint32_t x) { return (double(x) + 0.5) * 0x1p-32; }

@@ -9,14 +9,14 @@ namespace {
 // IEC 61966-2-1.
 double srgb_decoded(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
 
-const std::array<double, 256>& srgb_bytes() {
-  static const auto table = [] {
-    std::array<double, 256> t;
-    for (size_t i = 0; i < 256; ++i) t[i] = srgb_decoded(double(i) / 255);
-    return t;
-  }();
-  return table;
-}
+// Values of 8-bit codes: as they are, and decoded.
+struct ByteCurves {
+  double linear[256], srgb[256];
+  ByteCurves() {
+    for (int i = 0; i < 256; ++i) linear[i] = i / 255.0, srgb[i] = srgb_decoded(i / 255.0);
+  }
+};
+const ByteCurves curves;
 
 int wrapped(double texel, int size, Wrap wrap) {
   const double period = wrap == Wrap::mirror ? 2.0 * size : size;
@@ -40,10 +40,9 @@ glm::dvec4 Texture::texel(int x, int y) const {
   switch (image_.format) {
     case DecodedImage::Format::rgba8: {
       const std::byte* p = image_.pixels.data() + at;
-      for (int i = 0; i < 4; ++i) {
-        const size_t code = std::to_integer<size_t>(p[i]);
-        c[i] = srgb_ && i < 3 ? srgb_bytes()[code] : double(code) / 255;
-      }
+      const double* curve = srgb_ ? curves.srgb : curves.linear;
+      for (int i = 0; i < 3; ++i) c[i] = curve[std::to_integer<size_t>(p[i])];
+      c.w = curves.linear[std::to_integer<size_t>(p[3])];
       return c;
     }
     case DecodedImage::Format::rgba16: {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -63,6 +64,20 @@ TEST(Reference, AResumedRunHasTheBytesOfAWholeOne) {
   EXPECT_NE(other.err.find("another picture"), std::string::npos) << other.err;
 }
 
+// An interruption leaves whole batches, and what they are made into is what as many samples are at once.
+TEST(Reference, AnInterruptionLeavesAStateToGoOnFrom) {
+  const TestFolder folder;
+  std::vector<std::string> words = traced(folder / "never.exr", {"--spp", "1000000", "--state", folder / "s"});
+  ASSERT_TRUE(candela_killed_after(words, 700, SIGINT));
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"s"});
+  words = {"reference", spheres, "--size", "24x16", "-o", folder / "a.exr", "--quiet", "--state", folder / "s", "--resume", "--spp", "2", "--json"};
+  const Ended resumed = candela(words);
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  const uint64_t spp = nlohmann::json::parse(resumed.out)["spp"];
+  EXPECT_EQ(candela(traced(folder / "b.exr", {"--spp", std::to_string(spp)})).code, 0);
+  EXPECT_EQ(bytes_of(folder / "a.exr"), bytes_of(folder / "b.exr"));
+}
+
 TEST(Reference, TakesNoThreadCountForAByte) {
   const TestFolder folder;
   for (const char* threads : {"1", "2", "5"})
@@ -106,6 +121,9 @@ TEST(Reference, NamesWhatIsWrong) {
       {{"reference", box, "-o", out, "--sampler", "random"}, "jittered"},
       {{"reference", box, "-o", out, "--sampler", "uniform", "--seconds", "1"}, "--spp"},
       {{"reference", box, "-o", out, "--resume"}, "--state"},
+      {{"reference", box, "-o", out, "--mode", "path", "--visibility", "off"}, "--visibility"},
+      {{"reference", box, "-o", out, "--mode", "path", "--ambient", "occlusion"}, "--ambient"},
+      {{"reference", box, "-o", out, "--bounces", "3"}, "--bounces"},
       {{"reference", box, "-o", out, "--noise", "-1"}, "--noise"},
       {{"reference", box, "-o", out, "--spp", "-1"}, "--spp"},
       {{"reference", box, "-o", out, "--layers", "depth"}, "variance"},

@@ -65,11 +65,19 @@ TEST_F(ReferenceParity, WholeScenesUnderOneLamp) {
   EXPECT_LT(rendered(job, 4).relmse(), 1e-6);
 }
 
-// The quick scene of the repository with normal maps: its own lights, texture coordinates and tangents.
+// Every generated scene in motion, with its own lights or the neutral ones: skins, morphs, instances, masks, blending, texture
+// coordinates, tangents, mirrored and far transforms. Lines and points, which rays do not meet, are the scene left out.
 TEST_F(ReferenceParity, GeneratedScenes) {
-  for (const char* name : {"spheres", "texture-transform", "normal-mapped"}) {
-    const Job job = job_for(one_lamp(scene(name), LampScene::Light::kept), width * 2, height * 2);
-    EXPECT_LT(rendered(job, 4).relmse(), 1e-5) << name;
+  for (const std::string& name : scene_names()) {
+    if (name == "primitive-modes") continue;
+    const Job job = job_for(one_lamp(scene(name), Light::kept), width * 2, height * 2);
+    const Pair pair = rendered(job, 4, 17.0 / 24);
+    const size_t worst = pair.worst();
+    fmt::print("{}: relMSE {:.2e}, worst pixel {},{}: {:.4f} {:.4f} {:.4f} for {:.4f} {:.4f} {:.4f}\n", name, pair.relmse(),
+               worst % (2 * width), worst / (2 * width), pair.gpu[worst].x, pair.gpu[worst].y, pair.gpu[worst].z,
+               pair.reference[worst].x, pair.reference[worst].y, pair.reference[worst].z);
+    // The stars of `animated` are points: what the two pictures differ in there is these.
+    EXPECT_LT(pair.relmse(), name == "animated" ? 1e-4 : 1e-5) << name;
   }
 }
 

@@ -42,12 +42,12 @@ class ReferenceParity : public FrameTest {
   using Textures = LampScene::Textures;
 
   // Both at side * side samples a pixel on a grid: the GPU at `side` times the size with one sample, averaged.
-  static Pair rendered(Job job, int side) {
+  static Pair rendered(Job job, int side, double time_s = 0) {
     job.settings.push_back({"lights", "floor_lux", "0"});  // an approximation of the GPU's
     Pair out;
     Job large = job;
     large.width_px *= side, large.height_px *= side, large.samples = 1;
-    const Images images = images_of(large);
+    const Images images = images_of(large, {}, time_s);
     for (int y = 0; y < job.height_px; ++y)
       for (int x = 0; x < job.width_px; ++x) {
         glm::dvec4 sum(0);
@@ -55,11 +55,12 @@ class ReferenceParity : public FrameTest {
           for (int i = 0; i < side; ++i) sum += glm::dvec4(images["beauty"].at<glm::vec4>(x * side + i, y * side + j));
         out.gpu.push_back(sum / double(side * side));
       }
-    auto frame = open_reference(job, 0, {});
+    auto frame = open_reference(job, time_s, {});
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
     if (!frame) return out;
     reference::TraceSettings settings;
     settings.visibility = false;
+    settings.ambient = reference::Ambient::occlusion;  // unoccluded: the GPU's own model, where there is ambient light
     settings.sampler = {reference::SamplerKind::uniform, side * side, 0};
     reference::Film film(job.width_px, job.height_px);
     film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), side * side, [](double) { return true; });

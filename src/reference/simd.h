@@ -52,6 +52,10 @@ inline F4 absolute(F4 a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
 inline uint32_t less(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v))); }
 inline uint32_t less_equal(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v, b.v))); }
 inline uint32_t equal(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v))); }
+inline uint32_t equal_ints(const uint32_t* p, uint32_t x) {
+  const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+  return uint32_t(_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(v, _mm_set1_epi32(int(x))))));
+}
 // Towards zero; the lanes must be within int's range.
 inline void to_ints(F4 a, int32_t* out) { _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm_cvttps_epi32(a.v)); }
 inline F4 without_lane_3(F4 a) { return {_mm_and_ps(a.v, _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1)))}; }
@@ -117,6 +121,11 @@ inline uint32_t less_equal(F4 a, F4 b) {
 }
 inline uint32_t equal(F4 a, F4 b) {
   return lanes(a, b, [](float x, float y) { return x == y; });
+}
+inline uint32_t equal_ints(const uint32_t* p, uint32_t x) {
+  uint32_t mask = 0;
+  for (int i = 0; i < 4; ++i) mask |= uint32_t(p[i] == x) << i;
+  return mask;
 }
 inline void to_ints(F4 a, int32_t* out) {
   for (int i = 0; i < 4; ++i) out[i] = int32_t(a.v[i]);

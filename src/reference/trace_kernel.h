@@ -19,32 +19,41 @@ constexpr float slab_slack = 1.000001f;
 constexpr float smallest_determinant = 1e-20f, largest_determinant = 1e30f;  // as in triangle.h
 
 struct Shear {
-  int x, y, z;
+  uint32_t x, y, z;
   float sx, sy, sz;
 };
 
+inline float magnitude(float x) { return std::bit_cast<float>(std::bit_cast<uint32_t>(x) & 0x7fffffffu); }
+
+// As shear_of in triangle.h, without branches: incoherent rays would guess them wrong.
 inline Shear shear_along(const float (&d)[3]) {
-  const float a[3] = {d[0] < 0 ? -d[0] : d[0], d[1] < 0 ? -d[1] : d[1], d[2] < 0 ? -d[2] : d[2]};
+  const float a0 = magnitude(d[0]), a1 = magnitude(d[1]), a2 = magnitude(d[2]);
+  const uint32_t first = a0 > a1, last = !((a0 > a1 ? a0 : a1) > a2);
+  static constexpr uint32_t after[3] = {1, 2, 0};
   Shear s;
-  s.z = a[0] > a[1] ? (a[0] > a[2] ? 0 : 2) : (a[1] > a[2] ? 1 : 2);
-  s.x = s.z == 2 ? 0 : s.z + 1;
-  s.y = s.x == 2 ? 0 : s.x + 1;
-  if (d[s.z] < 0) {
-    const int x = s.x;
-    s.x = s.y, s.y = x;
-  }
-  s.sx = d[s.x] / d[s.z], s.sy = d[s.y] / d[s.z], s.sz = 1.0f / d[s.z];
+  s.z = last << 1 | ((first | last) ^ 1u);
+  const uint32_t x = after[s.z], y = after[x], backwards = std::bit_cast<uint32_t>(d[s.z]) >> 31;
+  s.x = x ^ ((x ^ y) & (0u - backwards)), s.y = y ^ ((x ^ y) & (0u - backwards));
+  s.sz = 1.0f / d[s.z];
+  s.sx = d[s.x] * s.sz, s.sy = d[s.y] * s.sz;
   return s;
 }
 
-struct Waiting {
-  uint32_t child;
-  float near;
-};
+// A child to visit, as one number that sorts by distance: its bits as those of a float that is not negative, above the
+// child reference. (Below zero, for rays with such a t_min, the order is no longer the best one, but all are visited.)
+using Waiting = uint64_t;
+inline Waiting waiting(float near, uint32_t child) { return uint64_t(std::bit_cast<uint32_t>(near)) << 32 | child; }
+inline uint32_t child_of(Waiting w) { return uint32_t(w); }
+inline float near_of(Waiting w) { return std::bit_cast<float>(uint32_t(w >> 32)); }
+// The nearer into a. Without branches, whose outcome nobody could guess.
+inline void sort2(Waiting& a, Waiting& b) {
+  const Waiting low = a < b ? a : b, high = a < b ? b : a;
+  a = low, b = high;
+}
 
 struct Prepared {  // a ray, spread over lanes
   F8 origin[3], inverse[3], t_min;
-  uint32_t near_row[3], far_row[3];  // of WideNode::bounds
+  uint32_t near_row[3], far_row[3];  // of WideNode::bounds, in floats
   Shear shear;
   F4 shear_origin[3], sx, sy, sz;
   explicit Prepared(const KernelRay& ray) : t_min(F8::all(ray.t_min)), shear(shear_along(ray.direction)) {
@@ -52,7 +61,8 @@ struct Prepared {  // a ray, spread over lanes
       const float inverse_a = 1.0f / ray.direction[a];
       origin[a] = F8::all(ray.origin[a]), inverse[a] = F8::all(inverse_a);
       const uint32_t backwards = std::bit_cast<uint32_t>(inverse_a) >> 31;
-      near_row[a] = uint32_t(2 * a) + backwards, far_row[a] = uint32_t(2 * a) + 1 - backwards;
+      near_row[a] = (uint32_t(2 * a) + backwards) * wide_children;
+      far_row[a] = (uint32_t(2 * a) + 1 - backwards) * wide_children;
     }
     shear_origin[0] = F4::all(ray.origin[shear.x]);
     shear_origin[1] = F4::all(ray.origin[shear.y]);
@@ -64,11 +74,12 @@ struct Prepared {  // a ray, spread over lanes
 // Bit per child whose box the ray meets. A slab's 0 * infinity (the origin in the plane of a slab that the ray runs
 // along) is NaN, which min and max drop: the slab then does not limit.
 inline uint32_t meet_boxes(const WideNode& node, const Prepared& p, float t_max, float (&near)[wide_children]) {
+  const float* bounds = node.bounds[0];
   F8 begin = p.t_min, end = F8::all(t_max);
 #pragma GCC unroll 3
   for (int a = 0; a < 3; ++a) {
-    begin = max((F8::load(node.bounds[p.near_row[a]]) - p.origin[a]) * p.inverse[a], begin);
-    end = min((F8::load(node.bounds[p.far_row[a]]) - p.origin[a]) * p.inverse[a], end);
+    begin = max((F8::load(bounds + p.near_row[a]) - p.origin[a]) * p.inverse[a], begin);
+    end = min((F8::load(bounds + p.far_row[a]) - p.origin[a]) * p.inverse[a], end);
   }
   begin.store(near);
   return less_equal(begin, end * F8::all(slab_slack));
@@ -95,6 +106,7 @@ inline bool meet_in_double(const float (&a)[3], const float (&b)[3], const float
 inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay& ray, KernelCaller& caller, bool any,
                        KernelCounts* counts) {
   Sheared s[3];
+#pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) {
     const F4 z = F4::load(block.corner[k][p.shear.z]) - p.shear_origin[2];
     s[k].x = (F4::load(block.corner[k][p.shear.x]) - p.shear_origin[0]) - p.sx * z;
@@ -105,10 +117,7 @@ inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay&
   const F4 v = s[0].x * s[2].y - s[0].y * s[2].x;
   const F4 w = s[1].x * s[0].y - s[1].y * s[0].x;
   const F4 zero = F4::all(0.0f);
-  uint32_t present = 15u;
-  if (block.id[block_triangles - 1] == no_triangle)
-    for (int lane = 1; lane < int(block_triangles); ++lane)
-      present &= ~(uint32_t(block.id[lane] == no_triangle) << lane);
+  const uint32_t present = ~equal_ints(block.id, no_triangle) & 15u;
   if (counts) counts->triangles += uint64_t(std::popcount(present));
   uint32_t candidates = present & ~(less(min(min(u, v), w), zero) & less(zero, max(max(u, v), w)));
   if (candidates == 0) return false;
@@ -117,6 +126,7 @@ inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay&
   const uint32_t exact = less_equal(F4::all(smallest_determinant), size) &
                          less_equal(size, F4::all(largest_determinant)) &
                          ~(equal(u, zero) | equal(v, zero) | equal(w, zero));
+#pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) s[k].z = p.sz * s[k].z;
   const F4 t = ((u * s[0].z + v * s[1].z) + w * s[2].z) / determinant;
   candidates &= ~exact | (less_equal(F4::all(ray.t_min), t) & less_equal(t, F4::all(ray.t_max)));
@@ -175,29 +185,43 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
         for (uint32_t c : node.child) counts->boxes += c != no_child;
       }
       if (met == 0) goto next;
-      uint32_t lane = uint32_t(std::countr_zero(met));
-      met &= met - 1;
-      child = node.child[lane];
-      prefetch<over_triangles>(tree, child);
-      if (met == 0) continue;
-      Waiting nearest{child, near[lane]};
-      Waiting* const first = top;
-      do {
-        lane = uint32_t(std::countr_zero(met));
+      const auto next_met = [&] {
+        const int lane = std::countr_zero(met);
         met &= met - 1;
-        Waiting one{node.child[lane], near[lane]};
-        prefetch<over_triangles>(tree, one.child);
-        if (one.near < nearest.near) {
-          const Waiting other = nearest;
-          nearest = one, one = other;
-        }
-        // Farthest lowest; equals stay in the children's order. For any hit the order among the rest does not matter.
+        prefetch<over_triangles>(tree, node.child[lane]);
+        return waiting(near[lane], node.child[lane]);
+      };
+      Waiting a = next_met();
+      if (met == 0) {
+        child = child_of(a);
+        continue;
+      }
+      Waiting b = next_met();
+      sort2(a, b);
+      if (met == 0) {
+        *top++ = b;
+        child = child_of(a);
+        continue;
+      }
+      Waiting c = next_met();
+      sort2(b, c), sort2(a, b);
+      if (met == 0) {
+        *top++ = c, *top++ = b;
+        child = child_of(a);
+        continue;
+      }
+      // Four and more: the farthest lowest.
+      Waiting* const first = top;
+      *top++ = c, *top++ = b;
+      do {
+        Waiting d = next_met();
+        sort2(a, d);
         Waiting* at = top++;
         if constexpr (!any)
-          for (; at > first && at[-1].near < one.near; --at) at[0] = at[-1];
-        *at = one;
+          for (; at > first && at[-1] < d; --at) at[0] = at[-1];
+        *at = d;
       } while (met != 0);
-      child = nearest.child;
+      child = child_of(a);
     }
     {
       const uint32_t first = first_of_leaf(child), count = count_of_leaf(child);
@@ -213,8 +237,8 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
     do {
       if (top == stack) return false;
       --top;
-    } while (!(top->near <= ray.t_max * slab_slack));
-    child = top->child;
+    } while (!(near_of(*top) <= ray.t_max * slab_slack));
+    child = child_of(*top);
   }
 }
 

@@ -23,9 +23,9 @@ inline RayShear shear_of(glm::vec3 direction) {
   s.x = s.z == 2 ? 0 : s.z + 1;
   s.y = s.x == 2 ? 0 : s.x + 1;
   if (direction[s.z] < 0) std::swap(s.x, s.y);  // keeps the winding
-  s.sx = direction[s.x] / direction[s.z];
-  s.sy = direction[s.y] / direction[s.z];
   s.sz = 1.0f / direction[s.z];
+  s.sx = direction[s.x] * s.sz;
+  s.sy = direction[s.y] * s.sz;
   return s;
 }
 

@@ -96,6 +96,24 @@ TEST(Sampling, PixelsHalvesAndSeedsDiffer) {
   EXPECT_EQ(pixel(7, 1, 2, 3), pixel(7, 1, 2, 3));
 }
 
+// Dimensions know nothing of each other: the same sample of many pixels has no correlation between any two of them.
+TEST(Sampling, DimensionsAreIndependent) {
+  constexpr int side = 64, dimensions = 8;
+  double products[dimensions][dimensions] = {};
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      SampleStream stream({}, x, y, 2);
+      stream.start(4);
+      double value[dimensions];
+      for (double& v : value) v = stream.next() - 0.5;
+      for (int i = 0; i < dimensions; ++i)
+        for (int j = 0; j < i; ++j) products[i][j] += value[i] * value[j] / (side * side);
+    }
+  // The standard deviation of such a mean is 1/12/64 = 0.0013.
+  for (int i = 0; i < dimensions; ++i)
+    for (int j = 0; j < i; ++j) EXPECT_NEAR(products[i][j], 0, 0.0065) << i << " " << j;
+}
+
 namespace {
 
 // All directions of a sphere in cells of equal solid angle.

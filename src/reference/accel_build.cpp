@@ -78,8 +78,6 @@ class Assembly {
     options_.buckets = o.buckets;
     options_.overlap_alpha = o.overlap_alpha;
     options_.split_budget = o.split_budget;
-    if (getenv("NC")) options_.node_cost = float(atof(getenv("NC")));
-    if (getenv("ML")) options_.max_leaf = uint32_t(atoi(getenv("ML")));
   }
 
   void run() {
@@ -188,9 +186,10 @@ class Assembly {
     trees_.statistics.left_out += soup.drop_non_finite();
     const BinaryTree binary = build_tree(soup.references, soup.triangles, options_);
     trees_.statistics.triangles += soup.references.size();
-    trees_.statistics.references += binary.reference_count;
     if (measure_cost_) trees_.statistics.sah_cost += sah_cost(binary, options_);
-    return collapse(binary, soup.triangles);
+    WideTree wide = collapse(binary, soup.triangles);
+    trees_.statistics.references += wide.references;
+    return wide;
   }
 
   void count_sizes() {

@@ -196,6 +196,13 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
         child = child_of(a);
         continue;
       }
+      if constexpr (any) {
+        // The last child first: it is the largest (wide_tree.cpp), hence the likeliest to hold a hit.
+        do *top++ = a, a = next_met();
+        while (met != 0);
+        child = child_of(a);
+        continue;
+      }
       Waiting b = next_met();
       sort2(a, b);
       if (met == 0) {
@@ -217,8 +224,7 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
         Waiting d = next_met();
         sort2(a, d);
         Waiting* at = top++;
-        if constexpr (!any)
-          for (; at > first && at[-1] < d; --at) at[0] = at[-1];
+        for (; at > first && at[-1] < d; --at) at[0] = at[-1];
         *at = d;
       } while (met != 0);
       child = child_of(a);

@@ -19,6 +19,7 @@ struct WideTree {
   std::vector<uint32_t> indices;      // other trees: what leaf offsets count in
   Aabb bounds;
   uint32_t depth = 0;
+  size_t references = 0;  // triangles in leaves, those in several counted for each
 };
 
 // triangles: three corners each, what the binary tree's ids count in; empty: a tree over other things.

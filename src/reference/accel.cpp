@@ -19,28 +19,41 @@ struct Search : KernelCaller {
   KernelCounts* counts;
   const bool any;
   const AccelInstance* instance = nullptr;  // the one entered; null: in the world tree
-  Hit best{};
+  KernelHit best{};                         // with the instance it lies in; made a Hit at the end
+  const AccelInstance* best_instance = nullptr;
   bool found = false;
-  float best_t = 0;         // as the kernels have it
-  float inverse_scale = 1;  // from their t to the caller's
+  float inverse_scale = 1;  // from the kernels' t to the caller's
 
   Search(const Accel::Trees& t, const HitFilter* f, KernelCounts* c, bool any_hit)
       : KernelCaller{&accept_hit, &enter_instance}, trees(t), filter(f), counts(c), any(any_hit) {}
 
+  Hit resolve(const KernelHit& h, const AccelInstance* in) const {
+    Hit hit{h.t * inverse_scale, h.u, h.v, 0, 0, h.clockwise};
+    if (in) {
+      // A mirroring transform turns corners and sight alike: in mesh space the front is always counter-clockwise.
+      hit.item = in->item, hit.primitive = h.id;
+    } else {
+      hit.item = trees.world_item[h.id], hit.primitive = h.id - trees.item_first[hit.item];
+      if (trees.frame->items[hit.item].mirrored) hit.back = !hit.back;
+    }
+    return hit;
+  }
+
+  bool loses_tie(const KernelHit& h) const {
+    const Hit a = resolve(h, instance), b = resolve(best, best_instance);
+    return std::tie(a.item, a.primitive) >= std::tie(b.item, b.primitive);
+  }
+
+  bool filtered_out(const KernelHit& h) const {
+    const Hit hit = resolve(h, instance);
+    return (trees.ask[hit.item] & (hit.back ? 2 : 1)) && !filter->accepts(hit);
+  }
+
   static bool accept_hit(KernelCaller& caller, const KernelHit& h) {
     Search& s = static_cast<Search&>(caller);
-    Hit hit{h.t * s.inverse_scale, h.u, h.v, 0, 0, h.clockwise};
-    if (s.instance) {
-      // A mirroring transform turns corners and sight alike: in mesh space the front is always counter-clockwise.
-      hit.item = s.instance->item, hit.primitive = h.id;
-    } else {
-      hit.item = s.trees.world_item[h.id], hit.primitive = h.id - s.trees.item_first[hit.item];
-      if (s.trees.frame->items[hit.item].mirrored) hit.back = !hit.back;
-    }
-    if (s.found && h.t == s.best_t && std::tie(hit.item, hit.primitive) >= std::tie(s.best.item, s.best.primitive))
-      return false;
-    if (s.filter && (s.trees.ask[hit.item] & (hit.back ? 2 : 1)) && !s.filter->accepts(hit)) return false;
-    s.best = hit, s.best_t = h.t, s.found = true;
+    if (s.found && h.t == s.best.t && s.loses_tie(h)) return false;
+    if (s.filter && s.filtered_out(h)) return false;
+    s.best = h, s.best_instance = s.instance, s.found = true;
     return true;
   }
 
@@ -85,7 +98,7 @@ bool search(const Accel::Trees& trees, const Ray& ray, const HitFilter* filter, 
   Search search(trees, filter, counts ? &counted : nullptr, any);
   const bool found = search.trace(ray);
   if (counts) counts->nodes += counted.nodes, counts->boxes += counted.boxes, counts->triangles += counted.triangles;
-  if (found) hit = search.best;
+  if (found && !any) hit = search.resolve(search.best, search.best_instance);
   return found;
 }
 

@@ -137,16 +137,22 @@ TEST(BvhDeform, InstancesAreWhereTheirTrianglesWouldBe) {
     once->place(once->add_mesh(mesh), place);
     const Accel instanced(twice->scene, twice->pose, twice->frame), flat(once->scene, once->pose, once->frame);
     EXPECT_EQ(instanced.statistics().instances, 2u);
-    const Rays rays(flat);
+    Rng rng(7);
     size_t hits = 0, differ = 0;
-    for (uint64_t i = 0; i < 8000; i += 8) {  // those in any direction; edges may go either way
-      const auto a = instanced.closest(rays[i]), b = flat.closest(rays[i]);
+    for (int i = 0; i < 1000; ++i) {  // towards the inside from around; near edges the answers may differ
+      const glm::vec3 to = glm::vec3(place * glm::vec4(random_in(rng, -0.4, 0.4), 1.0f));
+      Ray ray;
+      ray.origin = glm::vec3(place * glm::vec4(random_in(rng, -3, 3), 1.0f));
+      ray.direction = to - ray.origin;
+      const auto a = instanced.closest(ray), b = flat.closest(ray);
       hits += b.has_value();
+      // Flattened corners are rounded where they lie; beside a small surface that shows.
+      const float rounding = 8e-6f / std::max(glm::length(ray.direction), 1e-4f);
       differ += a.has_value() != b.has_value() ||
-                (a && (std::abs(a->t - b->t) > 1e-4f * (b->t + std::abs(scale.x)) || a->back != b->back));
+                (a && (std::abs(a->t - b->t) > 1e-3f * b->t + rounding || a->back != b->back));
     }
-    EXPECT_GT(hits, 100u);
-    EXPECT_LE(differ, 2u) << scale.x << " " << scale.y << " " << scale.z;
+    EXPECT_GT(hits, 950u) << scale.x << " " << scale.y << " " << scale.z;
+    EXPECT_LE(differ, 20u) << scale.x << " " << scale.y << " " << scale.z;
   }
 }
 

@@ -8,7 +8,36 @@
 
 namespace candela::cli {
 
-void add_job_options(CLI::App& command, JobOptions& o) {
+namespace {
+
+void add_technique_options(CLI::App& command, JobOptions& o) {
+  command
+      .add_option("--samples", o.samples,
+                  "Samples a pixel: 1, 2, 4 or 8, as the device has them; 0: as the quality says")
+      ->capture_default_str()
+      ->type_name("N");
+  command.add_option("--technique", o.technique, "How the frame is made (candela list techniques)")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
+      ->allow_extra_args(false)
+      ->type_name("PASS.KNOB=VALUE");
+}
+
+void add_layer_options(CLI::App& command, JobOptions& o) {
+  command.add_option("--view", o.view, "What PNG and video show: beauty, or heatmap.lights, .waste, .missed in colours")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas (candela list layers)")
+      ->type_name("LIST");
+}
+
+}  // namespace
+
+void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command.add_option("scene", o.scene, "glTF file, .gltf or .glb")->type_name("SCENE");
   command.add_option("--fps", o.fps, "Frames per second: 24, 23.976, 30000/1001")
       ->capture_default_str()
@@ -27,31 +56,14 @@ void add_job_options(CLI::App& command, JobOptions& o) {
           "--yfov", [&o](double value) { o.yfov_deg = value, o.has_yfov = true; }, "Vertical field of view")
       ->type_name("DEGREES");
   command.add_option("--size", o.size, "Size of the image in pixels")->capture_default_str()->type_name("WxH");
-  command
-      .add_option("--samples", o.samples,
-                  "Samples a pixel: 1, 2, 4 or 8, as the device has them; 0: as the quality says")
-      ->capture_default_str()
-      ->type_name("N");
-  command.add_option("--technique", o.technique, "How the frame is made (candela list techniques)")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
-      ->allow_extra_args(false)
-      ->type_name("PASS.KNOB=VALUE");
+  if (renderer == Renderer::gpu) add_technique_options(command, o);
   command.add_option("--sky", o.sky, "Equirectangular .hdr or .exr that lights the scene and fills the background")
       ->type_name("FILE");
   command.add_option("--exposure", o.exposure_ev, "Stops")->capture_default_str()->type_name("EV");
   command.add_option("--tonemap", o.tonemap, "Tone curve of PNG: agx, none, reinhard, aces, neutral or rec709")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--view", o.view, "What PNG and video show: beauty, or heatmap.lights, .waste, .missed in colours")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command.add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas (candela list layers)")
-      ->type_name("LIST");
+  if (renderer == Renderer::gpu) add_layer_options(command, o);
   command.add_option("--background", o.background, "Where there is no sky: transparent, or linear R,G,B")
       ->capture_default_str()
       ->type_name("COLOR");
@@ -68,12 +80,14 @@ void add_job_options(CLI::App& command, JobOptions& o) {
       ->type_name("NAME");
   command.add_option("--png-bits", o.png_bits, "Bits a channel of PNG: 8 or 16")->capture_default_str()->type_name("N");
   command.add_flag("--no-dither", o.no_dither, "Round to 8 bits without dither");
-  command.add_flag("--metadata-timings", o.metadata_timings,
-                   "Write timings into the EXR header; its bytes then differ from run to run");
+  if (renderer == Renderer::gpu)
+    command.add_flag("--metadata-timings", o.metadata_timings,
+                     "Write timings into the EXR header; its bytes then differ from run to run");
   command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
 }
 
-void add_run_options(CLI::App& command, JobOptions& o) {
+namespace {
+void add_device_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--device", o.device,
                   "cpu, gpu, an index, a UUID or part of a name (candela list devices); the best GPU by default")
@@ -85,6 +99,11 @@ void add_run_options(CLI::App& command, JobOptions& o) {
   command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
       ->capture_default_str()
       ->type_name("SECONDS");
+}
+}  // namespace
+
+void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
+  if (renderer == Renderer::gpu) add_device_options(command, o);
   command.add_flag("--strict", o.strict, "A warning about the scene or an ignored extension is exit 3");
   command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")
       ->type_name("FILE");

@@ -50,8 +50,10 @@ CLI::Validator whole_number() {
   return {canonical, ""};
 }
 
-void add_job_options(CLI::App& command, JobOptions& options);
-void add_run_options(CLI::App& command, JobOptions& options);  // device, validation, log
+// The reference takes what says which picture is meant and how it is written, but not how the GPU makes it.
+enum class Renderer { gpu, reference };
+void add_job_options(CLI::App& command, JobOptions& options, Renderer renderer = Renderer::gpu);
+void add_run_options(CLI::App& command, JobOptions& options, Renderer renderer = Renderer::gpu);  // device, validation, log
 void add_moment_options(CLI::App& command, MomentOptions& moment);
 
 // Fills options that the command line left out from --config FILE. Unknown names are errors. Call after parsing.

@@ -6,9 +6,9 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "image/png_text.h"
-#include "math/transforms.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
+#include "render/metadata.h"
 #include "render/timings.h"
 
 namespace candela {
@@ -132,36 +132,10 @@ void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputIm
   }
 }
 
-// OpenEXR multiplies row vectors from the left, so its row-major matrix has the same 16 numbers as GLM's column-major
-// one.
-MetadataEntry matrix_entry(const char* name, const glm::dmat4& m) {
-  MetadataEntry entry{.name = name, .kind = MetadataEntry::Kind::matrix44};
-  for (int i = 0; i < 16; ++i) entry.matrix.push_back(float(m[i / 4][i % 4]));
-  return entry;
-}
-MetadataEntry text_entry(const char* name, std::string text) { return {.name = name, .text = std::move(text)}; }
-MetadataEntry number_entry(const char* name, MetadataEntry::Kind kind, double number) {
-  return {.name = name, .kind = kind, .number = number};
-}
-
 void add_metadata(FloatImage& image, const FrameResult& frame, const Job& job, const Session& session,
                   std::optional<int64_t> frame_number, FrameRate rate) {
-  const glm::dmat4 relative = relative_from_world(frame.view.position);
-  // NDC as OpenEXR means it: (0,0) and (1,1) are the upper left and lower right corners. Clip space has y down already.
-  glm::dmat4 ndc_from_clip(1.0);
-  ndc_from_clip[0][0] = ndc_from_clip[1][1] = 0.5;
-  ndc_from_clip[3][0] = ndc_from_clip[3][1] = 0.5;
+  add_view_metadata(image, frame.view, frame.time_s, frame_number, rate);
   auto& metadata = image.metadata;
-  metadata.push_back(matrix_entry("worldToCamera", frame.view.view_from_relative * relative));
-  metadata.push_back(matrix_entry("worldToNDC", ndc_from_clip * frame.view.clip_from_relative * relative));
-  metadata.push_back(text_entry("candela:camera", frame.view.name));
-  if (frame_number) {
-    metadata.push_back(number_entry("framesPerSecond", MetadataEntry::Kind::number,
-                                    double(rate.numerator) / double(rate.denominator)));
-    metadata.push_back(text_entry("candela:frame", fmt::format("{}", *frame_number)));
-    metadata.push_back(text_entry("candela:fps", rate.text()));
-  }
-  metadata.push_back(number_entry("candela:time", MetadataEntry::Kind::number, frame.time_s));
   metadata.push_back(text_entry("candela:job", job_json(job)));
   metadata.push_back(text_entry("candela:plan", frame.plan_hash.hex()));
   metadata.push_back(text_entry("candela:device", session.device().info().name));

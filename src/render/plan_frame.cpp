@@ -12,6 +12,7 @@
 #include "passes/resolve.h"
 #include "passes/tonemap.h"
 #include "render/frame_knobs.h"
+#include "scene/neutral_light.h"
 #include "techniques/technique.h"
 
 namespace candela {
@@ -36,25 +37,6 @@ Expected<std::array<float, 4>> parse_background(const std::string& text, float p
     at = next + 1;
   }
   return std::array<float, 4>{rgb[0] * pre_exposure, rgb[1] * pre_exposure, rgb[2] * pre_exposure, 1};
-}
-
-// Whether the file has any light at all: one that is dark at this time must not bring the neutral light.
-bool has_light(const Scene& scene) {
-  return std::any_of(scene.order.begin(), scene.order.end(), [&](int n) {
-    const Node& node = scene.nodes[size_t(n)];
-    return node.light >= 0 || node.light_instances;
-  });
-}
-
-// A key light over the viewer's shoulder for scenes without light, beside the neutral ambient.
-void add_neutral_light(const View& view, FrameData& data) {
-  const glm::dmat3 relative_from_view = glm::transpose(glm::dmat3(view.view_from_relative));
-  LightItem key{};
-  key.type = LightType::directional;
-  key.direction = glm::vec3(-glm::normalize(relative_from_view * glm::dvec3(-0.45, 0.65, 0.6)));
-  key.intensity = glm::vec3(1.4f);  // lux: with the ambient light a white surface comes out just below 1
-  key.range_m = std::numeric_limits<float>::infinity();
-  data.lights.push_back(key);
 }
 
 FrameRequest make_request(const Job& job, const FrameKnobValues& knobs, const WantedOutputs& wanted) {

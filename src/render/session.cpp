@@ -4,6 +4,7 @@
 #include <future>
 
 #include "base/files.h"
+#include "render/content_hash.h"
 #include "render/gpu_scene.h"
 #include "render/timings.h"
 #include "scene/gltf.h"
@@ -13,22 +14,6 @@ namespace {
 
 Error as_error(const gpu::GpuError& e) {
   return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
-}
-
-// The content of all files read, in the order the loader names them.
-Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::string& sky) {
-  std::string digests;
-  const auto add = [&](const std::string& file) -> Expected<void> {
-    const auto bytes = read_file(file);
-    if (!bytes) return std::unexpected(bytes.error());
-    digests += hash128(*bytes).hex();
-    return {};
-  };
-  for (const std::string& file : files)
-    if (auto done = add(file); !done) return std::unexpected(done.error());
-  if (!sky.empty())
-    if (auto done = add(sky); !done) return std::unexpected(done.error());
-  return hash128(digests);
 }
 
 // The knob lights.cap shows what other renderers' caps lose; it must not do so in silence.

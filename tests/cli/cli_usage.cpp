@@ -16,7 +16,7 @@ TEST(Help, NamesEveryCommandAndExitCode) {
   const Ended help = candela({"--help"});
   EXPECT_EQ(help.code, 0);
   EXPECT_EQ(help.err, "");
-  for (const char* word : {"render", "sequence", "plan", "facts", "compare", "golden", "make-scene", "list",
+  for (const char* word : {"render", "sequence", "plan", "facts", "compare", "golden", "reference", "make-scene", "list",
                            "--version", "Exit codes", "non-finite"})
     EXPECT_TRUE(contains(help.out, word)) << word;
 }

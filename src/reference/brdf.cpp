@@ -1,0 +1,111 @@
+#include "reference/brdf.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "reference/sampling.h"
+
+namespace candela::reference {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double least_n_v = 1e-4;
+
+double alpha_of(const Surface& s) {
+  const double r = std::max(s.roughness, least_roughness);
+  return r * r;
+}
+
+double ggx_d(double n_h, double alpha) {
+  const double a2 = alpha * alpha, t = n_h * n_h * (a2 - 1) + 1;
+  return a2 / (pi * t * t);
+}
+// Height-correlated Smith over 4 (n.l) (n.v) (Heitz 2014).
+double smith_v(double n_l, double n_v, double alpha) {
+  const double a2 = alpha * alpha;
+  return 0.5 / (n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2));
+}
+// Smith masking of one direction.
+double smith_g1(double n_v, double alpha) {
+  const double a2 = alpha * alpha;
+  return 2 * n_v / (n_v + std::sqrt(a2 + (1 - a2) * n_v * n_v));
+}
+
+double largest(glm::dvec3 c) { return std::max({c.x, c.y, c.z}); }
+
+// How often the specular lobe is chosen; a function of what sampling and density both know.
+double specular_share(const Surface& s, glm::dvec3 v) {
+  const double n_v = glm::dot(s.normal, v);
+  if (n_v <= least_n_v) return 0;  // visible normals are not defined from below
+  const glm::dvec2 ab = specular_scale_bias(s.roughness, n_v);
+  const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
+  const double specular = std::max(luminance(glm::mix(dielectric, metal, s.metallic)), 0.0);
+  const double diffuse = luminance(s.base_color) * (1 - s.metallic) * std::max(1 - largest(dielectric), 0.0);
+  if (!(specular > 0)) return 0;
+  // Neither lobe is ever left out where it could matter.
+  return std::clamp(specular / (specular + diffuse), 0.05, s.metallic < 1 ? 0.95 : 1.0);
+}
+
+}  // namespace
+
+double luminance(glm::dvec3 c) { return glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)); }
+
+glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  const double n_l = glm::dot(s.normal, l);
+  if (!(n_l > 0)) return glm::dvec3(0);
+  const double n_v = std::max(std::abs(glm::dot(s.normal, v)), least_n_v);
+  const glm::dvec3 sum = l + v;
+  const double length = glm::length(sum);
+  const glm::dvec3 h = length > 1e-6 ? sum / length : s.normal;
+  const double alpha = alpha_of(s);
+  const double specular = ggx_d(glm::dot(s.normal, h), alpha) * smith_v(n_l, n_v, alpha);
+  const double grazing = std::pow(std::clamp(1 - glm::dot(v, h), 0.0, 1.0), 5);
+  const glm::dvec3 f_dielectric = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * grazing;
+  const glm::dvec3 f_metal = s.base_color + (1.0 - s.base_color) * grazing;
+  // Light that the specular layer of any channel takes does not reach the base (KHR_materials_specular: one number, so that hue stays).
+  const glm::dvec3 dielectric = s.base_color / pi * (1 - largest(f_dielectric)) + specular * f_dielectric;
+  return glm::mix(dielectric, specular * f_metal, s.metallic) * n_l;
+}
+
+glm::dvec3 sample_brdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u) {
+  if (lobe >= specular_share(s, v)) return cosine_direction(s.normal, u);
+  const double alpha = alpha_of(s);
+  glm::dvec3 x, y;
+  make_frame(s.normal, x, y);
+  // Stretched so that the surface is a hemisphere of which v sees a half disc and a half ellipse.
+  const glm::dvec3 stretched =
+      glm::normalize(glm::dvec3(alpha * glm::dot(v, x), alpha * glm::dot(v, y), glm::dot(v, s.normal)));
+  const double across2 = stretched.x * stretched.x + stretched.y * stretched.y;
+  const glm::dvec3 t1 = across2 > 0 ? glm::dvec3(-stretched.y, stretched.x, 0) / std::sqrt(across2) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 t2 = glm::cross(stretched, t1);
+  const double r = std::sqrt(u.x), phi = 2 * pi * u.y, p1 = r * std::cos(phi), share = 0.5 * (1 + stretched.z);
+  const double p2 = (1 - share) * std::sqrt(std::max(1 - p1 * p1, 0.0)) + share * r * std::sin(phi);
+  const glm::dvec3 on_sphere = p1 * t1 + p2 * t2 + std::sqrt(std::max(1 - p1 * p1 - p2 * p2, 0.0)) * stretched;
+  const glm::dvec3 m = glm::normalize(glm::dvec3(alpha * on_sphere.x, alpha * on_sphere.y, std::max(on_sphere.z, 0.0)));
+  const glm::dvec3 h = m.x * x + m.y * y + m.z * s.normal;
+  return glm::normalize(2 * glm::dot(v, h) * h - v);
+}
+
+double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  const double n_l = glm::dot(s.normal, l);
+  if (!(n_l > 0)) return 0;
+  const double share = specular_share(s, v);
+  double pdf = (1 - share) * n_l / pi;
+  const glm::dvec3 sum = l + v;
+  const double length = glm::length(sum);
+  if (share > 0 && length > 1e-6) {
+    const glm::dvec3 h = sum / length;
+    const double alpha = alpha_of(s), n_v = glm::dot(s.normal, v), n_h = glm::dot(s.normal, h);
+    // D_v / (4 v.h), where D_v = G1 (v.h) D / (n.v).
+    if (n_h > 0) pdf += share * smith_g1(n_v, alpha) * ggx_d(n_h, alpha) / (4 * n_v);
+  }
+  return pdf;
+}
+
+glm::dvec2 specular_scale_bias(double roughness, double n_v) {
+  const glm::dvec4 r = roughness * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
+  const double a = std::min(r.x * r.x, std::exp2(-9.28 * n_v)) * r.x + r.y;
+  return {-1.04 * a + r.z, 1.04 * a + r.w};
+}
+
+}  // namespace candela::reference

@@ -1,0 +1,127 @@
+// Light that comes straight from its source: every punctual light summed without choosing, and the sky.
+#include <cmath>
+
+#include "reference/integrator.h"
+#include "reference/visibility.h"
+
+namespace candela::reference {
+namespace {
+
+// Dimensions of a surface that is not opaque: a group of the sampler's four and some more for each layer of blended surfaces.
+constexpr uint32_t dimensions_a_layer = 8;
+constexpr int most_layers = 256;
+
+glm::dvec3 harmonics(const AmbientSh& sh, glm::dvec3 n) {
+  const double basis[9] = {0.282095,
+                           0.488603 * n.y,
+                           0.488603 * n.z,
+                           0.488603 * n.x,
+                           1.092548 * n.x * n.y,
+                           1.092548 * n.y * n.z,
+                           0.315392 * (3 * n.z * n.z - 1),
+                           1.092548 * n.x * n.z,
+                           0.546274 * (n.x * n.x - n.y * n.y)};
+  glm::dvec3 sum(0);
+  for (size_t i = 0; i < 9; ++i) sum += basis[i] * glm::dvec3(sh[i]);
+  return glm::max(sum, glm::dvec3(0));
+}
+
+}  // namespace
+
+glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
+  const glm::dvec2 ab = specular_scale_bias(s.roughness, std::clamp(glm::dot(s.normal, v), 1e-4, 1.0));
+  const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
+  const double left = 1 - std::max({dielectric.x, dielectric.y, dielectric.z});
+  const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonics(sh, s.normal);
+  return diffuse + glm::mix(dielectric, metal, s.metallic) * harmonics(sh, glm::reflect(-v, s.normal));
+}
+
+PixelSample Integrator::sample(int x, int y, uint64_t index) const {
+  SampleStream stream(settings_.sampler, x, y, index);
+  const CameraRay ray = world_.camera_ray(glm::dvec2(x, y) + stream.pixel(), width_px_, height_px_);
+  return settings_.mode == Mode::direct ? sample_direct(ray, stream) : sample_path(ray, stream);
+}
+
+PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream) const {
+  PixelSample out;
+  const Ray ray = rounded(camera);
+  const glm::dvec3 to_viewer = -glm::normalize(camera.direction);
+  double through = 1;
+  TraceCounts counts;
+  std::optional<Hit> hit = next_surface(world_, ray, true, nullptr, &counts);
+  // Front to back: each surface covers what the ones before left open.
+  for (int layer = 0; hit && layer < most_layers && through > 0; ++layer) {
+    const Surface s = world_.surface(*hit, camera.origin, camera.direction);
+    if (s.coverage > 0) {
+      stream.start(4 + uint32_t(layer) * dimensions_a_layer);
+      const glm::dvec3 radiance = s.unlit ? s.base_color : s.emission + direct_light(s, world_.accel().surface(*hit), to_viewer, stream);
+      out.radiance += through * s.coverage * radiance;
+      out.alpha += through * s.coverage;
+      through *= 1 - s.coverage;
+    }
+    if (!(through > 0)) break;
+    const Hit passed = *hit;
+    hit = next_surface(world_, ray, true, &passed, &counts);
+  }
+  if (through > 0) {
+    const glm::dvec4 background = world_.background(camera.direction);
+    out.radiance += through * glm::dvec3(background);
+    out.alpha += through * background.w;
+  }
+  out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
+  return out;
+}
+
+glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {
+  glm::dvec3 sum = punctual(s, point, v);
+  if (!world_.sky() || settings_.ambient == Ambient::off) return sum;
+  // What the material says of its own small hollows belongs to this term, as glTF says; tracing adds what the geometry does.
+  sum += s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream) : occluded_ambient(s, point, v, stream));
+  return sum;
+}
+
+glm::dvec3 Integrator::one_light(const PunctualLight& light, const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
+  const Arrival a = arriving(light, s.position);
+  if (a.illuminance == glm::dvec3(0)) return glm::dvec3(0);
+  const glm::dvec3 radiance = a.illuminance * evaluate_brdf(s, a.l, v);
+  if (radiance == glm::dvec3(0) || !settings_.visibility) return radiance;
+  // Light from behind the triangle, which a shading normal may let in, is blocked by the surface itself.
+  if (!(glm::dot(s.geometric, a.l) > 0)) return glm::dvec3(0);
+  return radiance * transmittance(world_, point, a.l, a.distance_m);
+}
+
+glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
+  glm::dvec3 sum(0);
+  for (const PunctualLight& light : world_.punctual_lights()) sum += one_light(light, s, point, v);
+  return sum;
+}
+
+double Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
+  if (!settings_.visibility) return 1;
+  if (!(glm::dot(s.geometric, l) > 0)) return 0;
+  return transmittance(world_, point, l, settings_.mode == Mode::path ? std::numeric_limits<double>::infinity() : settings_.ambient_distance_m);
+}
+
+glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {
+  glm::dvec3 sum(0);
+  const glm::dvec2 for_lobe = stream.next2();
+  const glm::dvec3 l = sample_brdf(s, v, stream.next(), for_lobe);
+  stream.next();  // to a group of its own
+  const Sky::Choice choice = world_.sky().sample(stream.next2());
+  const auto add = [&](glm::dvec3 direction, double pdf, double other) {
+    const glm::dvec3 f = pdf > 0 ? evaluate_brdf(s, direction, v) : glm::dvec3(0);
+    if (f == glm::dvec3(0)) return;
+    const glm::dvec3 radiance = world_.sky().radiance(direction) * f * (pdf / (pdf * pdf + other * other));
+    if (radiance != glm::dvec3(0)) sum += radiance * sky_visibility(s, point, direction);
+  };
+  add(choice.direction, choice.pdf, brdf_pdf(s, choice.direction, v));
+  add(l, brdf_pdf(s, l, v), world_.sky().pdf(l));
+  return sum;
+}
+
+glm::dvec3 Integrator::occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {
+  const glm::dvec3 ambient = harmonic_ambient(world_.ambient_sh(), s, v);
+  return ambient * sky_visibility(s, point, cosine_direction(s.normal, stream.next2()));
+}
+
+}  // namespace candela::reference

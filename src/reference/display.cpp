@@ -1,0 +1,117 @@
+#include "reference/display.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace candela::reference {
+namespace {
+
+glm::dvec3 each(glm::dvec3 c, double (*f)(double)) { return {f(c.x), f(c.y), f(c.z)}; }
+
+double srgb_encoded(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; }
+
+// ACES RRT and ODT as fit by Stephen Hill, input over 0.6.
+glm::dvec3 aces(glm::dvec3 c) {
+  const glm::dmat3 in =
+      glm::transpose(glm::dmat3(0.59719, 0.35458, 0.04823, 0.07600, 0.90834, 0.01566, 0.02840, 0.13383, 0.83777));
+  const glm::dmat3 out =
+      glm::transpose(glm::dmat3(1.60475, -0.53108, -0.07367, -0.10208, 1.10813, -0.00605, -0.00327, -0.07276, 1.07602));
+  return out * each(in * (c / 0.6), [](double v) {
+           v = std::min(v, 1e6);
+           return (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081);
+         });
+}
+
+// Khronos PBR Neutral: what 4 % reflection adds is taken off, then everything above 0.76 is compressed and loses saturation.
+glm::dvec3 neutral(glm::dvec3 c) {
+  const double least = std::min({c.x, c.y, c.z});
+  c -= least < 0.08 ? least - 6.25 * least * least : 0.04;
+  const double peak = std::max({c.x, c.y, c.z}), start = 0.76;
+  if (peak < start) return c;
+  const double compressed = 1 - (1 - start) * (1 - start) / (peak + 1 - 2 * start);
+  const double keep = 1 / (0.15 * (peak - compressed) + 1);
+  return glm::mix(glm::dvec3(compressed), c * (compressed / peak), keep);
+}
+
+// AgX (Troy Sobotka) of the Rec.709 family: slope 2 through (10/16.5, 1/2), toe power 3, shoulder power 3.25.
+double agx_sigmoid(double x) {
+  const double pivot = 10 / 16.5, slope = 2, power = x < pivot ? 3 : 3.25;
+  const double run = x < pivot ? pivot : 1 - pivot;
+  const double scale = slope * run / std::pow(std::pow(slope * run / 0.5, power) - 1, 1 / power);
+  const double u = slope * std::abs(x - pivot) / scale, y = scale * u / std::pow(1 + std::pow(u, power), 1 / power);
+  return x < pivot ? 0.5 - y : 0.5 + y;
+}
+glm::dvec3 agx(glm::dvec3 c) {
+  const glm::dmat3 inset(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992, 0.878468636469772, 0.0784336,
+                         0.0792237451477643, 0.0791661274605434, 0.879142973793104);
+  const glm::dmat3 outset(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368, 1.15190312990417,
+                          -0.0980434501171241, -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
+  const glm::dvec3 curved = each(inset * c, [](double v) {
+    constexpr double lowest = -12.47393, highest = 4.026069;
+    return agx_sigmoid(std::clamp((std::log2(std::max(v, 1e-10)) - lowest) / (highest - lowest), 0.0, 1.0));
+  });
+  return each(outset * curved, [](double v) { return std::pow(std::max(v, 0.0), 2.2); });
+}
+
+// The hash that the GPU dithers with (Jarzynski and Olano, "Hash Functions for GPU Rendering", 2020).
+glm::dvec3 hashed(uint32_t x, uint32_t y, uint32_t z) {
+  x = x * 1664525u + 1013904223u, y = y * 1664525u + 1013904223u, z = z * 1664525u + 1013904223u;
+  x += y * z, y += z * x, z += x * y;
+  x ^= x >> 16, y ^= y >> 16, z ^= z >> 16;
+  x += y * z, y += z * x, z += x * y;
+  return glm::dvec3(x >> 8, y >> 8, z >> 8) / 16777216.0;
+}
+
+// Triangular noise two code values wide, uniform of one within half a code value of black and white, none at either.
+glm::dvec3 dithered(glm::dvec3 c, uint32_t x, uint32_t y, uint32_t seed) {
+  const glm::dvec3 a = hashed(x, y, seed), b = hashed(x, y, seed ^ 0x9e3779b9u);
+  for (int i = 0; i < 3; ++i) {
+    const double room = std::min(c[i], 1 - c[i]) * 255;
+    if (room > 0) c[i] += (room < 0.5 ? a[i] - 0.5 : a[i] - b[i]) / 255;
+  }
+  return glm::clamp(c, 0.0, 1.0);
+}
+
+}  // namespace
+
+glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c) {
+  if (curve == "agx") return agx(c);
+  if (curve == "reinhard") return c / (1.0 + c);
+  if (curve == "aces") return aces(c);
+  if (curve == "neutral") return neutral(c);
+  if (curve == "rec709") return c / (1 + glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)));
+  return c;
+}
+
+DisplayImage display_image(const Film& film, const DisplaySettings& settings) {
+  DisplayImage image;
+  image.width = film.width(), image.height = film.height();
+  image.channels = settings.alpha ? 4 : 3;
+  image.bits = settings.bits;
+  const size_t each_bytes = size_t(settings.bits) / 8;
+  image.pixels.resize(film.pixels() * size_t(image.channels) * each_bytes);
+  const double exposure = std::exp2(settings.exposure_ev);
+  for (size_t i = 0; i < film.pixels(); ++i) {
+    const glm::dvec4 source = film.mean(i);
+    const double alpha = std::clamp(source.w, 0.0, 1.0);
+    glm::dvec3 c = glm::max(glm::dvec3(source), glm::dvec3(0)) * exposure;
+    c = glm::min(alpha > 0 ? c / alpha : c, glm::dvec3(1e30));
+    c = each(glm::clamp(tone_mapped(settings.curve, c), 0.0, 1.0), srgb_encoded);
+    if (settings.dither && settings.bits == 8)
+      c = dithered(c, uint32_t(i % size_t(film.width())), uint32_t(i / size_t(film.width())), settings.seed);
+    const double values[4] = {c.x, c.y, c.z, alpha};
+    for (int k = 0; k < image.channels; ++k) {
+      std::byte* at = image.pixels.data() + (i * size_t(image.channels) + size_t(k)) * each_bytes;
+      const double code = std::isfinite(values[k]) ? std::floor(values[k] * (settings.bits == 8 ? 255 : 65535) + 0.5) : 0;
+      if (settings.bits == 8) {
+        *at = std::byte(uint8_t(code));
+      } else {
+        const uint16_t wide = uint16_t(code);
+        std::memcpy(at, &wide, 2);
+      }
+    }
+  }
+  return image;
+}
+
+}  // namespace candela::reference

@@ -1,0 +1,168 @@
+#include "reference/film.h"
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+
+#include "base/files.h"
+
+namespace candela::reference {
+namespace {
+
+constexpr int tile_px = 16;
+constexpr char magic[8] = {'c', 'a', 'n', 'd', 'r', 'e', 'f', '1'};
+
+struct FileHead {
+  char magic[8];
+  Hash128 identity;
+  int32_t width, height;
+  uint64_t samples;
+  Hash128 content;  // of the sums: a file cut short or spoilt is refused
+};
+
+}  // namespace
+
+Film::Film(int width_px, int height_px) : width_(width_px), height_(height_px), sums_(size_t(width_px) * size_t(height_px)) {}
+
+glm::dvec4 Film::mean(size_t pixel) const {
+  const double* v = sums_[pixel].value;
+  return glm::dvec4(v[0], v[1], v[2], v[3]) / double(std::max<uint64_t>(samples_, 1));
+}
+
+glm::dvec3 Film::variance(size_t pixel) const {
+  if (samples_ < 2) return glm::dvec3(0);
+  const double n = double(samples_);
+  glm::dvec3 out;
+  for (int c = 0; c < 3; ++c) {
+    const double mean = sums_[pixel].value[c] / n;
+    out[c] = std::max(sums_[pixel].square[c] / n - mean * mean, 0.0) / (n - 1);
+  }
+  return out;
+}
+
+double Film::traversal(size_t pixel) const { return sums_[pixel].traversal / double(std::max<uint64_t>(samples_, 1)); }
+
+template <class Scale>
+double Film::mean_of_halves(Scale&& scale) const {
+  if (samples_ < 2) return 0;
+  const double n = double(samples_), even_count = double((samples_ + 1) / 2), odd_count = double(samples_ / 2);
+  double sum = 0;
+  for (const Sums& s : sums_)
+    for (int c = 0; c < 3; ++c) {
+      const double difference = s.even[c] / even_count - (s.value[c] - s.even[c]) / odd_count;
+      sum += difference * difference / 4 / scale(s.value[c] / n);
+    }
+  return sum / (3 * double(sums_.size()));
+}
+
+double Film::mean_square_error() const {
+  return mean_of_halves([](double) { return 1.0; });
+}
+
+double Film::relative_error() const {
+  constexpr double epsilon = 0.01;
+  return std::sqrt(mean_of_halves([](double mean) { return mean * mean + epsilon; }));
+}
+
+bool Film::add(const Integrator& integrator, int count, const std::function<bool(double)>& keep_going) {
+  const int tiles_x = (width_ + tile_px - 1) / tile_px, tiles_y = (height_ + tile_px - 1) / tile_px;
+  const int tiles = tiles_x * tiles_y;
+  // A batch that is given up must leave the film as it was.
+  std::vector<Sums> sums = sums_;
+  std::atomic<bool> stopped = false;
+  std::mutex reporting;
+  int done = 0;
+  tbb::parallel_for(0, tiles, [&](int tile) {
+    if (stopped) return;
+    const int left = tile % tiles_x * tile_px, top = tile / tiles_x * tile_px;
+    for (int y = top; y < std::min(top + tile_px, height_); ++y)
+      for (int x = left; x < std::min(left + tile_px, width_); ++x) {
+        Sums& pixel = sums[size_t(y) * size_t(width_) + size_t(x)];
+        for (uint64_t i = samples_; i < samples_ + uint64_t(count); ++i) {
+          const PixelSample s = integrator.sample(x, y, i);
+          for (int c = 0; c < 3; ++c) {
+            pixel.value[c] += s.radiance[c];
+            pixel.square[c] += s.radiance[c] * s.radiance[c];
+            if (i % 2 == 0) pixel.even[c] += s.radiance[c];
+          }
+          pixel.value[3] += s.alpha;
+          pixel.traversal += s.traversal;
+        }
+      }
+    const std::lock_guard lock(reporting);
+    if (!keep_going(double(++done) / tiles)) stopped = true;
+  });
+  if (stopped) return false;
+  sums_ = std::move(sums);
+  samples_ += uint64_t(count);
+  return true;
+}
+
+Expected<void> Film::save(const std::filesystem::path& path, const Hash128& identity) const {
+  const std::span<const std::byte> body = std::as_bytes(std::span(sums_));
+  FileHead head{};
+  std::memcpy(head.magic, magic, 8);
+  head.identity = identity;
+  head.width = width_, head.height = height_;
+  head.samples = samples_;
+  head.content = hash128(body);
+  std::vector<std::byte> bytes(sizeof head + body.size());
+  std::memcpy(bytes.data(), &head, sizeof head);
+  std::memcpy(bytes.data() + sizeof head, body.data(), body.size());
+  return write_file_atomically(path, bytes);
+}
+
+Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px) {
+  const auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(bytes.error());
+  FileHead head{};
+  if (bytes->size() >= sizeof head) std::memcpy(&head, bytes->data(), sizeof head);
+  if (std::memcmp(head.magic, magic, 8) != 0) return fail(ErrorKind::input, path.string(), "is no state of candela reference");
+  if (head.identity != identity || head.width != width_px || head.height != height_px)
+    return fail(ErrorKind::input, path.string(),
+                "belongs to another picture: scene, camera, size, mode, sampler and all that decides a pixel must be the same");
+  Film film(width_px, height_px);
+  const std::span<std::byte> body = std::as_writable_bytes(std::span(film.sums_));
+  if (bytes->size() != sizeof head + body.size() || hash128(std::span(*bytes).subspan(sizeof head)) != head.content)
+    return fail(ErrorKind::input, path.string(), "is damaged; remove it to begin anew");
+  std::memcpy(body.data(), bytes->data() + sizeof head, body.size());
+  film.samples_ = head.samples;
+  return film;
+}
+
+int next_batch(uint64_t samples, const Stop& stop) {
+  // Even counts, so that halves are of the same size, growing by a quarter; not so large that an interruption costs much.
+  uint64_t batch = std::clamp<uint64_t>(samples / 8 * 2, 2, 16);
+  if (stop.spp > 0) batch = std::min(batch, stop.spp - std::min(stop.spp, samples));
+  return int(batch);
+}
+
+bool refine(Film& film, const Integrator& integrator, const Stop& stop, const std::function<bool(const Progress&)>& report,
+            const std::function<void()>& after_batch) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  double error = film.relative_error();
+  bool in_time = true;
+  const uint64_t first = film.samples();
+  // Under a noise target a few samples that happen to agree must not end the work.
+  constexpr uint64_t least_for_noise = 16;
+  while (true) {
+    if (stop.spp > 0 && film.samples() >= stop.spp) return true;
+    if (stop.noise > 0 && film.samples() >= least_for_noise && error <= stop.noise) return true;
+    if (stop.seconds > 0 && film.samples() > first && seconds() >= stop.seconds) return true;
+    const bool added = film.add(integrator, next_batch(film.samples(), stop), [&](double done) {
+      // The time limit may cut a batch, but for the first: without it there would be no picture.
+      in_time = !(stop.seconds > 0) || film.samples() == first || seconds() < stop.seconds;
+      return report({film.samples(), stop.spp, done, seconds(), error}) && in_time;
+    });
+    if (!added) return !in_time;
+    error = film.relative_error();
+    if (after_batch) after_batch();
+  }
+}
+
+}  // namespace candela::reference

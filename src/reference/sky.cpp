@@ -1,0 +1,138 @@
+#include "reference/sky.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "reference/brdf.h"
+#include "scene/environment.h"
+
+namespace candela::reference {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// Where u falls in a cumulative distribution, and how far inside that cell.
+struct Place {
+  int index;
+  double fraction;
+};
+Place place_of(const double* end, int count, double u) {
+  const int index = int(std::min<std::ptrdiff_t>(std::upper_bound(end, end + count, u) - end, count - 1));
+  const double low = index > 0 ? end[index - 1] : 0, width = end[index] - low;
+  return {index, width > 0 ? std::clamp((u - low) / width, 0.0, 1.0) : 0.5};
+}
+
+// Turns weights into cumulative shares. Without any weight all cells are alike.
+void accumulate(double* weights, int count) {
+  double total = 0;
+  for (int i = 0; i < count; ++i) total += weights[i];
+  double sum = 0;
+  for (int i = 0; i < count; ++i) {
+    sum += total > 0 ? weights[i] / total : 1.0 / count;
+    weights[i] = sum;
+  }
+  // Rounding must not leave a cell without weight beyond the end that a number close to 1 could fall into.
+  int last = count - 1;
+  while (last > 0 && weights[last] == weights[last - 1]) --last;
+  for (int i = last; i < count; ++i) weights[i] = 1;
+}
+
+}  // namespace
+
+Sky::Sky(const DecodedImage& image) : kind_(Kind::image), image_width_(image.width), image_height_(image.height) {
+  texels_.resize(size_t(image.width) * size_t(image.height));
+  for (size_t i = 0; i < texels_.size(); ++i) std::memcpy(&texels_[i], image.pixels.data() + i * 16, 12);
+  make_distribution(image.width, image.height);
+}
+
+Sky Sky::neutral() {
+  Sky sky;
+  sky.kind_ = Kind::linear;
+  sky.constant_ = glm::dvec3(0.45);
+  sky.slope_ = glm::dvec3(0.25);
+  sky.make_distribution(1, 32);
+  return sky;
+}
+
+Sky Sky::constant(glm::dvec3 radiance) {
+  Sky sky;
+  sky.kind_ = Kind::linear;
+  sky.constant_ = radiance;
+  sky.make_distribution(1, 1);
+  return sky;
+}
+
+glm::dvec3 Sky::texel(int x, int y) const {
+  x = (x % image_width_ + image_width_) % image_width_;
+  y = std::clamp(y, 0, image_height_ - 1);
+  return texels_[size_t(y) * size_t(image_width_) + size_t(x)];
+}
+
+glm::dvec3 Sky::radiance(glm::dvec3 d) const {
+  if (kind_ == Kind::none) return glm::dvec3(0);
+  if (kind_ == Kind::linear) return constant_ + slope_ * d.y;
+  const double x = (std::atan2(d.z, d.x) / (2 * pi) + 0.5) * image_width_ - 0.5;
+  const double y = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi * image_height_ - 0.5;
+  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+  const double fx = x - x0, fy = y - y0;
+  return glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx), glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
+}
+
+double Sky::solid_angle(int row) const {
+  return 2 * pi / width_ * (std::cos(pi * row / height_) - std::cos(pi * (row + 1) / height_));
+}
+
+void Sky::make_distribution(int width, int height) {
+  width_ = width, height_ = height;
+  row_end_.resize(size_t(height));
+  column_end_.resize(size_t(width) * size_t(height));
+  for (int y = 0; y < height; ++y) {
+    double* row = column_end_.data() + size_t(y) * size_t(width);
+    double sum = 0;
+    for (int x = 0; x < width; ++x) {
+      glm::dvec3 mean(0);
+      if (kind_ == Kind::linear) {
+        mean = radiance({0, std::cos(pi * (y + 0.5) / height), 0});
+      } else {
+        // The mean of the bilinear image over the texel: wherever the image is not black, the weight is not 0.
+        constexpr double weight[3] = {0.125, 0.75, 0.125};
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i) mean += weight[i + 1] * weight[j + 1] * texel(x + i, y + j);
+      }
+      row[x] = std::max(luminance(mean), 0.0) * solid_angle(y);
+      sum += row[x];
+    }
+    row_end_[size_t(y)] = sum;
+    accumulate(row, width);
+  }
+  accumulate(row_end_.data(), height);
+}
+
+glm::ivec2 Sky::cell_of(glm::dvec3 d) const {
+  const double u = std::atan2(d.z, d.x) / (2 * pi) + 0.5, v = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi;
+  return {std::clamp(int(u * width_), 0, width_ - 1), std::clamp(int(v * height_), 0, height_ - 1)};
+}
+
+double Sky::pdf(glm::dvec3 d) const {
+  if (kind_ == Kind::none) return 0;
+  const glm::ivec2 c = cell_of(d);
+  const double* row = column_end_.data() + size_t(c.y) * size_t(width_);
+  const double in_row = row[c.x] - (c.x > 0 ? row[c.x - 1] : 0);
+  const double of_rows = row_end_[size_t(c.y)] - (c.y > 0 ? row_end_[size_t(c.y) - 1] : 0);
+  return in_row * of_rows / solid_angle(c.y);
+}
+
+Sky::Choice Sky::sample(glm::dvec2 u) const {
+  if (kind_ == Kind::none) return {};
+  const Place row = place_of(row_end_.data(), height_, u.y);
+  const Place column = place_of(column_end_.data() + size_t(row.index) * size_t(width_), width_, u.x);
+  const double top = std::cos(pi * row.index / height_), bottom = std::cos(pi * (row.index + 1) / height_);
+  const double y = glm::mix(top, bottom, row.fraction), longitude = 2 * pi * ((column.index + column.fraction) / width_ - 0.5);
+  const double r = std::sqrt(std::max(1 - y * y, 0.0));
+  const glm::dvec3 direction(r * std::cos(longitude), y, r * std::sin(longitude));
+  return {direction, pdf(direction)};
+}
+
+}  // namespace candela::reference

@@ -1,0 +1,144 @@
+// What the material says of a point (glTF 2.0, 3.9 and appendix B), from the vertices and textures in double.
+#include <cmath>
+
+#include "reference/world.h"
+
+namespace candela::reference {
+namespace {
+
+glm::dvec3 unit_or_zero(glm::dvec3 v) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? v / length : glm::dvec3(0);
+}
+
+// The weights of the corners where the ray's line meets the triangle's plane; the hit's own where it runs along the plane.
+glm::dvec2 barycentrics_of(const std::array<glm::vec3, 3>& corner, const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) {
+  const glm::dvec3 p0(corner[0]), e1 = glm::dvec3(corner[1]) - p0, e2 = glm::dvec3(corner[2]) - p0;
+  const glm::dvec3 across = glm::cross(direction, e2), s = origin - p0, along = glm::cross(s, e1);
+  const double determinant = glm::dot(e1, across);
+  const glm::dvec2 rounded(hit.u, hit.v);
+  if (determinant == 0) return rounded;
+  const glm::dvec2 exact = glm::dvec2(glm::dot(s, across), glm::dot(direction, along)) / determinant;
+  // The ray was rounded for the search, so at an edge its exact form may pass by the triangle: never extrapolate from that.
+  const glm::dvec2 inside(std::clamp(exact.x, 0.0, 1.0), std::clamp(exact.y, 0.0, 1.0));
+  if (!(glm::length(inside - rounded) < 1e-2)) return rounded;
+  return inside.x + inside.y > 1 ? inside / (inside.x + inside.y) : inside;
+}
+
+}  // namespace
+
+World::Vertex World::vertex_at(const TracedItem& item, const std::array<uint32_t, 3>& corner, glm::dvec3 weight) const {
+  const MeshSection& s = *item.section;
+  Vertex v;
+  const std::vector<glm::vec3>& normals = item.deformed && !item.deformed->normal.empty() ? item.deformed->normal : s.normal;
+  const std::vector<glm::vec4>& tangents = item.deformed && !item.deformed->tangent.empty() ? item.deformed->tangent : s.tangent;
+  v.uv[0] = v.uv[1] = glm::dvec2(0);
+  if (!s.color.empty()) v.color = glm::dvec4(0);
+  const glm::dmat3 linear(item.relative_from_local);
+  for (int i = 0; i < 3; ++i) {
+    const size_t k = corner[size_t(i)];
+    // Unit vectors at the vertices, not normalised in between: as MikkTSpace wants it (TECHNIQUES 9.7).
+    if (!normals.empty()) v.normal += weight[i] * unit_or_zero(item.normal_from_local * glm::dvec3(normals[k]));
+    if (!tangents.empty())
+      v.tangent += weight[i] * glm::dvec4(unit_or_zero(linear * glm::dvec3(tangents[k])), double(tangents[k].w) * item.mirrored);
+    if (!s.uv0.empty()) v.uv[0] += weight[i] * glm::dvec2(s.uv0[k]);
+    if (!s.uv1.empty()) v.uv[1] += weight[i] * glm::dvec2(s.uv1[k]);
+    if (!s.color.empty()) v.color += weight[i] * glm::dvec4(s.color[k]);
+  }
+  return v;
+}
+
+glm::dvec4 World::fetch(const Texture* texture, const TextureSlot& slot, const Vertex& v) const {
+  return texture->sample(transformed_uv(slot, v.uv[slot.uv_set == 1 ? 1 : 0]), input_.scene.samplers[size_t(slot.sampler)]);
+}
+
+glm::dvec4 World::base_color(const TracedMaterial& m, const Vertex& v) const {
+  glm::dvec4 c = glm::dvec4(m.material.base_color) * v.color;
+  if (m.base) c *= fetch(m.base, m.material.base_color_texture, v);
+  return c;
+}
+
+glm::dvec3 World::emission_at(const TracedMaterial& m, const Vertex& v) const {
+  if (m.material.unlit) return glm::dvec3(0);
+  glm::dvec3 e = glm::dvec3(m.material.emissive) * double(m.material.emissive_strength);
+  if (m.emissive && e != glm::dvec3(0)) e *= glm::dvec3(fetch(m.emissive, m.material.emissive_texture, v));
+  return e;
+}
+
+double World::coverage_of(const Material& m, double alpha) {
+  if (m.alpha_mode == AlphaMode::blend) return std::clamp(alpha, 0.0, 1.0);
+  if (m.alpha_mode == AlphaMode::mask) return alpha < double(m.alpha_cutoff) ? 0 : 1;
+  return 1;
+}
+
+double World::coverage(const Hit& hit) const {
+  const TracedItem& item = items_[hit.item];
+  if (item.material->material.alpha_mode == AlphaMode::opaque) return 1;
+  const std::vector<uint32_t>& index = item.section->index;
+  const size_t at = 3 * size_t(hit.primitive);
+  const Vertex v = vertex_at(item, {index[at], index[at + 1], index[at + 2]},
+                             {1 - double(hit.u) - double(hit.v), double(hit.u), double(hit.v)});
+  return coverage_of(item.material->material, base_color(*item.material, v).w);
+}
+
+Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const {
+  const PosedTriangle triangle = accel_.triangle(hit.item, hit.primitive);
+  const glm::dvec2 b = barycentrics_of(triangle.position, hit, origin, direction);
+  return surface_at(hit.item, hit.primitive, b, hit.back, -glm::normalize(direction));
+}
+
+Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back, glm::dvec3 to_viewer) const {
+  const TracedItem& item = items_[item_index];
+  const TracedMaterial& t = *item.material;
+  const Material& m = t.material;
+  const PosedTriangle triangle = accel_.triangle(item_index, primitive);
+  const glm::dvec3 weight(1 - b.x - b.y, b.x, b.y);
+  const Vertex v = vertex_at(item, triangle.vertex, weight);
+
+  Surface s;
+  const glm::dvec3 p0(triangle.position[0]), p1(triangle.position[1]), p2(triangle.position[2]);
+  s.position = weight.x * p0 + weight.y * p1 + weight.z * p2;
+  s.geometric = unit_or_zero(glm::cross(p1 - p0, p2 - p0));
+  if (glm::dot(s.geometric, to_viewer) < 0) s.geometric = -s.geometric;
+  const glm::dvec4 base = base_color(t, v);
+  s.base_color = glm::max(glm::dvec3(base), glm::dvec3(0));
+  s.coverage = coverage_of(m, base.w);
+  s.unlit = item.unlit;
+  if (s.unlit) {
+    s.normal = s.geometric;
+    return s;
+  }
+  s.metallic = m.metallic;
+  s.roughness = m.roughness;
+  if (t.orm) {
+    const glm::dvec4 orm = fetch(t.orm, m.orm_texture, v);
+    if (m.orm_has_metallic_roughness) s.roughness *= orm.y, s.metallic *= orm.z;
+    if (m.orm_has_occlusion) s.occlusion = 1 + double(m.occlusion_strength) * (orm.x - 1);
+  }
+  if (t.occlusion) s.occlusion = 1 + double(m.occlusion_strength) * (fetch(t.occlusion, m.occlusion_texture, v).x - 1);
+  s.metallic = std::clamp(s.metallic, 0.0, 1.0);
+  s.roughness = std::clamp(s.roughness, 0.0, 1.0);
+
+  glm::dvec3 n = v.normal;
+  if (t.normal && glm::dot(glm::dvec3(v.tangent), glm::dvec3(v.tangent)) > 0) {
+    const glm::dvec3 map = (glm::dvec3(fetch(t.normal, m.normal_texture, v)) * 2.0 - 1.0) * glm::dvec3(m.normal_scale, m.normal_scale, 1);
+    const glm::dvec3 tangent(v.tangent), bitangent = v.tangent.w * glm::cross(v.normal, tangent);
+    n = map.x * tangent + map.y * bitangent + map.z * v.normal;
+  }
+  n = unit_or_zero(n);
+  // The whole frame turns over on back faces (glTF 3.9.6).
+  s.normal = n == glm::dvec3(0) ? to_viewer : back ? -n : n;
+  s.emission = emission_at(t, v);
+
+  // KHR_materials_ior and KHR_materials_specular; ior 0 stands for f0 = 1.
+  double specular = m.specular;
+  glm::dvec3 specular_color(m.specular_color);
+  if (t.specular) specular *= fetch(t.specular, m.specular_texture, v).w;
+  if (t.specular_color) specular_color *= glm::dvec3(fetch(t.specular_color, m.specular_color_texture, v));
+  const double ratio = m.ior == 0 ? 1 : (double(m.ior) - 1) / (double(m.ior) + 1);
+  s.dielectric_f0 = glm::min(ratio * ratio * specular_color, glm::dvec3(1)) * specular;
+  s.dielectric_f90 = specular;
+  return s;
+}
+
+}  // namespace candela::reference

@@ -1,0 +1,75 @@
+#include "reference/visibility.h"
+
+#include <cmath>
+#include <tuple>
+
+namespace candela::reference {
+namespace {
+// The end of a shadow ray is kept off what it is aimed at by some units in the last place of a float.
+constexpr float before_end = 1 - 4e-6f;
+
+// A ray along the edge that two triangles of an item share meets both, and covers it but once. (The centres of pixels lie on the
+// diagonals of squares often.)
+bool is_on_edge(const Hit& h) { return std::min({h.u, h.v, 1 - h.u - h.v}) < 1e-5f; }
+bool is_same_point(const Hit& a, const Hit& b) {
+  return a.item == b.item && a.primitive != b.primitive && std::abs(a.t - b.t) <= 4e-6f * std::abs(b.t) && is_on_edge(a) && is_on_edge(b);
+}
+}  // namespace
+
+bool SurfaceFilter::accepts(const Hit& hit) const {
+  if (passed_ && (std::tie(hit.t, hit.item, hit.primitive) <= std::tie(passed_->t, passed_->item, passed_->primitive) ||
+                  is_same_point(hit, *passed_)))
+    return false;
+  if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item)) return false;
+  return !world_.is_masked(hit.item) || world_.coverage(hit) > 0;
+}
+
+std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed, TraceCounts* counts) {
+  const SurfaceFilter filter(world, culls_backs, passed);
+  Ray rest = ray;
+  if (passed) rest.t_min = passed->t;
+  return world.accel().closest(rest, &filter, counts);
+}
+
+double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target) {
+  Ray ray = leaving_ray(from, l);
+  if (std::isfinite(distance_m)) {
+    // From the point where the ray really begins to the one where it ends, both pushed off their surfaces.
+    const glm::vec3 end = target ? leaving_origin(*target, glm::vec3(-l)) : glm::vec3(glm::dvec3(from.position) + l * distance_m);
+    ray.direction = end - ray.origin;
+    ray.t_max = before_end;
+    if (glm::dot(glm::dvec3(ray.direction), l) <= 0) return 1;  // closer than the offsets
+  }
+  if (!world.has_blend()) {
+    const SurfaceFilter filter(world, false);
+    return world.accel().occluded(ray, &filter) ? 0 : 1;
+  }
+  double through = 1;
+  std::optional<Hit> hit = next_surface(world, ray, false, nullptr, nullptr);
+  while (hit) {
+    const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
+    through *= 1 - coverage;
+    if (!(through > 0)) return 0;
+    const Hit passed = *hit;
+    hit = next_surface(world, ray, false, &passed, nullptr);
+  }
+  return through;
+}
+
+Ray rounded(const CameraRay& ray) {
+  Ray out;
+  out.origin = ray.origin;
+  out.direction = ray.direction;
+  out.t_min = float(ray.t_min);
+  out.t_max = float(ray.t_max);
+  return out;
+}
+
+Ray leaving_ray(const SurfacePoint& from, glm::dvec3 direction) {
+  Ray out;
+  out.direction = direction;
+  out.origin = leaving_origin(from, out.direction);
+  return out;
+}
+
+}  // namespace candela::reference

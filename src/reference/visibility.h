@@ -1,0 +1,33 @@
+#pragma once
+#include "reference/world.h"
+
+namespace candela::reference {
+
+// Which candidates a ray meets. Holes of alpha masks never. Backs of single-sided surfaces count for every ray but the camera's: a
+// wall is matter for light from both sides, and a rasterizer draws it from one (docs/reference.md).
+class SurfaceFilter final : public HitFilter {
+ public:
+  // passed: the surfaces up to and with this hit are behind the ray already; null: none.
+  SurfaceFilter(const World& world, bool culls_backs, const Hit* passed = nullptr)
+      : world_(world), culls_backs_(culls_backs), passed_(passed) {}
+  bool accepts(const Hit& candidate) const override;
+
+ private:
+  const World& world_;
+  bool culls_backs_;
+  const Hit* passed_;
+};
+
+// The next surface along a ray; `passed` continues behind a surface that let the ray through, without an offset that could miss
+// what lies close behind it.
+std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed, TraceCounts* counts);
+
+// The part of the light that comes through between `from` and a point `distance_m` off in unit direction `l` (infinity: from the
+// sky): 0 behind opaque surfaces, otherwise the product of what blended ones leave. `target`, where the light is a surface itself.
+double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
+                     const SurfacePoint* target = nullptr);
+
+Ray rounded(const CameraRay& ray);
+Ray leaving_ray(const SurfacePoint& from, glm::dvec3 direction);
+
+}  // namespace candela::reference

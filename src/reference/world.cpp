@@ -1,0 +1,124 @@
+#include "reference/world.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "scene/draw_list.h"
+#include "scene/scene_images.h"
+
+namespace candela::reference {
+namespace {
+
+template <class F>
+void for_each_slot(const Material& m, F&& f) {  // slot, whether its colours are sRGB
+  f(m.base_color_texture, true);
+  if (m.unlit) return;
+  f(m.orm_texture, false);
+  f(m.occlusion_texture, false);
+  f(m.normal_texture, false);
+  f(m.emissive_texture, true);
+  f(m.specular_texture, false);
+  f(m.specular_color_texture, true);
+}
+
+// By cofactors: the inverse transpose times the determinant's size, finite for singular matrices too.
+glm::dmat3 normal_matrix(const glm::dmat3& m) {
+  const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+  return glm::determinant(m) < 0 ? -cofactors : cofactors;
+}
+
+}  // namespace
+
+World::World(const WorldInput& input, std::vector<std::string>& warnings)
+    : input_(input), accel_(input.scene, input.pose, input.frame, input.accel) {
+  load_materials(warnings);
+  add_items();
+  add_lights();
+}
+
+void World::load_materials(std::vector<std::string>& warnings) {
+  // Only what drawn items use is decoded.
+  std::vector<bool> used(input_.pose.materials.size());
+  for (const DrawItem& item : input_.frame.items)
+    if (item.material >= 0) used[size_t(item.material)] = true;
+  for (size_t m = 0; m < used.size(); ++m)
+    if (used[m])
+      for_each_slot(input_.pose.materials[m], [&](const TextureSlot& slot, bool srgb) {
+        if (slot) textures_[{slot.image, srgb}] = nullptr;
+      });
+  std::vector<std::pair<const std::pair<int, bool>, std::unique_ptr<Texture>>*> list;
+  for (auto& entry : textures_) list.push_back(&entry);
+  std::vector<std::string> failed(list.size());
+  tbb::parallel_for(size_t(0), list.size(), [&](size_t i) {
+    auto image = decode_scene_image(input_.scene, list[i]->first.first);
+    if (image)
+      list[i]->second = std::make_unique<Texture>(std::move(*image), list[i]->first.second);
+    else
+      failed[i] = image.error().text() + ": the texture is left out";
+  });
+  for (std::string& text : failed)
+    if (!text.empty()) warnings.push_back(std::move(text));
+
+  const auto find = [&](const TextureSlot& slot, bool srgb) -> const Texture* {
+    const auto found = slot ? textures_.find({slot.image, srgb}) : textures_.end();
+    return found == textures_.end() ? nullptr : found->second.get();
+  };
+  std::vector<Material> materials = input_.pose.materials;
+  materials.push_back(Material{});
+  for (const Material& m : materials) {
+    TracedMaterial t{m};
+    t.base = find(m.base_color_texture, true);
+    t.orm = find(m.orm_texture, false);
+    t.occlusion = find(m.occlusion_texture, false);
+    t.normal = find(m.normal_texture, false);
+    t.emissive = find(m.emissive_texture, true);
+    t.specular = find(m.specular_texture, false);
+    t.specular_color = find(m.specular_color_texture, true);
+    materials_.push_back(std::move(t));
+  }
+}
+
+void World::add_items() {
+  for (const DrawItem& item : input_.frame.items) {
+    TracedItem t;
+    t.section = &input_.scene.meshes[item.mesh].sections[item.section];
+    if (item.deformed >= 0) t.deformed = &accel_.deformed(item.deformed);
+    t.material = item.material >= 0 ? &materials_[size_t(item.material)] : &materials_.back();
+    t.relative_from_local = glm::dmat4(input_.frame.relative_from_local[item.transform]);
+    const glm::dmat3 linear(t.relative_from_local);
+    t.normal_from_local = normal_matrix(linear);
+    t.mirrored = glm::determinant(linear) < 0 ? -1 : 1;
+    t.unlit = is_unlit(*t.section, item.material >= 0 ? &t.material->material : nullptr);
+    if (t.section->topology == Topology::triangles) has_blend_ |= t.material->material.alpha_mode == AlphaMode::blend;
+    items_.push_back(t);
+  }
+}
+
+CameraRay World::camera_ray(glm::dvec2 pixel, int width_px, int height_px) const {
+  const View& view = input_.view;
+  const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));  // right, up, back
+  const double x = (2 * pixel.x / width_px - 1) * view.tan_x, y = (2 * pixel.y / height_px - 1) * view.tan_y;
+  const glm::dvec3 across = x * axes[0] - y * axes[1];
+  CameraRay ray;
+  ray.direction = -axes[2];
+  (view.perspective ? ray.direction : ray.origin) += across;
+  ray.t_min = view.near_m;
+  if (!view.perspective) ray.t_max = view.far_m;
+  return ray;
+}
+
+glm::dvec4 World::background(glm::dvec3 direction) const {
+  return input_.sky_visible ? glm::dvec4(input_.sky.radiance(glm::normalize(direction)), 1) : input_.background;
+}
+
+bool World::is_masked(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::mask; }
+bool World::is_blended(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::blend; }
+bool World::is_double_sided(uint32_t item) const { return items_[item].material->material.double_sided; }
+
+int World::emissive_of(uint32_t item, uint32_t primitive) const {
+  const std::vector<int>& index = emissive_index_[item];
+  return index.empty() ? -1 : index[primitive];
+}
+
+}  // namespace candela::reference

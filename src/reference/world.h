@@ -1,0 +1,124 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "reference/accel.h"
+#include "reference/brdf.h"
+#include "reference/light_tree.h"
+#include "reference/punctual.h"
+#include "reference/sky.h"
+#include "reference/texture.h"
+#include "scene/environment.h"
+#include "scene/view.h"
+
+namespace candela::reference {
+
+// What is traced, as the other modules have it. All but the sky must outlive the World.
+struct WorldInput {
+  const Scene& scene;
+  const Pose& pose;
+  const View& view;
+  const FrameData& frame;           // its lights are the punctual lights
+  Sky sky{};                        // lights the scene
+  AmbientSh ambient_sh{};           // of that sky, for the occlusion of the raster techniques' ambient term alone
+  bool sky_visible = false;         // camera rays see it; else the background
+  glm::dvec4 background{0};         // linear, premultiplied
+  AccelOptions accel{};
+};
+
+// A ray with directions in double; the acceleration structure gets it rounded.
+struct CameraRay {
+  glm::dvec3 origin{0}, direction{0, 0, -1};  // of length 1 along the view axis: t is depth
+  double t_min = 0, t_max = std::numeric_limits<double>::infinity();
+};
+
+// A triangle that emits, as lights are chosen.
+struct EmissiveTriangle {
+  uint32_t item = 0, primitive = 0;
+  glm::dvec3 corner[3];
+  glm::dvec3 normal{0};  // unit, towards the glTF front side
+  double area_m2 = 0;
+  bool two_sided = false;
+};
+
+// A posed scene for one view, in relative space: triangles, materials, textures and lights.
+class World {
+ public:
+  // Textures that cannot be decoded are left out, as on the GPU, with a line in warnings.
+  World(const WorldInput& input, std::vector<std::string>& warnings);
+
+  const Accel& accel() const { return accel_; }
+  const View& view() const { return input_.view; }
+  const Sky& sky() const { return input_.sky; }
+  const AmbientSh& ambient_sh() const { return input_.ambient_sh; }
+  const std::vector<PunctualLight>& punctual_lights() const { return punctual_; }
+  bool has_blend() const { return has_blend_; }
+
+  CameraRay camera_ray(glm::dvec2 pixel, int width_px, int height_px) const;
+  glm::dvec4 background(glm::dvec3 direction) const;  // of a camera ray that meets nothing
+
+  // The surface at a hit of the ray (origin, direction), seen along it. The barycentrics are made anew in double from the corners.
+  Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
+  // The same at given barycentrics (weights of the second and third corner), seen from `to_viewer` (unit).
+  Surface surface_at(uint32_t item, uint32_t primitive, glm::dvec2 barycentrics, bool back, glm::dvec3 to_viewer) const;
+  double coverage(const Hit& hit) const;  // 1 opaque, 0 a hole
+  bool is_masked(uint32_t item) const;    // by alpha: its holes are holes for every ray
+  bool is_blended(uint32_t item) const;
+  bool is_double_sided(uint32_t item) const;
+
+  const std::vector<EmissiveTriangle>& emissive() const { return emissive_; }
+  int emissive_of(uint32_t item, uint32_t primitive) const;  // into emissive(), -1: not chosen as a light
+  // Lights of the tree: point and spot lights first (indices into tree_punctual()), then emissive triangles.
+  const LightTree& light_tree() const { return tree_; }
+  const std::vector<uint32_t>& tree_punctual() const { return tree_punctual_; }
+  const std::vector<uint32_t>& directional() const { return directional_; }
+
+ private:
+  struct TracedMaterial {
+    Material material;
+    const Texture *base = nullptr, *orm = nullptr, *occlusion = nullptr, *normal = nullptr, *emissive = nullptr,
+                  *specular = nullptr, *specular_color = nullptr;
+  };
+  struct TracedItem {
+    const MeshSection* section = nullptr;
+    const DeformedVertices* deformed = nullptr;
+    const TracedMaterial* material = nullptr;
+    glm::dmat4 relative_from_local{1};
+    double mirrored = 1;      // -1 where the transform turns the tangent frame over
+    glm::dmat3 normal_from_local{1};
+    bool unlit = false;
+  };
+  // What a point has from its vertices.
+  struct Vertex {
+    glm::dvec3 normal{0};
+    glm::dvec4 tangent{0};
+    glm::dvec2 uv[2];
+    glm::dvec4 color{1};
+  };
+  void load_materials(std::vector<std::string>& warnings);
+  void add_items();
+  void add_lights();
+  void add_emissive_triangles(std::vector<LightExtent>& extents);
+  Vertex vertex_at(const TracedItem& item, const std::array<uint32_t, 3>& corner, glm::dvec3 weight) const;
+  glm::dvec4 fetch(const Texture* texture, const TextureSlot& slot, const Vertex& v) const;
+  glm::dvec4 base_color(const TracedMaterial& m, const Vertex& v) const;
+  glm::dvec3 emission_at(const TracedMaterial& m, const Vertex& v) const;
+  static double coverage_of(const Material& m, double alpha);
+
+  WorldInput input_;
+  Accel accel_;
+  std::map<std::pair<int, bool>, std::unique_ptr<Texture>> textures_;  // by image and whether its colours are sRGB
+  std::vector<TracedMaterial> materials_;                              // the last is the default material
+  std::vector<TracedItem> items_;
+  std::vector<PunctualLight> punctual_;
+  std::vector<uint32_t> tree_punctual_, directional_;
+  std::vector<EmissiveTriangle> emissive_;
+  std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle
+  LightTree tree_;
+  bool has_blend_ = false;
+};
+
+}  // namespace candela::reference

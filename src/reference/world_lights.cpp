@@ -1,0 +1,87 @@
+// Lights of a World: punctual ones, emissive triangles, and the tree that chooses among them.
+#include <cmath>
+#include <numbers>
+
+#include "reference/world.h"
+
+namespace candela::reference {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+LightExtent extent_of(const PunctualLight& light) {
+  LightExtent e;
+  e.box.add(light.position);
+  e.range_m = light.range_m;
+  e.axis = light.direction;
+  // Candela times pi, to be of the same kind as a triangle's radiance times area times pi.
+  e.power = luminance(light.intensity) * pi;
+  e.theta_o = pi;
+  if (light.type == LightType::spot) {
+    e.theta_o = 0;
+    e.theta_e = std::acos(std::clamp(light.cos_outer, -1.0, 1.0));
+  }
+  return e;
+}
+
+}  // namespace
+
+void World::add_lights() {
+  std::vector<LightExtent> extents;
+  for (const LightItem& item : input_.frame.lights) {
+    const uint32_t index = uint32_t(punctual_.size());
+    punctual_.push_back(punctual_light(item));
+    if (item.type == LightType::directional) {
+      directional_.push_back(index);
+      continue;
+    }
+    tree_punctual_.push_back(index);
+    extents.push_back(extent_of(punctual_.back()));
+  }
+  add_emissive_triangles(extents);
+  tree_ = LightTree(std::move(extents));
+}
+
+void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
+  emissive_index_.resize(items_.size());
+  for (uint32_t i = 0; i < items_.size(); ++i) {
+    const TracedItem& item = items_[i];
+    const Material& m = item.material->material;
+    if (item.section->topology != Topology::triangles || item.unlit || m.emissive * m.emissive_strength == glm::vec3(0)) continue;
+    const uint32_t count = uint32_t(item.section->index.size() / 3);
+    emissive_index_[i].assign(count, -1);
+    for (uint32_t k = 0; k < count; ++k) {
+      const PosedTriangle posed = accel_.triangle(i, k);
+      EmissiveTriangle t;
+      t.item = i, t.primitive = k, t.two_sided = m.double_sided;
+      for (int c = 0; c < 3; ++c) t.corner[c] = posed.position[size_t(c)];
+      const glm::dvec3 n = glm::cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]);
+      const double twice_area = glm::length(n);
+      if (!(twice_area > 0) || !std::isfinite(twice_area)) continue;
+      t.area_m2 = twice_area / 2;
+      t.normal = (input_.frame.items[i].mirrored ? -n : n) / twice_area;
+      // Mean over the triangle. Where the estimate sees no light there may still be some: paths that meet it by chance count it.
+      double mean = 0;
+      constexpr int rows = 4;
+      for (int a = 0; a < rows; ++a)
+        for (int b = 0; a + b < rows; ++b) {
+          const double u = (a + 1.0 / 3) / rows, v = (b + 1.0 / 3) / rows;
+          const Vertex vertex = vertex_at(item, posed.vertex, {1 - u - v, u, v});
+          mean += luminance(emission_at(*item.material, vertex)) * coverage_of(m, base_color(*item.material, vertex).w);
+        }
+      mean /= rows * (rows + 1) / 2;
+      if (!(mean > 0)) continue;
+      LightExtent e;
+      for (const glm::dvec3& c : t.corner) e.box.add(c);
+      e.axis = t.normal;
+      e.power = mean * t.area_m2 * (t.two_sided ? 2 : 1) * pi;
+      e.theta_o = t.two_sided ? pi : 0;
+      e.theta_e = pi / 2;
+      extents.push_back(e);
+      emissive_index_[i][k] = int(emissive_.size());
+      emissive_.push_back(t);
+    }
+  }
+}
+
+}  // namespace candela::reference

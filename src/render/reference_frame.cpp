@@ -1,0 +1,168 @@
+#include "render/reference_frame.h"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "base/text.h"
+#include "reference/leaf_view.h"
+#include "render/content_hash.h"
+#include "render/metadata.h"
+#include "scene/gltf.h"
+#include "scene/neutral_light.h"
+
+namespace candela {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+glm::dvec4 background_of(const std::string& text) {
+  if (text == "transparent") return glm::dvec4(0);
+  const std::vector<std::string> parts = split(text, ',');  // checked by check_job()
+  CHECK(parts.size() == 3);
+  glm::dvec4 colour(0, 0, 0, 1);
+  for (int i = 0; i < 3; ++i) {
+    const std::string& part = parts[size_t(i)];
+    std::from_chars(part.data(), part.data() + part.size(), colour[i]);
+  }
+  return colour;
+}
+
+}  // namespace
+
+std::string_view name_of(reference::Mode mode) { return mode == reference::Mode::direct ? "direct" : "path"; }
+std::string_view name_of(reference::SamplerKind kind) {
+  return kind == reference::SamplerKind::uniform ? "uniform" : kind == reference::SamplerKind::jittered ? "jittered" : "sobol";
+}
+std::string_view name_of(reference::Ambient ambient) {
+  return ambient == reference::Ambient::traced ? "traced" : ambient == reference::Ambient::occlusion ? "occlusion" : "off";
+}
+std::string_view name_of(BvhBuilder builder) {
+  return builder == BvhBuilder::equal_counts ? "equal-counts" : builder == BvhBuilder::sah ? "sah" : "sbvh";
+}
+
+Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel) {
+  if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
+  auto frame = std::make_unique<ReferenceFrame>();
+  auto scene = load_gltf(job.scene);
+  if (!scene) return std::unexpected(scene.error());
+  frame->scene = std::move(*scene);
+  frame->time_s = time_s;
+  std::optional<DecodedImage> sky;
+  if (!job.sky.empty()) {
+    auto image = read_environment(job.sky);
+    if (!image) return std::unexpected(image.error());
+    sky = std::move(*image);
+  }
+  const auto content = hash_files(frame->scene.files, job.sky);
+  if (!content) return std::unexpected(content.error());
+  frame->scene_content = *content;
+  const auto animations = choose_animations(frame->scene, job.animation);
+  if (!animations) return std::unexpected(animations.error());
+  frame->pose = evaluate_pose(frame->scene, *animations, time_s);
+  auto view =
+      make_view(frame->scene, frame->pose, job.camera, job.width_px, job.height_px, world_bounds(frame->scene, frame->pose));
+  if (!view) return std::unexpected(view.error());
+  frame->view = std::move(*view);
+  frame->data = make_frame_data(frame->scene, frame->pose, frame->view);
+  frame->notes = frame->view.notes;
+  frame->notes.insert(frame->notes.end(), frame->pose.warnings.begin(), frame->pose.warnings.end());
+
+  reference::WorldInput input{frame->scene, frame->pose, frame->view, frame->data};
+  input.background = background_of(job.background);
+  input.accel = accel;
+  if (sky) {
+    input.sky = reference::Sky(*sky);
+    input.ambient_sh = project_environment(*sky);
+    input.sky_visible = true;
+  } else if (!has_light(frame->scene)) {
+    add_neutral_light(frame->view, frame->data);
+    input.sky = reference::Sky::neutral();
+    input.ambient_sh = neutral_ambient();
+    frame->notes.push_back("the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
+  }
+  if (frame->data.items.empty()) frame->notes.push_back("nothing is visible at this time: the image holds the background alone");
+  frame->world = std::make_unique<reference::World>(input, frame->warnings);
+  if (const size_t skipped = frame->world->accel().statistics().skipped_items; skipped > 0)
+    frame->notes.push_back(fmt::format("{} item{} of points or lines: rays do not meet them, so they are not in the picture", skipped,
+                                       skipped == 1 ? "" : "s"));
+  return frame;
+}
+
+std::string settings_json(const reference::TraceSettings& s, const AccelOptions& accel) {
+  Json j;
+  j["mode"] = name_of(s.mode);
+  j["sampler"] = name_of(s.sampler.kind);
+  if (s.sampler.kind != reference::SamplerKind::sobol) j["spp"] = s.sampler.spp;
+  j["seed"] = s.sampler.seed;
+  if (s.mode == reference::Mode::direct) {
+    j["visibility"] = s.visibility;
+    j["ambient"] = name_of(s.ambient);
+    if (std::isfinite(s.ambient_distance_m)) j["ambient-distance"] = s.ambient_distance_m;
+  } else if (s.most_bounces > 0) {
+    j["bounces"] = s.most_bounces;
+  }
+  j["bvh"] = name_of(accel.builder);
+  return j.dump();
+}
+
+Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings,
+                      const AccelOptions& accel) {
+  Job picture;
+  picture.animation = job.animation;
+  picture.camera = job.camera;
+  picture.width_px = job.width_px, picture.height_px = job.height_px;
+  picture.background = job.background;
+  picture.sky = job.sky.empty() ? "" : "sky";
+  return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(picture), settings_json(settings, accel),
+                             frame.scene_content.hex(), frame.time_s));
+}
+
+std::vector<std::string> reference_layer_names() { return {"variance", "heatmap.traversal", "heatmap.leaves"}; }
+
+std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer) {
+  if (layer == "heatmap.leaves") return reference::leaf_counts(*frame.world, film.width(), film.height());
+  CHECK_MSG(layer == "heatmap.traversal", layer);
+  std::vector<float> counts(film.pixels());
+  for (size_t i = 0; i < counts.size(); ++i) counts[i] = float(film.traversal(i));
+  return counts;
+}
+
+FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job, const std::string& settings,
+                           const std::vector<std::string>& layers, std::optional<int64_t> frame_number, FrameRate rate) {
+  FloatImage image;
+  image.width = film.width(), image.height = film.height();
+  const auto add = [&](std::string name, ChannelType type) -> std::vector<float>& {
+    Channel& channel = image.channels.emplace_back();
+    channel.name = std::move(name), channel.type = type;
+    channel.f.resize(film.pixels());
+    return channel.f;
+  };
+  const ChannelType type = job.exr_float ? ChannelType::float32 : ChannelType::half;
+  constexpr const char* rgba[] = {"R", "G", "B", "A"};
+  for (int c = 0; c < 4; ++c) {
+    std::vector<float>& plane = add(rgba[c], type);
+    for (size_t i = 0; i < film.pixels(); ++i) plane[i] = float(film.mean(i)[c]);
+  }
+  for (const std::string& layer : layers) {
+    if (layer != "variance") {
+      add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);
+      continue;
+    }
+    for (int c = 0; c < 3; ++c) {
+      std::vector<float>& plane = add(std::string("variance.") + rgba[c], ChannelType::float32);
+      for (size_t i = 0; i < film.pixels(); ++i) plane[i] = float(film.variance(i)[c]);
+    }
+  }
+  add_view_metadata(image, frame.view, frame.time_s, frame_number, rate);
+  auto& metadata = image.metadata;
+  metadata.push_back(text_entry("candela:job", job_json(job)));
+  metadata.push_back(text_entry("candela:reference", settings));
+  metadata.push_back(number_entry("candela:spp", MetadataEntry::Kind::number, double(film.samples())));
+  metadata.push_back(number_entry("candela:mse", MetadataEntry::Kind::number, film.mean_square_error()));
+  metadata.push_back(text_entry("candela:device", "reference"));
+  metadata.push_back(text_entry("candela:version", CANDELA_VERSION));
+  return image;
+}
+
+}  // namespace candela

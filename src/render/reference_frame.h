@@ -1,0 +1,46 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+#include "reference/film.h"
+#include "render/job.h"
+
+namespace candela {
+
+// One moment of a scene, ready for the reference: the same scene, camera, lights and sky that plan_frame() gives the GPU, but for
+// the floor at which the GPU ends lights without range. Holds everything that the world points into, so it does not move.
+struct ReferenceFrame {
+  Scene scene;
+  Pose pose;
+  View view;
+  FrameData data;
+  double time_s = 0;
+  Hash128 scene_content;
+  std::vector<std::string> notes, warnings;
+  std::unique_ptr<reference::World> world;
+};
+Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel);
+
+// What decides the reference's pixels beside the job, as JSON: mode, sampler, bvh and the rest. Stable order; one line.
+std::string settings_json(const reference::TraceSettings& settings, const AccelOptions& accel);
+std::string_view name_of(reference::Mode mode);
+std::string_view name_of(reference::SamplerKind kind);
+std::string_view name_of(reference::Ambient ambient);
+std::string_view name_of(BvhBuilder builder);
+
+// Of all that decides the sums of a film. How they are shown and stored, and their number where the sampler does not need it, is
+// left out: those may change between a run and its resumption.
+Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings, const AccelOptions& accel);
+
+// Layers that the reference can write beside beauty.
+std::vector<std::string> reference_layer_names();  // variance, heatmap.traversal, heatmap.leaves
+std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer);
+
+// The film as an image of linear radiance with layers and metadata, of the same form as linear_image() of a GPU's frame.
+FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job, const std::string& settings,
+                           const std::vector<std::string>& layers, std::optional<int64_t> frame_number, FrameRate rate);
+
+}  // namespace candela

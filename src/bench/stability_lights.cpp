@@ -38,8 +38,9 @@ void add(Recipes& all, std::string name, std::string what, const Fill& lights, d
 
 // Beside a light of 1: what a camera's exposure is for.
 void add_places(Recipes& all) {
-  add(all, "on a surface", "in the floor's plane: light along it, and an inverse square of 0", [](GlbWriter& out) { point(out, {0, 0, 1}, 5); });
-  add(all, "a hair above a surface", "1e-7 m over the floor", [](GlbWriter& out) { point(out, {0, 1e-7, 1}, 5); });
+  add(all, "on a surface", "in the floor's plane: light along it, and an inverse square of 0", [](GlbWriter& out) { point(out, {0, 0, 1}, 5); }, 1e-2);
+  // Places are floats relative to the camera: 1e-7 m is what they resolve here, so a thousandth of the height is lost at 1e-4 m.
+  add(all, "a hair above a surface", "1e-4 m over the floor", [](GlbWriter& out) { point(out, {0, 1e-4, 1}, 5); }, 1e-2);
   add(all, "at a vertex", "at the floor's corner and at the cube's", [](GlbWriter& out) {
     point(out, {4, 0, 4}, 5);
     point(out, {1.375, 0.75, -0.125}, 1);
@@ -127,8 +128,8 @@ void add_lights(Recipes& all) {
 
 void add_cones_and_crowds(Recipes& all) {
   for (const auto& [name, inner, outer, bound] :
-       {std::tuple("cone of 0.01 degrees", 0.0, 0.01, 2e-2), std::tuple("cone of 0.01 degrees, sharp", 0.0099, 0.01, 2e-2),
-        std::tuple("cone of 0.1 degrees", 0.0, 0.1, 1e-2), std::tuple("cone of 1 degree", 0.5, 1.0, 5e-3),
+       {std::tuple("cone of 0.01 degrees", 0.0, 0.01, 5e-3), std::tuple("cone of 0.01 degrees, sharp", 0.0099, 0.01, 5e-3),
+        std::tuple("cone of 0.1 degrees", 0.0, 0.1, 2e-3), std::tuple("cone of 1 degree", 0.5, 1.0, 1e-3),
         std::tuple("cone of 90 degrees", 0.0, 90.0, 1e-3), std::tuple("cone of 90 degrees, sharp", 89.999, 90.0, 1e-3)})
     all.push_back({"lights", name, "half angle, straight down", [=](StabilityInput& in) { return cone(in, inner, outer, bound); }});
   all.push_back({"lights", "10,000 points in one place", "as bright as one", [](StabilityInput& in) { return crowd(in, false, 10'000); }});

@@ -33,6 +33,13 @@ double median_light(const TruePicture& truth) {
   return lit[lit.size() / 2];
 }
 
+// Where the samples of a pixel differ by more than a tenth; elsewhere its centre alone counts.
+bool is_edge(const TruePicture& truth, size_t i, double floor) {
+  for (int c = 0; c < 4; ++c)
+    if (truth.high[i][c] - truth.low[i][c] > 0.1 * std::max(std::abs(truth.centre[i][c]), c == 3 ? 1.0 : floor)) return true;
+  return false;
+}
+
 }  // namespace
 
 Expected<TruePicture> traced_picture(const Job& job, double time_s, int side) {
@@ -75,10 +82,12 @@ PictureError picture_error(const Beauty& beauty, double pre_exposure, const True
   for (size_t i = 0; i < truth.centre.size(); ++i) {
     const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
     double worst = 0;
+    const bool edge = is_edge(truth, i, floor);
     for (int c = 0; c < 4; ++c) {
-      const double away = std::max({truth.low[i][c] - v[c], v[c] - truth.high[i][c], 0.0});
+      const double low = edge ? truth.low[i][c] : truth.centre[i][c], high = edge ? truth.high[i][c] : truth.centre[i][c];
+      const double away = std::max({low - v[c], v[c] - high, 0.0});
       const double least = c == 3 ? 1.0 : floor;
-      const double against = std::max({std::abs(truth.low[i][c]), std::abs(truth.high[i][c]), least});
+      const double against = std::max({std::abs(low), std::abs(high), least});
       // Where the truth is nowhere but 0, any light is infinitely wrong.
       const double relative = !std::isfinite(v[c]) ? std::numeric_limits<double>::infinity() : away == 0 ? 0 : away / against;
       worst = std::max(worst, relative);

@@ -9,7 +9,8 @@
 namespace candela {
 
 // What a picture should be: of every pixel the value at its centre, and the least and largest that it takes nearby, inside the pixel.
-// A value between those is right: where an edge runs through the pixel, rounding decides which side its centre is on.
+// Where these are more than a tenth apart, an edge runs through the pixel and any value between is right: rounding decides which side
+// the centre is on.
 struct TruePicture {
   int width_px = 0, height_px = 0;
   std::vector<glm::dvec4> centre, low, high;  // linear, premultiplied, without exposure

@@ -43,7 +43,7 @@ class StabilityRun {
   void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain, StabilityRow& row) const;
   void judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const;
   void refuse(const StabilityScene& scene, const Error& error, StabilityRow& row) const;
-  Expected<void> keep_picture(const StabilityRecipe& recipe, const Shot& shot) const;
+  Expected<void> keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot) const;
   void add(StabilityRow row);
   std::string path(const char* name) const { return (store_.folder() / name).string(); }
   std::string without_folder(std::string text) const;  // whose name says nothing, and differs from run to run
@@ -171,12 +171,13 @@ void StabilityRun::add(StabilityRow row) {
   report_.rows.push_back(std::move(row));
 }
 
-Expected<void> StabilityRun::keep_picture(const StabilityRecipe& recipe, const Shot& shot) const {
+Expected<void> StabilityRun::keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot) const {
   std::string name = recipe.family + "-" + recipe.name;
   for (char& c : name)
     if (!std::isalnum(uint8_t(c)) && c != '-' && c != '+' && c != '.') c = '_';
   std::error_code ignored;
   fs::create_directories(options_.pictures, ignored);
+  if (auto kept = write_file_atomically(fs::path(options_.pictures) / (name + ".glb"), std::span<const std::byte>(scene.file)); !kept) return kept;
   return write_png(fs::path(options_.pictures) / (name + ".png"), *shot.display, {});
 }
 
@@ -225,7 +226,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
       row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);
     if (!first && keep)
-      if (auto kept = keep_picture(recipe, *made); !kept) return kept;
+      if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
     if (!first) first = std::move(*made);
     add(std::move(row));
   }

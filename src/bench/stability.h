@@ -15,7 +15,7 @@ struct StabilityOptions {
   std::vector<std::string> techniques;  // empty: all
   std::vector<std::string> only;        // scenes whose "family/name" holds one of these; empty: all
   std::vector<KnobSetting> settings;    // over the scenes' own, but not for plain scenes
-  std::string pictures;                 // folder for one PNG a scene; empty: none
+  std::string pictures;                 // folder for a PNG and the .glb of each scene; empty: none
 };
 
 struct StabilityRow {

@@ -84,6 +84,21 @@ StabilityScene orthographic(double half_size_m, double near_m, double far_m) {
   return scene;
 }
 
+// Tiles of a very wide view reach to the side by many times their depth, those of a narrow one hardly anywhere.
+StabilityScene field_of_view(double yfov_rad, int width, int height, double distance_m) {
+  GlbWriter out;
+  place(out, sphere(0.5, 48, 32), lit({0.8, 0.4, 0.2}, 0, 0.5), {0, 0, -distance_m});
+  place(out, quad(400, 400), lit({0.3, 0.5, 0.7}, 0, 0.8), {0, 0, -distance_m - 1});
+  for (int i = 0; i < 9; ++i)
+    point(out, {i % 3 - 1.0, i / 3 - 1.0, 1 - distance_m}, 1, {{"range", 1.5 + i}});
+  camera(out, {0, 0, 0}, {0, 0, -1}, yfov_rad, 1e-3);
+  StabilityScene scene = scene_of(out);
+  scene.job.width_px = width, scene.job.height_px = height;
+  scene.stray_share = 2e-2;
+  scene.energy_bound = 1e-2;
+  return scene;
+}
+
 StabilityScene moved(StabilityInput& in, glm::dvec3 to, double bound) {
   GlbWriter out, plain;
   Rng again = in.rng;
@@ -171,6 +186,13 @@ void add_depth(Recipes& all) {
   all.push_back({"depth", "eye 1 mm over a floor of 100 m", "a box beside the eye, through the near plane",
                  [](StabilityInput&) { return floor_under_the_eye(100, 1e-3); }});
   all.push_back({"depth", "eye 1 m over a floor of 1,000 km", "", [](StabilityInput&) { return floor_under_the_eye(1e6, 1); }});
+  all.push_back({"depth", "yfov of 179 degrees", "", [](StabilityInput&) { return field_of_view(179 * pi / 180, 64, 48, 2); }});
+  all.push_back({"depth", "yfov of 150 degrees, 3x3", "one tile, tens of times as wide as the view is deep", [](StabilityInput&) { return field_of_view(150 * pi / 180, 3, 3, 2); }});
+  all.push_back({"depth", "yfov of 0.1 degrees", "a ball seen from 1 km", [](StabilityInput&) {
+                   StabilityScene scene = field_of_view(0.1 * pi / 180, 64, 48, 1e3);
+                   scene.bound = 1e-2;  // places are floats: a tenth of a millimetre of 1 km, beside lamps at half a metre
+                   return scene;
+                 }});
   all.push_back({"depth", "orthographic to 1e7", "depths from 0 to 10,000 km", [](StabilityInput&) { return orthographic(2, 0, 1e7); }});
   all.push_back({"depth", "orthographic 1e6 wide", "a view of 2,000 km", [](StabilityInput&) { return orthographic(1e6, 1, 1e7); }});
 }

@@ -79,7 +79,7 @@ StabilityScene scene_of(const GlbWriter& out) {
   StabilityScene scene;
   scene.file = out.bytes();
   scene.job.width_px = 64, scene.job.height_px = 48, scene.job.samples = 1;
-  scene.job.settings = {{"lights", "floor_lux", "0"}};
+  scene.job.settings = {{"lights", "floor_lux", "0"}, {"lights", "few", "0"}};
   return scene;
 }
 

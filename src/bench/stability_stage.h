@@ -48,7 +48,8 @@ void room_camera(GlbWriter& out, const Room& how = {});
 // The room with its camera and one lamp over the viewer's shoulder.
 void lit_room(GlbWriter& out, Rng& rng, const Room& how = {});
 
-StabilityScene scene_of(const GlbWriter& out);  // 64 by 48 pixels, one sample, lights without a floor of their range
+// 64 by 48 pixels, one sample, lights without a floor of their range, and lists even of one light.
+StabilityScene scene_of(const GlbWriter& out);
 
 FloatImage sky_image(int width, int height, const std::function<glm::vec3(int x, int y)>& radiance);
 

@@ -176,7 +176,7 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->type_name("N");
   command.add_option("--only", o.only, "With --suite stability: scenes whose family/name holds one of these")
       ->type_name("LIST");
-  command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG of each scene")->type_name("DIR");
+  command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG and the .glb of each scene")->type_name("DIR");
   command.add_flag("--large", o.large, "With --suite stability: ten million triangles in a pixel, 8192x8192 pixels");
   command.add_option("--assets", o.assets, "Folder of scenes named assets:...; by default ../shared/assets")
       ->type_name("DIR");

@@ -31,7 +31,8 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
   float factor = max(1.0 - x2 * x2, 0.0) / max(d2, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M);
   if (type == light_spot) {
     const vec2 angle = light_word(light, 4u);
-    const float a = clamp(dot(-l, vec3(light_word(light, 2u), z_type.x)) * angle.x + angle.y, 0.0, 1.0);
+    const vec3 e = l + vec3(light_word(light, 2u), z_type.x);
+    const float a = clamp(angle.y - dot(e, e) * angle.x, 0.0, 1.0);
     factor *= a * a;
   }
   return factor;

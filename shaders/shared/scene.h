@@ -55,7 +55,8 @@ struct Material {
   TextureRef base_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture, specular_color_texture;
 };
 
-// A punctual light in relative space. Spot factor: saturate(cos * spot_scale + spot_offset)^2 (KHR_lights_punctual).
+// A punctual light in relative space. Spot factor (KHR_lights_punctual): saturate(spot_offset - e2 * spot_scale)^2, where e2 is the
+// squared distance of the two unit vectors, 2 (1 - cos): a narrow cone loses every digit in its cosines.
 // Read in 64-bit words, in the order in which lib/light_eval.glsl can tell that a light gives nothing.
 struct Light {
   vec3 position;

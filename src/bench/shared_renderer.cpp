@@ -1,6 +1,8 @@
 #include "bench/shared_renderer.h"
 
 #include "base/files.h"
+#include "image/environment_file.h"
+#include "render/device_samples.h"
 #include "scene/gltf.h"
 
 namespace candela {
@@ -33,11 +35,20 @@ Expected<std::unique_ptr<SharedRenderer>> SharedRenderer::open(const RunSettings
 
 SharedRenderer::~SharedRenderer() = default;
 
-Expected<void> SharedRenderer::load(const std::string& scene_file) {
+Expected<void> SharedRenderer::load(const std::string& scene_file, const std::string& sky_file) {
   gpu_scene_.reset();
+  environment_.reset();
   auto scene = load_gltf(scene_file);
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
+  warnings_ = scene_.warnings;
+  std::optional<DecodedImage> sky;
+  if (!sky_file.empty()) {
+    auto image = read_environment(sky_file, warnings_);
+    if (!image) return std::unexpected(image.error());
+    environment_ = project_environment(*image);
+    sky = std::move(*image);
+  }
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
@@ -46,32 +57,44 @@ Expected<void> SharedRenderer::load(const std::string& scene_file) {
                 textures / 2);
   try {
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
+    if (sky) gpu_scene_->set_environment(*sky);
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
   return {};
 }
 
-Expected<Beauty> SharedRenderer::render(const Job& job, double time_s) {
-  auto planned = plan_frame(job, PlanContext{scene_, layout_}, {.linear = true, .display = false}, time_s);
+Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs& wanted, double time_s) {
+  if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine) return std::unexpected(fine.error());
+  auto planned = plan_frame(job, PlanContext{scene_, layout_, environment_ ? &*environment_ : nullptr}, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
     const GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
     if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());
     FrameResult frame;
     frame.width_px = job.width_px, frame.height_px = job.height_px;
+    frame.time_s = time_s;
     frame.outputs = planned->outputs;
     frame.readbacks = runner_->run(planned->graph, uploaded.imports, {}).readbacks;
+    frame.pre_exposure = planned->upload.constants.pre_exposure;
+    frame.notes = std::move(planned->notes);
+    frame.warnings = uploaded.warnings;
     if (settings_.validate)
       if (const auto messages = device_->validation_messages(); !messages.empty())
         return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
                     messages.front());
-    auto beauty = beauty_of(frame);
-    if (!beauty) return fail(ErrorKind::device, "", "the frame has no linear picture");
-    return std::move(*beauty);
+    return frame;
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
+}
+
+Expected<Beauty> SharedRenderer::render(const Job& job, double time_s) {
+  const auto made = frame(job, {.linear = true, .display = false}, time_s);
+  if (!made) return std::unexpected(made.error());
+  auto beauty = beauty_of(*made);
+  if (!beauty) return fail(ErrorKind::device, "", "the frame has no linear picture");
+  return std::move(*beauty);
 }
 
 }  // namespace candela

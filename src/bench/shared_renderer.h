@@ -14,9 +14,12 @@ class SharedRenderer {
   static Expected<std::unique_ptr<SharedRenderer>> open(const RunSettings& settings);
   ~SharedRenderer();
 
-  Expected<void> load(const std::string& scene_file);
+  Expected<void> load(const std::string& scene_file, const std::string& sky_file = {});
   // The linear picture of the loaded scene. GpuError becomes an Error here.
   Expected<Beauty> render(const Job& job, double time_s);
+  // The pictures with what belongs to them: outputs, pre-exposure, notes and warnings; no times.
+  Expected<FrameResult> frame(const Job& job, const WantedOutputs& wanted, double time_s);
+  const std::vector<std::string>& warnings() const { return warnings_; }  // of loading scene and sky
   const gpu::DeviceInfo& device() const { return device_->info(); }
 
  private:
@@ -27,6 +30,8 @@ class SharedRenderer {
   std::unique_ptr<gpu::FrameRunner> runner_;
   Scene scene_;
   GeometryLayout layout_;
+  std::optional<AmbientSh> environment_;
+  std::vector<std::string> warnings_;
   std::unique_ptr<GpuScene> gpu_scene_;
 };
 

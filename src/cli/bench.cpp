@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "bench/run_suite.h"
 #include "cli/bench_options.h"
+#include "cli/bench_stability.h"
 #include "cli/command.h"
 #include "cli/result.h"
 #include "cli/signals.h"
@@ -222,6 +223,7 @@ Expected<int> run_bench(const BenchOptions& o) {
   if (!o.compare.empty()) return run_compare(o);
   if (!o.from.empty()) return run_from_rows(o);
   if (o.suite == "exactness") return run_exactness(o);
+  if (o.suite == "stability") return run_stability(o);
   return run_measure(o);
 }
 

@@ -124,7 +124,8 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("what", o.what, "Suite files (.json), scenes (.gltf, .glb), or generated scenes by name")
       ->type_name("SUITE.json|SCENE");
   command
-      .add_option("--suite", o.suite, "Built-in suite: exactness renders in all techniques and counts differing pixels")
+      .add_option("--suite", o.suite, "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
+                  "extreme scenes and measures them against the truth")
       ->type_name("NAME");
   command.add_option("--techniques", o.techniques, "Separated by commas; all by default")->type_name("LIST");
   command.add_option("--lights", o.lights, "Numbers of lights of generated scenes: 1,4,16")->type_name("LIST");
@@ -173,6 +174,10 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->transform(whole_number<int>())
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
+  command.add_option("--only", o.only, "With --suite stability: scenes whose family/name holds one of these")
+      ->type_name("LIST");
+  command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG and the .glb of each scene")->type_name("DIR");
+  command.add_flag("--large", o.large, "With --suite stability: ten million triangles in a pixel, 8192x8192 pixels");
   command.add_option("--assets", o.assets, "Folder of scenes named assets:...; by default ../shared/assets")
       ->type_name("DIR");
   command.add_option("--report", o.report, "Folder for an HTML page and the rows as JSON and CSV")->type_name("DIR");
@@ -204,11 +209,15 @@ Expected<void> check_options(const BenchOptions& o) {
     return fail(ErrorKind::usage, o.what.front(), "--suite, --compare and --from take no suite file or scene beside");
   if (modes == 0 && o.what.empty())
     return fail(ErrorKind::usage, "SCENE", "nothing to measure; name suite files, scenes, or generated scenes");
-  static const std::vector<std::string> suites = {"exactness"};
-  if (!o.suite.empty() && o.suite != "exactness")
+  static const std::vector<std::string> suites = {"exactness", "stability"};
+  if (!o.suite.empty() && std::find(suites.begin(), suites.end(), o.suite) == suites.end())
     return fail(ErrorKind::usage, "--suite", "{}; suite files are named without --suite",
                 unknown_name("built-in suite", o.suite, suites));
-  if (o.count && o.suite.empty()) return fail(ErrorKind::usage, "--count", "goes with --suite exactness");
+  if (o.count && o.suite != "exactness") return fail(ErrorKind::usage, "--count", "goes with --suite exactness");
+  if (o.suite != "stability" && (!o.only.empty() || !o.pictures.empty() || o.large))
+    return fail(ErrorKind::usage, "--only", "--only, --pictures and --large go with --suite stability");
+  if (o.suite == "stability" && !(o.lights + o.sizes + o.samples + o.qualities + o.times + o.frames + o.camera).empty())
+    return fail(ErrorKind::usage, "--suite", "the scenes of stability choose their own lights, sizes and times");
   if (!o.report.empty() && (!o.suite.empty() || !o.compare.empty()))
     return fail(ErrorKind::usage, "--report", "reports are of measurements");
   if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())

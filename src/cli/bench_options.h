@@ -13,13 +13,13 @@ namespace candela::cli {
 struct BenchOptions {
   std::vector<std::string> what;  // suite files and scenes
   std::string suite, techniques, lights, sizes, samples, qualities, times, frames,
-      fps = "24", output, reference, camera, assets, report, json, csv, device;
+      fps = "24", output, reference, camera, assets, report, json, csv, device, only, pictures;
   std::vector<std::string> settings, compare, from;
   std::optional<uint64_t> seed;
   std::optional<double> budget_s, precision, warm_up_s;
   std::optional<int> min_runs, max_runs, max_sessions, count, reference_max_lights;
   double min_change = 0.05, timeout_s = 600;
-  bool validate = false, quiet = false;
+  bool validate = false, quiet = false, large = false;
 };
 void add_bench_options(CLI::App& command, BenchOptions& options);
 

@@ -164,6 +164,8 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
       return std::unexpected(error);
     }
   }
+  // What writing warns of is not the scene's fault, which --strict is about.
+  if (auto noted = note_frame(*frame, (*session)->scene(), false, warnings); !noted) return std::unexpected(noted.error());
   for (const fs::path& path : plan->paths) log::info("wrote {}", path.string());
   if (auto reported = write_reports(o, *plan, *frame, **session, warnings); !reported)
     return std::unexpected(reported.error());

@@ -4,6 +4,7 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "image/environment_file.h"
 #include "image/exr.h"
 #include "image/hdr.h"
 #include "image/oiio.h"
@@ -114,7 +115,7 @@ Expected<DecodedImage> environment_from_exr(const FloatImage& image, const std::
 }
 
 // One infinite or NaN texel would spread over the whole frame by filtering; light cannot be negative.
-void make_usable(DecodedImage& image, const std::string& place) {
+void make_usable(DecodedImage& image, const std::string& place, std::vector<std::string>& warnings) {
   auto* texels = reinterpret_cast<float*>(image.pixels.data());
   size_t nonfinite = 0, negative = 0;
   for (size_t i = 0; i < image.pixels.size() / 16; ++i) {
@@ -129,8 +130,9 @@ void make_usable(DecodedImage& image, const std::string& place) {
     nonfinite += has_nonfinite;
     negative += has_negative;
   }
-  if (nonfinite) log::warning("{}: {} texels are not finite; infinity is taken as 65504, the rest as 0", place, nonfinite);
-  if (negative) log::warning("{}: {} texels are negative; those values are taken as 0", place, negative);
+  if (nonfinite)
+    warnings.push_back(fmt::format("{}: {} texels are not finite; infinity is taken as 65504, the rest as 0", place, nonfinite));
+  if (negative) warnings.push_back(fmt::format("{}: {} texels are negative; those values are taken as 0", place, negative));
 }
 
 }  // namespace
@@ -154,6 +156,13 @@ Expected<FloatImage> read_image(const std::filesystem::path& path) {
 }
 
 Expected<DecodedImage> read_environment(const std::filesystem::path& path) {
+  std::vector<std::string> warnings;
+  auto image = read_environment(path, warnings);
+  for (const std::string& warning : warnings) log::warning("{}", warning);
+  return image;
+}
+
+Expected<DecodedImage> read_environment(const std::filesystem::path& path, std::vector<std::string>& warnings) {
   auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
   Expected<DecodedImage> decoded;
@@ -166,7 +175,7 @@ Expected<DecodedImage> read_environment(const std::filesystem::path& path) {
   } else {
     return fail(ErrorKind::input, path.string(), "an environment must be Radiance HDR (.hdr) or OpenEXR (.exr)");
   }
-  if (decoded) make_usable(*decoded, path.string());
+  if (decoded) make_usable(*decoded, path.string(), warnings);
   return decoded;
 }
 

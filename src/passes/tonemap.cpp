@@ -30,7 +30,7 @@ void Tonemap::record(CommandList& commands, const In& in, const Out& out) const 
   push.source = commands.sampled(in.color);
   push.target = commands.storage(out.display);
   push.size_px = {in.width_px, in.height_px};
-  push.exposure = 1;
+  push.exposure = in.exposure;
   push.dither_levels = in.dither && in.bits == 8 ? 255u : 0u;
   push.seed = in.seed;
   commands.push(push);

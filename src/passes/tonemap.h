@@ -20,6 +20,7 @@ struct Tonemap {
     uint32_t bits = 8;
     bool dither = true;
     uint32_t seed = 0;
+    float exposure = 1;  // what is left to apply after pre-exposure
   };
   struct Out {
     ImageHandle display;

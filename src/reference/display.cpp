@@ -83,6 +83,8 @@ glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c) {
   return c;
 }
 
+glm::dvec3 display_encoded(glm::dvec3 mapped) { return each(glm::clamp(mapped, 0.0, 1.0), srgb_encoded); }
+
 DisplayImage display_image(const Film& film, const DisplaySettings& settings) {
   DisplayImage image;
   image.width = film.width(), image.height = film.height();
@@ -96,7 +98,7 @@ DisplayImage display_image(const Film& film, const DisplaySettings& settings) {
     const double alpha = std::clamp(source.w, 0.0, 1.0);
     glm::dvec3 c = glm::max(glm::dvec3(source), glm::dvec3(0)) * exposure;
     c = glm::min(alpha > 0 ? c / alpha : c, glm::dvec3(1e30));
-    c = each(glm::clamp(tone_mapped(settings.curve, c), 0.0, 1.0), srgb_encoded);
+    c = display_encoded(tone_mapped(settings.curve, c));
     if (settings.dither && settings.bits == 8)
       c = dithered(c, uint32_t(i % size_t(film.width())), uint32_t(i / size_t(film.width())), settings.seed);
     const double values[4] = {c.x, c.y, c.z, alpha};

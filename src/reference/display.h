@@ -17,6 +17,8 @@ struct DisplaySettings {
 
 // Exposed linear Rec.709 to linear display values (TECHNIQUES 15.2), in double.
 glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c);
+// Those, clipped to [0,1] and sRGB-encoded.
+glm::dvec3 display_encoded(glm::dvec3 mapped);
 
 // The film as the GPU's tone mapping makes it: exposure, curve, sRGB encoding, and the same dither.
 DisplayImage display_image(const Film& film, const DisplaySettings& settings);

@@ -35,7 +35,22 @@ void add_deformation(const Scene& scene, const Deformation& d, const SectionLayo
        d.joint_count, d.first_weight, g.position, g.normal, g.tangent});
 }
 
-shared::Light shared_light(const LightItem& l) {
+// Farther off than floats can square, a light shines as one nearer by in the same direction does that is weaker by the square.
+LightItem brought_nearer(LightItem l) {
+  constexpr double farthest_m = 1e15;
+  const double distance = glm::length(glm::dvec3(l.position));
+  if (l.type == LightType::directional || !(distance > farthest_m) || !std::isfinite(distance)) return l;
+  const double by = farthest_m / distance;
+  l.position = glm::vec3(glm::dvec3(l.position) * by);
+  l.intensity = glm::vec3(glm::dvec3(l.intensity) * (by * by));
+  l.range_m = float(double(l.range_m) * by);
+  return l;
+}
+
+double one_minus_cosine(double angle) { return 2 * std::pow(std::sin(angle / 2), 2); }
+
+shared::Light shared_light(const LightItem& given) {
+  const LightItem l = brought_nearer(given);
   shared::Light out{};
   out.position = l.position;
   out.direction = l.direction;
@@ -44,11 +59,12 @@ shared::Light shared_light(const LightItem& l) {
              : l.type == LightType::point     ? shared::light_point
                                               : shared::light_spot;
   out.inverse_range = std::isfinite(l.range_m) ? std::min(1.0f / l.range_m, std::numeric_limits<float>::max()) : 0.0f;
-  // KHR_lights_punctual's recommended spot angle attenuation, its cosines in double.
-  const double inner = std::cos(double(l.inner_cone_rad)), outer = std::cos(double(l.outer_cone_rad));
-  const double scale = 1.0 / std::max(0.001, inner - outer);
-  out.spot_scale = float(scale);
-  out.spot_offset = float(-outer * scale);
+  // KHR_lights_punctual's recommended spot angle attenuation, (cos - cos outer) / (cos inner - cos outer), with 1 - cos for each
+  // cosine: those of a narrow cone are all 1 as floats.
+  const double inner = one_minus_cosine(double(l.inner_cone_rad)), outer = one_minus_cosine(double(l.outer_cone_rad));
+  const double scale = 1.0 / std::max(0.001, outer - inner);
+  out.spot_scale = float(scale / 2);
+  out.spot_offset = float(outer * scale);
   return out;
 }
 
@@ -96,7 +112,7 @@ void set_view(const View& view, const FrameRequest& request, shared::FrameConsta
   c.tan_half = {float(view.tan_x), float(view.tan_y)};
   c.size_px = {uint32_t(request.width_px), uint32_t(request.height_px)};
   c.perspective = view.perspective ? 1 : 0;
-  c.pre_exposure = std::exp2(request.exposure_ev);
+  c.pre_exposure = std::exp2(pre_exposure_ev(request.exposure_ev));
 }
 
 }  // namespace

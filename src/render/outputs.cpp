@@ -126,7 +126,9 @@ void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputIm
     for (size_t c = 0; c < names.size(); ++c) {
       const float value = read(i, int(c));
       finite = finite && std::isfinite(value);
-      image.channels[first + c].f[i] = c == 3 ? value : value * scale;  // alpha carries no light
+      const float stored = c == 3 ? value : value * scale;  // alpha carries no light
+      image.channels[first + c].f[i] = stored;
+      if (!as_float && std::isfinite(stored) && std::abs(stored) > 65504) ++nonfinite.clamped;
     }
     if (!finite) count_nonfinite(frame, output.layer, i, nonfinite);
   }
@@ -167,6 +169,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
       add_color_layer(image, frame, output, job.exr_float || output.layer.starts_with("heatmap."), nonfinite);  // counts
   }
   add_metadata(image, frame, job, session, frame_number, rate);
+  if (nonfinite.clamped > 0) image.metadata.push_back(text_entry("candela:clamped", fmt::format("{}", nonfinite.clamped)));
   return image;
 }
 
@@ -250,6 +253,9 @@ Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& 
       return fail(ErrorKind::nonfinite, "",
                   "{} pixels are not finite, the first at x {}, y {} of layer {}; nothing was written", nonfinite.count,
                   nonfinite.x, nonfinite.y, nonfinite.layer);
+    if (nonfinite.clamped > 0 && any_exr)
+      frame.warnings.push_back(
+          fmt::format("{} values are beyond what half floats hold and are stored as 65504 (--exr-type float keeps them)", nonfinite.clamped));
     if (any_png) display = display_image(frame, job);
   }
   StageTimer timer(frame.timings, "encode", "encode");

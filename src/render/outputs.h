@@ -15,6 +15,7 @@ struct NonFinite {
   uint64_t count = 0;
   int x = 0, y = 0;
   std::string layer;
+  uint64_t clamped = 0;  // finite values beyond half, which a file of halves holds as its largest
 };
 
 // The frame as a linear image with all layers and metadata (camera matrices, frame, fps, job, plan hash, device, version;

@@ -127,6 +127,7 @@ void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const
   tone.curve = ToneCurve(std::find(curves.begin(), curves.end(), job.tonemap) - curves.begin());
   tone.bits = uint32_t(wanted.display_bits);
   tone.dither = job.dither;
+  tone.exposure = std::exp2(job.exposure_ev - pre_exposure_ev(job.exposure_ev));
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
   tone.seed = uint32_t(noise ^ (noise >> 32));

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <set>
 
+#include "base/log.h"
 #include "base/text.h"
 #include "render/encoder_thread.h"
 #include "render/outputs.h"
@@ -141,12 +142,14 @@ class Run {
 
   Expected<void> encode(FinishedFrame& finished) {
     FrameResult& frame = finished.frame;
+    const size_t said = frame.warnings.size();
     auto written =
         write_outputs(frame, job_, session_, finished.number, settings_.rate, paths_of(settings_, finished.number));
     if (!written)
       return std::unexpected(Error{written.error().kind,
                                    fmt::format("frame {}: {}", finished.number, written.error().message),
                                    written.error().place});
+    for (size_t i = said; i < frame.warnings.size(); ++i) log::warning("frame {}: {}", finished.number, frame.warnings[i]);
     if (video_)
       if (auto added = video_->add(display_image(frame, job_)); !added) return added;
     add_sums(result_.timings, std::move(frame.timings), settings_.keep_spans);  // read again after the thread has ended

@@ -5,6 +5,7 @@
 
 #include "base/files.h"
 #include "render/content_hash.h"
+#include "render/device_samples.h"
 #include "render/gpu_scene.h"
 #include "render/timings.h"
 #include "scene/gltf.h"
@@ -92,6 +93,7 @@ Expected<void> DeviceSession::open() {
   if (!loaded) return loaded;
   if (!device) return std::unexpected(device.error());
   device_ = std::move(*device);
+  if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   try {
     const StageTimer timer(opening_, "upload");
     // An image may be uploaded twice, as sRGB and as linear; the sky is one more.

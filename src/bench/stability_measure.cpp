@@ -1,0 +1,137 @@
+#include "bench/stability_measure.h"
+
+#include <cstring>
+
+#include <tbb/parallel_for.h>
+
+#include "base/check.h"
+#include "reference/display.h"
+#include "reference/integrator.h"
+#include "render/reference_frame.h"
+
+namespace candela {
+namespace {
+
+glm::dvec4 pixel_of(const Beauty& beauty, double pre_exposure, size_t i) {
+  float v[4];
+  std::memcpy(v, beauty.bytes.data() + i * sizeof v, sizeof v);
+  // As an EXR file gets it: the exposure taken out in double, then rounded.
+  return {v[0] / pre_exposure, v[1] / pre_exposure, v[2] / pre_exposure, v[3]};
+}
+size_t pixels_of(const Beauty& beauty) {
+  CHECK(beauty.pixel_bytes == 16);
+  return beauty.bytes.size() / 16;
+}
+double largest(glm::dvec4 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+double median_light(const TruePicture& truth) {
+  std::vector<double> lit;
+  for (const glm::dvec4& v : truth.centre)
+    if (const double l = largest(v); l > 0 && std::isfinite(l)) lit.push_back(l);
+  if (lit.empty()) return 0;
+  std::nth_element(lit.begin(), lit.begin() + long(lit.size() / 2), lit.end());
+  return lit[lit.size() / 2];
+}
+
+// Where the samples of a pixel differ by more than a tenth; elsewhere its centre alone counts.
+bool is_edge(const TruePicture& truth, size_t i, double floor) {
+  for (int c = 0; c < 4; ++c)
+    if (truth.high[i][c] - truth.low[i][c] > 0.1 * std::max(std::abs(truth.centre[i][c]), c == 3 ? 1.0 : floor)) return true;
+  return false;
+}
+
+}  // namespace
+
+Expected<TruePicture> traced_picture(const Job& job, double time_s, int side) {
+  CHECK(side % 2 == 1);
+  const auto frame = open_reference(job, time_s, {});
+  if (!frame) return std::unexpected(frame.error());
+  reference::TraceSettings settings;
+  settings.visibility = false;
+  settings.ambient = reference::Ambient::occlusion;
+  settings.sampler = {reference::SamplerKind::uniform, side * side, 0};
+  const reference::Integrator integrator(*(*frame)->world, settings, job.width_px, job.height_px);
+  TruePicture truth{job.width_px, job.height_px, {}, {}, {}};
+  const size_t count = size_t(job.width_px) * size_t(job.height_px);
+  truth.centre.resize(count), truth.low.resize(count), truth.high.resize(count);
+  tbb::parallel_for(size_t(0), count, [&](size_t i) {
+    const int x = int(i % size_t(job.width_px)), y = int(i / size_t(job.width_px));
+    for (int s = 0; s < side * side; ++s) {
+      const reference::PixelSample sample = integrator.sample(x, y, uint64_t(s));
+      const glm::dvec4 value(sample.radiance, sample.alpha);
+      if (s == side * side / 2) truth.centre[i] = value;
+      truth.low[i] = s == 0 ? value : glm::min(truth.low[i], value);
+      truth.high[i] = s == 0 ? value : glm::max(truth.high[i], value);
+    }
+  });
+  return truth;
+}
+
+TruePicture picture_truth(const Beauty& beauty, double pre_exposure) {
+  TruePicture truth{beauty.width_px, beauty.height_px, {}, {}, {}};
+  for (size_t i = 0; i < pixels_of(beauty); ++i) truth.centre.push_back(pixel_of(beauty, pre_exposure, i));
+  truth.low = truth.high = truth.centre;
+  return truth;
+}
+
+PictureError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound) {
+  CHECK(beauty.width_px == truth.width_px && beauty.height_px == truth.height_px);
+  PictureError error;
+  const double floor = 0.01 * median_light(truth);
+  double sum = 0, true_sum = 0;
+  for (size_t i = 0; i < truth.centre.size(); ++i) {
+    const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
+    double worst = 0;
+    const bool edge = is_edge(truth, i, floor);
+    for (int c = 0; c < 4; ++c) {
+      const double low = edge ? truth.low[i][c] : truth.centre[i][c], high = edge ? truth.high[i][c] : truth.centre[i][c];
+      const double away = std::max({low - v[c], v[c] - high, 0.0});
+      const double least = c == 3 ? 1.0 : floor;
+      const double against = std::max({std::abs(low), std::abs(high), least});
+      // Where the truth is nowhere but 0, any light is infinitely wrong.
+      const double relative = !std::isfinite(v[c]) ? std::numeric_limits<double>::infinity() : away == 0 ? 0 : away / against;
+      worst = std::max(worst, relative);
+    }
+    for (int c = 0; c < 3; ++c) sum += v[c], true_sum += truth.centre[i][c];
+    if (worst > bound) ++error.beyond;
+    if (worst > error.max_relative) {
+      error.max_relative = worst;
+      error.worst_x = int(i % size_t(truth.width_px)), error.worst_y = int(i / size_t(truth.width_px));
+    }
+  }
+  error.energy = sum == true_sum ? 0 : true_sum > 0 ? sum / true_sum - 1 : std::numeric_limits<double>::infinity();
+  return error;
+}
+
+PixelCounts count_pixels(const Beauty& beauty, double pre_exposure) {
+  PixelCounts counts;
+  for (size_t i = 0; i < pixels_of(beauty); ++i) {
+    const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
+    if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w)) && counts.nonfinite++ == 0)
+      counts.first_x = int(i % size_t(beauty.width_px)), counts.first_y = int(i / size_t(beauty.width_px));
+    for (int c = 0; c < 3; ++c) counts.beyond_half += std::isfinite(v[c]) && std::abs(v[c]) > 65504;
+    counts.black = counts.black && v.x == 0 && v.y == 0 && v.z == 0;
+  }
+  return counts;
+}
+
+double display_error(const DisplayImage& display, const Beauty& beauty, double pre_exposure, const Job& job) {
+  CHECK(display.bits == 16);
+  const double exposure = std::exp2(double(job.exposure_ev));
+  double worst = 0;
+  for (size_t i = 0; i < pixels_of(beauty); ++i) {
+    const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
+    const double alpha = std::clamp(v.w, 0.0, 1.0);
+    const glm::dvec3 exposed = glm::max(glm::dvec3(v), 0.0) * exposure / (alpha > 0 ? alpha : 1);
+    const glm::dvec3 shown = reference::display_encoded(reference::tone_mapped(job.tonemap, exposed));
+    for (int c = 0; c < 3; ++c) {
+      uint16_t code;
+      std::memcpy(&code, display.pixels.data() + (i * size_t(display.channels) + size_t(c)) * 2, 2);
+      const double away = std::abs(code / 65535.0 - shown[c]);
+      worst = std::isnan(away) ? std::numeric_limits<double>::infinity() : std::max(worst, away);
+    }
+  }
+  return worst;
+}
+
+}  // namespace candela

@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "image/io.h"
+#include "program.h"
+
+namespace candela::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Ended stability(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"bench", "--suite", "stability", "--quiet"});
+  return candela(std::move(arguments));
+}
+
+// A scene or two of every family; bench/results has all of them.
+TEST(Stability, ExtremeScenesAreAsTheyShouldBe) {
+  const TestFolder folder;
+  const Ended ended = stability(
+      {"--only",
+       "near 1e-4,1 mm at 1 km,inside a ball,1e6 m along,cancelling,a million times,1e9 cd,range 1e-3,farther than floats,on a surface,at the camera,"
+       "cone of 0.01 degrees,cone of 90,dark ones,metal mirror,albedo above,emissive,normal map of zero,NaN,infinity in the sky,"
+       "without area,normals of zero,scale 0,scale 1e-8,scale 1e15,two keys,antipodal,beyond floats,through zero,65504,all black,all 1e30,"
+       "exposure,images/1x1,images/127x61,16385",
+       "--json", folder / "s.json", "--pictures", folder / "pictures"});
+  ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
+  EXPECT_NE(ended.out.find("0 pixels not finite, 0 rows wrong"), std::string::npos) << ended.out;
+  const Json json = Json::parse(bytes_of(folder / "s.json"));
+  EXPECT_EQ(json["nonfinite"], 0);
+  EXPECT_GE(json["scenes"], 50);
+  EXPECT_EQ(json["faulty_rows"], 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "pictures/images-1x1.png"));
+  for (const Json& row : json["rows"]) {
+    EXPECT_TRUE(row["pass"]) << row;
+    if (row["scene"] == "emissive 1e8") {
+      EXPECT_GT(row["clamped"], 0) << "the file of halves holds less than the picture, and the table says so";
+    }
+    if (row["scene"] == "NaN in the sky") {
+      EXPECT_EQ(row["warnings"].size(), 1u);
+    }
+  }
+}
+
+TEST(Stability, ClampedValuesAreCountedAndSaid) {
+  const TestFolder folder;
+  ASSERT_EQ(candela({"make-scene", "unlit-box", "-o", folder / "s.glb"}).code, 0);
+  const std::vector<std::string> render = {"render", folder / "s.glb", "--size", "16x12", "--samples", "1", "--background", "1e6,1,0", "--json"};
+  std::vector<std::string> half = render, whole = render;
+  half.insert(half.end(), {"-o", folder / "half.exr"});
+  whole.insert(whole.end(), {"-o", folder / "whole.exr", "--exr-type", "float"});
+  const Ended clamped = candela(half), kept = candela(whole);
+  ASSERT_EQ(clamped.code, 0) << clamped.err;
+  ASSERT_EQ(kept.code, 0) << kept.err;
+  EXPECT_NE(clamped.err.find("stored as 65504"), std::string::npos) << clamped.err;
+  EXPECT_NE(Json::parse(clamped.out)["warnings"].dump().find("stored as 65504"), std::string::npos) << clamped.out;
+  EXPECT_EQ(kept.err.find("stored as 65504"), std::string::npos) << kept.err;
+}
+
+TEST(Stability, SamplesThatTheDeviceLacksAreNoSilentlyDarkerPicture) {
+  const TestFolder folder;
+  ASSERT_EQ(candela({"make-scene", "unlit-box", "-o", folder / "s.glb"}).code, 0);
+  for (const char* samples : {"1", "2", "4", "8"}) {
+    const std::string file = folder / (std::string(samples) + ".exr");
+    const Ended ended = candela({"render", folder / "s.glb", "--size", "16x12", "--samples", samples, "--background", "1,1,1", "-o", file});
+    if (ended.code == 0) {
+      const auto image = read_image(file);
+      ASSERT_TRUE(image);
+      for (const float alpha : image->find("A")->f) ASSERT_EQ(alpha, 1.0f) << samples << " samples";
+    } else {
+      EXPECT_EQ(ended.code, 4) << ended.err;
+      EXPECT_NE(ended.err.find(std::string("no ") + samples + " samples"), std::string::npos) << ended.err;
+    }
+  }
+}
+
+TEST(Stability, FindsLostEnergy) {
+  // A cap drops all but one of ten thousand lights.
+  const Ended ended = stability({"--only", "10,000 points", "--techniques", "clustered", "--set", "lights.cap=1", "--set", "lights.few=0"});
+  EXPECT_EQ(ended.code, 1) << ended.out << ended.err;
+  EXPECT_NE(ended.out.find("of the plain scene's energy"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("WRONG"), std::string::npos) << ended.out;
+}
+
+TEST(Stability, UsageErrorsSayWhatIsMeant) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--only", "no such scene"}, {"--techniques", "brut-force"}, {"--set", "lights.cap"}, {"--lights", "3"}, {"--count", "3"}}) {
+    const Ended ended = stability(arguments);
+    EXPECT_EQ(ended.code, 2) << arguments.back() << ": " << ended.err;
+    EXPECT_FALSE(ended.err.empty());
+  }
+}
+
+}  // namespace
+}  // namespace candela::test

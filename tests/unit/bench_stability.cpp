@@ -1,0 +1,94 @@
+#include "bench/stability_measure.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <set>
+
+#include "bench/stability_scenes.h"
+
+namespace candela::test {
+namespace {
+
+Beauty picture(const std::vector<glm::vec4>& pixels) {
+  Beauty beauty{int(pixels.size()), 1, 16, {}};
+  beauty.bytes.resize(pixels.size() * 16);
+  std::memcpy(beauty.bytes.data(), pixels.data(), beauty.bytes.size());
+  return beauty;
+}
+constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+
+TEST(Stability, HasAtLeastEightyScenesOfUniqueNames) {
+  std::set<std::string> names, families;
+  for (const StabilityRecipe& recipe : stability_recipes()) {
+    families.insert(recipe.family);
+    EXPECT_TRUE(names.insert(recipe.family + "/" + recipe.name).second) << recipe.name;
+  }
+  EXPECT_GE(names.size(), 80u);
+  EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "textures", "geometry", "animation", "tone", "images"}));
+}
+
+TEST(Stability, ScenesFollowFromTheSeed) {
+  const auto recipes = stability_recipes();
+  const auto moved = std::find_if(recipes.begin(), recipes.end(), [](const StabilityRecipe& r) { return r.family == "worlds"; });
+  ASSERT_NE(moved, recipes.end());
+  const auto file = [&](uint64_t seed) {
+    StabilityInput in{Rng(seed)};
+    return moved->make(in).file;
+  };
+  EXPECT_EQ(file(7), file(7));
+  EXPECT_NE(file(7), file(8));
+}
+
+TEST(Stability, CountsWhatIsNotFiniteAndWhatHalfCannotHold) {
+  const PixelCounts counts = count_pixels(picture({{1, 2, 3, 1}, {nan, 0, 0, 1}, {0, infinity, 0, 1}, {70000, 65504, -70000, 1}}), 1);
+  EXPECT_EQ(counts.nonfinite, 2u);
+  EXPECT_EQ(counts.first_x, 1);
+  EXPECT_EQ(counts.beyond_half, 2u);
+  EXPECT_FALSE(counts.black);
+  // The exposure is taken out before the file gets the values.
+  EXPECT_EQ(count_pixels(picture({{40000, 0, 0, 1}}), 0.5).beyond_half, 1u);
+  EXPECT_EQ(count_pixels(picture({{70000, 0, 0, 1}}), 2).beyond_half, 0u);
+  EXPECT_TRUE(count_pixels(picture({{0, 0, 0, 1}}), 1).black);
+}
+
+TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
+  const Beauty right = picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}});
+  TruePicture truth = picture_truth(right, 1);
+  EXPECT_EQ(picture_error(right, 1, truth, 0).max_relative, 0);
+  EXPECT_EQ(picture_error(right, 1, truth, 0).energy, 0);
+
+  const PictureError off = picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
+  EXPECT_NEAR(off.max_relative, 0.1, 1e-6);
+  EXPECT_EQ(off.beyond, 1u);
+  EXPECT_EQ(off.worst_x, 1);
+  EXPECT_NEAR(off.energy, 0.2 / 21, 1e-6);
+  // An edge: what the pixel shows a third of a pixel away is right too.
+  truth.high[1] = glm::dvec4(2.5, 2.5, 2.5, 1);
+  EXPECT_EQ(picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).beyond, 0u);
+
+  // Light where there is none is measured against a hundredth of the median.
+  EXPECT_NEAR(picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0.02f, 0, 0, 1}}), 1, truth, 0.05).max_relative, 1, 1e-6);
+  const PictureError broken = picture_error(picture({{nan, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
+  EXPECT_EQ(broken.max_relative, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(broken.beyond, 1u);
+  EXPECT_FALSE(std::abs(broken.energy) <= 1e9);
+  // Lost light.
+  EXPECT_NEAR(picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).energy, -4.0 / 7, 1e-6);
+}
+
+TEST(Stability, MeasuresTheDisplayAgainstTheCurve) {
+  Job job;
+  job.tonemap = "none";
+  const Beauty beauty = picture({{0.25f, 1, 5, 1}});
+  DisplayImage display{1, 1, 3, 16, {}};
+  const uint16_t codes[] = {35199, 65535, 65535};  // sRGB of 0.25 is 0.537099
+  display.pixels.resize(6);
+  std::memcpy(display.pixels.data(), codes, 6);
+  EXPECT_LT(display_error(display, beauty, 1, job), 2e-5);
+  job.exposure_ev = -1;
+  EXPECT_GT(display_error(display, beauty, 1, job), 0.1);
+}
+
+}  // namespace
+}  // namespace candela::test

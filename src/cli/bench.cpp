@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "bench/error_analysis.h"
 #include "bench/run_suite.h"
 #include "cli/bench_options.h"
 #include "cli/command.h"
@@ -12,6 +13,7 @@
 #include "render/frame_names.h"
 #include "report/bench_report.h"
 #include "report/bench_rows.h"
+#include "report/error_rows.h"
 #include "report/plot.h"
 
 namespace candela::cli {
@@ -85,6 +87,31 @@ Expected<int> finish(const BenchOptions& o, const BenchRun& run, const std::stri
   if (!o.report.empty() && !has_gnuplot())
     log::warning("gnuplot is not on PATH (apt install gnuplot-nox): the report has tables and no plots");
   return first_error(run);
+}
+
+std::string error_sentences(const BenchRun& run) {
+  std::string text;
+  for (const ErrorPlace& place : error_places(run)) {
+    text += "\n" + place.name + "\n";
+    for (const char* reference : {open_reference_name, "path"})
+      for (const double bound : error_bounds) text += "  " + cheapest_sentence(place.rows, reference, "relmse", bound) + "\n";
+    for (const KnobStudy& study : knob_studies(place.rows))
+      text += fmt::format("  {}: {} is worth its time\n", study.knob, study.advised.empty() ? "no value" : study.advised);
+  }
+  return text;
+}
+
+Expected<int> run_errors(const BenchOptions& o) {
+  const auto sweep = error_sweep_of(o);
+  if (!sweep) return std::unexpected(sweep.error());
+  if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
+  const HeldSignals signals;
+  const auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; });
+  if (!run) return std::unexpected(run.error());
+  const auto finished = finish(o, *run, "candela bench: error against time");
+  if (finished && o.json != "-" && o.csv != "-")
+    if (auto printed = print(error_sentences(*run)); !printed) return std::unexpected(printed.error());
+  return finished;
 }
 
 Expected<int> run_measure(const BenchOptions& o) {
@@ -222,6 +249,7 @@ Expected<int> run_bench(const BenchOptions& o) {
   if (!o.compare.empty()) return run_compare(o);
   if (!o.from.empty()) return run_from_rows(o);
   if (o.suite == "exactness") return run_exactness(o);
+  if (o.error) return run_errors(o);
   return run_measure(o);
 }
 

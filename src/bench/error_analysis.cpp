@@ -28,22 +28,36 @@ void fit_order(KnobStudy& study) {
   if (study.fit.points >= 2) study.r_squared = r_squared(study.fit, x, y);
 }
 
-// A tenth of what is wrong anyway is not seen: the cheapest value whose own error stays below it is the one worth its time. Times that
-// differ by no more than their spread are the same.
+// Medians that are no farther apart than this are not known to differ: three standard errors (sampling.h) of each.
+double doubt_ms(const BenchRow& a, const BenchRow& b) {
+  const auto error = [](const BenchRow& row) {
+    const Summary s = summary(row.gpu.ms);
+    return s.count > 0 ? 1.2533 * 1.4826 * s.mad / std::sqrt(double(s.count)) : 0;
+  };
+  return 3 * std::hypot(error(a), error(b));
+}
+
+// A tenth of what is wrong anyway is not seen: the cheapest value whose own error stays below it is the one worth its time; among values
+// whose times are not known to differ, the one with less error.
 void judge_values(KnobStudy& study, std::optional<double> whole_relmse) {
+  const auto& values = study.values;
+  if (std::all_of(values.begin(), values.end(), [](const KnobStudy::Value& v) { return v.rmse == 0; })) {
+    for (KnobStudy::Value& v : study.values) v.verdict = "changes nothing in this picture";
+    return;
+  }
   const KnobStudy::Value* best = nullptr;
   for (KnobStudy::Value& v : study.values) {
     for (const KnobStudy::Value& other : study.values)
-      if (other.ms <= v.ms && other.relmse <= v.relmse && (other.ms < v.ms || other.relmse < v.relmse)) {
+      if (other.relmse <= v.relmse && other.ms < v.ms - doubt_ms(*other.row, *v.row)) {
         v.dominated = true;
-        v.verdict = "no: " + other.text + " is no slower and no worse";
+        v.verdict = "no: " + other.text + " is quicker and no worse";
         break;
       }
     const bool hidden = whole_relmse ? v.relmse <= 0.1 * *whole_relmse : v.relmse == 0;
-    if (!v.dominated) v.verdict = hidden ? "its error is hidden under the technique's own" : "faster, but its error shows";
+    if (!v.dominated) v.verdict = hidden ? "its error is hidden under the technique's own" : "its error shows";
     if (!hidden) continue;
-    const double spread = best ? 3 * std::max(v.mad_ms, best->mad_ms) : 0;
-    if (!best || v.ms < best->ms - spread || (v.ms < best->ms + spread && v.relmse < best->relmse)) best = &v;
+    const double doubt = best ? doubt_ms(*v.row, *best->row) : 0;
+    if (!best || v.ms < best->ms - doubt || (v.ms < best->ms + doubt && v.relmse < best->relmse)) best = &v;
   }
   if (best) study.advised = best->text;
 }
@@ -98,7 +112,11 @@ const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::strin
   const auto points = error_points(rows, reference, metric);
   for (const ErrorPoint& p : points)
     if (p.error <= most && (!best || std::pair(p.ms, p.error) < std::pair(best->ms, best->error))) best = &p;
-  return best ? best->row : nullptr;
+  if (!best) return nullptr;
+  // A quality by its name is easier to ask for than one knob of it, where they are the same.
+  for (const ErrorPoint& p : points)
+    if (!best->row->settings.empty() && p.row->settings.empty() && p.error <= best->error && p.ms < best->ms + doubt_ms(*p.row, *best->row)) best = &p;
+  return best->row;
 }
 
 const BenchRow* most_exact(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric, double ms) {

@@ -25,7 +25,7 @@ struct ErrorPoint {
 };
 std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric);
 
-// The cheapest row whose error is no more than `most`; among equals the more exact.
+// The cheapest row whose error is no more than `most`; among equals the more exact, or a quality rather than one knob of it.
 const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric, double most);
 // The most exact row that takes no more than `ms`.
 const BenchRow* most_exact(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric, double ms);
@@ -38,7 +38,7 @@ struct KnobStudy {
     const BenchRow* row = nullptr;
     std::string text;
     double value = 0, ms = 0, mad_ms = 0, relmse = 0, rmse = 0;
-    bool dominated = false;  // another value is no slower and no worse
+    bool dominated = false;  // another value is quicker beyond doubt and no worse
     std::string verdict;     // whether it is worth its time, and why
   };
   std::string knob;
@@ -46,7 +46,7 @@ struct KnobStudy {
   // rmse = factor * value^exponent over the values that have an error; the knob's order of convergence where it has three or more.
   PowerFit fit;
   double r_squared = 0;
-  std::string advised;  // the value worth its time
+  std::string advised;  // the value worth its time; empty where none is, or the knob changes nothing
 };
 // rows: of one place.
 std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows);

@@ -96,7 +96,8 @@ std::string error_sentences(const BenchRun& run) {
     for (const char* reference : {open_reference_name, "path"})
       for (const double bound : error_bounds) text += "  " + cheapest_sentence(place.rows, reference, "relmse", bound) + "\n";
     for (const KnobStudy& study : knob_studies(place.rows))
-      text += fmt::format("  {}: {} is worth its time\n", study.knob, study.advised.empty() ? "no value" : study.advised);
+      text += study.advised.empty() ? fmt::format("  {}: {}\n", study.knob, study.values.empty() ? "" : study.values.front().verdict)
+                                    : fmt::format("  {}: {} is worth its time\n", study.knob, study.advised);
   }
   return text;
 }

@@ -80,8 +80,11 @@ std::string scatter_svg(const Scatter& scatter) {
   }
   for (size_t i = 0; i < front.size(); ++i) {
     const double x = x_of(front[i]->x);
+    // Labels of points on one spot would cover each other: the first speaks for them, the pointer shows the rest.
+    if (i > 0 && std::abs(x - x_of(front[i - 1]->x)) < 40 && std::abs(y_of(front[i]->y) - y_of(front[i - 1]->y)) < 14) continue;
     const bool far = x > left + width * 0.6;
-    svg += text(x + (far ? -9 : 9), y_of(front[i]->y) - 8, far ? "text-anchor=\"end\" fill=\"#222\" font-size=\"11\"" : "fill=\"#222\" font-size=\"11\"",
+    // Every second one below its point, so that neighbours keep apart.
+    svg += text(x + (far ? -9 : 9), y_of(front[i]->y) + (i % 2 ? 18 : -8), far ? "text-anchor=\"end\" fill=\"#222\" font-size=\"11\"" : "fill=\"#222\" font-size=\"11\"",
                 front[i]->label);
   }
   if (zeros) svg += text(left + 4, bottom - 5, "fill=\"#666\" font-size=\"11\"", "on the lower edge: no difference at all");

@@ -84,6 +84,31 @@ TEST(KnobStudies, AValueThatCostsMoreAndGivesLessIsDominated) {
   EXPECT_EQ(studies[0].advised, "0.01");
 }
 
+TEST(KnobStudies, AnIdleKnobIsSaidToBeIdleAndNoiseIsNotJudged) {
+  auto rows = sweep();
+  for (size_t i = 4; i < rows.size(); ++i) rows[i].errors[0].metrics["rmse"] = rows[i].errors[0].metrics["relmse"] = 0;
+  const auto idle = knob_studies(pointers(rows))[0];
+  EXPECT_EQ(idle.advised, "");
+  EXPECT_EQ(idle.values[0].verdict, "changes nothing in this picture");
+  // 0.01 took less time than 0 by far less than its own spread: neither dominates, and the exact one is advised.
+  rows = sweep();
+  rows[5].gpu.ms = {20, 20, 20};
+  rows[6].gpu.ms = {4, 6, 8}, rows[7].gpu.ms = {5, 5.9, 7};
+  rows[7].errors[0].metrics["relmse"] = 0.0008;  // both hidden
+  const auto noisy = knob_studies(pointers(rows))[0];
+  EXPECT_FALSE(noisy.values[2].dominated);
+  EXPECT_EQ(noisy.advised, "0.01");
+}
+
+TEST(ErrorSentences, PreferAQualityToOneKnobOfIt) {
+  auto rows = sweep();
+  rows[7].gpu.ms = {5.9, 5.9, 6.3};  // floor 0 in quality exact is quality exact
+  rows[7].errors = rows[1].errors;
+  rows[6].errors[1].metrics["relmse"] = 1;
+  rows[1].gpu.ms = {5.8, 6.0, 6.1};
+  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[1]);
+}
+
 TEST(KnobStudies, AnImperfectLawHasALowerRSquared) {
   auto rows = sweep();
   rows[5].errors[0].metrics["rmse"] = 0.2;

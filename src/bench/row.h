@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "bench/sampling.h"
+#include "metrics/hdr_flip.h"
+#include "metrics/noise_floor.h"
 
 namespace candela {
 
@@ -30,6 +32,15 @@ struct PictureCheck {
   std::string note;        // why it was not compared, or not against the suite's reference
   uint64_t differing = 0;  // pixels whose linear colour is not bit-equal
   double max_difference = 0;
+};
+
+// How far the picture is from one that is truer (error_sweep.h says which there are).
+struct PictureError {
+  std::string reference;
+  std::map<std::string, double> metrics;  // names as in metrics/compare.h; empty where it was not compared
+  std::string note;                       // why not
+  std::optional<NoiseFloor> noise;        // of the reference
+  std::optional<ExposureRange> exposures; // of hdr-flip: the same for all rows of a place
 };
 
 // One configuration as measured. Every number of a report is here or follows from it.
@@ -57,6 +68,7 @@ struct BenchRow {
   std::vector<std::pair<std::string, double>> opening_ms;  // load and upload, once
   std::vector<std::pair<std::string, uint64_t>> memory;    // bytes, as in --timings
   PictureCheck picture;
+  std::vector<PictureError> errors;  // of sweeps of error against time
   std::optional<LightLists> lists;
   std::string lists_note;            // why there are none
   std::vector<std::string> remarks;  // what the frame's own notes and warnings say
@@ -64,6 +76,7 @@ struct BenchRow {
   std::string error;                 // it failed
   int error_kind = 0;
   std::vector<std::byte> thumbnail, heatmap;  // PNG; in reports, not in files of rows
+  std::vector<std::byte> strip;               // the same: picture of the reference, this one, and their FLIP
 };
 
 // Names what the row measured, without the device: equal for the same configuration in another run.

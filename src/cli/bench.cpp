@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "bench/error_analysis.h"
 #include "bench/run_suite.h"
 #include "cli/bench_options.h"
 #include "cli/bench_stability.h"
@@ -13,6 +14,7 @@
 #include "render/frame_names.h"
 #include "report/bench_report.h"
 #include "report/bench_rows.h"
+#include "report/error_rows.h"
 #include "report/plot.h"
 
 namespace candela::cli {
@@ -86,6 +88,32 @@ Expected<int> finish(const BenchOptions& o, const BenchRun& run, const std::stri
   if (!o.report.empty() && !has_gnuplot())
     log::warning("gnuplot is not on PATH (apt install gnuplot-nox): the report has tables and no plots");
   return first_error(run);
+}
+
+std::string error_sentences(const BenchRun& run) {
+  std::string text;
+  for (const ErrorPlace& place : error_places(run)) {
+    text += "\n" + place.name + "\n";
+    for (const char* reference : {open_reference_name, "path"})
+      for (const double bound : error_bounds) text += "  " + cheapest_sentence(place.rows, reference, "relmse", bound) + "\n";
+    for (const KnobStudy& study : knob_studies(place.rows))
+      text += study.advised.empty() ? fmt::format("  {}: {}\n", study.knob, study.values.empty() ? "" : study.values.front().verdict)
+                                    : fmt::format("  {}: {} is worth its time\n", study.knob, study.advised);
+  }
+  return text;
+}
+
+Expected<int> run_errors(const BenchOptions& o) {
+  const auto sweep = error_sweep_of(o);
+  if (!sweep) return std::unexpected(sweep.error());
+  if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
+  const HeldSignals signals;
+  const auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; });
+  if (!run) return std::unexpected(run.error());
+  const auto finished = finish(o, *run, "candela bench: error against time");
+  if (finished && o.json != "-" && o.csv != "-")
+    if (auto printed = print(error_sentences(*run)); !printed) return std::unexpected(printed.error());
+  return finished;
 }
 
 Expected<int> run_measure(const BenchOptions& o) {
@@ -224,6 +252,7 @@ Expected<int> run_bench(const BenchOptions& o) {
   if (!o.from.empty()) return run_from_rows(o);
   if (o.suite == "exactness") return run_exactness(o);
   if (o.suite == "stability") return run_stability(o);
+  if (o.error) return run_errors(o);
   return run_measure(o);
 }
 

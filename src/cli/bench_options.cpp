@@ -170,6 +170,17 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--budget-s", o.budget_s, "Wall time of the run; rows that lack runs say so")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
+  command.add_flag("--error", o.error,
+                   "Error against time: every knob along its ladder, and every technique at every quality, against exact and traced pictures");
+  command.add_option("--reference-spp", o.reference_spp, "With --error: samples a pixel of the traced references; 64 by default")
+      ->transform(whole_number<uint64_t>())
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  command.add_option("--reference-seconds", o.reference_s, "With --error: longest time for one traced reference; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
+  command.add_option("--hdr-flip", o.hdr_flip, "With --error: exposures of hdr-flip; auto takes them from each place's reference")
+      ->type_name("auto|START,STOP,COUNT");
   command.add_option("--count", o.count, "With --suite exactness: number of light fields")
       ->transform(whole_number<int>())
       ->check(CLI::NonNegativeNumber)
@@ -218,6 +229,11 @@ Expected<void> check_options(const BenchOptions& o) {
     return fail(ErrorKind::usage, "--only", "--only, --pictures and --large go with --suite stability");
   if (o.suite == "stability" && !(o.lights + o.sizes + o.samples + o.qualities + o.times + o.frames + o.camera).empty())
     return fail(ErrorKind::usage, "--suite", "the scenes of stability choose their own lights, sizes and times");
+  if (o.error && modes > 0) return fail(ErrorKind::usage, "--error", "takes scenes or suite files, not --suite, --compare or --from");
+  if (!o.error && (o.reference_spp || o.reference_s > 0 || o.hdr_flip != "auto"))
+    return fail(ErrorKind::usage, "--reference-spp", "--reference-spp, --reference-seconds and --hdr-flip go with --error");
+  if (o.error && (!o.settings.empty() || !o.qualities.empty() || !o.samples.empty()))
+    return fail(ErrorKind::usage, "--error", "walks knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
   if (!o.report.empty() && (!o.suite.empty() || !o.compare.empty()))
     return fail(ErrorKind::usage, "--report", "reports are of measurements");
   if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())
@@ -264,6 +280,23 @@ Expected<ExactnessOptions> exactness_of(const BenchOptions& o) {
   for (SuiteTechnique& technique : suite.techniques) technique.set = suite.set;
   if (auto fine = configurations(suite); !fine) return std::unexpected(fine.error());
   options.techniques = suite.techniques;
+  return options;
+}
+
+Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& o) {
+  auto suites = suites_of(o);
+  if (!suites) return std::unexpected(suites.error());
+  if (suites->size() != 1) return fail(ErrorKind::usage, "--error", "takes one suite file, or scenes alone");
+  ErrorSweepOptions options{.base = std::move(suites->front()), .reference_s = o.reference_s};
+  // Frames of a sweep are many: nothing is learned from a median that is good to a percent where errors span decades.
+  if (!o.precision) options.base.sampling.precision = 0.03;
+  if (!o.max_runs) options.base.sampling.max_runs = 24;
+  if (o.reference_spp) options.reference_spp = *o.reference_spp;
+  if (o.hdr_flip != "auto") {
+    const auto range = parse_exposure_range(o.hdr_flip);
+    if (!range) return std::unexpected(Error{ErrorKind::usage, range.error().message, "--hdr-flip"});
+    options.exposures = *range;
+  }
   return options;
 }
 

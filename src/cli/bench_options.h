@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/error_sweep.h"
 #include "bench/exactness.h"
 #include "bench/suite.h"
 
@@ -19,6 +20,10 @@ struct BenchOptions {
   std::optional<double> budget_s, precision, warm_up_s;
   std::optional<int> min_runs, max_runs, max_sessions, count, reference_max_lights;
   double min_change = 0.05, timeout_s = 600;
+  bool error = false;  // sweep of error against time
+  std::string hdr_flip = "auto";
+  std::optional<uint64_t> reference_spp;
+  double reference_s = 0;
   bool validate = false, quiet = false, large = false;
 };
 void add_bench_options(CLI::App& command, BenchOptions& options);
@@ -28,6 +33,7 @@ Expected<void> check_options(const BenchOptions& options);
 // The suites named, and one of the scenes named, with the options put over what suites say.
 Expected<std::vector<Suite>> suites_of(const BenchOptions& options);
 Expected<ExactnessOptions> exactness_of(const BenchOptions& options);
+Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& options);
 RunSettings bench_settings(const BenchOptions& options);
 
 }  // namespace candela::cli

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/log.h"
+#include "base/text.h"
 #include "cli/command.h"
 #include "image/io.h"
 #include "metrics/heatmap.h"
@@ -14,21 +15,74 @@ namespace candela::cli {
 namespace {
 
 struct CompareCommand {
-  std::string a, b, heatmap;
-  std::vector<std::string> limits;
+  std::string a, b, heatmap, hdr_flip = "auto";
+  std::vector<std::string> limits, regions;
   bool json = false, quiet = false;
 };
 
-std::string comparison_table(const Comparison& comparison, const std::vector<LimitVerdict>& verdicts) {
-  std::vector<std::vector<std::string>> rows = {{"METRIC", "VALUE", "LIMIT"}};
-  for (const auto& [metric, value] : comparison.metrics) {
-    std::string limit;
+std::string place_text(const Place& place) {
+  return place.channel.empty() ? "" : fmt::format("pixel ({}, {}), {}", place.x, place.y, place.channel);
+}
+
+using Rows = std::vector<std::vector<std::string>>;
+
+void add_metrics(Rows& rows, const std::string& where, const std::map<std::string, double>& metrics, const Place& max_at,
+                 const std::optional<NoiseFloor>& noise, const std::vector<LimitVerdict>& verdicts) {
+  for (const auto& [metric, value] : metrics) {
+    std::string limit, note;
     for (const LimitVerdict& v : verdicts)
-      if (v.limit.metric == metric)
+      if (v.limit.metric == metric && v.region == where)
         limit += fmt::format("{}{} {}", limit.empty() ? "" : ", ", v.limit.value, v.pass ? "holds" : "BROKEN");
-    rows.push_back({metric, fmt::format("{:.6g}", value), limit});
+    if (metric == "max") note = place_text(max_at);
+    if (noise && (metric == "rmse" || metric == "relmse")) {
+      const double floor = metric == "rmse" ? noise->rmse : noise->relmse;
+      note = fmt::format("{} the reference's noise, {:.4g}", value <= floor ? "below" : "above", floor);
+    }
+    rows.push_back({metric, fmt::format("{:.6g}", value), limit, note});
   }
-  return table_text(rows);
+}
+
+std::string comparison_table(const Comparison& c, const std::vector<LimitVerdict>& verdicts) {
+  std::string text = fmt::format("non-finite pixels: {} in the reference, {} in the test image\n", c.nonfinite_reference, c.nonfinite_test);
+  if (!c.refusal.empty()) return text;
+  Rows rows = {{"METRIC", "VALUE", "LIMIT", "NOTE"}};
+  add_metrics(rows, "", c.metrics, c.max_at, c.noise, verdicts);
+  text += table_text(rows);
+  text += fmt::format("relmse: epsilon {}; relmse-trimmed: without the {} % of the pixels where it is largest\n", relmse_epsilon,
+                      trimmed_share * 100);
+  if (c.exposures)
+    text += fmt::format("hdr-flip: {} exposures from {:.6g} to {:.6g} stops, ACES curve\n", c.exposures->count, c.exposures->start,
+                        c.exposures->stop);
+  for (const RegionResult& region : c.regions) {
+    rows = {{"REGION " + region.region.text(), "VALUE", "LIMIT", "NOTE"}};
+    add_metrics(rows, region.region.text(), region.metrics, region.max_at, region.noise, verdicts);
+    text += "\n" + table_text(rows);
+  }
+  if (!c.layers.empty()) {
+    rows = {{"LAYER", "METRIC", "VALUE", "NOTE"}};
+    for (const LayerResult& layer : c.layers)
+      for (const auto& [metric, value] : layer.metrics)
+        rows.push_back({layer.name, metric, fmt::format("{:.6g}", value), metric == "max" || metric.ends_with("-max") ? place_text(layer.max_at) : ""});
+    text += "\n" + table_text(rows);
+  }
+  return text;
+}
+
+Expected<CompareOptions> options_of(const CompareCommand& o) {
+  CompareOptions options{.layers = true};
+  if (o.hdr_flip == "auto") {
+    options.hdr_flip = HdrFlipChoice{};
+  } else if (o.hdr_flip != "off") {
+    const auto range = parse_exposure_range(o.hdr_flip);
+    if (!range) return std::unexpected(range.error());
+    options.hdr_flip = HdrFlipChoice{*range};
+  }
+  for (const std::string& text : o.regions) {
+    const auto region = parse_region(text);
+    if (!region) return std::unexpected(region.error());
+    options.regions.push_back(*region);
+  }
+  return options;
 }
 
 Expected<void> write_heatmap(const std::string& file, const Comparison& comparison) {
@@ -51,13 +105,18 @@ Expected<int> run_compare(const CompareCommand& o) {
       return fail(ErrorKind::usage, "--heatmap", "'{}' does not end in .png", o.heatmap);
     if (auto ready = prepare_output(o.heatmap); !ready) return std::unexpected(ready.error());
   }
-  const auto comparison = compare_files(o.a, o.b);
+  const auto options = options_of(o);
+  if (!options) return std::unexpected(options.error());
+  const auto comparison = compare_files(o.a, o.b, *options);
   if (!comparison) return std::unexpected(comparison.error());
   const std::vector<LimitVerdict> verdicts = judge_limits(*comparison, limits);
   if (!comparison->refusal.empty()) log::error("{}", comparison->refusal);
+  for (const auto& [layers, file] : {std::pair(&comparison->only_in_reference, &o.a), std::pair(&comparison->only_in_test, &o.b)})
+    if (!layers->empty()) log::warning("only {} has {}: not compared", *file, joined(*layers));
   for (const LimitVerdict& v : verdicts)
     if (!v.pass && comparison->refusal.empty())
-      log::error("{} is {:.6g}, the limit is {}", v.limit.metric, v.measured, v.limit.value);
+      log::error("{}{} is {:.6g}, the limit is {}", v.limit.metric, v.region.empty() ? "" : " of region " + v.region, v.measured,
+                 v.limit.value);
   auto printed =
       o.json ? print(comparison_json(*comparison, verdicts) + "\n") : print(comparison_table(*comparison, verdicts));
   if (printed) printed = write_heatmap(o.heatmap, *comparison);
@@ -74,9 +133,18 @@ void add_compare(CLI::App& app, Action& action) {
   command->add_option("b", o->b, "Image under test")->type_name("B");
   command
       ->add_option("--limit", o->limits,
-                   "Exit 1 beyond it: max, mae, rmse, relmse, psnr, ssim, flip or differing; may be given again")
+                   "Exit 1 beyond it, in the whole image or in a region: max, mae, rmse, relmse, relmse-trimmed, p50, p90, p99, "
+                   "p99.9, psnr, ssim, flip, hdr-flip or differing; may be given again")
       ->allow_extra_args(false)
       ->type_name("METRIC=VALUE");
+  command->add_option("--region", o->regions, "Measure this part too, in pixels from the upper left corner; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("X,Y,W,H");
+  command
+      ->add_option("--hdr-flip", o->hdr_flip,
+                   "Exposures of hdr-flip in stops: auto takes them from the reference; fix them where several results are compared; or off")
+      ->capture_default_str()
+      ->type_name("auto|off|START,STOP,COUNT");
   command->add_option("--heatmap", o->heatmap, "FLIP of every pixel as colours")->type_name("FILE.png");
   command->add_flag("--quiet", o->quiet, "Only warnings and errors on stderr");
   command->add_flag("--json", o->json, "As JSON");

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/log.h"
+#include "cli/budget.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
 #include "cli/result.h"
@@ -20,22 +21,32 @@ using Json = nlohmann::ordered_json;
 struct RenderOptions {
   JobOptions job;
   MomentOptions moment;
+  BudgetOptions budget;
   std::vector<std::string> outputs;
   std::string timings, trace;
   std::optional<int> check_determinism;  // number of runs
 };
 
 struct RenderPlan {
+  std::optional<SettingChoice> choice;  // within a budget
   Job job;
   Moment moment;
   WantedOutputs wanted;
   std::vector<fs::path> paths;
 };
 
-Expected<RenderPlan> plan_render(const RenderOptions& o) {
+Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o) {
   RenderPlan plan;
-  const auto job = job_of(o.job);
+  auto job = job_of(o.job);
   if (!job) return std::unexpected(job.error());
+  auto choice = choice_within(command, o.budget, job->width_px, job->height_px);
+  if (!choice) return std::unexpected(choice.error());
+  if ((plan.choice = std::move(*choice))) {
+    job->technique = plan.choice->technique, job->quality = plan.choice->quality;
+    job->settings = plan.choice->settings, job->samples = plan.choice->samples;
+    if (auto fine = check_job(*job); !fine) return std::unexpected(fine.error());
+    log::info("chosen: {}; measured {:.3g} ms, error {:.3g}", plan.choice->text, plan.choice->ms, plan.choice->error);
+  }
   const auto moment = moment_of(o.job, o.moment);
   if (!moment) return std::unexpected(moment.error());
   plan.job = *job;
@@ -135,12 +146,14 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   set_log_level(o.job);
   auto settings = run_settings_of(o.job);
   if (!settings) return std::unexpected(settings.error());
-  const auto plan = plan_render(o);
+  const auto plan = plan_render(command, o);
   if (!plan) return std::unexpected(plan.error());
   settings->timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
   auto session = Session::open(plan->job, plan->wanted, *settings);
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
+  if (const std::string& name = (*session)->device().info().name; plan->choice && plan->choice->device != name)
+    log::warning("the sweep was measured on {}, this is {}: its times do not carry over", plan->choice->device, name);
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
   std::vector<std::string> warnings;
   if (o.check_determinism)
@@ -182,6 +195,7 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("-o,--output", o->outputs, "File to write; the ending chooses EXR or PNG; may be given again")
       ->allow_extra_args(false)
       ->type_name("FILE");
+  add_budget_options(*command, o->budget);
   command->add_option("--timings", o->timings, "Times of every pass and stage as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")
       ->type_name("FILE");

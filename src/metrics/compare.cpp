@@ -5,6 +5,7 @@
 
 #include "image/io.h"
 #include "metrics/flip.h"
+#include "metrics/numeric.h"
 #include "metrics/planes.h"
 #include "metrics/ssim.h"
 
@@ -13,7 +14,9 @@ namespace {
 
 std::string names_of(const FloatImage& image) {
   std::set<std::string> sorted;
-  for (const Channel& channel : image.channels) sorted.insert(channel.name);
+  // What the reference tracer says of its own noise is no part of the picture.
+  for (const Channel& channel : image.channels)
+    if (!channel.name.starts_with("variance.")) sorted.insert(channel.name);
   std::string text;
   for (const std::string& name : sorted) text += (text.empty() ? "" : " ") + name;
   return text;
@@ -35,8 +38,9 @@ std::string finiteness_refusal(const FloatImage& reference, const FloatImage& te
     bool mismatch = false;
     for (const Channel& a : reference.channels) {
       if (a.type == ChannelType::uint32) continue;
-      const Channel& b = *test.find(a.name);
-      const float va = a.f[i], vb = b.f[i];
+      const Channel* b = test.find(a.name);
+      if (!b) continue;  // variance
+      const float va = a.f[i], vb = b->f[i];
       if (same_finiteness(va, vb)) {
         in_both += !std::isfinite(va);
         continue;
@@ -65,68 +69,35 @@ std::string refusal_of(const FloatImage& a, const FloatImage& b, size_t& nonfini
   if (names_of(a) != names_of(b))
     return fmt::format("the channels differ: \"{}\" and \"{}\"", names_of(a), names_of(b));
   for (const Channel& channel : a.channels)
-    if ((channel.type == ChannelType::uint32) != (b.find(channel.name)->type == ChannelType::uint32))
+    if (const Channel* other = b.find(channel.name);
+        other && (channel.type == ChannelType::uint32) != (other->type == ChannelType::uint32))
       return fmt::format("channel {} holds integers in one image only", channel.name);
   return finiteness_refusal(a, b, nonfinite_in_both);
 }
 
 // The channels that max, mae, rmse and relmse run over (see compare.h).
-std::vector<std::pair<const Channel*, const Channel*>> numeric_channels(const FloatImage& a, const FloatImage& b) {
-  std::vector<std::pair<const Channel*, const Channel*>> plain, layered;
+std::vector<ChannelPair> numeric_channels(const FloatImage& a, const FloatImage& b) {
+  std::vector<ChannelPair> plain, layered;
   for (const Channel& channel : a.channels) {
-    if (channel.type == ChannelType::uint32) continue;
+    if (channel.type == ChannelType::uint32 || channel.name.starts_with("variance.")) continue;
     (channel.name.find('.') == std::string::npos ? plain : layered).emplace_back(&channel, b.find(channel.name));
   }
   return plain.empty() ? layered : plain;
 }
 
-void add_numeric_metrics(const FloatImage& a, const FloatImage& b, std::map<std::string, double>& metrics) {
-  const auto channels = numeric_channels(a, b);
-  if (channels.empty()) return;
-  struct Row {
-    double largest = 0, absolute = 0, square = 0, relative = 0;
-  };
-  std::vector<Row> rows(static_cast<size_t>(a.height));
-  const size_t width = size_t(a.width);
-  sum_rows(a.height, [&](int y) {
-    Row row;
-    for (const auto& [from, to] : channels)
-      for (size_t i = size_t(y) * width; i < size_t(y + 1) * width; ++i) {
-        if (!std::isfinite(from->f[i])) continue;  // equal in both, or it would have been refused
-        const double r = from->f[i], d = std::abs(double(to->f[i]) - r);
-        row.largest = std::max(row.largest, d);
-        row.absolute += d;
-        row.square += d * d;
-        row.relative += d * d / (r * r + 0.01);
-      }
-    rows[size_t(y)] = row;
-    return 0.0;
-  });
-  Row all;
-  for (const Row& row : rows) {
-    all.largest = std::max(all.largest, row.largest);
-    all.absolute += row.absolute, all.square += row.square, all.relative += row.relative;
-  }
-  const double count = double(channels.size()) * double(width) * double(a.height);
-  metrics["max"] = all.largest;
-  metrics["mae"] = all.absolute / count;
-  metrics["rmse"] = std::sqrt(all.square / count);
-  metrics["relmse"] = all.relative / count;
+std::vector<ChannelPair> all_channels(const FloatImage& a, const FloatImage& b) {
+  std::vector<ChannelPair> pairs;
+  for (const Channel& channel : a.channels)
+    if (const Channel* other = b.find(channel.name)) pairs.emplace_back(&channel, other);
+  return pairs;
 }
 
-double differing_pixels(const FloatImage& a, const FloatImage& b) {
-  std::vector<std::pair<const Channel*, const Channel*>> channels;
-  for (const Channel& channel : a.channels) channels.emplace_back(&channel, b.find(channel.name));
-  const size_t width = size_t(a.width);
-  return sum_rows(a.height, [&](int y) {
-    size_t count = 0;
-    for (size_t i = size_t(y) * width; i < size_t(y + 1) * width; ++i)
-      count += std::any_of(channels.begin(), channels.end(), [&](const auto& pair) {
-        if (pair.first->type == ChannelType::uint32) return pair.first->u[i] != pair.second->u[i];
-        return std::bit_cast<uint32_t>(pair.first->f[i]) != std::bit_cast<uint32_t>(pair.second->f[i]);
-      });
-    return double(count);
-  });
+size_t nonfinite_pixels(const FloatImage& image) {
+  size_t count = 0;
+  for (size_t i = 0; i < size_t(image.width) * size_t(image.height); ++i)
+    count += std::any_of(image.channels.begin(), image.channels.end(),
+                         [&](const Channel& c) { return c.type != ChannelType::uint32 && !std::isfinite(c.f[i]); });
+  return count;
 }
 
 double psnr(const std::vector<Plane>& a, const std::vector<Plane>& b, int width, int height) {
@@ -162,33 +133,118 @@ std::vector<std::vector<float>> display_planes(const FloatImage& image, Encoding
   return planes;
 }
 
+namespace {
+
+// As stored: scene-linear.
+std::vector<Plane> linear_planes(const FloatImage& image) {
+  std::vector<Plane> planes;
+  for (const char* name : {"R", "G", "B"}) {
+    const Channel* channel = image.find(name);
+    if (!channel) channel = image.find("Y");
+    if (!channel || channel->type == ChannelType::uint32) return {};
+    planes.push_back(channel->f);
+  }
+  return planes;
+}
+
+struct Numbers {
+  NumericResult result;
+  std::optional<NoiseFloor> noise;
+};
+// noise_scale: NoiseMap::scale of the whole image, for a part of it too; negative: the reference does not know its noise.
+Numbers numbers_of(const FloatImage& reference, const FloatImage& test, double noise_scale) {
+  Numbers numbers;
+  const std::vector<ChannelPair> channels = numeric_channels(reference, test);
+  if (!channels.empty()) numbers.result = numeric_metrics(channels, reference.width, reference.height);
+  numbers.result.metrics["differing"] = differing_pixels(all_channels(reference, test), reference.width, reference.height);
+  if (noise_scale >= 0)
+    if (auto map = noise_map(reference)) {
+      map->scale = noise_scale;
+      numbers.noise = noise_floor(*map, reference, channels.size());
+    }
+  return numbers;
+}
+
+struct Maps {
+  Plane flip, hdr_flip;
+};
+
+RegionResult compare_region(const FloatImage& reference, const FloatImage& test, const CompareOptions& options, const Region& region,
+                            const Maps& maps, double noise_scale) {
+  const FloatImage a = crop(reference, region), b = crop(test, region);
+  Numbers numbers = numbers_of(a, b, noise_scale);
+  RegionResult result{.region = region, .metrics = std::move(numbers.result.metrics), .max_at = numbers.result.max_at, .noise = numbers.noise};
+  result.max_at.x += region.x, result.max_at.y += region.y;
+  const auto shown_a = display_planes(a, options.encoding), shown_b = display_planes(b, options.encoding);
+  if (shown_a.empty()) return result;
+  result.metrics["psnr"] = psnr(shown_a, shown_b, a.width, a.height);
+  if (options.perceptual) result.metrics["ssim"] = ssim(shown_a, shown_b, a.width, a.height);
+  // Of the whole image's map: what lies beside a region is seen with it.
+  const auto mean_within = [&](const Plane& map) { return flip_mean(crop(map, reference.width, region), a.width, a.height); };
+  if (!maps.flip.empty()) result.metrics["flip"] = mean_within(maps.flip);
+  if (!maps.hdr_flip.empty()) result.metrics["hdr-flip"] = mean_within(maps.hdr_flip);
+  return result;
+}
+
+void add_display_metrics(const FloatImage& reference, const FloatImage& test, const CompareOptions& options, Maps& maps,
+                         Comparison& result) {
+  const auto a = display_planes(reference, options.encoding), b = display_planes(test, options.encoding);
+  if (a.empty()) return;
+  const int width = result.width, height = result.height;
+  result.metrics["psnr"] = psnr(a, b, width, height);
+  if (options.perceptual) {
+    result.metrics["ssim"] = ssim(a, b, width, height);
+    maps.flip = flip_map(a, b, width, height);
+    result.metrics["flip"] = flip_mean(maps.flip, width, height);
+  }
+  if (options.hdr_flip && options.encoding == Encoding::linear) {
+    const std::vector<Plane> linear = linear_planes(reference);
+    result.exposures = options.hdr_flip->range ? *options.hdr_flip->range : automatic_exposures(linear);
+    maps.hdr_flip = hdr_flip_map(linear, linear_planes(test), width, height, *result.exposures);
+    result.metrics["hdr-flip"] = flip_mean(maps.hdr_flip, width, height);
+  }
+}
+
+}  // namespace
+
 Comparison compare(const FloatImage& reference, const FloatImage& test, const CompareOptions& options) {
   Comparison result{.width = reference.width, .height = reference.height};
+  result.nonfinite_reference = nonfinite_pixels(reference), result.nonfinite_test = nonfinite_pixels(test);
   result.refusal = refusal_of(reference, test, result.nonfinite_in_both);
+  for (const Region& region : options.regions)
+    if (const auto within = check_region(region, reference.width, reference.height); !within && result.refusal.empty())
+      result.refusal = within.error().message;
   if (!result.refusal.empty()) return result;
-  add_numeric_metrics(reference, test, result.metrics);
-  result.metrics["differing"] = differing_pixels(reference, test);
-  const auto a = display_planes(reference, options.encoding), b = display_planes(test, options.encoding);
-  if (a.empty()) return result;
-  result.metrics["psnr"] = psnr(a, b, result.width, result.height);
-  if (!options.perceptual) return result;
-  result.metrics["ssim"] = ssim(a, b, result.width, result.height);
-  result.flip_map = flip_map(a, b, result.width, result.height);
-  result.metrics["flip"] = flip_mean(result.flip_map, result.width, result.height);
+  const auto noise = noise_map(reference);
+  const double noise_scale = noise ? noise->scale : -1;
+  Numbers numbers = numbers_of(reference, test, noise_scale);
+  result.metrics = std::move(numbers.result.metrics);
+  result.max_at = std::move(numbers.result.max_at);
+  result.noise = numbers.noise;
+  Maps maps;
+  add_display_metrics(reference, test, options, maps, result);
+  if (options.layers) result.layers = compare_layers(reference, test);
+  for (const Region& region : options.regions)
+    result.regions.push_back(compare_region(reference, test, options, region, maps, noise_scale));
+  result.flip_map = std::move(maps.flip);
   return result;
 }
 
 namespace {
 
-// What the reference tracer says of its own noise is no part of the picture, where the other file does not say the like.
-void set_variance_aside(FloatImage& a, const FloatImage& b) {
-  std::erase_if(a.channels, [&](const Channel& c) { return c.name.starts_with("variance.") && !b.find(c.name); });
+// Takes the layers of `from` that `other` has not, or has only in part, out of it and names them.
+std::vector<std::string> set_layers_aside(FloatImage& from, const FloatImage& other) {
+  std::set<std::string> alone;
+  for (const Channel& channel : from.channels)
+    if (const std::string layer = layer_of(channel); !layer.empty() && layer != "variance" && !other.find(channel.name)) alone.insert(layer);
+  std::erase_if(from.channels, [&](const Channel& c) { return alone.contains(layer_of(c)); });
+  return {alone.begin(), alone.end()};
 }
 
 }  // namespace
 
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
-                                   bool perceptual) {
+                                   CompareOptions options) {
   const auto encoding = [](const std::filesystem::path& path) {
     std::string ending = path.extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
@@ -198,13 +254,18 @@ Expected<Comparison> compare_files(const std::filesystem::path& reference, const
   if (!a) return std::unexpected(a.error());
   auto b = read_image(test);
   if (!b) return std::unexpected(b.error());
-  set_variance_aside(*a, *b);
-  set_variance_aside(*b, *a);
-  if (encoding(reference) != encoding(test))
+  options.encoding = encoding(reference);
+  if (options.encoding != encoding(test))
     return Comparison{.refusal = "one file is scene-linear, the other display-encoded: no metric has a meaning",
                       .width = a->width,
                       .height = a->height};
-  return compare(*a, *b, {encoding(reference), perceptual});
+  std::vector<std::string> only_a = set_layers_aside(*a, *b), only_b = set_layers_aside(*b, *a);
+  // A layer that was whole in one file and in part in the other is gone from the first by now.
+  for (const std::string& layer : set_layers_aside(*a, *b)) only_a.push_back(layer);
+  Comparison result = compare(*a, *b, options);
+  result.only_in_reference = std::move(only_a);
+  result.only_in_test = std::move(only_b);
+  return result;
 }
 
 bool is_blank(const FloatImage& image) {

@@ -2,11 +2,16 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "image/image.h"
+#include "metrics/hdr_flip.h"
+#include "metrics/layers.h"
+#include "metrics/noise_floor.h"
+#include "metrics/regions.h"
 
 namespace candela {
 
@@ -20,32 +25,55 @@ enum class Encoding { linear, display };
 //   channels
 //                    where every channel is in a layer; integer channels (ids) count in `differing` only
 //   relmse           mean of (b-a)^2 / (a^2 + 0.01) over the same channels
+//   relmse-trimmed   the same without the 0.1 % of the pixels where it is largest: a few fireflies can be all of relmse
+//   p50, p90, p99, p99.9   percentiles over the pixels of the largest |b-a| of a pixel's channels
 //   psnr             10 log10(1/MSE) of the display-encoded colour, dB; psnr_of_equal where the MSE is 0
 //   ssim             mean structural similarity of the display-encoded luma (ssim.h)
 //   flip             mean LDR-FLIP at 67 pixels per degree (flip.h)
+//   hdr-flip         mean HDR-FLIP of scene-linear colour (hdr_flip.h)
 //   differing        pixels that are not bit-equal in every channel, layers and integers too
 // Colour is R, G, B, or Y for all three; alpha is not part of psnr, ssim and flip: colour is taken as stored, as the
 // authors of FLIP do. Images without colour have no psnr, ssim and flip.
 inline constexpr double psnr_of_equal = 999.0;  // JSON has no infinity
+
+struct RegionResult {
+  Region region;
+  std::map<std::string, double> metrics;  // flip and hdr-flip are means of the whole image's maps
+  Place max_at;                           // in the whole image
+  std::optional<NoiseFloor> noise;
+};
 
 struct Comparison {
   std::string refusal;  // sizes, windows, channels or finiteness differ: said before any metric; empty when comparable
   std::map<std::string, double> metrics;  // empty when refused
   std::vector<float> flip_map;            // width*height in [0,1]; empty when flip was not computed
   size_t nonfinite_in_both = 0;           // equal NaNs or infinities at the same place: they count as no difference
+  size_t nonfinite_reference = 0, nonfinite_test = 0;  // pixels with a value that is not finite in any channel
   int width = 0, height = 0;
+  Place max_at;
+  std::optional<ExposureRange> exposures;  // of hdr-flip
+  std::optional<NoiseFloor> noise;         // where the reference says how noisy it is
+  std::vector<LayerResult> layers;
+  std::vector<RegionResult> regions;
+  std::vector<std::string> only_in_reference, only_in_test;  // layers that were not compared
 };
 
+struct HdrFlipChoice {
+  std::optional<ExposureRange> range;  // nullopt: automatic, from the reference
+};
 struct CompareOptions {
   Encoding encoding = Encoding::display;
-  bool perceptual = true;  // ssim and flip, which cost the most
+  bool perceptual = true;                 // ssim and flip, which cost the most
+  std::optional<HdrFlipChoice> hdr_flip;  // of scene-linear images; costs a flip for each exposure
+  bool layers = false;
+  std::vector<Region> regions;  // within the image, or it is a refusal
 };
 Comparison compare(const FloatImage& reference, const FloatImage& test, const CompareOptions& options);
 
-// Reads both; EXR and Radiance HDR are linear, everything else display-encoded; one of each is a refusal. Errors: a
-// file that cannot be read (input).
+// Reads both; EXR and Radiance HDR are linear, everything else display-encoded (options.encoding is not asked); one of
+// each is a refusal. Layers that one file alone has are left out and named. Errors: a file that cannot be read (input).
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
-                                   bool perceptual = true);
+                                   CompareOptions options = {});
 
 // Display-encoded red, green and blue in [0,1], a plane each; nothing when the image has neither R, G, B nor Y.
 std::vector<std::vector<float>> display_planes(const FloatImage& image, Encoding encoding);

@@ -92,12 +92,21 @@ std::vector<WeightedKernel> sensitivity_kernels(const Sensitivity& s, double pix
   return kernels;
 }
 
-std::vector<Plane> ycxcz_planes(const std::vector<Plane>& srgb, int width, int height) {
+std::vector<Plane> linear_planes(const std::vector<Plane>& srgb, int width, int height) {
   std::vector<Plane> result(3, Plane(srgb[0].size()));
   tbb::parallel_for(0, height, [&](int y) {
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t i = size_t(y) * size_t(width), end = i + size_t(width); i < end; ++i)
+        result[k][i] = linear_from_srgb(srgb[k][i]);
+  });
+  return result;
+}
+
+std::vector<Plane> ycxcz_planes(const std::vector<Plane>& linear, int width, int height) {
+  std::vector<Plane> result(3, Plane(linear[0].size()));
+  tbb::parallel_for(0, height, [&](int y) {
     for (size_t i = size_t(y) * size_t(width), end = i + size_t(width); i < end; ++i) {
-      const Triple c =
-          ycxcz_from_linear({linear_from_srgb(srgb[0][i]), linear_from_srgb(srgb[1][i]), linear_from_srgb(srgb[2][i])});
+      const Triple c = ycxcz_from_linear({linear[0][i], linear[1][i], linear[2][i]});
       for (size_t k = 0; k < 3; ++k) result[k][i] = c[k];
     }
   });
@@ -164,6 +173,12 @@ float colour_error(float distance, float largest) {
 
 Plane flip_map(const std::vector<Plane>& reference, const std::vector<Plane>& test, int width, int height,
                double pixels_per_degree) {
+  return flip_map_of_linear(linear_planes(reference, width, height), linear_planes(test, width, height), width, height,
+                            pixels_per_degree);
+}
+
+Plane flip_map_of_linear(const std::vector<Plane>& reference, const std::vector<Plane>& test, int width, int height,
+                         double pixels_per_degree) {
   const std::vector<Plane> a = ycxcz_planes(reference, width, height), b = ycxcz_planes(test, width, height);
   const std::vector<Plane> lab_a = perceived(a, width, height, pixels_per_degree);
   const std::vector<Plane> lab_b = perceived(b, width, height, pixels_per_degree);

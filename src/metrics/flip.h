@@ -13,6 +13,9 @@ inline constexpr double flip_pixels_per_degree = 0.7 * (3840 / 0.7) * (3.1415926
 // Takes sRGB-encoded planes in [0,1]; symmetric in its two images.
 Plane flip_map(const std::vector<Plane>& reference, const std::vector<Plane>& test, int width, int height,
                double pixels_per_degree = flip_pixels_per_degree);
+// The same of planes in [0,1] that are linear in light: what HDR-FLIP has after its tone curve.
+Plane flip_map_of_linear(const std::vector<Plane>& reference, const std::vector<Plane>& test, int width, int height,
+                         double pixels_per_degree = flip_pixels_per_degree);
 
 // Mean of a map, in double and in a fixed order.
 double flip_mean(const Plane& map, int width, int height);

@@ -19,13 +19,19 @@ struct LimitVerdict {
   Limit limit;
   double measured = 0;  // NaN when the metric was not computed
   bool pass = false;
+  std::string region;  // empty: the whole image
 };
+// A limit holds in the whole image and in every region: a small one must not hide in the mean.
 std::vector<LimitVerdict> judge_limits(const Comparison& comparison, std::span<const Limit> limits);
 
 // True when the images could be compared and every limit holds.
 bool passes(const Comparison& comparison, std::span<const LimitVerdict> verdicts);
 
-// {"metrics": {...}, "pass": true}, with "limits" and "refusal" where there are any (DESIGN section 11).
+// Which of the metrics say nothing, being no more than the reference's noise.
+std::vector<std::string> below_noise(const std::map<std::string, double>& metrics, const NoiseFloor& noise);
+
+// {"nonfinite": {...}, "metrics": {...}, "pass": true}, with limits, refusal, layers, regions and what else there is
+// (docs/outputs.md).
 std::string comparison_json(const Comparison& comparison, std::span<const LimitVerdict> verdicts);
 
 }  // namespace candela

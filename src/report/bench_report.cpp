@@ -2,6 +2,7 @@
 
 #include "bench/scaling.h"
 #include "report/bench_tables.h"
+#include "report/error_report.h"
 #include "report/golden_report.h"
 #include "report/plot.h"
 
@@ -147,6 +148,7 @@ std::string bench_html(const BenchRun& run, const std::string& title, bool plots
         "<p class=\"note\">Rows of {} devices: each has axes of its own, for their times do not belong on "
         "one.</p>\n",
         count_devices(run));
+  html += error_html(run);
   for (const Axis& axis : axes_of(run)) html += axis_html(axis, plots);
   return html + left_out_list(run) + "</body>\n</html>\n";
 }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.h"
+#include "report/error_rows.h"
 
 namespace candela {
 namespace {
@@ -76,6 +77,7 @@ Json row_json(const BenchRow& row) {
   j["memory"] = Json::object();
   for (const auto& [name, bytes] : row.memory) j["memory"][name] = bytes;
   j["picture"] = picture_json(row.picture);
+  if (!row.errors.empty()) j["errors"] = errors_json(row.errors);
   j["light_lists"] = nullptr;
   if (row.lists)
     j["light_lists"] = {{"mean", row.lists->mean},
@@ -144,6 +146,7 @@ BenchRow row_from(const Json& j) {
   for (const auto& [stage, ms] : j.at("opening_ms").items()) row.opening_ms.emplace_back(stage, ms.get<double>());
   for (const auto& [name, bytes] : j.at("memory").items()) row.memory.emplace_back(name, bytes.get<uint64_t>());
   read_picture(j.at("picture"), row.picture);
+  if (j.contains("errors")) row.errors = errors_from(j["errors"]);
   if (const Json& lists = j.at("light_lists"); !lists.is_null())
     row.lists =
         LightLists{lists.at("mean"), lists.at("p95"), lists.at("max"), lists.at("waste_share"), lists.at("missed")};
@@ -199,6 +202,7 @@ std::string csv_line(const std::vector<std::string>& cells) {
 Json bench_json(const BenchRun& run) {
   Json j = {{"candela_bench", 1}, {"wall_s", rounded(run.wall_s)}, {"notes", run.notes}, {"rows", Json::array()}};
   for (const BenchRow& row : run.rows) j["rows"].push_back(row_json(row));
+  if (Json findings = error_findings_json(run); !findings.is_null()) j["error_findings"] = std::move(findings);
   return j;
 }
 
@@ -238,6 +242,8 @@ std::string bench_csv(const BenchRun& run) {
   for (const char* column : {"reference", "differing", "max_difference", "lights_mean", "lights_p95", "lights_max",
                              "waste_share", "missed", "left_out", "error"})
     head.emplace_back(column);
+  const std::vector<std::string> errors = error_columns(run);
+  head.insert(head.end(), errors.begin(), errors.end());
   std::string text = csv_line(head);
   for (const BenchRow& row : run.rows) {
     const auto number = [](auto value) { return fmt::format("{}", value); };
@@ -279,6 +285,7 @@ std::string bench_csv(const BenchRun& run) {
       cells.push_back(row.lists ? number(value) : "");
     cells.push_back(row.left_out);
     cells.push_back(row.error);
+    for (std::string& cell : error_cells(row, errors)) cells.push_back(std::move(cell));
     text += csv_line(cells);
   }
   return text;

@@ -1,0 +1,20 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "bench/error_choice.h"
+
+namespace candela::cli {
+
+// --time-budget and --error-budget: technique, quality and knobs come from the file of a sweep.
+struct BudgetOptions {
+  std::optional<double> time_ms;
+  std::string error, sweep, reference = "direct-unshadowed";
+};
+void add_budget_options(CLI::App& command, BudgetOptions& options);
+
+// nullopt where no budget is given. Errors: options that say the same otherwise, and those of choose_setting().
+Expected<std::optional<SettingChoice>> choice_within(const CLI::App& command, const BudgetOptions& options, int width_px, int height_px);
+
+}  // namespace candela::cli

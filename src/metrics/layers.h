@@ -1,0 +1,32 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+#include "metrics/numeric.h"
+
+namespace candela {
+
+// What a layer's values are decides what an error in it means.
+//   ids      differing, and its share of the pixels
+//   depth    relative difference |b-a|/|a| where both show a surface: depth-rel-mean, depth-rel-p99, depth-rel-max; and
+//            one-sided, the pixels where only one image shows a surface
+//   normals  angle in degrees where both have a normal: angle-mean, angle-p99, angle-max; and one-sided
+//   values   the metrics of numeric.h
+// All have differing.
+struct LayerResult {
+  std::string name;
+  enum class Kind { ids, depth, normals, values } kind = Kind::values;
+  std::map<std::string, double> metrics;
+  Place max_at;
+};
+std::string_view layer_kind_name(LayerResult::Kind kind);
+
+// "depth" of "depth.Z", the whole of "object_id", "" of R G B A Y.
+std::string layer_of(const Channel& channel);
+
+// Each layer that both images have whole, by name; beauty and the reference's variance are not among them.
+std::vector<LayerResult> compare_layers(const FloatImage& reference, const FloatImage& test);
+
+}  // namespace candela

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace candela::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::vector<std::string> small = {"--size", "24x16", "--quiet"};
+
+Ended compared(const std::string& a, const std::string& b, std::vector<std::string> more) {
+  std::vector<std::string> words = {"compare", a, b, "--json", "--quiet"};
+  words.insert(words.end(), more.begin(), more.end());
+  return candela(words);
+}
+
+class CompareImages : public testing::Test {
+ protected:
+  std::string made(const std::string& command, const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> words = {command, scene("spheres"), "-o", folder / name};
+    words.insert(words.end(), small.begin(), small.end());
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = candela(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return folder / name;
+  }
+  TestFolder folder;
+};
+
+TEST_F(CompareImages, RenderAgainstReferenceSaysItsNoiseAndEachLayer) {
+  const std::string truth = made("reference", "truth.exr", {"--spp", "4", "--visibility", "off"});
+  const std::string image = made("render", "image.exr", {"--layers", "depth,object_id"});
+  const Ended ended = compared(truth, image, {"--hdr-flip", "-4,4,3", "--region", "0,0,8,8", "--region", "12,4,6,6"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_TRUE(ended.out.starts_with("{\n  \"nonfinite\"")) << ended.out;
+  const Json json = Json::parse(ended.out);
+  EXPECT_EQ(json["nonfinite"]["test"], 0);
+  EXPECT_GT(json["noise_floor"]["rmse"], 0);
+  EXPECT_EQ(json["hdr_flip_exposures"]["count"], 3);
+  EXPECT_EQ(json["regions"].size(), 2u);
+  EXPECT_EQ(json["only_in_test"], (Json{"depth", "object_id"}));
+  for (const char* metric : {"max", "mae", "rmse", "relmse", "relmse-trimmed", "p99.9", "hdr-flip", "flip", "ssim", "psnr"})
+    EXPECT_TRUE(json["metrics"].contains(metric)) << metric;
+  EXPECT_EQ(json["relmse_epsilon"], 0.01);
+  EXPECT_TRUE(json["max_at"].contains("channel"));
+  // A reference compared with itself is below its own noise, and says so to readers as well.
+  const Json self = Json::parse(compared(truth, truth, {"--hdr-flip", "off"}).out);
+  EXPECT_EQ(self["noise_floor"]["below"].size(), 2u);
+  EXPECT_FALSE(self["metrics"].contains("hdr-flip"));
+  const Ended text = candela({"compare", truth, truth, "--hdr-flip", "off", "--quiet"});
+  EXPECT_NE(text.out.find("below the reference's noise"), std::string::npos) << text.out;
+
+  const Json layers = Json::parse(compared(image, image, {"--hdr-flip", "off"}).out)["layers"];
+  ASSERT_EQ(layers.size(), 2u);
+  EXPECT_EQ(layers[0]["kind"], "depth");
+  EXPECT_EQ(layers[1]["kind"], "ids");
+  EXPECT_EQ(layers[1]["metrics"]["differing"], 0);
+}
+
+TEST_F(CompareImages, ALimitIsBrokenByARegionAlone) {
+  const std::string a = made("render", "a.exr", {}), b = made("render", "b.exr", {"--set", "resolve.samples=1"});
+  const double whole = Json::parse(compared(a, b, {"--hdr-flip", "off"}).out)["metrics"]["mae"];
+  ASSERT_GT(whole, 0);
+  const std::string limit = "mae=" + std::to_string(whole * 1.0001 + 1e-6);
+  EXPECT_EQ(compared(a, b, {"--hdr-flip", "off", "--limit", limit}).code, 0);
+  // Some column of eight pixels is worse than the mean of all.
+  int broken = 0;
+  for (const char* region : {"0,0,8,16", "8,0,8,16", "16,0,8,16"})
+    broken += compared(a, b, {"--hdr-flip", "off", "--limit", limit, "--region", region}).code == 1;
+  EXPECT_GE(broken, 1);
+  EXPECT_LE(broken, 2);
+}
+
+TEST(CompareUsage, BadRegionsAndExposures) {
+  for (const auto& [option, value, said] : {std::tuple("--region", "1,2,3", "X,Y,WIDTH,HEIGHT"),
+                                            std::tuple("--region", "0,0,0,4", "X,Y,WIDTH,HEIGHT"),
+                                            std::tuple("--hdr-flip", "4,-4,9", "START,STOP,COUNT")}) {
+    const Ended ended = candela({"compare", "a.exr", "b.exr", option, value});
+    EXPECT_EQ(ended.code, 2) << option << " " << value;
+    EXPECT_NE(ended.err.find(said), std::string::npos) << ended.err;
+  }
+}
+
+}  // namespace
+}  // namespace candela::test

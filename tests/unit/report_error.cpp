@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/files.h"
+#include "bench/error_sweep.h"
+#include "report/bench_report.h"
+#include "report/bench_rows.h"
+#include "report/error_report.h"
+#include "report/scatter.h"
+
+namespace candela {
+namespace {
+
+BenchRow row_of(const std::string& quality, double ms, double error) {
+  BenchRow row;
+  row.suite = "whole", row.scene = "a <scene>", row.technique = "clustered", row.quality = quality, row.output = "exr";
+  row.width_px = 64, row.height_px = 32, row.device = "a device", row.device_type = "gpu", row.job = "{}";
+  row.gpu = {"gpu", {ms, ms, ms}}, row.frame = {"frame", {ms, ms, ms}};
+  row.errors = {{.reference = exact_reference, .metrics = {{"relmse", error}, {"rmse", error}}},
+                {.reference = open_reference_name,
+                 .metrics = {{"relmse", error + 0.001}, {"hdr-flip", 0.1}},
+                 .noise = NoiseFloor{0.001, 0.0005},
+                 .exposures = ExposureRange{-4, 4, 9}},
+                {.reference = "path", .note = "could not be traced"}};
+  row.strip = {std::byte('p'), std::byte('n'), std::byte('g')};
+  return row;
+}
+BenchRun run() { return {{row_of("draft", 2, 0.05), row_of("high", 9, 0), row_of("normal", 10, 0.01)}, {}, 1}; }
+
+TEST(ErrorRows, ComeBackFromJson) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "error_rows.json";
+  ASSERT_TRUE(write_file_atomically(file, bench_json(run()).dump()));
+  const auto again = read_bench_rows(file);
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_EQ(bench_json(*again).dump(), bench_json(run()).dump());
+  EXPECT_EQ(again->rows[0].errors[1].exposures, (ExposureRange{-4, 4, 9}));
+  EXPECT_EQ(again->rows[0].errors[2].note, "could not be traced");
+  std::filesystem::remove(file);
+}
+
+TEST(ErrorRows, FindingsSayFrontsAndSentences) {
+  const auto json = bench_json(run());
+  const auto& findings = json["error_findings"];
+  ASSERT_EQ(findings.size(), 1u);
+  bool said = false;
+  for (const auto& c : findings[0]["cheapest"])
+    if (c["reference"] == open_reference_name && c["below"] == 0.01) {
+      EXPECT_EQ(c["setting"], "clustered, quality high");
+      said = true;
+    }
+  EXPECT_TRUE(said);
+  for (const auto& front : findings[0]["fronts"])
+    if (front["reference"] == open_reference_name) {
+      EXPECT_EQ(front["points"].size(), 2u);  // normal is slower and worse than high
+    }
+  EXPECT_FALSE(bench_json({}).contains("error_findings"));
+}
+
+TEST(ErrorRows, CsvHasAColumnForEachError) {
+  const std::string csv = bench_csv(run());
+  const std::string head = csv.substr(0, csv.find("\r\n"));
+  for (const char* column : {"error.exact.relmse", "error.direct-unshadowed.hdr-flip", "noise.direct-unshadowed.relmse"})
+    EXPECT_NE(head.find(column), std::string::npos) << column;
+  const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
+  const std::string second = csv.substr(head.size() + 2, csv.find("\r\n", head.size() + 2) - head.size() - 2);
+  EXPECT_EQ(commas(second), commas(head));
+}
+
+TEST(ErrorReport, HasFrontsNoiseSentencesAndStrips) {
+  const std::string html = bench_html(run(), "t", false);
+  for (const char* part : {"Error against time: a &lt;scene&gt;", "noise of the reference", "the cheapest setting is", "Reference, result, FLIP", "cG5n"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  EXPECT_EQ(html.find("a <scene>"), std::string::npos);
+  EXPECT_EQ(error_html({}), "");
+}
+
+TEST(Scatter, PutsPointsOnLogarithmicAxes) {
+  Scatter s{.title = "t", .points = {{"a", 1, 0.01, 0, false}, {"b & c", 10, 0.001, 0, true}, {"zero", 100, 0, 1, false}}, .groups = {"g", "h"}};
+  const std::string svg = scatter_svg(s);
+  // x from 1 to 100 over 720 from 80; y from 1e-3 to 1e-2 over 380 down to 414.
+  EXPECT_NE(svg.find("cx=\"80.0\" cy=\"34.0\" r=\"6\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find("cx=\"440.0\" cy=\"414.0\" r=\"4\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find("cx=\"800.0\" cy=\"414.0\" r=\"6\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find("no difference at all"), std::string::npos);
+  EXPECT_NE(svg.find("b &amp; c"), std::string::npos);
+  EXPECT_EQ(scatter_svg({}), "");
+}
+
+}  // namespace
+}  // namespace candela

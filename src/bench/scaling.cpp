@@ -1,6 +1,7 @@
 #include "bench/scaling.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace candela {
 namespace {
@@ -37,8 +38,8 @@ std::vector<Scaling> scalings(const std::vector<const BenchRow*>& rows) {
       s.lights.push_back(double(row->lights));
       s.frame_ms.push_back(summary(row->frame.ms).median);
       s.gpu_ms.push_back(summary(row->gpu.ms).median);
-      s.lights_per_pixel.push_back(row->lists ? row->lists->mean : 0);
-      s.waste_share.push_back(row->lists ? row->lists->waste_share : 0);
+      s.lights_per_pixel.push_back(row->lists ? row->lists->mean : std::nan(""));
+      s.waste_share.push_back(row->lists ? row->lists->waste_share : std::nan(""));
       s.memory_mib.push_back(device_peak_mib(*row));
     }
     s.all = fit_power(s.lights, s.frame_ms);

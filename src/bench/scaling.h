@@ -4,7 +4,8 @@
 namespace candela {
 
 // How one way of rendering (technique and knobs) answers to the number of lights, all else equal. Vectors run along
-// `lights`, which rises; only measured rows are in them.
+// `lights`, which rises; only measured rows are in them. NaN: no lists
+// were counted.
 struct Scaling {
   std::string way;
   std::vector<double> lights, frame_ms, gpu_ms, lights_per_pixel, waste_share, memory_mib;

@@ -104,7 +104,7 @@ std::string gnuplot_script(const Plot& plot, const std::string& terminal) {
     size_t points = 0;
     for (size_t i = 0; i < line.x.size(); ++i) {
       // Logarithms have no place for 0.
-      if ((plot.log_x && !(line.x[i] > 0)) || (plot.log_y && !(line.y[i] > 0))) continue;
+      if (!std::isfinite(line.y[i]) || (plot.log_x && !(line.x[i] > 0)) || (plot.log_y && !(line.y[i] > 0))) continue;
       s += fmt::format("{} {}\n", line.x[i], line.y[i]);
       ++points;
     }

@@ -204,7 +204,14 @@ void add_textures(Recipes& all) {
   all.push_back({"textures", "NaN in the sky", "one texel; it stands for 0, with a warning", [](StabilityInput& in) { return under_bad_texel(in, nan, 0); }});
   all.push_back({"textures", "infinity in the sky", "one texel; it stands for 65504, with a warning", [](StabilityInput& in) { return under_bad_texel(in, infinity, 65504); }});
   all.push_back({"textures", "negative sky", "one texel; it stands for 0, with a warning", [](StabilityInput& in) { return under_bad_texel(in, -5, 0); }});
-  all.push_back({"textures", "sky of one texel", "constant light", [](StabilityInput& in) { return under(in, sky_image(1, 1, [](int, int) { return glm::vec3(0.7f); }), false); }});
+  all.push_back({"textures", "sky of one texel", "constant light", [](StabilityInput& in) {
+                   StabilityScene scene = under(in, sky_image(1, 1, [](int, int) { return glm::vec3(0.7f); }), false);
+                   scene.plain = scene.file;
+                   scene.plain_sky = sky_image(256, 128, [](int, int) { return glm::vec3(0.7f); });
+                   scene.plain_bound = 1e-2;  // sixty-four directions round the horizon against 256
+                   scene.energy_bound = 5e-3;
+                   return scene;
+                 }});
   all.push_back({"textures", "sky of 1e-30", "", [](StabilityInput& in) { return under(in, sky_image(8, 4, [](int, int) { return glm::vec3(1e-30f); }), false); }});
   all.push_back({"textures", "sky of 3e38", "sums of it are no floats", [](StabilityInput& in) {
                    StabilityScene scene = under(in, sky_image(64, 32, [](int x, int y) { return glm::vec3(x == 20 && y == 10 ? 3e38f : 1.0f); }), false);

@@ -35,13 +35,16 @@ glm::dvec3 equirect_direction(double u, double v) {
 
 AmbientSh project_environment(const DecodedImage& image) {
   std::array<glm::dvec3, 9> sum{};
-  for (int y = 0; y < image.height; ++y) {
-    const double top = std::cos(pi * y / image.height), bottom = std::cos(pi * (y + 1) / image.height);
-    const double solid_angle = 2 * pi / image.width * (top - bottom);
-    for (int x = 0; x < image.width; ++x) {
+  // One direction stands for a cell: texels of small images are cut, or a sky of one texel would shine from its middle alone.
+  const int cut_x = (63 + image.width) / image.width, cut_y = (31 + image.height) / image.height;
+  const int width = image.width * cut_x, height = image.height * cut_y;
+  for (int y = 0; y < height; ++y) {
+    const double top = std::cos(pi * y / height), bottom = std::cos(pi * (y + 1) / height);
+    const double solid_angle = 2 * pi / width * (top - bottom);
+    for (int x = 0; x < width; ++x) {
       float texel[4];
-      std::memcpy(texel, image.pixels.data() + (size_t(y) * size_t(image.width) + size_t(x)) * 16, 16);
-      const auto basis = sh_basis(equirect_direction((x + 0.5) / image.width, (y + 0.5) / image.height));
+      std::memcpy(texel, image.pixels.data() + (size_t(y / cut_y) * size_t(image.width) + size_t(x / cut_x)) * 16, 16);
+      const auto basis = sh_basis(equirect_direction((x + 0.5) / width, (y + 0.5) / height));
       const glm::dvec3 weighted = glm::dvec3(texel[0], texel[1], texel[2]) * solid_angle;
       for (size_t i = 0; i < 9; ++i) sum[i] += weighted * basis[i];
     }

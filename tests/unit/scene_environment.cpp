@@ -72,6 +72,11 @@ TEST(Environment, AConstantOneReflectsItsOwnRadiance) {
 
 // A cosine lobe about a tilted axis. The bands beyond l = 2 (l = 4 and up; l = 3 is zero) hold what the nine
 // coefficients leave out: under 0.4 % of the peak here (Ramamoorthi and Hanrahan 2001).
+TEST(Environment, AConstantOneOfOneTexelShinesFromAllSides) {
+  const auto sh = project_environment(make_environment(1, 1, [](glm::dvec3) { return glm::dvec3(0.7); }));
+  for (const glm::dvec3 n : directions) EXPECT_NEAR(reflected(sh, n).x, 0.7, 2e-3);
+}
+
 TEST(Environment, ACosineLobeAgreesWithNumericIntegration) {
   const glm::dvec3 axis = glm::normalize(glm::dvec3(0.5, 0.7, -0.4));
   const auto lobe = [&](glm::dvec3 d) { return glm::dvec3(3, 2, 1) * std::max(glm::dot(d, axis), 0.0); };

@@ -115,7 +115,7 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
   row.may_be_beyond = uint64_t(std::ceil(scene.stray_share * double(row.pixels)));
   row.bound = scene.bound, row.plain_bound = scene.plain_bound, row.energy_bound = scene.energy_bound;
   const auto against = [&](const TruePicture& truth, const char* name, double bound, double& largest) {
-    const PictureError e = picture_error(shot.beauty, shot.pre_exposure, truth, bound);
+    const TruthError e = picture_error(shot.beauty, shot.pre_exposure, truth, bound);
     row.truth += (row.truth.empty() ? "" : " and ") + std::string(name);
     largest = e.max_relative;
     row.beyond = std::max(row.beyond, e.beyond);

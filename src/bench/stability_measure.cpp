@@ -74,9 +74,9 @@ TruePicture picture_truth(const Beauty& beauty, double pre_exposure) {
   return truth;
 }
 
-PictureError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound) {
+TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound) {
   CHECK(beauty.width_px == truth.width_px && beauty.height_px == truth.height_px);
-  PictureError error;
+  TruthError error;
   const double floor = 0.01 * median_light(truth);
   double sum = 0, true_sum = 0;
   for (size_t i = 0; i < truth.centre.size(); ++i) {

@@ -21,13 +21,13 @@ Expected<TruePicture> traced_picture(const Job& job, double time_s, int side);
 // Another picture's own pixels.
 TruePicture picture_truth(const Beauty& beauty, double pre_exposure);
 
-struct PictureError {
+struct TruthError {
   double max_relative = 0;  // of the worst pixel, against its own value or a hundredth of the picture's median, whichever is larger
   uint64_t beyond = 0;      // pixels above the bound
   int worst_x = 0, worst_y = 0;
   double energy = 0;        // sum over the picture against the truth's, minus 1
 };
-PictureError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound);
+TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound);
 
 struct PixelCounts {
   uint64_t nonfinite = 0;    // pixels

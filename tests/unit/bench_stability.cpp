@@ -58,7 +58,7 @@ TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
   EXPECT_EQ(picture_error(right, 1, truth, 0).max_relative, 0);
   EXPECT_EQ(picture_error(right, 1, truth, 0).energy, 0);
 
-  const PictureError off = picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
+  const TruthError off = picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
   EXPECT_NEAR(off.max_relative, 0.1, 1e-6);
   EXPECT_EQ(off.beyond, 1u);
   EXPECT_EQ(off.worst_x, 1);
@@ -69,7 +69,7 @@ TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
 
   // Light where there is none is measured against a hundredth of the median.
   EXPECT_NEAR(picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0.02f, 0, 0, 1}}), 1, truth, 0.05).max_relative, 1, 1e-6);
-  const PictureError broken = picture_error(picture({{nan, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
+  const TruthError broken = picture_error(picture({{nan, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
   EXPECT_EQ(broken.max_relative, std::numeric_limits<double>::infinity());
   EXPECT_EQ(broken.beyond, 1u);
   EXPECT_FALSE(std::abs(broken.energy) <= 1e9);

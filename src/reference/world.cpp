@@ -6,21 +6,10 @@
 
 #include "scene/draw_list.h"
 #include "scene/scene_images.h"
+#include "scene/texture_slots.h"
 
 namespace candela::reference {
 namespace {
-
-template <class F>
-void for_each_slot(const Material& m, F&& f) {  // slot, whether its colours are sRGB
-  f(m.base_color_texture, true);
-  if (m.unlit) return;
-  f(m.orm_texture, false);
-  f(m.occlusion_texture, false);
-  f(m.normal_texture, false);
-  f(m.emissive_texture, true);
-  f(m.specular_texture, false);
-  f(m.specular_color_texture, true);
-}
 
 // By cofactors: the inverse transpose times the determinant's size, finite for singular matrices too.
 glm::dmat3 normal_matrix(const glm::dmat3& m) {

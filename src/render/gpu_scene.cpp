@@ -7,6 +7,7 @@
 
 #include "render/mip_chain.h"
 #include "scene/scene_images.h"
+#include "scene/texture_slots.h"
 
 namespace candela {
 namespace {
@@ -37,18 +38,6 @@ VkSamplerCreateInfo sampler_info(const Sampler& s) {
   // 0.25 without mipmaps: the specification's way to keep both filters and level 0 alone.
   info.maxLod = s.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;
   return info;
-}
-
-template <class F>
-void for_each_slot(const Material& m, F&& f) {  // slot, whether its colours are sRGB
-  f(m.base_color_texture, true);
-  if (m.unlit) return;
-  f(m.orm_texture, false);
-  f(m.occlusion_texture, false);
-  f(m.normal_texture, false);
-  f(m.emissive_texture, true);
-  f(m.specular_texture, false);
-  f(m.specular_color_texture, true);
 }
 
 // Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when they do not

@@ -112,7 +112,7 @@ Expected<int> run_compare(const CompareCommand& o) {
   const std::vector<LimitVerdict> verdicts = judge_limits(*comparison, limits);
   if (!comparison->refusal.empty()) log::error("{}", comparison->refusal);
   for (const auto& [layers, file] : {std::pair(&comparison->only_in_reference, &o.a), std::pair(&comparison->only_in_test, &o.b)})
-    if (!layers->empty()) log::warning("only {} has {}: not compared", *file, joined(*layers));
+    if (!layers->empty()) log::error("only {} has {}", *file, joined(*layers));
   for (const LimitVerdict& v : verdicts)
     if (!v.pass && comparison->refusal.empty())
       log::error("{}{} is {:.6g}, the limit is {}", v.limit.metric, v.region.empty() ? "" : " of region " + v.region, v.measured,

@@ -232,12 +232,11 @@ Comparison compare(const FloatImage& reference, const FloatImage& test, const Co
 
 namespace {
 
-// Takes the layers of `from` that `other` has not, or has only in part, out of it and names them.
-std::vector<std::string> set_layers_aside(FloatImage& from, const FloatImage& other) {
+// The layers of `from` that `other` has not, or has only in part.
+std::vector<std::string> layers_alone(const FloatImage& from, const FloatImage& other) {
   std::set<std::string> alone;
   for (const Channel& channel : from.channels)
     if (const std::string layer = layer_of(channel); !layer.empty() && layer != "variance" && !other.find(channel.name)) alone.insert(layer);
-  std::erase_if(from.channels, [&](const Channel& c) { return alone.contains(layer_of(c)); });
   return {alone.begin(), alone.end()};
 }
 
@@ -259,12 +258,9 @@ Expected<Comparison> compare_files(const std::filesystem::path& reference, const
     return Comparison{.refusal = "one file is scene-linear, the other display-encoded: no metric has a meaning",
                       .width = a->width,
                       .height = a->height};
-  std::vector<std::string> only_a = set_layers_aside(*a, *b), only_b = set_layers_aside(*b, *a);
-  // A layer that was whole in one file and in part in the other is gone from the first by now.
-  for (const std::string& layer : set_layers_aside(*a, *b)) only_a.push_back(layer);
   Comparison result = compare(*a, *b, options);
-  result.only_in_reference = std::move(only_a);
-  result.only_in_test = std::move(only_b);
+  result.only_in_reference = layers_alone(*a, *b);
+  result.only_in_test = layers_alone(*b, *a);
   return result;
 }
 

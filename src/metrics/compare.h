@@ -55,7 +55,7 @@ struct Comparison {
   std::optional<NoiseFloor> noise;         // where the reference says how noisy it is
   std::vector<LayerResult> layers;
   std::vector<RegionResult> regions;
-  std::vector<std::string> only_in_reference, only_in_test;  // layers that were not compared
+  std::vector<std::string> only_in_reference, only_in_test;  // layers that the other has not: a refusal
 };
 
 struct HdrFlipChoice {
@@ -71,7 +71,7 @@ struct CompareOptions {
 Comparison compare(const FloatImage& reference, const FloatImage& test, const CompareOptions& options);
 
 // Reads both; EXR and Radiance HDR are linear, everything else display-encoded (options.encoding is not asked); one of
-// each is a refusal. Layers that one file alone has are left out and named. Errors: a file that cannot be read (input).
+// each is a refusal. Layers that one file alone has are a refusal, and named. Errors: a file that cannot be read (input).
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                                    CompareOptions options = {});
 

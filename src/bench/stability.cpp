@@ -124,8 +124,8 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
     if (e.beyond > row.may_be_beyond)
       row.faults.push_back(fmt::format("{} pixels differ from the {} by more than {}, the worst by {:.3g} at {}, {}", e.beyond, name, bound,
                                        e.max_relative, e.worst_x, e.worst_y));
-    if (!(std::abs(e.energy) <= scene.energy_bound))
-      row.faults.push_back(fmt::format("{:+.3g} of the {}'s energy", e.energy, name));
+    if (!(std::abs(e.energy_beyond) <= scene.energy_bound))
+      row.faults.push_back(fmt::format("{:+.3g} of the {}'s energy", e.energy_beyond, name));
   };
   if (traced) against(*traced, "reference", scene.bound, row.max_relative);
   if (plain) against(*plain, "plain scene", scene.plain_bound, row.plain_relative);
@@ -213,7 +213,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
       continue;
     }
     if (scene.reference && !scene.refused && !traced) {
-      auto picture = traced_picture(job, scene.time_s, scene.reference_side);
+      auto picture = traced_picture(job, scene.time_s, std::ldexp(1.0, -int(renderer_->device().subpixel_bits)));
       if (picture)
         traced = std::move(*picture);
       else

@@ -65,8 +65,6 @@ StabilityScene floor_under_the_eye(double side_m, double height_m) {
   sun(out, {1, 2, 1}, 3);
   camera(out, {0, height_m, 0}, {0.3, height_m - 0.15, -1}, 1.0, 1e-4);
   StabilityScene scene = scene_of(out);
-  scene.stray_share = 2e-2;  // the horizon runs through a row
-  scene.energy_bound = 1e-2;
   return scene;
 }
 
@@ -94,8 +92,6 @@ StabilityScene field_of_view(double yfov_rad, int width, int height, double dist
   camera(out, {0, 0, 0}, {0, 0, -1}, yfov_rad, 1e-3);
   StabilityScene scene = scene_of(out);
   scene.job.width_px = width, scene.job.height_px = height;
-  scene.stray_share = 2e-2;
-  scene.energy_bound = 1e-2;
   return scene;
 }
 
@@ -190,7 +186,6 @@ void add_depth(Recipes& all) {
   all.push_back({"depth", "yfov of 150 degrees, 3x3", "one tile, tens of times as wide as the view is deep", [](StabilityInput&) { return field_of_view(150 * pi / 180, 3, 3, 2); }});
   all.push_back({"depth", "yfov of 0.1 degrees", "a ball seen from 1 km", [](StabilityInput&) {
                    StabilityScene scene = field_of_view(0.1 * pi / 180, 64, 48, 1e3);
-                   scene.bound = 1e-2;  // places are floats: a tenth of a millimetre of 1 km, beside lamps at half a metre
                    return scene;
                  }});
   all.push_back({"depth", "orthographic to 1e7", "depths from 0 to 10,000 km", [](StabilityInput&) { return orthographic(2, 0, 1e7); }});

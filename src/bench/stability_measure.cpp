@@ -22,6 +22,10 @@ size_t pixels_of(const Beauty& beauty) {
   CHECK(beauty.pixel_bytes == 16);
   return beauty.bytes.size() / 16;
 }
+// What 32-bit numbers make of a surface's place relative to the camera, as a part of its distance: the corners' and three
+// products' roundings, 2^-24 each.
+constexpr double position_error = 0x1p-22;
+
 double largest(glm::dvec4 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 double median_light(const TruePicture& truth) {
@@ -33,35 +37,39 @@ double median_light(const TruePicture& truth) {
   return lit[lit.size() / 2];
 }
 
-// Where the samples of a pixel differ by more than a tenth; elsewhere its centre alone counts.
-bool is_edge(const TruePicture& truth, size_t i, double floor) {
-  for (int c = 0; c < 4; ++c)
-    if (truth.high[i][c] - truth.low[i][c] > 0.1 * std::max(std::abs(truth.centre[i][c]), c == 3 ? 1.0 : floor)) return true;
-  return false;
-}
-
 }  // namespace
 
-Expected<TruePicture> traced_picture(const Job& job, double time_s, int side) {
-  CHECK(side % 2 == 1);
+Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach_px) {
   const auto frame = open_reference(job, time_s, {});
   if (!frame) return std::unexpected(frame.error());
   reference::TraceSettings settings;
   settings.visibility = false;
   settings.ambient = reference::Ambient::occlusion;
-  settings.sampler = {reference::SamplerKind::uniform, side * side, 0};
-  const reference::Integrator integrator(*(*frame)->world, settings, job.width_px, job.height_px);
+  const auto integrator_of = [&](double lifted) {
+    settings.lifted = lifted;
+    return reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px);
+  };
+  const reference::Integrator integrator = integrator_of(0), above = integrator_of(position_error), below = integrator_of(-position_error);
   TruePicture truth{job.width_px, job.height_px, {}, {}, {}};
   const size_t count = size_t(job.width_px) * size_t(job.height_px);
   truth.centre.resize(count), truth.low.resize(count), truth.high.resize(count);
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
-    const int x = int(i % size_t(job.width_px)), y = int(i / size_t(job.width_px));
-    for (int s = 0; s < side * side; ++s) {
-      const reference::PixelSample sample = integrator.sample(x, y, uint64_t(s));
-      const glm::dvec4 value(sample.radiance, sample.alpha);
-      if (s == side * side / 2) truth.centre[i] = value;
-      truth.low[i] = s == 0 ? value : glm::min(truth.low[i], value);
-      truth.high[i] = s == 0 ? value : glm::max(truth.high[i], value);
+    const glm::dvec2 centre(double(i % size_t(job.width_px)) + 0.5, double(i / size_t(job.width_px)) + 0.5);
+    const auto value_at = [](const reference::Integrator& of, glm::dvec2 place) {
+      const reference::PixelSample sample = of.sample_at(place, 0);
+      return glm::dvec4(sample.radiance, sample.alpha);
+    };
+    const glm::dvec4 value = value_at(integrator, centre);
+    truth.centre[i] = truth.low[i] = truth.high[i] = value;
+    const auto include = [&](glm::dvec4 v) { truth.low[i] = glm::min(truth.low[i], v), truth.high[i] = glm::max(truth.high[i], v); };
+    include(value_at(above, centre)), include(value_at(below, centre));
+    // A straight edge that passes the centre within reach parts it from at least one of the places about it.
+    for (const glm::dvec2 way : {glm::dvec2(1, 0), glm::dvec2(1, 1), glm::dvec2(0, 1), glm::dvec2(-1, 1)}) {
+      const glm::dvec4 there = value_at(integrator, centre + reach_px * way), back = value_at(integrator, centre - reach_px * way);
+      include(there), include(back);
+      // Beyond an edge lies something else; the surface itself goes on as it does on the other side.
+      const glm::dvec4 step = glm::min(glm::abs(there - value), glm::abs(back - value));
+      include(value - step), include(value + step);
     }
   });
   return truth;
@@ -78,13 +86,12 @@ TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePi
   CHECK(beauty.width_px == truth.width_px && beauty.height_px == truth.height_px);
   TruthError error;
   const double floor = 0.01 * median_light(truth);
-  double sum = 0, true_sum = 0;
+  double sum = 0, true_sum = 0, within = 0, low_sum = 0, high_sum = 0;
   for (size_t i = 0; i < truth.centre.size(); ++i) {
     const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
     double worst = 0;
-    const bool edge = is_edge(truth, i, floor);
     for (int c = 0; c < 4; ++c) {
-      const double low = edge ? truth.low[i][c] : truth.centre[i][c], high = edge ? truth.high[i][c] : truth.centre[i][c];
+      const double low = truth.low[i][c], high = truth.high[i][c];
       const double away = std::max({low - v[c], v[c] - high, 0.0});
       const double least = c == 3 ? 1.0 : floor;
       const double against = std::max({std::abs(low), std::abs(high), least});
@@ -92,14 +99,19 @@ TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePi
       const double relative = !std::isfinite(v[c]) ? std::numeric_limits<double>::infinity() : away == 0 ? 0 : away / against;
       worst = std::max(worst, relative);
     }
-    for (int c = 0; c < 3; ++c) sum += v[c], true_sum += truth.centre[i][c];
+    for (int c = 0; c < 3; ++c) {
+      sum += v[c], true_sum += truth.centre[i][c];
+      if (worst <= bound) within += v[c], low_sum += truth.low[i][c], high_sum += truth.high[i][c];
+    }
     if (worst > bound) ++error.beyond;
     if (worst > error.max_relative) {
       error.max_relative = worst;
       error.worst_x = int(i % size_t(truth.width_px)), error.worst_y = int(i / size_t(truth.width_px));
     }
   }
-  error.energy = sum == true_sum ? 0 : true_sum > 0 ? sum / true_sum - 1 : std::numeric_limits<double>::infinity();
+  const auto part = [&](double away) { return away == 0 ? 0 : true_sum > 0 ? away / true_sum : std::numeric_limits<double>::infinity(); };
+  error.energy = part(sum - true_sum);
+  error.energy_beyond = within > high_sum ? part(within - high_sum) : within < low_sum ? part(within - low_sum) : 0;
   return error;
 }
 

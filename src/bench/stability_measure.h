@@ -8,16 +8,15 @@
 
 namespace candela {
 
-// What a picture should be: of every pixel the value at its centre, and the least and largest that it takes nearby, inside the pixel.
-// Where these are more than a tenth apart, an edge runs through the pixel and any value between is right: rounding decides which side
-// the centre is on.
+// What a picture should be: of every pixel the value at its centre, and the least and largest that it takes within `reach_px` of it.
+// Any value between is right: devices round the corners of triangles to a part of a pixel (Vulkan's subPixelPrecisionBits), and with
+// them shift what lies between; and they hold places as 32-bit numbers relative to the camera.
 struct TruePicture {
   int width_px = 0, height_px = 0;
   std::vector<glm::dvec4> centre, low, high;  // linear, premultiplied, without exposure
 };
-// By the reference ray tracer: direct light without shadows and the ambient term as the techniques have it; side * side samples a
-// pixel (an odd number, so that one of them is the centre).
-Expected<TruePicture> traced_picture(const Job& job, double time_s, int side);
+// By the reference ray tracer: direct light without shadows and the ambient term as the techniques have it.
+Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach_px);
 // Another picture's own pixels.
 TruePicture picture_truth(const Beauty& beauty, double pre_exposure);
 
@@ -26,6 +25,9 @@ struct TruthError {
   uint64_t beyond = 0;      // pixels above the bound
   int worst_x = 0, worst_y = 0;
   double energy = 0;        // sum over the picture against the truth's, minus 1
+  // How far the sum over the pixels within the bound lies outside the sums of their least and largest values, as a part of the
+  // truth's sum; pixels beyond are counted, and not finite ones are faults by themselves.
+  double energy_beyond = 0;
 };
 TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound);
 

@@ -27,7 +27,6 @@ struct StabilityScene {
   std::optional<Job> plain_job;       // where it is not `job`
   double time_s = 0, plain_time_s = 0;
   bool reference = true;
-  int reference_side = 3;             // samples a side of a pixel
   double bound = 1e-3;                // relative error that a pixel may have against the reference
   double plain_bound = 1e-5;          // and against the plain scene
   double energy_bound = 1e-3;         // relative error of the sum over all pixels

@@ -30,6 +30,7 @@ struct DeviceInfo {
   std::string uuid;            // 32 hex digits
   std::string device_class;    // goldens and reports group by it: "lavapipe", "nvidia", ... (driver family, lower case)
   uint32_t api_major = 0, api_minor = 0, subgroup_size = 0;
+  uint32_t subpixel_bits = 0;  // corners of triangles are rounded to 2^-bits of a pixel before they are drawn
   uint64_t memory_bytes = 0;
   bool is_cpu = false;
   std::string unusable;        // empty, or what it lacks and what to install

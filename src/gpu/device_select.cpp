@@ -170,6 +170,7 @@ DeviceInfo describe_physical(VkPhysicalDevice physical, int index) {
   info.api_major = VK_API_VERSION_MAJOR(basic.apiVersion);
   info.api_minor = VK_API_VERSION_MINOR(basic.apiVersion);
   info.subgroup_size = v11.subgroupSize;
+  info.subpixel_bits = basic.limits.subPixelPrecisionBits;
   for (uint8_t byte : v11.deviceUUID) info.uuid += fmt::format("{:02x}", byte);
   VkPhysicalDeviceMemoryProperties memory;
   vkGetPhysicalDeviceMemoryProperties(physical, &memory);

@@ -38,20 +38,33 @@ glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v)
 
 PixelSample Integrator::sample(int x, int y, uint64_t index) const {
   SampleStream stream(settings_.sampler, x, y, index);
-  const CameraRay ray = world_.camera_ray(glm::dvec2(x, y) + stream.pixel(), width_px_, height_px_);
+  return sample_through(glm::dvec2(x, y) + stream.pixel(), stream);
+}
+
+PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index) const {
+  SampleStream stream(settings_.sampler, int(std::floor(place_px.x)), int(std::floor(place_px.y)), index);
+  return sample_through(place_px, stream);
+}
+
+PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream) const {
+  const CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
   return settings_.mode == Mode::direct ? sample_direct(ray, stream) : sample_path(ray, stream);
 }
 
 PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream) const {
   PixelSample out;
   const Ray ray = rounded(camera);
-  const glm::dvec3 to_viewer = -glm::normalize(camera.direction);
+  glm::dvec3 to_viewer = -glm::normalize(camera.direction);
   double through = 1;
   TraceCounts counts;
   std::optional<Hit> hit = next_surface(world_, ray, true, nullptr, &counts);
   // Front to back: each surface covers what the ones before left open.
   for (int layer = 0; hit && layer < most_layers && through > 0; ++layer) {
-    const Surface s = world_.surface(*hit, camera.origin, camera.direction);
+    Surface s = world_.surface(*hit, camera.origin, camera.direction);
+    if (settings_.lifted != 0) {
+      s.position += settings_.lifted * glm::distance(s.position, camera.origin) * s.geometric;
+      to_viewer = glm::normalize(camera.origin - s.position);
+    }
     if (s.coverage > 0) {
       stream.start(4 + uint32_t(layer) * dimensions_a_layer);
       const glm::dvec3 radiance = s.unlit ? s.base_color : s.emission + direct_light(s, world_.accel().surface(*hit), to_viewer, stream);

@@ -19,6 +19,7 @@ struct TraceSettings {
   bool visibility = true;  // direct: light is blocked by what stands in its way
   Ambient ambient = Ambient::traced;
   double ambient_distance_m = std::numeric_limits<double>::infinity();  // direct: what is farther off does not occlude the sky
+  double lifted = 0;       // direct: points are lit as if they stood this part of their distance above their surface
   int most_bounces = 0;    // path: 0 as many as Russian roulette leaves
   Strategy strategy = Strategy::both;
 };
@@ -36,11 +37,14 @@ class Integrator {
   Integrator(const World& world, const TraceSettings& settings, int width_px, int height_px)
       : world_(world), settings_(settings), width_px_(width_px), height_px_(height_px) {}
   PixelSample sample(int x, int y, uint64_t index) const;
+  // Through a place of the image in pixels, y down.
+  PixelSample sample_at(glm::dvec2 place_px, uint64_t index) const;
 
   // Radiance towards `to_viewer` of light that comes straight from its source. For tests of single points.
   glm::dvec3 direct_light(const Surface& surface, const SurfacePoint& point, glm::dvec3 to_viewer, SampleStream& stream) const;
 
  private:
+  PixelSample sample_through(glm::dvec2 place_px, SampleStream& stream) const;
   PixelSample sample_direct(const CameraRay& ray, SampleStream& stream) const;
   PixelSample sample_path(const CameraRay& ray, SampleStream& stream) const;
   glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const;

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
 #include <set>
 
+#include "base/files.h"
 #include "bench/stability_scenes.h"
 
 namespace candela::test {
@@ -63,7 +65,7 @@ TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
   EXPECT_EQ(off.beyond, 1u);
   EXPECT_EQ(off.worst_x, 1);
   EXPECT_NEAR(off.energy, 0.2 / 21, 1e-6);
-  // An edge: what the pixel shows a third of a pixel away is right too.
+  // Between what the pixel shows a hair to either side everything is right, and so is its sum.
   truth.high[1] = glm::dvec4(2.5, 2.5, 2.5, 1);
   EXPECT_EQ(picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).beyond, 0u);
 
@@ -75,6 +77,45 @@ TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
   EXPECT_FALSE(std::abs(broken.energy) <= 1e9);
   // Lost light.
   EXPECT_NEAR(picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).energy, -4.0 / 7, 1e-6);
+}
+
+// What is right of a pixel is as wide as its place is uncertain, and no wider; and light that is lost within the pixels' own bounds is
+// found in their sum.
+TEST(Stability, ATruePixelReachesAsFarAsCornersAreRounded) {
+  const auto recipes = stability_recipes();
+  const auto recipe = std::find_if(recipes.begin(), recipes.end(), [](const StabilityRecipe& r) { return r.name == "roughness 0"; });
+  ASSERT_NE(recipe, recipes.end());
+  StabilityInput in{Rng(1)};
+  const StabilityScene scene = recipe->make(in);
+  Job job = scene.job;
+  job.scene = testing::TempDir() + "candela_true_pixel.glb";
+  ASSERT_TRUE(write_file_atomically(job.scene, std::span<const std::byte>(scene.file)));
+  const auto fine = traced_picture(job, 0, 1.0 / 256), coarse = traced_picture(job, 0, 1.0 / 64);
+  std::filesystem::remove(job.scene);
+  ASSERT_TRUE(fine && coarse);
+  std::vector<double> ratio;
+  for (size_t i = 0; i < fine->centre.size(); ++i) {
+    for (int c = 0; c < 4; ++c) {
+      EXPECT_LE(fine->low[i][c], fine->centre[i][c]);
+      EXPECT_GE(fine->high[i][c], fine->centre[i][c]);
+    }
+    const double narrow = fine->high[i].x - fine->low[i].x, wide = coarse->high[i].x - coarse->low[i].x;
+    if (narrow > 1e-3 * fine->centre[i].x) ratio.push_back(wide / narrow);
+  }
+  ASSERT_GT(ratio.size(), 100u);
+  std::nth_element(ratio.begin(), ratio.begin() + long(ratio.size() / 2), ratio.end());
+  EXPECT_NEAR(ratio[ratio.size() / 2], 4, 0.1);
+
+  std::vector<glm::vec4> pixels;
+  for (const glm::dvec4& v : fine->centre) pixels.push_back(glm::vec4(v));
+  Beauty beauty = picture(pixels);
+  beauty.width_px = job.width_px, beauty.height_px = job.height_px;
+  EXPECT_EQ(picture_error(beauty, 1, *fine, 1e-3).energy_beyond, 0);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = 0.98f * glm::vec4(fine->low[i]);
+  std::memcpy(beauty.bytes.data(), pixels.data(), beauty.bytes.size());
+  const TruthError darker = picture_error(beauty, 1, *fine, 0.03);
+  EXPECT_EQ(darker.beyond, 0u);
+  EXPECT_LT(darker.energy_beyond, -0.015);
 }
 
 TEST(Stability, MeasuresTheDisplayAgainstTheCurve) {

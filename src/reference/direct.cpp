@@ -1,6 +1,7 @@
 // Light that comes straight from its source: every punctual light summed without choosing, and the sky.
 #include <cmath>
 
+#include "math/spherical_harmonics.h"
 #include "reference/integrator.h"
 #include "reference/visibility.h"
 
@@ -12,15 +13,7 @@ constexpr uint32_t dimensions_a_layer = 8;
 constexpr int most_layers = 256;
 
 glm::dvec3 harmonics(const AmbientSh& sh, glm::dvec3 n) {
-  const double basis[9] = {0.282095,
-                           0.488603 * n.y,
-                           0.488603 * n.z,
-                           0.488603 * n.x,
-                           1.092548 * n.x * n.y,
-                           1.092548 * n.y * n.z,
-                           0.315392 * (3 * n.z * n.z - 1),
-                           1.092548 * n.x * n.z,
-                           0.546274 * (n.x * n.x - n.y * n.y)};
+  const std::array<double, 9> basis = sh_basis(n);
   glm::dvec3 sum(0);
   for (size_t i = 0; i < 9; ++i) sum += basis[i] * glm::dvec3(sh[i]);
   return glm::max(sum, glm::dvec3(0));

@@ -4,21 +4,12 @@
 #include <cstring>
 #include <numbers>
 
+#include "math/spherical_harmonics.h"
+
 namespace candela {
 namespace {
 constexpr double pi = std::numbers::pi;
 
-std::array<double, 9> sh_basis(glm::dvec3 d) {
-  return {0.282095,
-          0.488603 * d.y,
-          0.488603 * d.z,
-          0.488603 * d.x,
-          1.092548 * d.x * d.y,
-          1.092548 * d.y * d.z,
-          0.315392 * (3 * d.z * d.z - 1),
-          1.092548 * d.x * d.z,
-          0.546274 * (d.x * d.x - d.y * d.y)};
-}
 // A_l / pi: 1, 2/3, 1/4.
 AmbientSh convolve(const std::array<glm::dvec3, 9>& radiance) {
   AmbientSh out;

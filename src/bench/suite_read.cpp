@@ -198,7 +198,13 @@ Expected<Suite> read_suite(const fs::path& file, const fs::path& assets) {
   if (!bytes) return std::unexpected(bytes.error());
   const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   auto suite = suite_from_json(text, file.string(), file.parent_path(), assets);
-  if (suite && suite->name.empty()) suite->name = file.stem().string();
+  if (!suite) return suite;
+  if (suite->name.empty()) suite->name = file.stem().string();
+  // Names and values that no job takes stand in the file, not on the command line.
+  if (const auto all = configurations(*suite); !all) {
+    const std::string& place = all.error().place;
+    return fail(all.error().kind, file.string() + ": " + (place.starts_with("--") ? place.substr(2) : place), "{}", all.error().message);
+  }
   return suite;
 }
 

@@ -58,6 +58,8 @@ class StabilityRun {
 };
 
 bool StabilityRun::wanted(const StabilityRecipe& recipe) const {
+  const auto& families = options_.families;
+  if (!families.empty() && std::find(families.begin(), families.end(), recipe.family) == families.end()) return false;
   const std::string name = recipe.family + "/" + recipe.name;
   return options_.only.empty() || std::any_of(options_.only.begin(), options_.only.end(),
                                               [&](const std::string& part) { return name.find(part) != std::string::npos; });
@@ -241,7 +243,7 @@ Expected<StabilityReport> StabilityRun::run() {
   renderer_ = std::move(*renderer);
   report_.device = renderer_->device().name, report_.driver = renderer_->device().driver;
   report_.seed = options_.seed, report_.large = options_.large;
-  for (const StabilityRecipe& recipe : stability_recipes()) {
+  for (const StabilityRecipe& recipe : stability_recipes(options_.sizes)) {
     if (!wanted(recipe)) continue;
     if (stop_ && stop_()) {
       report_.stopped = true;

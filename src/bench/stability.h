@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,7 +14,9 @@ struct StabilityOptions {
   uint64_t seed = 1;
   bool large = false;
   std::vector<std::string> techniques;  // empty: all
+  std::vector<std::string> families;    // empty: all
   std::vector<std::string> only;        // scenes whose "family/name" holds one of these; empty: all
+  std::vector<std::pair<int, int>> sizes;  // of the family "images", in pixels; empty: its own
   std::vector<KnobSetting> settings;    // over the scenes' own, but not for plain scenes
   std::string pictures;                 // folder for a PNG and the .glb of each scene; empty: none
 };
@@ -48,6 +51,14 @@ struct StabilityReport {
 };
 // The largest display error that passes: a fortieth of an 8-bit code value.
 inline constexpr double display_bound = 1e-4;
+
+// A suite file of this kind has the key "suite" and chooses among the scenes, which are made from the seed:
+//   {"suite": "stability", "name": ..., "description": ..., "families": [...], "only": [...], "sizes": ["1x4096"], "techniques": [...],
+//    "seed": 1, "large": false}
+// All but the first may be left out. Errors (input) name file and key.
+bool names_built_in_suite(const std::filesystem::path& file);
+Expected<StabilityOptions> read_stability_suite(const std::filesystem::path& file);
+Expected<StabilityOptions> stability_suite_from_json(const std::string& text, const std::string& place);
 
 Expected<StabilityReport> check_stability(const StabilityOptions& options, const RunSettings& settings,
                                           const std::function<bool()>& stop);

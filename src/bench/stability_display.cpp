@@ -54,7 +54,8 @@ StabilityScene sized(StabilityInput& in, int width, int height) {
   lit_room(out, in.rng);
   StabilityScene scene = scene_of(out);
   scene.job.width_px = width, scene.job.height_px = height;
-  scene.display = true;
+  // Nine traced samples for each of millions of pixels would take minutes; techniques are compared all the same.
+  scene.reference = scene.display = int64_t(width) * height <= int64_t(1) << 20;
   return scene;
 }
 
@@ -83,16 +84,16 @@ void add_display(Recipes& all) {
   all.push_back({"tone", "exposure -100 EV, 1e9 cd", "", [](StabilityInput& in) { return exposed(in, -100, 1e9); }});
 }
 
-void add_images(Recipes& all) {
-  for (const auto& [width, height] : {std::pair(1, 1), std::pair(1, 4096), std::pair(4096, 1), std::pair(3, 3), std::pair(127, 61), std::pair(16384, 1)})
+void add_images(Recipes& all, const std::vector<std::pair<int, int>>& sizes) {
+  static const std::vector<std::pair<int, int>> own = {{1, 1}, {1, 4096}, {4096, 1}, {3, 3}, {127, 61}, {16384, 1}};
+  const auto& chosen = sizes.empty() ? own : sizes;
+  for (const auto& [width, height] : chosen)
     all.push_back({"images", std::to_string(width) + "x" + std::to_string(height), "", [=](StabilityInput& in) { return sized(in, width, height); }});
-  all.push_back({"images", "8192x8192", "by --large; else 2048x2048", [](StabilityInput& in) {
-                   const int side = in.large ? 8192 : 2048;
-                   StabilityScene scene = sized(in, side, side);
-                   scene.reference = false;
-                   scene.display = false;
-                   return scene;
-                 }});
+  if (std::find(chosen.begin(), chosen.end(), std::pair(8192, 8192)) == chosen.end())
+    all.push_back({"images", "8192x8192", "by --large; else 2048x2048", [](StabilityInput& in) {
+                     const int side = in.large ? 8192 : 2048;
+                     return sized(in, side, side);
+                   }});
   all.push_back({"images", "16385x1", "refused: no device is asked for it", [](StabilityInput& in) {
                    StabilityScene scene = sized(in, 16385, 1);
                    scene.refused = true;
@@ -109,7 +110,7 @@ void add_images(Recipes& all) {
 
 namespace candela {
 
-std::vector<StabilityRecipe> stability_recipes() {
+std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, int>>& sizes) {
   stability::Recipes all;
   stability::add_depth(all);
   stability::add_worlds(all);
@@ -121,7 +122,7 @@ std::vector<StabilityRecipe> stability_recipes() {
   stability::add_transforms(all);
   stability::add_animation(all);
   stability::add_display(all);
-  stability::add_images(all);
+  stability::add_images(all, sizes);
   return all;
 }
 

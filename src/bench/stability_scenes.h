@@ -42,7 +42,7 @@ struct StabilityRecipe {
   std::string family, name, what;  // what: one line for a reader
   std::function<StabilityScene(StabilityInput&)> make;
 };
-// In the order of the table; names are unique in their family.
-std::vector<StabilityRecipe> stability_recipes();
+// In the order of the table; names are unique in their family. sizes: of the family "images", in pixels; empty: its own.
+std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, int>>& sizes = {});
 
 }  // namespace candela

@@ -19,7 +19,7 @@ void add_geometry(Recipes& all);
 void add_transforms(Recipes& all);
 void add_animation(Recipes& all);
 void add_display(Recipes& all);
-void add_images(Recipes& all);
+void add_images(Recipes& all, const std::vector<std::pair<int, int>>& sizes);
 
 inline constexpr double pi = std::numbers::pi;
 

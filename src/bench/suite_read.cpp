@@ -1,104 +1,12 @@
-#include <functional>
-#include <nlohmann/json.hpp>
-
 #include "base/files.h"
-#include "base/text.h"
 #include "bench/suite.h"
+#include "bench/suite_file.h"
 #include "scene/make_scene.h"
 
 namespace candela {
 namespace fs = std::filesystem;
+using namespace suite_file;
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// What reading one value needs to know of its surroundings.
-struct Place {
-  fs::path folder, assets;
-  std::string at;  // file and JSON path, for messages
-  Place inside(const std::string& key) const { return {folder, assets, at + "/" + key}; }
-  std::unexpected<Error> wrong(const std::string& what) const {
-    return std::unexpected(Error{ErrorKind::input, "the value " + what, at});
-  }
-};
-
-template <class T>
-using Readers = std::map<std::string, std::function<Expected<void>(const Json&, const Place&, T&)>>;
-
-template <class T>
-Expected<void> read_keys(const Json& j, const Place& place, const Readers<T>& readers, T& into) {
-  if (!j.is_object()) return place.wrong("is not an object");
-  for (const auto& [key, value] : j.items()) {
-    const auto reader = readers.find(key);
-    if (reader == readers.end()) {
-      std::vector<std::string> names;
-      for (const auto& entry : readers) names.push_back(entry.first);
-      return fail(ErrorKind::input, place.at + "/" + key, "{}", unknown_name("key", key, names));
-    }
-    if (auto read = reader->second(value, place.inside(key), into); !read) return read;
-  }
-  return {};
-}
-
-Expected<void> read_text(const Json& j, const Place& place, std::string& into) {
-  if (!j.is_string()) return place.wrong("is not a text");
-  into = j.get<std::string>();
-  return {};
-}
-
-template <class T>
-Expected<void> read_whole(const Json& j, const Place& place, T lowest, T& into) {
-  if (!j.is_number_integer() ||
-      (j.is_number_unsigned() && j.get<uint64_t>() > uint64_t(std::numeric_limits<T>::max())) ||
-      (!j.is_number_unsigned() && j.get<int64_t>() < int64_t(lowest)) ||
-      (j.is_number_unsigned() && j.get<uint64_t>() < uint64_t(lowest)))
-    return place.wrong(fmt::format("is not a whole number of at least {}", lowest));
-  into = j.get<T>();
-  return {};
-}
-
-Expected<void> read_positive(const Json& j, const Place& place, double& into) {
-  if (!j.is_number() || !(j.get<double>() > 0)) return place.wrong("is not a number above 0");
-  into = j.get<double>();
-  return {};
-}
-
-// A list, or one value instead of a list of one. read(value, place) gives Expected<T>.
-template <class T, class Read>
-Expected<void> read_list(const Json& j, const Place& place, std::vector<T>& into, Read read) {
-  const Json list = j.is_array() ? j : Json::array({j});
-  if (list.empty()) return place.wrong("is an empty list");
-  into.clear();
-  for (size_t i = 0; i < list.size(); ++i) {
-    auto value = read(list[i], j.is_array() ? place.inside(std::to_string(i)) : place);
-    if (!value) return std::unexpected(value.error());
-    into.push_back(std::move(*value));
-  }
-  return {};
-}
-
-template <class T>
-auto whole_of(T lowest) {
-  return [lowest](const Json& j, const Place& place) -> Expected<T> {
-    T value{};
-    if (auto read = read_whole(j, place, lowest, value); !read) return std::unexpected(read.error());
-    return value;
-  };
-}
-
-Expected<std::string> text_of(const Json& j, const Place& place) {
-  std::string text;
-  if (auto read = read_text(j, place, text); !read) return std::unexpected(read.error());
-  return text;
-}
-
-Expected<std::pair<int, int>> size_of(const Json& j, const Place& place) {
-  const auto text = text_of(j, place);
-  if (!text) return std::unexpected(text.error());
-  const auto size = parse_size(*text);
-  if (!size) return std::unexpected(Error{ErrorKind::input, size.error().message, place.at});
-  return *size;
-}
 
 Expected<double> time_of(const Json& j, const Place& place) {
   if (!j.is_number()) return place.wrong("is not a number of seconds");
@@ -290,7 +198,13 @@ Expected<Suite> read_suite(const fs::path& file, const fs::path& assets) {
   if (!bytes) return std::unexpected(bytes.error());
   const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   auto suite = suite_from_json(text, file.string(), file.parent_path(), assets);
-  if (suite && suite->name.empty()) suite->name = file.stem().string();
+  if (!suite) return suite;
+  if (suite->name.empty()) suite->name = file.stem().string();
+  // Names and values that no job takes stand in the file, not on the command line.
+  if (const auto all = configurations(*suite); !all) {
+    const std::string& place = all.error().place;
+    return fail(all.error().kind, file.string() + ": " + (place.starts_with("--") ? place.substr(2) : place), "{}", all.error().message);
+  }
   return suite;
 }
 

@@ -245,8 +245,9 @@ Expected<int> run_exactness(const BenchOptions& o) {
   return report->differing_pixels > 0 ? int(ErrorKind::comparison) : 0;
 }
 
-Expected<int> run_bench(const BenchOptions& o) {
+Expected<int> run_bench(BenchOptions o) {
   if (o.quiet) log::set_level(log::Level::warning);
+  if (auto taken = take_stability_file(o); !taken) return std::unexpected(taken.error());
   if (auto good = check_options(o); !good) return std::unexpected(good.error());
   if (!o.compare.empty()) return run_compare(o);
   if (!o.from.empty()) return run_from_rows(o);

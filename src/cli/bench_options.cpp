@@ -1,6 +1,7 @@
 #include "cli/bench_options.h"
 
 #include "base/text.h"
+#include "bench/stability.h"
 #include "cli/job_options.h"
 #include "render/plan_frame.h"
 
@@ -185,7 +186,7 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->transform(whole_number<int>())
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
-  command.add_option("--only", o.only, "With --suite stability: scenes whose family/name holds one of these")
+  command.add_option("--only", o.only, "With --suite stability, or a suite file of it: scenes whose family/name holds one of these")
       ->type_name("LIST");
   command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG and the .glb of each scene")->type_name("DIR");
   command.add_flag("--large", o.large, "With --suite stability: ten million triangles in a pixel, 8192x8192 pixels");
@@ -238,6 +239,17 @@ Expected<void> check_options(const BenchOptions& o) {
     return fail(ErrorKind::usage, "--report", "reports are of measurements");
   if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())
     return fail(ErrorKind::usage, "--from", "goes with --report, --json or --csv");
+  return {};
+}
+
+Expected<void> take_stability_file(BenchOptions& o) {
+  const auto found = std::find_if(o.what.begin(), o.what.end(), [](const std::string& text) { return is_suite(text) && names_built_in_suite(text); });
+  if (found == o.what.end()) return {};
+  if (o.what.size() > 1 || !o.suite.empty() || o.error)
+    return fail(ErrorKind::usage, *found, "chooses scenes of --suite stability: it takes no other suite, scene or --error beside");
+  o.stability_file = *found;
+  o.suite = "stability";
+  o.what.clear();
   return {};
 }
 

@@ -13,7 +13,7 @@ namespace candela::cli {
 // The options of bench, as text until all are read.
 struct BenchOptions {
   std::vector<std::string> what;  // suite files and scenes
-  std::string suite, techniques, lights, sizes, samples, qualities, times, frames,
+  std::string suite, stability_file, techniques, lights, sizes, samples, qualities, times, frames,
       fps = "24", output, reference, camera, assets, report, json, csv, device, only, pictures;
   std::vector<std::string> settings, compare, from;
   std::optional<uint64_t> seed;
@@ -28,6 +28,8 @@ struct BenchOptions {
 };
 void add_bench_options(CLI::App& command, BenchOptions& options);
 
+// A suite file that chooses among the scenes of --suite stability, named instead of it.
+Expected<void> take_stability_file(BenchOptions& options);
 // That options which ask for different things are not given together.
 Expected<void> check_options(const BenchOptions& options);
 // The suites named, and one of the scenes named, with the options put over what suites say.

@@ -98,8 +98,13 @@ std::string rows_text(const StabilityReport& report) {
 
 Expected<int> run_stability(const BenchOptions& o) {
   StabilityOptions options;
+  if (!o.stability_file.empty()) {
+    auto read = read_stability_suite(o.stability_file);
+    if (!read) return std::unexpected(read.error());
+    options = std::move(*read);
+  }
   if (o.seed) options.seed = *o.seed;
-  options.large = o.large;
+  if (o.large) options.large = true;
   if (!o.only.empty()) options.only = split(o.only, ',');
   options.pictures = o.pictures;
   if (!o.techniques.empty()) options.techniques = split(o.techniques, ',');

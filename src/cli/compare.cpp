@@ -24,6 +24,16 @@ std::string place_text(const Place& place) {
   return place.channel.empty() ? "" : fmt::format("pixel ({}, {}), {}", place.x, place.y, place.channel);
 }
 
+constexpr const char* needs_colour = "there is no flip of images without colour, the channels R, G and B, or Y";
+
+std::string broken_limit(const LimitVerdict& v) {
+  const std::string where = v.region.empty() ? "" : " of region " + v.region;
+  if (!std::isnan(v.measured)) return fmt::format("{}{} is {:.6g}, the limit is {}", v.limit.metric, where, v.measured, v.limit.value);
+  return fmt::format("{}{} has a limit and was not measured: {}", v.limit.metric, where,
+                     v.limit.metric == "hdr-flip" ? "it is of scene-linear colour (EXR, HDR), and not with --hdr-flip off"
+                                                  : "it is of the channels R, G and B, or Y, and there are none");
+}
+
 using Rows = std::vector<std::vector<std::string>>;
 
 void add_metrics(Rows& rows, const std::string& where, const std::map<std::string, double>& metrics, const Place& max_at,
@@ -86,7 +96,11 @@ Expected<CompareOptions> options_of(const CompareCommand& o) {
 }
 
 Expected<void> write_heatmap(const std::string& file, const Comparison& comparison) {
-  if (file.empty() || comparison.flip_map.empty()) return {};
+  if (file.empty()) return {};
+  if (comparison.flip_map.empty()) {
+    log::warning("{} is not written: {}", file, comparison.refusal.empty() ? needs_colour : "the images cannot be compared");
+    return {};
+  }
   return write_png(file, heatmap(comparison.flip_map, comparison.width, comparison.height));
 }
 
@@ -114,9 +128,7 @@ Expected<int> run_compare(const CompareCommand& o) {
   for (const auto& [layers, file] : {std::pair(&comparison->only_in_reference, &o.a), std::pair(&comparison->only_in_test, &o.b)})
     if (!layers->empty()) log::error("only {} has {}", *file, joined(*layers));
   for (const LimitVerdict& v : verdicts)
-    if (!v.pass && comparison->refusal.empty())
-      log::error("{}{} is {:.6g}, the limit is {}", v.limit.metric, v.region.empty() ? "" : " of region " + v.region, v.measured,
-                 v.limit.value);
+    if (!v.pass && comparison->refusal.empty()) log::error("{}", broken_limit(v));
   auto printed =
       o.json ? print(comparison_json(*comparison, verdicts) + "\n") : print(comparison_table(*comparison, verdicts));
   if (printed) printed = write_heatmap(o.heatmap, *comparison);

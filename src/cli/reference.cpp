@@ -209,8 +209,9 @@ Json result_json(const ReferencePlan& plan, const ReferenceFrame& frame, const r
   j["notes"] = frame.notes;
   j["warnings"] = frame.warnings;
   j["spp"] = film.samples();
-  j["mse"] = film.mean_square_error();
-  j["relative_error"] = film.relative_error();
+  const bool has_halves = film.samples() > 1;  // of one sample nothing is known
+  j["mse"] = has_halves ? Json(film.mean_square_error()) : Json(nullptr);
+  j["relative_error"] = has_halves ? Json(film.relative_error()) : Json(nullptr);
   j["trace_s"] = trace_s;
   const AccelStatistics& a = frame.world->accel().statistics();
   j["bvh"] = {{"triangles", a.triangles}, {"references", a.references}, {"nodes", a.nodes}, {"instances", a.instances},
@@ -222,7 +223,12 @@ Json result_json(const ReferencePlan& plan, const ReferenceFrame& frame, const r
 }
 
 // The film at the end of the run; the state file follows it.
-Expected<reference::Film> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
+struct Traced {
+  reference::Film film;
+  Expected<void> saved;  // the state file; a picture of hours is written all the same
+};
+
+Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
                                 const std::atomic<int>& interrupted) {
   const Hash128 identity = film_identity(plan.job, frame, plan.settings, plan.accel);
   reference::Film film(plan.job.width_px, plan.job.height_px);
@@ -239,7 +245,10 @@ Expected<reference::Film> trace(const ReferencePlan& plan, const ReferenceOption
   constexpr double save_every_s = 60;
   double last_save_us = process_clock_us();
   const auto save = [&] {
-    if (!o.state.empty() && saved) saved = film.save(o.state, identity);
+    if (!o.state.empty()) {
+      saved = film.save(o.state, identity);
+      if (!saved) log::warning("{}: the samples so far are not kept", saved.error().text());
+    }
     last_save_us = process_clock_us();
   };
   reference::refine(
@@ -252,8 +261,7 @@ Expected<reference::Film> trace(const ReferencePlan& plan, const ReferenceOption
         if (process_clock_us() - last_save_us > save_every_s * 1e6) save();
       });
   save();
-  if (!saved) return std::unexpected(saved.error());
-  return film;
+  return Traced{std::move(film), std::move(saved)};
 }
 
 Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
@@ -272,17 +280,21 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
     return fail(ErrorKind::input, plan->job.scene, "--strict refuses the scene: {}", (*frame)->warnings.front());
   HeldSignals held;
   const double start_us = process_clock_us();
-  const auto film = trace(*plan, o, **frame, held.pending());
-  if (!film) return std::unexpected(film.error());
+  const auto traced = trace(*plan, o, **frame, held.pending());
+  if (!traced) return std::unexpected(traced.error());
+  const reference::Film& film = traced->film;
   if (held.pending() != 0) {
-    log::warning("interrupted after {} samples a pixel{}", film->samples(), o.state.empty() ? "" : "; --resume goes on from the state file");
+    log::warning("interrupted after {} samples a pixel{}", film.samples(),
+                 o.state.empty() || !traced->saved ? "" : "; --resume goes on from the state file");
     return 0;  // the signal ends the program
   }
   const double trace_s = (process_clock_us() - start_us) / 1e6;
-  log::info("{} samples a pixel in {:.1f} s, relative standard error {:.3g} %", film->samples(), trace_s, film->relative_error() * 100);
-  if (auto written = write_images(*plan, o, **frame, *film); !written) return std::unexpected(written.error());
+  const std::string noise = film.samples() > 1 ? fmt::format(", relative standard error {:.3g} %", film.relative_error() * 100) : "";
+  log::info("{} {} a pixel in {:.1f} s{}", film.samples(), film.samples() == 1 ? "sample" : "samples", trace_s, noise);
+  if (auto written = write_images(*plan, o, **frame, film); !written) return std::unexpected(written.error());
   if (o.job.json)
-    if (auto printed = print_json(result_json(*plan, **frame, *film, trace_s)); !printed) return std::unexpected(printed.error());
+    if (auto printed = print_json(result_json(*plan, **frame, film, trace_s)); !printed) return std::unexpected(printed.error());
+  if (!traced->saved) return std::unexpected(traced->saved.error());
   return 0;
 }
 

@@ -28,7 +28,8 @@ NumericResult numeric_metrics(std::span<const ChannelPair> channels, int width, 
   CHECK(!channels.empty());
   const size_t pixels = size_t(width) * size_t(height);
   std::vector<Row> rows(static_cast<size_t>(height));
-  std::vector<float> largest(pixels, 0.0f), relative(pixels, 0.0f);  // of each pixel, over its channels
+  std::vector<float> largest(pixels, 0.0f);  // of each pixel, over its channels
+  std::vector<double> relative(pixels, 0.0);  // as well; squares of large floats are beyond them
   sum_rows(height, [&](int y) {
     Row& row = rows[size_t(y)];
     for (const auto& [from, to] : channels)
@@ -42,7 +43,7 @@ NumericResult numeric_metrics(std::span<const ChannelPair> channels, int width, 
         row.square += d * d;
         row.relative += share;
         largest[i] = std::max(largest[i], float(d));
-        relative[i] += float(share);
+        relative[i] += share;
       }
     return 0.0;
   });

@@ -157,7 +157,8 @@ namespace candela {
 std::vector<Finding> validate_gltf(const nlohmann::json& json, const GltfParts& parts) {
   using namespace validation;
   Findings findings;
-  check_schema(json, findings);
+  check_major_version(json, findings);
+  if (!findings.any_fatal()) check_schema(json, findings);
   if (findings.any_fatal()) return findings.take();
   Document document{json, parts, findings, {}, {}, {}};
   for (const auto check : {check_asset, check_buffers, check_accessors, check_textures, check_materials, check_meshes,

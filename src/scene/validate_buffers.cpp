@@ -109,14 +109,18 @@ void check_buffer_view(Document& d, size_t i) {
 
 }  // namespace
 
+void check_major_version(const Json& root, Findings& findings) {
+  int major = 0, minor = 0;
+  if (parse_version(text(member(root, "asset"), "version"), major, minor) && major != 2)
+    findings.fatal("UNKNOWN_ASSET_MAJOR_VERSION", "/asset/version", "unknown glTF major version {}: this program reads glTF 2.0", major);
+}
+
 void check_asset(Document& d) {
   const Json& asset = member(d.json, "asset");
   int major = 0, minor = 0, least_major = 0, least_minor = 0;
   if (!parse_version(text(asset, "version"), major, minor))
     return d.findings.fatal("PATTERN_MISMATCH", "/asset/version", "value '{}' is not MAJOR.MINOR",
                             text(asset, "version").substr(0, 40));
-  if (major != 2)
-    return d.findings.fatal("UNKNOWN_ASSET_MAJOR_VERSION", "/asset/version", "unknown glTF major version {}", major);
   if (minor > 0)
     d.findings.warning("UNKNOWN_ASSET_MINOR_VERSION", "/asset/version", "unknown glTF minor version {}", minor);
   if (!asset.contains("minVersion")) return;

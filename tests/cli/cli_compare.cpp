@@ -79,6 +79,22 @@ TEST_F(CompareImages, ALimitIsBrokenByARegionAlone) {
   EXPECT_LE(broken, 2);
 }
 
+TEST_F(CompareImages, WhatWasNotMeasuredIsSaid) {
+  const std::string a = made("render", "a.png", {}), b = made("render", "b.png", {"--set", "resolve.samples=1"});
+  const Ended display = compared(a, b, {"--limit", "hdr-flip=1"});
+  EXPECT_EQ(display.code, 1);
+  EXPECT_NE(display.err.find("was not measured: it is of scene-linear colour"), std::string::npos) << display.err;
+  EXPECT_EQ(display.err.find("nan"), std::string::npos) << display.err;
+  // A heat map of an earlier run must not be taken for this one's.
+  const std::string other = folder / "c.png";
+  ASSERT_EQ(candela({"render", scene("spheres"), "-o", other, "--size", "8x8", "--quiet"}).code, 0);
+  const Ended refused = compared(a, other, {"--heatmap", folder / "heat.png"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("heat.png is not written"), std::string::npos) << refused.err;
+  EXPECT_EQ(compared(a, b, {"--heatmap", folder / "heat.png"}).err, "");
+  EXPECT_TRUE(std::filesystem::exists(folder / "heat.png"));
+}
+
 TEST(CompareUsage, BadRegionsAndExposures) {
   for (const auto& [option, value, said] : {std::tuple("--region", "1,2,3", "X,Y,WIDTH,HEIGHT"),
                                             std::tuple("--region", "0,0,0,4", "X,Y,WIDTH,HEIGHT"),

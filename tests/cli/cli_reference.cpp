@@ -78,6 +78,19 @@ TEST(Reference, AnInterruptionLeavesAStateToGoOnFrom) {
   EXPECT_EQ(bytes_of(folder / "a.exr"), bytes_of(folder / "b.exr"));
 }
 
+// The limit on file sizes lets the picture through and not the sums, as a disk that is nearly full would.
+TEST(Reference, APictureIsWrittenThoughItsStateCannotBe) {
+  const TestFolder folder;
+  const Ended ended = run_program({"bash", "-c", R"(trap '' XFSZ; ulimit -f 60; exec "$0" "$@")", CANDELA_PROGRAM, "reference", spheres, "--size", "48x32",
+                                   "--spp", "1", "-o", folder / "a.exr", "--state", folder / "s"});
+  EXPECT_EQ(ended.code, 5) << ended.err;
+  EXPECT_NE(ended.err.find("the samples so far are not kept"), std::string::npos) << ended.err;
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"a.exr"});
+  // Of one sample nobody knows how far it is off.
+  EXPECT_NE(ended.err.find("1 sample a pixel"), std::string::npos) << ended.err;
+  EXPECT_EQ(ended.err.find("standard error"), std::string::npos) << ended.err;
+}
+
 TEST(Reference, TakesNoThreadCountForAByte) {
   const TestFolder folder;
   for (const char* threads : {"1", "2", "5"})

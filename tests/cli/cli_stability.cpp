@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "image/io.h"
@@ -81,6 +82,37 @@ TEST(Stability, FindsLostEnergy) {
   EXPECT_EQ(ended.code, 1) << ended.out << ended.err;
   EXPECT_NE(ended.out.find("of the plain scene's energy"), std::string::npos) << ended.out;
   EXPECT_NE(ended.out.find("WRONG"), std::string::npos) << ended.out;
+}
+
+TEST(Stability, ASuiteFileChoosesAndTheCommandLineGoesOver) {
+  const TestFolder folder;
+  std::ofstream(folder / "s.json") << R"({"suite": "stability", "families": ["images"], "sizes": ["5x7"], "only": ["5x7"],
+                                          "techniques": ["clustered"], "seed": 3})";
+  const auto rows = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"bench", folder / "s.json", "--quiet", "--json", "-"});
+    const Ended ended = candela(std::move(more));
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return Json::parse(ended.out, nullptr, false);
+  };
+  const Json chosen = rows({}), over = rows({"--techniques", "brute-force", "--seed", "4"});
+  ASSERT_EQ(chosen["rows"].size(), 1u) << chosen;
+  EXPECT_EQ(chosen["rows"][0]["scene"], "5x7");
+  EXPECT_EQ(chosen["rows"][0]["technique"], "clustered");
+  EXPECT_EQ(chosen["rows"][0]["pixels"], 35);
+  EXPECT_EQ(chosen["seed"], 3);
+  ASSERT_EQ(over["rows"].size(), 1u) << over;
+  EXPECT_EQ(over["rows"][0]["technique"], "brute-force");
+  EXPECT_EQ(over["seed"], 4);
+
+  std::ofstream(folder / "bad.json") << R"({"suite": "stability", "families": ["imags"]})";
+  const Ended bad = candela({"bench", folder / "bad.json"});
+  EXPECT_EQ(bad.code, 3) << bad.err;
+  EXPECT_NE(bad.err.find("/families/0"), std::string::npos) << bad.err;
+  for (const std::vector<std::string>& beside : std::vector<std::vector<std::string>>{{"street"}, {"--error"}, {"--suite", "exactness"}, {"--lights", "3"}}) {
+    std::vector<std::string> arguments = {"bench", folder / "s.json"};
+    arguments.insert(arguments.end(), beside.begin(), beside.end());
+    EXPECT_EQ(candela(arguments).code, 2) << beside.front();
+  }
 }
 
 TEST(Stability, UsageErrorsSayWhatIsMeant) {

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "bench/exactness.h"
@@ -104,6 +106,18 @@ TEST(Suite, NamesThatNoJobTakesAreErrors) {
     const auto all = configurations(*suite);
     ASSERT_FALSE(all) << json;
     EXPECT_EQ(all.error().kind, ErrorKind::usage) << json;
+  }
+}
+
+TEST(Suite, MistakesInAFileNameIt) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "mistaken.json";
+  for (const auto& [json, said] : {std::pair(R"({"scenes": ["spheres"], "techniques": ["brut-force"]})", "mistaken.json: techniques: "),
+                                   std::pair(R"({"scenes": ["spheres"], "set": {"cull.enabld": [1]}})", "mistaken.json: set: "),
+                                   std::pair(R"({"scenes": ["spheres"], "sizes": ["0x0"]})", "mistaken.json: size: ")}) {
+    std::ofstream(file) << json;
+    const auto suite = read_suite(file, {});
+    ASSERT_FALSE(suite) << json;
+    EXPECT_NE(suite.error().text().find(said), std::string::npos) << suite.error().text();
   }
 }
 

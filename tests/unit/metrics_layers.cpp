@@ -57,6 +57,14 @@ TEST(Compare, PercentilesAreOfTheSortedErrors) {
   EXPECT_NEAR(metrics.at("p99.9"), 0.999 * 1999, 1e-3);
 }
 
+TEST(Compare, TrimmedErrorOfHugeRadianceIsANumber) {
+  const FloatImage a = flat(0);
+  FloatImage b = a;
+  for (float& v : plane(b, "R")) v = 1e25f;  // its square is no float
+  const Comparison result = compare(a, b, whole);
+  EXPECT_NEAR(result.metrics.at("relmse-trimmed") / result.metrics.at("relmse"), 1, 1e-6);
+}
+
 TEST(CompareLayers, EachKindHasItsOwnMeaning) {
   FloatImage a = flat(1);
   add(a, "depth.Z", 100);

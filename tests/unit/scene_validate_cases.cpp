@@ -67,6 +67,7 @@ const Case cases[] = {
     {"AssetNotObject", R"({"asset": 3})", "TYPE_MISMATCH", "/asset"},
     {"VersionPattern", R"({"asset": {"version": "two"}})", "PATTERN_MISMATCH", "/asset/version"},
     {"VersionMajor", R"({"asset": {"version": "3.0"}})", "UNKNOWN_ASSET_MAJOR_VERSION", "/asset/version"},
+    {"VersionMajorFirst", R"({"asset": {"version": "1.0"}, "accessors": 3})", "UNKNOWN_ASSET_MAJOR_VERSION", "/asset/version"},
     {"VersionMinor", R"({"asset": {"version": "2.7"}})", "UNKNOWN_ASSET_MINOR_VERSION", "/asset/version", false},
     {"MinVersion", R"({"asset": {"minVersion": "2.9"}})", "ASSET_MIN_VERSION_GREATER_THAN_VERSION",
      "/asset/minVersion"},

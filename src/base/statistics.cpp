@@ -29,18 +29,17 @@ Interval median_interval(std::span<const double> samples, const Bootstrap& boots
   std::sort(sorted.begin(), sorted.end());
   if (sorted.front() == sorted.back()) return {sorted.front(), sorted.front()};
   Rng rng(bootstrap.seed);
-  const size_t n = sorted.size(), middle = n / 2;
-  std::vector<double> medians;
-  std::vector<size_t> ranks(n);
+  const size_t n = sorted.size();
+  const auto lower = std::ptrdiff_t((n - 1) / 2), upper = std::ptrdiff_t(n / 2);
+  // Of ranks: they order as their values do.
+  std::vector<double> low, high, ranks(n);
   for (int i = 0; i < bootstrap.resamples; ++i) {
-    for (size_t& rank : ranks) rank = size_t(rng.uniform() * double(n));
-    // Ranks order as their values do, and are quicker to compare.
-    std::nth_element(ranks.begin(), ranks.begin() + std::ptrdiff_t(middle), ranks.end());
-    const double above = sorted[ranks[middle]];
-    const double below = n % 2 == 1 ? above : sorted[*std::max_element(ranks.begin(), ranks.begin() + std::ptrdiff_t(middle))];
-    medians.push_back(below + (above - below) / 2);
+    for (double& rank : ranks) rank = std::floor(rng.uniform() * double(n));
+    std::nth_element(ranks.begin(), ranks.begin() + upper, ranks.end());
+    high.push_back(ranks[size_t(upper)]);
+    low.push_back(lower == upper ? high.back() : *std::max_element(ranks.begin(), ranks.begin() + upper));
   }
   const double tail = (1 - bootstrap.confidence) / 2;
-  return {percentile(medians, tail), percentile(medians, 1 - tail)};
+  return {sorted[size_t(percentile(low, tail))], sorted[size_t(std::ceil(percentile(high, 1 - tail)))]};
 }
 }  // namespace candela

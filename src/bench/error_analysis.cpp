@@ -28,19 +28,13 @@ void fit_order(KnobStudy& study) {
   if (study.fit.points >= 2) study.r_squared = r_squared(study.fit, x, y);
 }
 
-// Medians that are no farther apart than this are not known to differ: three standard errors (sampling.h) of each.
-double doubt_ms(const BenchRow& a, const BenchRow& b) {
-  const auto error = [](const BenchRow& row) {
-    const Summary s = summary(row.gpu.ms);
-    return s.count > 0 ? 1.2533 * 1.4826 * s.mad / std::sqrt(double(s.count)) : 0;
-  };
-  return 3 * std::hypot(error(a), error(b));
-}
+// Beyond doubt: the 95 % confidence intervals of the medians do not meet.
+bool surely_quicker(const Interval& a, const Interval& b) { return a.high < b.low; }
 
 void find_dominated(KnobStudy& study) {
   for (KnobStudy::Value& v : study.values)
     for (const KnobStudy::Value& other : study.values)
-      if (!v.dominated && other.relmse <= v.relmse && other.ms < v.ms - doubt_ms(*other.row, *v.row)) {
+      if (!v.dominated && other.relmse <= v.relmse && surely_quicker(other.ms_ci, v.ms_ci)) {
         v.dominated = true;
         v.verdict = "no: " + other.text + " is quicker and no worse";
       }
@@ -52,7 +46,7 @@ void judge_times(KnobStudy& study) {
   const KnobStudy::Value* best = &study.values.back();
   for (KnobStudy::Value& v : study.values) {
     if (!v.dominated) v.verdict = "no other is quicker beyond doubt";
-    if (v.ms < best->ms - doubt_ms(*v.row, *best->row)) best = &v;
+    if (surely_quicker(v.ms_ci, best->ms_ci)) best = &v;
   }
   study.advised = best->text;
 }
@@ -72,8 +66,7 @@ void judge_values(KnobStudy& study, std::optional<double> whole_relmse) {
     const bool hidden = whole_relmse ? v.relmse <= 0.1 * *whole_relmse : v.relmse == 0;
     if (!v.dominated) v.verdict = hidden ? "its error is hidden under the technique's own" : "its error shows";
     if (!hidden) continue;
-    const double doubt = best ? doubt_ms(*v.row, *best->row) : 0;
-    if (!best || v.ms < best->ms - doubt || (v.ms < best->ms + doubt && v.relmse < best->relmse)) best = &v;
+    if (!best || surely_quicker(v.ms_ci, best->ms_ci) || (!surely_quicker(best->ms_ci, v.ms_ci) && v.relmse < best->relmse)) best = &v;
   }
   if (best) study.advised = best->text;
 }
@@ -132,7 +125,7 @@ const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::strin
   if (!best) return nullptr;
   // A quality by its name is easier to ask for than one knob of it, where they are the same.
   for (const ErrorPoint& p : points)
-    if (!best->row->settings.empty() && p.row->settings.empty() && p.error <= best->error && p.ms < best->ms + doubt_ms(*p.row, *best->row)) best = &p;
+    if (!best->row->settings.empty() && p.row->settings.empty() && p.error <= best->error && !surely_quicker(best->ms_ci, p.ms_ci)) best = &p;
   return best->row;
 }
 

@@ -52,7 +52,7 @@ class Walker {
       for (const KnobRow& knob : knob_rows("exact"))
         if (knob.kind != "look" && knob.walk.size() > 1) walk_knob(place, i, knob, *planned, same);
       if (!same.empty())
-        place.notes.push_back(fmt::format("{} with {}: the same work as another value, and not measured again: {}", exact.scene.label,
+        place.notes.push_back(fmt::format("{} with {}: the same work as at another value, and not measured again: {}", exact.scene.label,
                                           exact.job.technique, joined(same)));
     }
   }
@@ -84,6 +84,7 @@ class Walker {
     if (kept.empty()) return;
     const Configuration c = place.rows[exact_row].configuration;
     std::vector<Hash128> works = {work_of(exact, c.job)};
+    std::vector<std::string> skipped;
     for (const std::string& value : knob.walk) {
       if (value == knob.value_now) continue;
       Configuration changed = c;
@@ -91,12 +92,14 @@ class Walker {
       const auto planned = plan(changed.job, changed.time_s);
       const Hash128 work = planned ? work_of(*planned, changed.job) : Hash128{};
       if (planned && std::find(works.begin(), works.end(), work) != works.end()) {
-        same.push_back(name + "=" + value);
+        skipped.push_back(name + "=" + value);
         continue;
       }
       works.push_back(work);
       place.rows.push_back({"knob " + name, std::move(changed), {{name, value, knob.kind, knob.passes}}});
     }
+    if (works.size() == 1) skipped = {name};
+    same.insert(same.end(), skipped.begin(), skipped.end());
     if (works.size() > 1) place.rows[exact_row].knobs.push_back({name, knob.value_now, knob.kind, knob.passes});
   }
 

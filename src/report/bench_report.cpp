@@ -14,7 +14,7 @@ constexpr std::string_view style =
     "h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2.2em;border-bottom:1px solid #ccc;padding-bottom:.2em}"
     "h3{font-size:1em;margin:1.6em 0 .5em}table{border-collapse:collapse;font-size:13px;margin:.5em 0}"
     "th,td{padding:.2em .7em;border-bottom:1px solid #e4e4e4;text-align:right;white-space:nowrap}"
-    "th{background:#f4f4f4;font-weight:600}td.text,th.text{text-align:left}td.bad{color:#b00020;font-weight:600}"
+    "th{background:#f4f4f4;font-weight:600;white-space:normal;vertical-align:bottom}td.text,th.text{text-align:left}td.bad{color:#b00020;font-weight:600}"
     ".wide{overflow-x:auto}.note{color:#7a5200}.error{color:#b00020}.faint{color:#777}"
     "figure{display:inline-block;margin:.4em .8em .4em 0;vertical-align:top}figcaption{font-size:12px;color:#555;"
     "max-width:320px}img.picture{image-rendering:auto;max-width:320px}code{font-size:12px}"

@@ -73,7 +73,7 @@ std::string scatter_svg(const Scatter& scatter) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n",
-      left + width + 20, bottom + 48 + 18 * std::ceil(double(scatter.groups.size()) / 4));
+      left + width + 20, bottom + 58 + 18 * std::ceil(double(scatter.groups.size()) / 4));
   svg += text(left, 18, "font-weight=\"600\"", scatter.title);
   for (const double tick : x_axis.ticks())
     svg += line(x_of(tick), top, x_of(tick), bottom, "stroke=\"#ddd\"") + text(x_of(tick), bottom + 16, "text-anchor=\"middle\" fill=\"#666\"", tick_text(tick));
@@ -110,15 +110,18 @@ std::string scatter_svg(const Scatter& scatter) {
   for (size_t i = 0; i < front.size(); ++i) {
     const double x = x_of(front[i]->x);
     // Labels of points on one spot would cover each other: the first speaks for them, the pointer shows the rest.
-    if (i > 0 && std::abs(x - x_of(front[i - 1]->x)) < 40 && std::abs(y_of(front[i]->y) - y_of(front[i - 1]->y)) < 14) continue;
+    if (i > 0 && std::abs(x - x_of(front[i - 1]->x)) < 40 &&
+        (std::abs(y_of(front[i]->y) - y_of(front[i - 1]->y)) < 14 || front[i]->label == front[i - 1]->label))
+      continue;
     const bool far = x > left + width * 0.6;
     // Every second one below its point, so that neighbours keep apart.
-    svg += text(x + (far ? -9 : 9), y_of(front[i]->y) + (i % 2 ? 18 : -8), far ? "text-anchor=\"end\" fill=\"#222\" font-size=\"11\"" : "fill=\"#222\" font-size=\"11\"",
+    const bool above = i % 2 == 0 || y_of(front[i]->y) > bottom - 24;  // the axis has numbers below it
+    svg += text(x + (far ? -9 : 9), y_of(front[i]->y) + (above ? -8 : 18), far ? "text-anchor=\"end\" fill=\"#222\" font-size=\"11\"" : "fill=\"#222\" font-size=\"11\"",
                 front[i]->label);
   }
   if (zeros) svg += text(left + 4, bottom - 5, "fill=\"#666\" font-size=\"11\"", "on the lower edge: no difference at all");
   for (size_t g = 0; g < scatter.groups.size(); ++g) {
-    const double x = left + double(g % 4) * width / 4, y = bottom + 48 + 18 * double(g / 4);
+    const double x = left + double(g % 4) * width / 4, y = bottom + 58 + 18 * double(g / 4);
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\"/>", x + 5, y - 4, plot_color(g)) + text(x + 15, y, "", scatter.groups[g]);
   }
   return svg + "</svg>\n";

@@ -123,9 +123,14 @@ const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::strin
   for (const ErrorPoint& p : points)
     if (p.error <= most && (!best || std::pair(p.ms, p.error) < std::pair(best->ms, best->error))) best = &p;
   if (!best) return nullptr;
+  if (best->row->settings.empty()) return best->row;
   // A quality by its name is easier to ask for than one knob of it, where they are the same.
+  const ErrorPoint* named = nullptr;
   for (const ErrorPoint& p : points)
-    if (!best->row->settings.empty() && p.row->settings.empty() && p.error <= best->error && !surely_quicker(best->ms_ci, p.ms_ci)) best = &p;
+    if (p.row->settings.empty() && p.error <= best->error && !surely_quicker(best->ms_ci, p.ms_ci) &&
+        (!named || std::pair(p.ms, p.error) < std::pair(named->ms, named->error)))
+      named = &p;
+  if (named) return named->row;
   return best->row;
 }
 

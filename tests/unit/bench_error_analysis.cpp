@@ -120,6 +120,12 @@ TEST(ErrorSentences, PreferAQualityToOneKnobOfIt) {
   rows[6].errors = rows[1].errors;
   rows[1].gpu.ms = {5.8, 6.0, 6.1};
   EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[1]);
+  // Of several such qualities the quickest.
+  rows[2].errors = rows[1].errors;
+  rows[2].gpu.ms = {5.8, 6.2, 6.3};
+  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[1]);
+  rows[2].gpu.ms = {5.8, 5.95, 6.3};
+  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[2]);
 }
 
 TEST(KnobStudies, OfTimeAlone) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/rng.h"
+
 namespace candela {
 double percentile(std::span<const double> samples, double fraction) {
   if (samples.empty()) return 0;
@@ -20,5 +22,24 @@ double mad(std::span<const double> samples) {
   std::vector<double> distance;
   for (double s : samples) distance.push_back(std::abs(s - middle));
   return median(distance);
+}
+Interval median_interval(std::span<const double> samples, const Bootstrap& bootstrap) {
+  if (samples.empty()) return {};
+  std::vector<double> sorted(samples.begin(), samples.end());
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.front() == sorted.back()) return {sorted.front(), sorted.front()};
+  Rng rng(bootstrap.seed);
+  const size_t n = sorted.size();
+  const auto lower = std::ptrdiff_t((n - 1) / 2), upper = std::ptrdiff_t(n / 2);
+  // Of ranks: they order as their values do.
+  std::vector<double> low, high, ranks(n);
+  for (int i = 0; i < bootstrap.resamples; ++i) {
+    for (double& rank : ranks) rank = std::floor(rng.uniform() * double(n));
+    std::nth_element(ranks.begin(), ranks.begin() + upper, ranks.end());
+    high.push_back(ranks[size_t(upper)]);
+    low.push_back(lower == upper ? high.back() : *std::max_element(ranks.begin(), ranks.begin() + upper));
+  }
+  const double tail = (1 - bootstrap.confidence) / 2;
+  return {sorted[size_t(percentile(low, tail))], sorted[size_t(std::ceil(percentile(high, 1 - tail)))]};
 }
 }  // namespace candela

@@ -128,7 +128,7 @@ Expected<void> Measured::warm_up() {
   return {};
 }
 
-Expected<void> Measured::open(const std::string& scene_file) {
+Expected<void> Measured::open(const std::string& scene_file, const std::function<void(const FrameResult&, const Session&)>& seen) {
   if (auto opened = open_session(scene_file); !opened) return opened;
   {
     // The first frame compiles; the picture is checked on it.
@@ -137,6 +137,7 @@ Expected<void> Measured::open(const std::string& scene_file) {
     first_frame_ms_ = last_frame_ms_;
     describe(*frame);
     beauty_ = beauty_of(*frame);
+    if (seen) seen(*frame, *session_);
   }
   return warm_up();
 }

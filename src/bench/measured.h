@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 
 #include "bench/picture.h"
@@ -18,7 +19,8 @@ class Measured {
   BenchRow row;
 
   // Loads, renders until warm, and fills what of the row is no sample.
-  Expected<void> open(const std::string& scene_file);
+  // `seen` gets the first frame, whose picture is every frame's.
+  Expected<void> open(const std::string& scene_file, const std::function<void(const FrameResult&, const Session&)>& seen = {});
   void close();
   Expected<void> sample(const std::string& scene_file);  // opens when closed
   void fail_with(const Error& error);

@@ -41,6 +41,14 @@ struct PictureError {
   std::string note;                       // why not
   std::optional<NoiseFloor> noise;        // of the reference
   std::optional<ExposureRange> exposures; // of hdr-flip: the same for all rows of a place
+  uint64_t spp = 0;                       // of a traced reference
+};
+
+// A knob's value that the row is measured at, all else being exact: a point of that knob's study.
+struct KnobPoint {
+  std::string knob, value;          // "lights.floor_lux", "0.1"
+  std::string kind;                 // what the knob trades: error or time
+  std::vector<std::string> passes;  // whose work it changes
 };
 
 // One configuration as measured. Every number of a report is here or follows from it.
@@ -69,6 +77,7 @@ struct BenchRow {
   std::vector<std::pair<std::string, uint64_t>> memory;    // bytes, as in --timings
   PictureCheck picture;
   std::vector<PictureError> errors;  // of sweeps of error against time
+  std::vector<KnobPoint> knobs;      // the same: one, or at the exact end of all knobs many
   std::optional<LightLists> lists;
   std::string lists_note;            // why there are none
   std::vector<std::string> remarks;  // what the frame's own notes and warnings say

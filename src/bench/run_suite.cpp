@@ -21,13 +21,26 @@ struct Item {
 
 class SuiteRun {
  public:
-  SuiteRun(const std::vector<Suite>& suites, const RunSettings& settings, const std::function<bool()>& stop)
-      : suites_(suites), settings_(settings), stop_(stop) {}
+  SuiteRun(const std::vector<Suite>& suites, std::vector<Item> items, const RunSettings& settings, const std::function<bool()>& stop)
+      : settings_(settings), stop_(stop), items_(std::move(items)) {
+    // The run's budget is the sum of the suites'; one suite without a budget makes it endless.
+    bool endless = false;
+    for (const Suite& suite : suites) {
+      endless = endless || suite.budget_s <= 0;
+      budget_s_ += suite.budget_s;
+    }
+    if (endless) budget_s_ = 0;
+  }
+
+  SuiteRun(const std::vector<RunItem>& items, double budget_s, const RunSettings& settings, const std::function<bool()>& stop,
+           const SeeFirstFrame& seen)
+      : settings_(settings), stop_(stop), budget_s_(budget_s), seen_(seen) {
+    for (const RunItem& item : items) items_.push_back({item.suite, item.configuration, {}});
+  }
 
   Expected<BenchRun> run();
 
  private:
-  Expected<void> list_items();
   void open_all();
   void open_one(size_t i);
   void keep_or_close(size_t i);
@@ -37,9 +50,10 @@ class SuiteRun {
   bool out_of_time();
   void finish();
 
-  const std::vector<Suite>& suites_;
   RunSettings settings_;
   const std::function<bool()>& stop_;
+  double budget_s_ = 0;  // 0: none
+  SeeFirstFrame seen_;   // of chosen items
   Clock::time_point start_ = Clock::now();
   bool budget_hit_ = false, stopped_ = false;
   int open_ = 0, reopened_ = 0;
@@ -62,28 +76,9 @@ int reference_limit(const Suite& suite) {
   return limit == suite.max_lights.end() ? std::numeric_limits<int>::max() : limit->second;
 }
 
-Expected<void> SuiteRun::list_items() {
-  for (const Suite& suite : suites_) {
-    auto all = configurations(suite);
-    if (!all) return std::unexpected(all.error());
-    for (Configuration& c : *all) {
-      std::string group = picture_group(c, suite);
-      items_.push_back({&suite, std::move(c), std::move(group)});
-    }
-  }
-  return {};
-}
-
-// The run's budget is the sum of the suites'; one suite without a budget makes it endless.
 bool SuiteRun::out_of_time() {
   if (stop_ && stop_()) stopped_ = true;
-  double budget_s = 0;
-  bool endless = false;
-  for (const Suite& suite : suites_) {
-    endless = endless || suite.budget_s <= 0;
-    budget_s += suite.budget_s;
-  }
-  if (!endless && seconds_since(start_) > budget_s) budget_hit_ = true;
+  if (budget_s_ > 0 && seconds_since(start_) > budget_s_) budget_hit_ = true;
   return budget_hit_ || stopped_;
 }
 
@@ -180,7 +175,10 @@ void SuiteRun::open_one(size_t i) {
   }
   log::info("{}", row_title(measured.row));
   const auto file = store_.file_of(item.configuration);
-  const auto opened = file ? measured.open(*file) : std::unexpected(file.error());
+  const auto opened = file ? measured.open(*file, [&](const FrameResult& frame, const Session& session) {
+    if (seen_) seen_(i, measured.row, frame, session);
+  })
+                           : std::unexpected(file.error());
   if (!opened) {
     log::error("{}: {}", row_title(measured.row), opened.error().text());
     measured.fail_with(opened.error());
@@ -204,17 +202,17 @@ void SuiteRun::open_all() {
   measured_.resize(items_.size());
   for (size_t i = 0; i < items_.size(); ++i) {
     const Item& item = items_[i];
-    if (item.configuration.left_out.empty() && item.group != group_ && !out_of_time()) make_reference(item);
+    if (!seen_ && item.configuration.left_out.empty() && item.group != group_ && !out_of_time()) make_reference(item);
     open_one(i);
     if (!measured_[i]->can_sample()) continue;
-    check_picture(item, *measured_[i]);
+    if (!seen_) check_picture(item, *measured_[i]);
     measured_[i]->forget_beauty();
     keep_or_close(i);
   }
   if (reopened_ > 0)
     result_.notes.push_back(fmt::format(
         "{} of {} configurations were reopened for every sample: {}", reopened_, open_ + reopened_,
-        suites_.front().sampling.max_sessions > 0 ? "max_sessions says so" : "memory does not hold all at once"));
+        items_.front().suite->sampling.max_sessions > 0 ? "max_sessions says so" : "memory does not hold all at once"));
 }
 
 void SuiteRun::sample_rounds() {
@@ -224,7 +222,7 @@ void SuiteRun::sample_rounds() {
     for (size_t i = 0; i < items_.size(); ++i)
       if (measured_[i]->can_sample() && measured_[i]->wants_sample()) active.push_back(i);
     if (active.empty()) return;
-    for (const size_t k : round_order(active.size(), suites_.front().sampling.order_seed, round)) {
+    for (const size_t k : round_order(active.size(), items_.front().suite->sampling.order_seed, round)) {
       if (out_of_time()) {
         for (const size_t i : active) measured_[i]->row.budget_hit = measured_[i]->wants_sample();
         return;
@@ -261,7 +259,6 @@ void SuiteRun::finish() {
 }
 
 Expected<BenchRun> SuiteRun::run() {
-  if (auto listed = list_items(); !listed) return std::unexpected(listed.error());
   open_all();
   sample_rounds();
   finish();
@@ -270,9 +267,23 @@ Expected<BenchRun> SuiteRun::run() {
 
 }  // namespace
 
+Expected<BenchRun> run_items(const std::vector<RunItem>& items, double budget_s, const RunSettings& settings,
+                             const std::function<bool()>& stop, const SeeFirstFrame& seen) {
+  return SuiteRun(items, budget_s, settings, stop, seen).run();
+}
+
 Expected<BenchRun> run_suites(const std::vector<Suite>& suites, const RunSettings& settings,
                               const std::function<bool()>& stop) {
-  return SuiteRun(suites, settings, stop).run();
+  std::vector<Item> items;
+  for (const Suite& suite : suites) {
+    auto all = configurations(suite);
+    if (!all) return std::unexpected(all.error());
+    for (Configuration& c : *all) {
+      std::string group = picture_group(c, suite);
+      items.push_back({&suite, std::move(c), std::move(group)});
+    }
+  }
+  return SuiteRun(suites, std::move(items), settings, stop).run();
 }
 
 }  // namespace candela

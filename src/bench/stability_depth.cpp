@@ -95,27 +95,6 @@ StabilityScene field_of_view(double yfov_rad, int width, int height, double dist
   return scene;
 }
 
-StabilityScene moved(StabilityInput& in, glm::dvec3 to, double bound) {
-  GlbWriter out, plain;
-  Rng again = in.rng;
-  lit_room(out, in.rng, {.origin = to});
-  lit_room(plain, again);
-  StabilityScene scene = scene_of(out);
-  scene.plain = plain.bytes();
-  scene.plain_bound = bound;
-  return scene;
-}
-
-StabilityScene scaled(StabilityInput& in, double by) {
-  GlbWriter out, plain;
-  Rng again = in.rng;
-  lit_room(out, in.rng, {.scale = by});
-  lit_room(plain, again);
-  StabilityScene scene = scene_of(out);
-  scene.plain = plain.bytes();
-  return scene;
-}
-
 // Far away by the parents' transforms alone: a chain whose steps cancel but for the room's own place.
 StabilityScene moved_by_parents(StabilityInput& in) {
   GlbWriter out, plain;
@@ -193,13 +172,13 @@ void add_depth(Recipes& all) {
 }
 
 void add_worlds(Recipes& all) {
-  all.push_back({"worlds", "1e6 m along x and z", "the room moved; the picture must stay bit for bit", [](StabilityInput& in) { return moved(in, {1e6, 0, -1e6}, 0); }});
-  all.push_back({"worlds", "1e6 m up", "the room moved; the picture must stay bit for bit", [](StabilityInput& in) { return moved(in, {0, 1e6, 0}, 0); }});
-  all.push_back({"worlds", "1e9 m away", "the room moved; double still holds its 1/64 m", [](StabilityInput& in) { return moved(in, {-1e9, 1e9, 1e9}, 0); }});
+  all.push_back({"worlds", "1e6 m along x and z", "the room moved; the picture must stay bit for bit", [](StabilityInput& in) { return beside_plain(in, {.origin = {1e6, 0, -1e6}}); }});
+  all.push_back({"worlds", "1e6 m up", "the room moved; the picture must stay bit for bit", [](StabilityInput& in) { return beside_plain(in, {.origin = {0, 1e6, 0}}); }});
+  all.push_back({"worlds", "1e9 m away", "the room moved; double still holds its 1/64 m", [](StabilityInput& in) { return beside_plain(in, {.origin = {-1e9, 1e9, 1e9}}); }});
   all.push_back({"worlds", "cancelling parents", "a chain of transforms of 1,000 km that cancels", moved_by_parents});
   all.push_back({"worlds", "instances and light arrays", "at 1e6 m", [](StabilityInput&) { return moved_arrays({1e6, -1e6, 1e6}); }});
-  all.push_back({"worlds", "a million times as large", "and as bright: the picture must stay", [](StabilityInput& in) { return scaled(in, 1048576); }});
-  all.push_back({"worlds", "a 16th as large", "lights no nearer than the centimetre below which they are held", [](StabilityInput& in) { return scaled(in, 1.0 / 16); }});
+  all.push_back({"worlds", "a million times as large", "and as bright: the picture must stay", [](StabilityInput& in) { return beside_plain(in, {.scale = 1048576}, 1e-5); }});
+  all.push_back({"worlds", "a 16th as large", "lights no nearer than the centimetre below which they are held", [](StabilityInput& in) { return beside_plain(in, {.scale = 1.0 / 16}, 1e-5); }});
 }
 
 }  // namespace candela::stability

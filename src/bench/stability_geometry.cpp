@@ -21,17 +21,7 @@ void add(Recipes& all, std::string name, std::string what, const Fill& fill, con
 
 // What is added must not be seen: the plain scene is the room alone.
 void add_unseen(Recipes& all, std::string name, std::string what, const Fill& fill, double bound = 0) {
-  all.push_back({"geometry", std::move(name), std::move(what), [=](StabilityInput& in) {
-                   GlbWriter out, plain;
-                   Rng again = in.rng;
-                   lit_room(out, in.rng);
-                   lit_room(plain, again);
-                   fill(out, in.rng);
-                   StabilityScene scene = scene_of(out);
-                   scene.plain = plain.bytes();
-                   scene.plain_bound = bound;
-                   return scene;
-                 }});
+  all.push_back({"geometry", std::move(name), std::move(what), [=](StabilityInput& in) { return beside_plain(in, {}, bound, fill); }});
 }
 
 const json clay = lit({0.7, 0.5, 0.4}, 0, 0.6);

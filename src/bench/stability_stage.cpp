@@ -83,6 +83,18 @@ StabilityScene scene_of(const GlbWriter& out) {
   return scene;
 }
 
+StabilityScene beside_plain(StabilityInput& in, const Room& how, double bound, const std::function<void(GlbWriter& out, Rng& rng)>& fill) {
+  GlbWriter out, plain;
+  Rng again = in.rng;
+  lit_room(out, in.rng, how);
+  lit_room(plain, again);
+  if (fill) fill(out, in.rng);
+  StabilityScene scene = scene_of(out);
+  scene.plain = plain.bytes();
+  scene.plain_bound = bound;
+  return scene;
+}
+
 FloatImage sky_image(int width, int height, const std::function<glm::vec3(int x, int y)>& radiance) {
   FloatImage image;
   image.width = width, image.height = height;

@@ -51,6 +51,9 @@ void lit_room(GlbWriter& out, Rng& rng, const Room& how = {});
 // 64 by 48 pixels, one sample, lights without a floor of their range, and lists even of one light.
 StabilityScene scene_of(const GlbWriter& out);
 
+// The lit room as `how` says with what `fill` adds, and beside it the plain lit room, which must look the same within `bound`.
+StabilityScene beside_plain(StabilityInput& in, const Room& how, double bound = 0, const std::function<void(GlbWriter& out, Rng& rng)>& fill = {});
+
 FloatImage sky_image(int width, int height, const std::function<glm::vec3(int x, int y)>& radiance);
 
 // A primitive from any numbers, finite or not; normals and UVs where they are given.

@@ -97,8 +97,9 @@ std::string error_sentences(const BenchRun& run) {
     for (const char* reference : {open_reference_name, "path"})
       for (const double bound : error_bounds) text += "  " + cheapest_sentence(place.rows, reference, "relmse", bound) + "\n";
     for (const KnobStudy& study : knob_studies(place.rows))
-      text += study.advised.empty() ? fmt::format("  {}: {}\n", study.knob, study.values.empty() ? "" : study.values.front().verdict)
-                                    : fmt::format("  {}: {} is worth its time\n", study.knob, study.advised);
+      text += study.advised.empty() ? fmt::format("  {}, {}: {}\n", study.technique, study.knob, study.values.empty() ? "" : study.values.front().verdict)
+                                    : fmt::format("  {}, {}: {} is worth its time\n", study.technique, study.knob, study.advised);
+    for (const NoiseVerdict& verdict : noise_verdicts(place.rows)) text += "  " + verdict.sentence + "\n";
   }
   return text;
 }
@@ -113,7 +114,14 @@ Expected<int> run_errors(const BenchOptions& o) {
   const auto finished = finish(o, *run, "candela bench: error against time");
   if (finished && o.json != "-" && o.csv != "-")
     if (auto printed = print(error_sentences(*run)); !printed) return std::unexpected(printed.error());
-  return finished;
+  if (!finished || *finished != 0) return finished;
+  int defects = 0;
+  for (const ErrorPlace& place : error_places(*run))
+    for (const std::string& defect : error_defects(place.rows)) {
+      log::error("{}", defect);
+      ++defects;
+    }
+  return defects > 0 ? int(ErrorKind::comparison) : 0;
 }
 
 Expected<int> run_measure(const BenchOptions& o) {

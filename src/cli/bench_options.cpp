@@ -299,11 +299,12 @@ Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& o) {
   auto suites = suites_of(o);
   if (!suites) return std::unexpected(suites.error());
   if (suites->size() != 1) return fail(ErrorKind::usage, "--error", "takes one suite file, or scenes alone");
-  ErrorSweepOptions options{.base = std::move(suites->front()), .reference_s = o.reference_s};
+  ErrorSweepOptions options{.base = std::move(suites->front()), .truth = {.seconds = o.reference_s}};
   // Frames of a sweep are many: nothing is learned from a median that is good to a percent where errors span decades.
-  if (!o.precision) options.base.sampling.precision = 0.03;
-  if (!o.max_runs) options.base.sampling.max_runs = 24;
-  if (o.reference_spp) options.reference_spp = *o.reference_spp;
+  SamplingRules& sampling = options.base.sampling;
+  if (!o.precision) sampling.precision = std::max(sampling.precision, 0.03);
+  if (!o.max_runs) sampling.max_runs = std::min(sampling.max_runs, 24);
+  if (o.reference_spp) options.truth.spp = *o.reference_spp;
   if (o.hdr_flip != "auto") {
     const auto range = parse_exposure_range(o.hdr_flip);
     if (!range) return std::unexpected(Error{ErrorKind::usage, range.error().message, "--hdr-flip"});

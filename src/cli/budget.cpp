@@ -1,25 +1,46 @@
 #include "cli/budget.h"
 
 #include "base/text.h"
-#include "bench/error_sweep.h"
+#include "bench/error_truth.h"
+#include "gpu/device_select.h"
+#include "render/content_hash.h"
 #include "report/bench_rows.h"
+#include "scene/gltf.h"
 
 namespace candela::cli {
+namespace {
+
+Expected<BudgetPlace> place_of(const Job& job, const std::string& device) {
+  BudgetPlace place{.scene = job.scene, .width_px = job.width_px, .height_px = job.height_px};
+  const auto scene = load_gltf(job.scene);
+  if (!scene) return std::unexpected(scene.error());
+  const auto content = hash_files(scene->files, job.sky);
+  if (!content) return std::unexpected(content.error());
+  place.scene_content = content->hex();
+  const auto devices = gpu::list_devices();
+  if (!devices) return std::unexpected(devices.error());
+  const auto index = gpu::choose_device(*devices, device);
+  if (!index) return std::unexpected(index.error());
+  place.device = (*devices)[size_t(*index)].name;
+  return place;
+}
+
+}  // namespace
 
 void add_budget_options(CLI::App& command, BudgetOptions& o) {
-  CLI::Option* time = command.add_option("--time-budget", o.time_ms, "The most exact technique, quality and knobs within this GPU time, by --sweep")
+  CLI::Option* time = command.add_option("--time-budget", o.time_ms, "The most exact technique, quality and knobs whose GPU time is below this with 95 % confidence, by --sweep")
                           ->check(CLI::PositiveNumber)
                           ->type_name("MS");
   command.add_option("--error-budget", o.error, "The cheapest technique, quality and knobs with no more error, by --sweep: relMSE=0.01")
       ->type_name("METRIC=VALUE")
       ->excludes(time);
-  command.add_option("--sweep", o.sweep, "File of candela bench --error --json, measured at this size on this device")->type_name("ROWS.json");
+  command.add_option("--sweep", o.sweep, "File of candela bench --error --json, of this scene at this size on this device")->type_name("ROWS.json");
   command.add_option("--error-reference", o.reference, "What --error-budget and --time-budget mean by error: exact, direct-unshadowed, direct or path")
       ->capture_default_str()
       ->type_name("NAME");
 }
 
-Expected<std::optional<SettingChoice>> choice_within(const CLI::App& command, const BudgetOptions& o, int width_px, int height_px) {
+Expected<std::optional<SettingChoice>> choice_within(const CLI::App& command, const BudgetOptions& o, const Job& job, const std::string& device) {
   const bool budgeted = o.time_ms || !o.error.empty();
   if (!budgeted && o.sweep.empty()) return std::nullopt;
   if (!budgeted) return fail(ErrorKind::usage, "--sweep", "goes with --time-budget or --error-budget");
@@ -34,7 +55,9 @@ Expected<std::optional<SettingChoice>> choice_within(const CLI::App& command, co
     if (auto parsed = parse_error_budget(o.error, budget); !parsed) return std::unexpected(parsed.error());
   const auto run = read_bench_rows(o.sweep);
   if (!run) return std::unexpected(run.error());
-  auto choice = choose_setting(run->rows, width_px, height_px, budget, o.sweep);
+  const auto place = place_of(job, device);
+  if (!place) return std::unexpected(place.error());
+  auto choice = choose_setting(run->rows, *place, budget, o.sweep);
   if (!choice) return std::unexpected(choice.error());
   return std::move(*choice);
 }

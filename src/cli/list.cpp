@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "cli/command.h"
 #include "gpu/device.h"
 #include "render/plan_frame.h"
@@ -50,7 +51,7 @@ Expected<int> list_devices_table(const ListOptions& o) {
 
 Expected<int> list_knobs(const ListOptions& o) {
   Json j = Json::array();
-  std::vector<std::vector<std::string>> rows = {{"KNOB", "VALUE", "UNIT", "RANGE", "LADDER", "TRADES"}};
+  std::vector<std::vector<std::string>> rows = {{"KNOB", "VALUE", "UNIT", "RANGE", "LADDER", "TRADES", "SWEPT", "WHAT"}};
   for (const KnobRow& k : knob_rows(o.quality)) {
     j.push_back({{"pass", k.pass},
                  {"knob", k.knob},
@@ -58,8 +59,11 @@ Expected<int> list_knobs(const ListOptions& o) {
                  {"unit", k.unit},
                  {"range", k.range},
                  {"ladder", k.ladder},
+                 {"kind", k.kind},
+                 {"swept", k.walk},
+                 {"passes", k.passes},
                  {"trades", k.trades}});
-    rows.push_back({k.pass + "." + k.knob, k.value_now, k.unit, k.range, k.ladder, k.trades});
+    rows.push_back({k.pass + "." + k.knob, k.value_now, k.unit, k.range, k.ladder, k.kind, joined(k.walk, " "), k.trades});
   }
   return done(o.json ? print_json(j) : print(table_text(rows)));
 }

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
+#include "cli/output_paths.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
 #include "reference/display.h"
@@ -110,15 +111,9 @@ Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
   views.front() = "beauty";  // a variance has no colours of its own
   if (std::find(views.begin(), views.end(), o.view) == views.end())
     return fail(ErrorKind::usage, "--view", "{}", unknown_name("view", o.view, views));
-  for (const std::string& text : o.outputs) {
-    const auto pattern = parse_pattern(text);
-    if (!pattern) return std::unexpected(pattern.error());
-    const fs::path path = pattern->name(plan.moment.frame.value_or(0));
-    if (const auto format = output_format(path); !format) return std::unexpected(format.error());
-    if (std::find(plan.paths.begin(), plan.paths.end(), path) != plan.paths.end())
-      return fail(ErrorKind::usage, "-o", "'{}' is named twice", path.string());
-    plan.paths.push_back(path);
-  }
+  auto paths = output_paths(o.outputs, plan.moment.frame.value_or(0));
+  if (!paths) return std::unexpected(paths.error());
+  plan.paths = std::move(*paths);
   for (const fs::path& path : plan.paths)
     if (auto ready = prepare_output(path); !ready) return ready;
   return o.state.empty() ? Expected<void>{} : prepare_output(o.state);

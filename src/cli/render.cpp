@@ -5,6 +5,7 @@
 #include "cli/budget.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
+#include "cli/output_paths.h"
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
@@ -28,7 +29,6 @@ struct RenderOptions {
 };
 
 struct RenderPlan {
-  std::optional<SettingChoice> choice;  // within a budget
   Job job;
   Moment moment;
   WantedOutputs wanted;
@@ -39,13 +39,14 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
   RenderPlan plan;
   auto job = job_of(o.job);
   if (!job) return std::unexpected(job.error());
-  auto choice = choice_within(command, o.budget, job->width_px, job->height_px);
-  if (!choice) return std::unexpected(choice.error());
-  if ((plan.choice = std::move(*choice))) {
-    job->technique = plan.choice->technique, job->quality = plan.choice->quality;
-    job->settings = plan.choice->settings, job->samples = plan.choice->samples;
+  const auto chosen = choice_within(command, o.budget, *job, o.job.device);
+  if (!chosen) return std::unexpected(chosen.error());
+  if (const auto& choice = *chosen) {
+    job->technique = choice->technique, job->quality = choice->quality;
+    job->settings = choice->settings, job->samples = choice->samples;
     if (auto fine = check_job(*job); !fine) return std::unexpected(fine.error());
-    log::info("chosen: {}; measured {:.3g} ms, error {:.3g}", plan.choice->text, plan.choice->ms, plan.choice->error);
+    log::info("chosen: {}; measured {:.3g} ms (95 % CI {:.3g} to {:.3g}), error {:.3g}", choice->text, choice->ms, choice->ms_ci.low, choice->ms_ci.high,
+              choice->error);
   }
   const auto moment = moment_of(o.job, o.moment);
   if (!moment) return std::unexpected(moment.error());
@@ -57,17 +58,13 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
     return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
   plan.wanted = {.linear = !job->allow_nonfinite, .display = false, .display_bits = job->png_bits};
   bool exr_output = o.outputs.empty();
-  for (const std::string& text : o.outputs) {
-    const auto pattern = parse_pattern(text);
-    if (!pattern) return std::unexpected(pattern.error());
-    const fs::path path = pattern->name(moment->frame.value_or(0));
-    const auto format = output_format(path);
-    if (!format) return std::unexpected(format.error());
-    (*format == OutputFormat::exr ? plan.wanted.linear : plan.wanted.display) = true;
-    exr_output |= *format == OutputFormat::exr;
-    if (std::find(plan.paths.begin(), plan.paths.end(), path) != plan.paths.end())
-      return fail(ErrorKind::usage, "-o", "'{}' is named twice", path.string());
-    plan.paths.push_back(path);
+  auto paths = output_paths(o.outputs, moment->frame.value_or(0));
+  if (!paths) return std::unexpected(paths.error());
+  plan.paths = std::move(*paths);
+  for (const fs::path& path : plan.paths) {
+    const bool exr = *output_format(path) == OutputFormat::exr;
+    (exr ? plan.wanted.linear : plan.wanted.display) = true;
+    exr_output |= exr;
   }
   if (auto good = check_layers(*job, exr_output); !good) return std::unexpected(good.error());
   if (plan.paths.empty()) plan.wanted.linear = true;
@@ -152,8 +149,6 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   auto session = Session::open(plan->job, plan->wanted, *settings);
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
-  if (const std::string& name = (*session)->device().info().name; plan->choice && plan->choice->device != name)
-    log::warning("the sweep was measured on {}, this is {}: its times do not carry over", plan->choice->device, name);
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
   std::vector<std::string> warnings;
   if (o.check_determinism)

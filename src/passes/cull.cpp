@@ -6,7 +6,17 @@ namespace candela {
 
 std::span<const Knob<Cull::Knobs>> Cull::knob_table() {
   static const Knob<Knobs> table[] = {
-      {"enabled", &Knobs::enabled, "", 0, 1, {1}, "0 draws everything; changes time, never the image", {}},
+      {"enabled",
+       &Knobs::enabled,
+       "",
+       0,
+       1,
+       {1},
+       "0 draws everything; changes time, never the image",
+       {},
+       Trades::time,
+       {0, 1},
+       {"cull", "cull_compact", "depth_prepass", "shade_forward", "shade_unlit"}},
   };
   return table;
 }

@@ -13,7 +13,10 @@ std::span<const Knob<Resolve::Knobs>> Resolve::knob_table() {
        8,
        {1, 4},
        "coverage and depth samples a pixel (1, 2, 4 or 8, as the device has them): edges against memory and time",
-       {}},
+       {},
+       Trades::error,
+       {},
+       {"resolve", "depth_prepass", "shade_forward", "shade_unlit", "sky", "background", "transparent"}},
   };
   return table;
 }

@@ -3,6 +3,7 @@
 #include <bit>
 #include <charconv>
 
+#include "base/text.h"
 #include "passes/background.h"
 #include "passes/cull.h"
 #include "passes/cull_compact.h"
@@ -117,11 +118,22 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
   std::vector<KnobRow> rows;
   for_each_knob(all, [&](std::string_view pass, const auto& knob, auto& knobs) {
     set(knob, knobs, rung(knob.ladder, quality));
-    std::string ladder;
-    for (double v : knob.ladder) ladder += (ladder.empty() ? "" : " ") + fmt::format("{}", v);
-    rows.push_back({std::string(pass), std::string(knob.name), fmt::format("{}", get(knob, knobs)),
-                    std::string(knob.unit), fmt::format("{}..{}", knob.lowest, knob.highest), ladder,
-                    std::string(knob.trades)});
+    const auto text = [&](double v) { return knob.choices.empty() ? fmt::format("{}", v) : std::string(knob.choices[size_t(v)]); };
+    std::vector<std::string> ladder;
+    for (const double v : knob.ladder) ladder.push_back(text(v));
+    KnobRow row{.pass = std::string(pass),
+                .knob = std::string(knob.name),
+                .value_now = text(get(knob, knobs)),
+                .unit = std::string(knob.unit),
+                .range = knob.choices.empty() ? fmt::format("{}..{}", knob.lowest, knob.highest)
+                                              : joined(std::vector<std::string>(knob.choices.begin(), knob.choices.end()), "|"),
+                .ladder = joined(ladder, " "),
+                .trades = std::string(knob.trades),
+                .kind = knob.kind == Trades::error ? "error" : knob.kind == Trades::time ? "time" : "look"};
+    for (const double v : knob.walk.empty() ? knob.ladder : knob.walk) row.walk.push_back(text(v));
+    for (const std::string_view p : knob.passes) row.passes.emplace_back(p);
+    if (row.passes.empty()) row.passes.emplace_back(pass);
+    rows.push_back(std::move(row));
   });
   return rows;
 }

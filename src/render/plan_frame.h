@@ -71,7 +71,10 @@ std::vector<std::string> layer_names();
 std::vector<std::string> tonemap_names();
 std::vector<std::string> view_names();
 struct KnobRow {
-  std::string pass, knob, value_now, unit, range, ladder, trades;
+  std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names
+  std::string kind;                                                 // what it trades: error, time or look
+  std::vector<std::string> walk;                                    // values that a sweep of errors measures, the exact one last
+  std::vector<std::string> passes;                                  // whose work it changes
 };
 std::vector<KnobRow> knob_rows(const std::string& quality);
 

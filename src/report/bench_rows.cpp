@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.h"
+#include "base/statistics.h"
+#include "bench/error_analysis.h"
 #include "report/error_rows.h"
 
 namespace candela {
@@ -15,10 +17,12 @@ double rounded(double ms) { return std::round(ms * 1e6) / 1e6; }
 
 Json series_json(const Series& s) {
   const Summary sum = summary(s.ms);
+  const Interval ci = median_interval(s.ms);
   Json samples = Json::array();
   for (const double ms : s.ms) samples.push_back(rounded(ms));
   return {{"median", rounded(sum.median)},
           {"mad", rounded(sum.mad)},
+          {"ci95", {rounded(ci.low), rounded(ci.high)}},
           {"min", rounded(sum.min)},
           {"count", sum.count},
           {"samples", std::move(samples)}};
@@ -78,6 +82,7 @@ Json row_json(const BenchRow& row) {
   for (const auto& [name, bytes] : row.memory) j["memory"][name] = bytes;
   j["picture"] = picture_json(row.picture);
   if (!row.errors.empty()) j["errors"] = errors_json(row.errors);
+  if (!row.knobs.empty()) j["knobs"] = knobs_json(row.knobs);
   j["light_lists"] = nullptr;
   if (row.lists)
     j["light_lists"] = {{"mean", row.lists->mean},
@@ -147,6 +152,7 @@ BenchRow row_from(const Json& j) {
   for (const auto& [name, bytes] : j.at("memory").items()) row.memory.emplace_back(name, bytes.get<uint64_t>());
   read_picture(j.at("picture"), row.picture);
   if (j.contains("errors")) row.errors = errors_from(j["errors"]);
+  if (j.contains("knobs")) row.knobs = knobs_from(j["knobs"]);
   if (const Json& lists = j.at("light_lists"); !lists.is_null())
     row.lists =
         LightLists{lists.at("mean"), lists.at("p95"), lists.at("max"), lists.at("waste_share"), lists.at("missed")};
@@ -171,7 +177,8 @@ std::vector<std::string> names_of(const BenchRun& run, std::vector<Series> Bench
 
 void add_summary(std::vector<std::string>& cells, const std::vector<double>& samples) {
   const Summary s = summary(samples);
-  for (const double value : {s.median, s.mad, s.min})
+  const Interval ci = median_interval(samples);
+  for (const double value : {s.median, s.mad, ci.low, ci.high, s.min})
     cells.push_back(s.count > 0 ? fmt::format("{}", rounded(value)) : "");
 }
 
@@ -181,12 +188,6 @@ void add_medians(std::vector<std::string>& cells, const std::vector<std::string>
     const auto found = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.name == name; });
     cells.push_back(found == all.end() ? "" : fmt::format("{}", rounded(summary(found->ms).median)));
   }
-}
-
-uint64_t memory_of(const BenchRow& row, std::string_view name) {
-  for (const auto& [key, bytes] : row.memory)
-    if (key == name) return bytes;
-  return 0;
 }
 
 constexpr const char* memory_columns[] = {"scene_bytes", "frame_bytes", "readback_bytes", "device_peak_bytes"};
@@ -235,7 +236,8 @@ std::string bench_csv(const BenchRun& run) {
       "suite",      "scene",    "seed",         "lights_wanted", "lights",    "camera",     "technique",
       "settings",   "quality",  "width_px",     "height_px",     "samples",   "time_s",     "output",
       "device",     "driver",   "version",      "plan_hash",     "knob_hash", "runs",       "runs_capped",
-      "budget_hit", "frame_ms", "frame_mad_ms", "frame_min_ms",  "gpu_ms",    "gpu_mad_ms", "gpu_min_ms"};
+      "budget_hit", "frame_ms", "frame_mad_ms", "frame_ci95_low_ms", "frame_ci95_high_ms", "frame_min_ms",
+      "gpu_ms",     "gpu_mad_ms", "gpu_ci95_low_ms", "gpu_ci95_high_ms", "gpu_min_ms"};
   for (const std::string& pass : passes) head.push_back("gpu." + pass + "_ms");
   for (const std::string& stage : stages) head.push_back("cpu." + stage + "_ms");
   for (const char* column : memory_columns) head.emplace_back(column);

@@ -1,87 +1,107 @@
 #include "report/error_report.h"
 
+#include <set>
+
 #include "bench/error_analysis.h"
-#include "bench/error_sweep.h"
+#include "bench/error_truth.h"
 #include "report/error_rows.h"
+#include "report/error_tables.h"
 #include "report/golden_report.h"
 #include "report/scatter.h"
 
 namespace candela {
 namespace {
 
-std::string cell(const std::string& text, const char* kind = "") {
-  return fmt::format("<td{}>{}</td>", *kind ? fmt::format(" class=\"{}\"", kind) : "", escape_markup(text));
+constexpr const char* metric_labels[][2] = {{"relmse", "relMSE (squared error over squared radiance)"}, {"hdr-flip", "HDR-FLIP, mean (0: equal, 1: most different)"}};
+
+std::string label_of(const std::string& metric) {
+  for (const auto& [name, label] : metric_labels)
+    if (metric == name) return label;
+  return metric;
 }
-std::string head(std::initializer_list<const char*> names) {
-  std::string html = "<div class=\"wide\"><table>\n<tr>";
-  for (const char* name : names) html += fmt::format("<th class=\"text\">{}</th>", escape_markup(name));
-  return html + "</tr>\n";
-}
-std::string number(std::optional<double> value) { return value ? fmt::format("{:.3g}", *value) : ""; }
+
+std::string wide(const std::string& svg) { return svg.empty() ? svg : "<div class=\"wide\">" + svg + "</div>\n"; }
 
 std::string front_svg(const ErrorPlace& place, const std::string& reference, const std::string& metric) {
-  Scatter scatter{.title = fmt::format("{} against {}", metric, reference), .x_label = "GPU ms, median", .y_label = metric};
+  Scatter scatter{.title = fmt::format("{} against {}", metric, reference), .x_label = "GPU time of a frame in ms: median, bar: its 95 % confidence interval", .y_label = label_of(metric)};
   for (const ErrorPoint& point : error_points(place.rows, reference, metric)) {
     const std::string& technique = point.row->technique;
     auto group = std::find(scatter.groups.begin(), scatter.groups.end(), technique);
     if (group == scatter.groups.end()) group = scatter.groups.insert(scatter.groups.end(), technique);
-    scatter.points.push_back({error_setting(*point.row), point.ms, point.error, size_t(group - scatter.groups.begin()), point.dominated});
+    scatter.points.push_back({error_setting(*point.row), point.ms, point.error, size_t(group - scatter.groups.begin()), point.dominated, point.ms_ci.low, point.ms_ci.high});
     if (const auto& noise = error_against(*point.row, reference)->noise; noise && metric == "relmse") scatter.floor_y = noise->relmse;
   }
-  return scatter.points.empty() ? std::string() : "<div class=\"wide\">" + scatter_svg(scatter) + "</div>\n";
+  return wide(scatter_svg(scatter));
 }
 
 std::string sentences(const ErrorPlace& place) {
-  std::string html = "<ul>\n";
-  for (const char* reference : {open_reference_name, "direct", "path"})
-    for (const double bound : error_bounds)
-      html += "<li>" + escape_markup(cheapest_sentence(place.rows, reference, "relmse", bound)) + "</li>\n";
-  return html + "</ul>\n";
-}
-
-std::string knob_table(const std::vector<KnobStudy>& studies) {
-  std::string html = head({"knob", "value", "GPU ms ± MAD", "relmse", "rmse", "worth its time?"});
-  for (const KnobStudy& study : studies)
-    for (const KnobStudy::Value& v : study.values)
-      html += "<tr>" + cell(study.knob, "text") + cell(v.text + (v.text == study.advised ? " (advised)" : ""), "text") +
-              cell(fmt::format("{:.3f} ± {:.3f}", v.ms, v.mad_ms)) + cell(number(v.relmse)) + cell(number(v.rmse)) +
-              cell(v.verdict, v.dominated ? "text faint" : "text") + "</tr>\n";
-  html += "</table></div>\n<ul>\n";
-  for (const KnobStudy& study : studies) {
-    std::string order = study.fit.points >= 2 ? fmt::format("rmse = {:.3g} · value^{:.2f} over {} values, R² {:.3f}{}", study.fit.factor,
-                                                            study.fit.exponent, study.fit.points, study.r_squared,
-                                                            study.fit.points == 2 ? " (two points: no test of the law)" : "")
-                                              : "no order of convergence: fewer than two values have an error";
-    html += "<li>" + escape_markup(study.knob + ": " + order) + "</li>\n";
-  }
-  return html + "</ul>\n";
-}
-
-std::string rows_table(const ErrorPlace& place) {
-  std::string html = head({"setting", "sweep", "GPU ms ± MAD", "frame ms", "against", "relmse", "relmse-trimmed", "rmse", "mae", "max", "p99", "flip",
-                           "hdr-flip", "ssim", "noise (relmse)"});
-  for (const BenchRow* row : place.rows)
-    for (const PictureError& error : row->errors) {
-      const Summary gpu = summary(row->gpu.ms);
-      html += "<tr>" + cell(error_setting(*row), "text") + cell(row->suite, "text") + cell(fmt::format("{:.3f} ± {:.3f}", gpu.median, gpu.mad)) +
-              cell(fmt::format("{:.3f}", summary(row->frame.ms).median)) + cell(error.reference, "text");
-      for (const char* metric : {"relmse", "relmse-trimmed", "rmse", "mae", "max", "p99", "flip", "hdr-flip", "ssim"}) {
-        const bool noise = std::string_view(metric) == "relmse" && error.noise && error_of(*row, error.reference, metric).value_or(1e300) <= error.noise->relmse;
-        html += cell(number(error_of(*row, error.reference, metric)) + (noise ? " (below noise)" : ""), noise ? "faint" : "");
-      }
-      html += cell(error.noise ? fmt::format("{:.3g}", error.noise->relmse) : "") + "</tr>\n";
-    }
-  return html + "</table></div>\n";
-}
-
-std::string strips(const ErrorPlace& place) {
   std::string html;
-  for (const BenchRow* row : place.rows)
-    if (!row->strip.empty())
-      html += fmt::format("<figure><img style=\"max-width:960px\" src=\"data:image/png;base64,{}\" alt=\"\"/><figcaption>{}</figcaption></figure>\n",
-                          base64(row->strip),
-                          escape_markup(fmt::format("{} ({}): {}, result, FLIP", error_setting(*row), row->suite,
-                                                    row->suite == "whole" ? open_reference_name : exact_reference)));
+  for (const std::string& defect : error_defects(place.rows)) html += "<p class=\"error\">" + escape_markup(defect) + "</p>\n";
+  html += "<ul>\n";
+  for (const char* reference : {open_reference_name, "direct", "path"}) {
+    if (error_points(place.rows, reference, "relmse").empty()) continue;
+    // Bounds that one setting meets are one sentence: the tightest.
+    std::vector<std::string> told;
+    const BenchRow* before = nullptr;
+    for (const double bound : error_bounds) {
+      const BenchRow* row = cheapest(place.rows, reference, "relmse", bound);
+      if (row && row == before) told.pop_back();
+      if (row || before || bound == error_bounds[0]) told.push_back(cheapest_sentence(place.rows, reference, "relmse", bound));
+      before = row;
+    }
+    for (const std::string& sentence : told) html += "<li>" + escape_markup(sentence) + "</li>\n";
+  }
+  html += "</ul>\n<ul class=\"faint\">\n";
+  for (const NoiseVerdict& verdict : noise_verdicts(place.rows))
+    html += fmt::format("<li{}>{}</li>\n", verdict.enough ? "" : " class=\"note\"", escape_markup(verdict.sentence));
+  return html + "</ul>\n";
+}
+
+std::string order_text(const KnobStudy& study) {
+  if (study.fit.points < 2) return "no order of convergence: fewer than two of its numbers have an error";
+  return fmt::format("rmse = {:.3g} · value^{:.2f} over {} values, R² {:.3f}{}", study.fit.factor, study.fit.exponent, study.fit.points, study.r_squared,
+                     study.fit.points == 2 ? " (two points: no test of the law)" : "");
+}
+
+// The law of each knob that has one, with the techniques that follow it as colours.
+std::string order_plots(const std::vector<KnobStudy>& studies) {
+  std::string html, list;
+  std::set<std::string> drawn;
+  for (const KnobStudy& study : studies) {
+    if (study.kind != "error") continue;
+    list += "<li>" + escape_markup(fmt::format("{}, {}: {}", study.knob, study.technique, order_text(study))) + "</li>\n";
+    if (study.fit.points < 2 || !drawn.insert(study.knob).second) continue;
+    Scatter scatter{.title = fmt::format("{}: order of convergence; {}", study.knob, order_text(study)),
+                    .x_label = study.knob,
+                    .y_label = "RMSE against the technique's exact picture",
+                    .stairs = false};
+    for (const KnobStudy& other : studies) {
+      if (other.knob != study.knob) continue;
+      for (const KnobStudy::Value& v : other.values)
+        if (v.value > 0) scatter.points.push_back({v.text, v.value, v.rmse, scatter.groups.size(), false});
+      scatter.groups.push_back(other.technique);
+    }
+    for (const double x : {study.fit.first_x, study.fit.last_x}) scatter.curve.emplace_back(x, study.fit.factor * std::pow(x, study.fit.exponent));
+    html += wide(scatter_svg(scatter));
+  }
+  return (list.empty() ? list : "<ul>\n" + list + "</ul>\n") + html;
+}
+
+// Pictures that several techniques share are shown once.
+std::string strips(const ErrorPlace& place) {
+  std::vector<std::pair<const BenchRow*, std::vector<std::string>>> shown;
+  for (const BenchRow* row : place.rows) {
+    if (row->strip.empty()) continue;
+    const auto same = std::find_if(shown.begin(), shown.end(), [&](const auto& s) { return s.first->strip == row->strip; });
+    (same == shown.end() ? shown.emplace_back(row, std::vector<std::string>{}) : *same).second.push_back(error_setting(*row));
+  }
+  std::string html;
+  for (const auto& [row, settings] : shown)
+    html += fmt::format(
+        "<figure class=\"strip\"><div class=\"thirds\"><span>{}</span><span>result</span><span>FLIP: bright is wrong</span></div><img src=\"data:image/png;base64,{}\" "
+        "alt=\"{}\"/><figcaption>{}</figcaption></figure>\n",
+        escape_markup(row->suite == "whole" ? open_reference_name : "the technique's exact picture"), base64(row->strip), escape_markup(settings.front()),
+        escape_markup(settings.front() + (settings.size() > 1 ? fmt::format(" (and {} more with the same picture)", settings.size() - 1) : "")));
   return html.empty() ? html : "<h3>Reference, result, FLIP</h3>\n" + html;
 }
 
@@ -92,11 +112,16 @@ std::string error_html(const BenchRun& run) {
   for (const ErrorPlace& place : error_places(run)) {
     html += fmt::format("<section>\n<h2>Error against time: {}</h2>\n", escape_markup(place.name));
     html += sentences(place);
+    html +=
+        "<h3>Techniques at each quality</h3>\n<p>All errors are relMSE. <i>Sampling</i> is the distance from the same technique at its exact end, <i>model</i> the "
+        "exact end's own distance from the reference, <i>total</i> the row's.</p>\n" +
+        totals_table(place);
+    html += "<h3>Fronts</h3>\n<p>Dimmed: another setting is no slower and no worse.</p>\n";
     for (const char* reference : {open_reference_name, "direct", "path", exact_reference}) html += front_svg(place, reference, "relmse");
     html += front_svg(place, open_reference_name, "hdr-flip");
     if (const auto studies = knob_studies(place.rows); !studies.empty())
-      html += "<h3>Each knob alone, against the exact picture</h3>\n" + knob_table(studies);
-    html += "<h3>All errors</h3>\n" + rows_table(place) + strips(place) + "</section>\n";
+      html += "<h3>Each knob alone, against the technique's exact picture</h3>\n" + knob_table(studies) + order_plots(studies);
+    html += strips(place) + "<details><summary>All errors</summary>\n" + error_rows_table(place) + "</details>\n</section>\n";
   }
   return html;
 }

@@ -10,6 +10,8 @@ namespace candela {
 // What sweeps of error against time add to files of rows (bench_rows.h).
 nlohmann::ordered_json errors_json(const std::vector<PictureError>& errors);
 std::vector<PictureError> errors_from(const nlohmann::ordered_json& json);  // throws nlohmann's exceptions
+nlohmann::ordered_json knobs_json(const std::vector<KnobPoint>& knobs);
+std::vector<KnobPoint> knobs_from(const nlohmann::ordered_json& json);  // the same
 
 // Columns error.<reference>.<metric> and noise.<reference>.relmse that any row has, and a row's cells for them.
 std::vector<std::string> error_columns(const BenchRun& run);

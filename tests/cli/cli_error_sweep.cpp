@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "program.h"
@@ -9,43 +11,64 @@ namespace {
 
 using Json = nlohmann::json;
 
+std::string made_street(const TestFolder& folder) {
+  EXPECT_EQ(candela({"make-scene", "street", "--lights", "16", "-o", folder / "street.glb"}).code, 0);
+  return folder / "street.glb";
+}
+
 TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
   const TestFolder folder;
-  const Ended ended = candela({"bench", "street", "--lights", "16", "--size", "48x32", "--error", "--techniques", "clustered", "--min-runs", "3", "--max-runs",
+  const std::string street = made_street(folder);
+  const Ended ended = candela({"bench", street, "--size", "48x32", "--error", "--techniques", "clustered", "--min-runs", "3", "--max-runs",
                                "3", "--warm-up-s", "0.001", "--reference-spp", "2", "--json", folder / "e.json", "--report", folder / "report", "--quiet"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_NE(ended.out.find("below 0.01 against direct-unshadowed"), std::string::npos) << ended.out;
   const Json json = Json::parse(bytes_of(folder / "e.json"));
-  size_t whole = 0, exact_rungs = 0;
+  size_t whole = 0, of_time = 0;
   for (const Json& row : json["rows"]) {
     whole += row["suite"] == "whole";
     ASSERT_EQ(row["errors"].size(), 4u) << row;
+    EXPECT_LE(row["gpu_ms"]["ci95"][0], row["gpu_ms"]["median"]);
+    EXPECT_GE(row["gpu_ms"]["ci95"][1], row["gpu_ms"]["median"]);
+    EXPECT_GT(row["memory"]["frame_bytes"], 0);
     for (const Json& error : row["errors"]) {
       EXPECT_TRUE(error["metrics"].contains("relmse")) << error;
       EXPECT_EQ(error["hdr_flip_exposures"], json["rows"][0]["errors"][0]["hdr_flip_exposures"]);
       EXPECT_EQ(error.contains("noise_floor"), error["reference"] != "exact");
+      EXPECT_EQ(error.value("spp", 0), error["reference"] == "exact" ? 0 : 2);
     }
-    // The exact end of each ladder is the exact picture itself, bit for bit.
-    if (row["suite"] == "knob lights.floor_lux" && row["settings"] == "lights.floor_lux=0") {
-      EXPECT_EQ(row["errors"][0]["metrics"]["differing"], 0);
-      ++exact_rungs;
+    // The exact end of each ladder is the exact picture itself, bit for bit; and so is what knobs of time give.
+    const bool exact_end = row["suite"] == "whole" && row["quality"] == "exact";
+    const bool time_only = row["suite"] != "whole" && row["knobs"][0]["trades"] == "time";
+    if (exact_end || time_only) {
+      EXPECT_EQ(row["errors"][0]["metrics"]["differing"], 0) << row["settings"];
     }
-    if (row["suite"] == "knob resolve.samples" && row["settings"] == "resolve.samples=1") {
+    if (exact_end) {
+      EXPECT_GE(row["knobs"].size(), 5u);
+    }
+    of_time += time_only;
+    if (row["settings"] == "resolve.samples=1") {
       EXPECT_GT(row["errors"][0]["metrics"]["rmse"], 0);
     }
   }
   EXPECT_EQ(whole, 4u);
-  EXPECT_EQ(exact_rungs, 1u);
+  EXPECT_GE(of_time, 8u);
+  const Json& findings = json["error_findings"][0];
+  EXPECT_EQ(findings["defects"].size(), 0u);
+  EXPECT_EQ(findings["noise"].size(), 3u);
+  EXPECT_EQ(findings["total"].size(), 12u) << "four qualities against three references";
+  for (const Json& study : findings["knobs"]) EXPECT_GT(study["values"].back()["passes_ms"], 0) << study["knob"];
   EXPECT_NE(bytes_of(folder / "report/index.html").find("Error against time"), std::string::npos);
 
   const auto render = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {"render", scene("spheres"), "-o", folder / "a.exr", "--sweep", folder / "e.json", "--size", "48x32", "--json"};
+    std::vector<std::string> words = {"render", street, "-o", folder / "a.exr", "--sweep", folder / "e.json", "--size", "48x32", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return candela(words);
   };
   const Ended chosen = render({"--error-budget", "relMSE=1e30"});
   ASSERT_EQ(chosen.code, 0) << chosen.err;
   EXPECT_NE(chosen.err.find("chosen: clustered"), std::string::npos) << chosen.err;
+  EXPECT_NE(chosen.err.find("95 % CI"), std::string::npos) << chosen.err;
   EXPECT_EQ(render({"--time-budget", "1e9"}).code, 0);
   const Ended exact = render({"--error-budget", "relmse=0", "--error-reference", "exact"});
   ASSERT_EQ(exact.code, 0) << exact.err;
@@ -57,7 +80,57 @@ TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
                                                                 {"--error-budget", "relmse=1", "--time-budget", "3"},
                                                                 {}})
     EXPECT_EQ(render(more).code, 2) << (more.empty() ? "" : more[0]);
-  EXPECT_EQ(candela({"render", scene("spheres"), "-o", folder / "a.exr", "--sweep", folder / "e.json", "--size", "64x64", "--error-budget", "relmse=1"}).code, 3);
+  const auto refused = [&](const std::string& of, const std::string& size, const std::string& sweep) {
+    const Ended end = candela({"render", of, "-o", folder / "a.exr", "--sweep", sweep, "--size", size, "--time-budget", "1e9"});
+    EXPECT_EQ(end.code, 3) << end.err;
+    return end.err;
+  };
+  EXPECT_NE(refused(street, "64x64", folder / "e.json").find("not measured at 64x64 but at 48x32"), std::string::npos);
+  EXPECT_NE(refused(scene("spheres"), "48x32", folder / "e.json").find("neither times nor errors carry over from scene to scene"), std::string::npos);
+  Json elsewhere = json;
+  for (Json& row : elsewhere["rows"]) row["device"]["name"] = "another device";
+  std::ofstream(folder / "elsewhere.json") << elsewhere;
+  EXPECT_NE(refused(street, "48x32", folder / "elsewhere.json").find("but on another device"), std::string::npos);
+}
+
+// Samples of references are kept: what is there is not traced again, fewer go on, and none decide a run that asks for less.
+TEST(ErrorSweep, ReferencesAreKept) {
+  const TestFolder folder;
+  const std::string street = made_street(folder);
+  const auto bench = [&](const char* spp) {
+    const Ended ended = candela({"bench", street, "--size", "32x24", "--error", "--techniques", "brute-force", "--min-runs", "1", "--max-runs", "1",
+                                 "--warm-up-s", "0.001", "--reference-spp", spp, "--json", folder / "e.json"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    Json errors = Json::array();
+    for (const Json& row : Json::parse(bytes_of(folder / "e.json"))["rows"]) errors.push_back(row["errors"]);
+    return std::pair(errors, ended.err);
+  };
+  const char* before = std::getenv("CANDELA_CACHE_DIR");
+  const std::string cache = before ? before : "";
+  setenv("CANDELA_CACHE_DIR", (folder / "cache").c_str(), 1);
+  const auto two = bench("2");
+  EXPECT_NE(two.second.find("reference path: 2 samples a pixel (0 of them kept before)"), std::string::npos) << two.second;
+  EXPECT_EQ(files_in(folder.path() / "cache/references").size(), 3u);
+  const auto again = bench("2");
+  EXPECT_NE(again.second.find("reference path: 2 samples a pixel (2 of them kept before)"), std::string::npos) << again.second;
+  EXPECT_EQ(again.first, two.first);
+  const auto four = bench("4");
+  EXPECT_NE(four.second.find("reference direct: 4 samples a pixel (2 of them kept before)"), std::string::npos) << four.second;
+  EXPECT_EQ(bench("2").first, two.first);
+  EXPECT_NE(bench("4").second.find("4 samples a pixel (4 of them kept before)"), std::string::npos) << "two must not have taken their place";
+  if (before)
+    setenv("CANDELA_CACHE_DIR", cache.c_str(), 1);
+  else
+    unsetenv("CANDELA_CACHE_DIR");
+}
+
+TEST(ErrorSweep, KnobsSayWhatTheyTrade) {
+  const Ended ended = candela({"list", "knobs", "--json"});
+  ASSERT_EQ(ended.code, 0);
+  for (const Json& knob : Json::parse(ended.out)) {
+    EXPECT_TRUE(knob["kind"] == "error" || knob["kind"] == "time" || knob["kind"] == "look") << knob;
+    EXPECT_EQ(knob["swept"].size() > 1, knob["kind"] != "look") << knob;
+  }
 }
 
 TEST(ErrorSweep, UsageErrors) {

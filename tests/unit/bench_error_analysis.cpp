@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "bench/error_analysis.h"
 #include "bench/error_choice.h"
-#include "bench/error_sweep.h"
+#include "bench/error_truth.h"
+#include "bench/error_walk.h"
+#include "render/frame_knobs.h"
 #include "render/plan_frame.h"
 
 namespace candela {
@@ -12,11 +16,16 @@ BenchRow row_of(const std::string& suite, const std::string& technique, const st
                 double own, double whole) {
   BenchRow row;
   row.suite = suite, row.scene = "street", row.technique = technique, row.quality = quality, row.settings = settings;
-  row.width_px = 64, row.height_px = 32, row.device = "a device";
+  row.width_px = 64, row.height_px = 32, row.device = "a device", row.scene_content = "content of " + row.scene;
+  row.passes = {{"light_sort", {ms / 4, ms / 4, ms / 4}}, {"shade_forward", {ms / 2, ms / 2, ms / 2}}, {"tonemap", {9, 9, 9}}};
+  row.memory = {{"frame_bytes", 1 << 20}};
   row.gpu = {"gpu", {ms, ms, ms}}, row.frame = {"frame", {ms + 1, ms + 1, ms + 1}};
   Job job;
   job.technique = technique, job.quality = quality;
-  if (!settings.empty()) job.settings = {*parse_knob_setting(settings)};
+  if (!settings.empty()) {
+    job.settings = {*parse_knob_setting(settings)};
+    row.knobs = {{suite.substr(5), job.settings[0].value, "error", {"light_sort", "shade_forward"}}};
+  }
   row.job = job_json(job);
   row.errors = {{.reference = exact_reference, .metrics = {{"relmse", own}, {"rmse", std::sqrt(own)}}},
                 {.reference = open_reference_name, .metrics = {{"relmse", whole}}, .noise = NoiseFloor{1e-3, 1e-5}}};
@@ -27,7 +36,9 @@ BenchRow row_of(const std::string& suite, const std::string& technique, const st
 std::vector<BenchRow> sweep() {
   std::vector<BenchRow> rows = {row_of("whole", "clustered", "draft", "", 2, 0.1, 0.2), row_of("whole", "clustered", "exact", "", 6, 0, 0.01),
                                 row_of("whole", "brute-force", "draft", "", 9, 0.1, 0.2), row_of("whole", "brute-force", "exact", "", 30, 0, 0.01)};
-  for (const auto& [value, ms] : {std::pair(1.0, 3.0), std::pair(0.1, 4.0), std::pair(0.01, 5.0), std::pair(0.0, 6.0)})
+  // The exact end of the knob is the technique's.
+  rows[1].knobs = {{"lights.floor_lux", "0", "error", {"light_sort", "shade_forward"}}};
+  for (const auto& [value, ms] : {std::pair(1.0, 3.0), std::pair(0.1, 4.0), std::pair(0.01, 5.0)})
     rows.push_back(row_of("knob lights.floor_lux", "clustered", "exact", fmt::format("lights.floor_lux={}", value), ms, 0.09 * value * value, 0.01 + value));
   return rows;
 }
@@ -55,8 +66,6 @@ TEST(ErrorSentences, NameTheCheapestAndTheNoise) {
   EXPECT_EQ(cheapest_sentence(all, open_reference_name, "relmse", 1e-6), "no setting has relmse below 1e-06 against direct-unshadowed");
   rows[1].errors[1].metrics["relmse"] = 1e-6;
   EXPECT_NE(cheapest_sentence(all, open_reference_name, "relmse", 1e-4).find("below the reference's own noise"), std::string::npos);
-  EXPECT_EQ(most_exact(all, open_reference_name, "relmse", 2.5), &rows[0]);
-  EXPECT_EQ(most_exact(all, open_reference_name, "relmse", 1), nullptr);
 }
 
 TEST(KnobStudies, OrderOfConvergenceAndAdvice) {
@@ -65,7 +74,11 @@ TEST(KnobStudies, OrderOfConvergenceAndAdvice) {
   ASSERT_EQ(studies.size(), 1u);
   const KnobStudy& study = studies[0];
   EXPECT_EQ(study.knob, "lights.floor_lux");
+  EXPECT_EQ(study.technique, "clustered");
   ASSERT_EQ(study.values.size(), 4u);
+  EXPECT_EQ(study.values[3].row, &rows[1]);
+  EXPECT_EQ(study.values[0].ms, 3);
+  EXPECT_DOUBLE_EQ(study.values[0].passes_ms, 2.25) << "of the passes that the knob belongs to";
   EXPECT_EQ(study.fit.points, 3u);  // the exact value has no error
   EXPECT_NEAR(study.fit.exponent, 1, 1e-9);
   EXPECT_NEAR(study.fit.factor, 0.3, 1e-9);
@@ -87,14 +100,15 @@ TEST(KnobStudies, AValueThatCostsMoreAndGivesLessIsDominated) {
 TEST(KnobStudies, AnIdleKnobIsSaidToBeIdleAndNoiseIsNotJudged) {
   auto rows = sweep();
   for (size_t i = 4; i < rows.size(); ++i) rows[i].errors[0].metrics["rmse"] = rows[i].errors[0].metrics["relmse"] = 0;
+  ASSERT_EQ(rows.size(), 7u);
   const auto idle = knob_studies(pointers(rows))[0];
   EXPECT_EQ(idle.advised, "");
   EXPECT_EQ(idle.values[0].verdict, "changes nothing in this picture");
   // 0.01 took less time than 0 by far less than its own spread: neither dominates, and the exact one is advised.
   rows = sweep();
   rows[5].gpu.ms = {20, 20, 20};
-  rows[6].gpu.ms = {4, 6, 8}, rows[7].gpu.ms = {5, 5.9, 7};
-  rows[7].errors[0].metrics["relmse"] = 0.0008;  // both hidden
+  rows[6].gpu.ms = {4, 6, 8}, rows[1].gpu.ms = {5, 5.9, 7};
+  rows[1].errors[0].metrics["relmse"] = 0.0008;  // both hidden
   const auto noisy = knob_studies(pointers(rows))[0];
   EXPECT_FALSE(noisy.values[2].dominated);
   EXPECT_EQ(noisy.advised, "0.01");
@@ -102,11 +116,61 @@ TEST(KnobStudies, AnIdleKnobIsSaidToBeIdleAndNoiseIsNotJudged) {
 
 TEST(ErrorSentences, PreferAQualityToOneKnobOfIt) {
   auto rows = sweep();
-  rows[7].gpu.ms = {5.9, 5.9, 6.3};  // floor 0 in quality exact is quality exact
-  rows[7].errors = rows[1].errors;
-  rows[6].errors[1].metrics["relmse"] = 1;
+  rows[6].gpu.ms = {5.9, 5.9, 6.3};  // a knob that changes nothing but the name
+  rows[6].errors = rows[1].errors;
   rows[1].gpu.ms = {5.8, 6.0, 6.1};
   EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[1]);
+  // Of several such qualities the quickest.
+  rows[2].errors = rows[1].errors;
+  rows[2].gpu.ms = {5.8, 6.2, 6.3};
+  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[1]);
+  rows[2].gpu.ms = {5.8, 5.95, 6.3};
+  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[2]);
+}
+
+TEST(KnobStudies, OfTimeAlone) {
+  auto rows = sweep();
+  for (size_t i = 4; i < rows.size(); ++i) {
+    rows[i].errors[0].metrics = {{"relmse", 0}, {"rmse", 0}, {"differing", 0}};
+    rows[i].knobs[0].kind = "time";
+  }
+  rows[1].knobs[0].kind = "time";
+  auto study = knob_studies(pointers(rows))[0];
+  EXPECT_EQ(study.advised, "1") << "the quickest";
+  EXPECT_EQ(study.values[3].verdict, "no: 1 is quicker and no worse");
+  for (const size_t i : {4, 5, 6}) rows[i].gpu.ms = {5, 6.1, 7};
+  EXPECT_EQ(knob_studies(pointers(rows))[0].advised, "0") << "nothing is quicker beyond doubt";
+  EXPECT_TRUE(error_defects(pointers(rows)).empty());
+  rows[5].errors[0].metrics["differing"] = 1;
+  const auto defects = error_defects(pointers(rows));
+  ASSERT_EQ(defects.size(), 1u);
+  EXPECT_NE(defects[0].find("clustered: lights.floor_lux=0.1 must change nothing but time, and 1 pixels differ"), std::string::npos) << defects[0];
+  rows[5].knobs[0].kind = "error";
+  EXPECT_TRUE(error_defects(pointers(rows)).empty());
+}
+
+TEST(TotalErrors, ModelAndSampling) {
+  const auto rows = sweep();
+  const auto totals = total_errors(pointers(rows), open_reference_name);
+  ASSERT_EQ(totals.size(), 4u);
+  EXPECT_EQ(totals[0].total, 0.2);
+  EXPECT_EQ(totals[0].model, 0.01);
+  EXPECT_EQ(totals[0].sampling, 0.1);
+  EXPECT_EQ(totals[1].total, totals[1].model);
+  EXPECT_EQ(totals[1].sampling, 0);
+  EXPECT_TRUE(total_errors(pointers(rows), "path").empty());
+}
+
+TEST(NoiseVerdicts, ATenthOfTheSmallestError) {
+  auto rows = sweep();
+  auto verdicts = noise_verdicts(pointers(rows));
+  ASSERT_EQ(verdicts.size(), 1u);
+  EXPECT_TRUE(verdicts[0].enough);
+  EXPECT_EQ(verdicts[0].smallest, 0.01);
+  rows[3].errors[1].metrics["relmse"] = 0.99e-4;
+  verdicts = noise_verdicts(pointers(rows));
+  EXPECT_FALSE(verdicts[0].enough);
+  EXPECT_NE(verdicts[0].sentence.find("--reference-spp"), std::string::npos);
 }
 
 TEST(KnobStudies, AnImperfectLawHasALowerRSquared) {
@@ -117,25 +181,85 @@ TEST(KnobStudies, AnImperfectLawHasALowerRSquared) {
   EXPECT_GT(study.r_squared, 0.3);
 }
 
-TEST(ErrorSuites, WalkEveryLadderAndEveryQuality) {
-  const auto suites = error_suites({});
-  ASSERT_GE(suites.size(), 3u);
-  EXPECT_EQ(suites[0].name, "whole");
-  EXPECT_EQ(suites[0].qualities.size(), 4u);
-  EXPECT_EQ(suites[0].techniques.size(), technique_names().size());
-  EXPECT_EQ(suites[0].techniques[0].name, Job{}.technique);
-  size_t ladders = 0;
-  for (const KnobRow& knob : knob_rows("exact")) ladders += knob.ladder.find(' ') != std::string::npos;
-  EXPECT_EQ(suites.size(), ladders + 1);
-  for (const Suite& suite : std::span(suites).subspan(1)) {
-    EXPECT_EQ(suite.qualities, std::vector<std::string>{"exact"});
-    EXPECT_EQ(suite.techniques.size(), 1u);
-    ASSERT_EQ(suite.set.size(), 1u);
-    EXPECT_GE(suite.set[0].values.size(), 2u);
-    Suite one = suite;
-    one.scenes = {suite_scene("street", {}, {})};
-    EXPECT_TRUE(configurations(one)) << suite.name;
+TEST(Knobs, WalksEndAtTheExactValue) {
+  for (const KnobRow& knob : knob_rows("exact")) {
+    const std::string name = knob.pass + "." + knob.knob;
+    if (knob.kind == "look") continue;
+    EXPECT_GE(knob.walk.size(), 2u) << name << " is swept by nobody";
+    EXPECT_EQ(knob.walk.back(), knob.value_now) << name;
+    EXPECT_FALSE(knob.passes.empty()) << name;
+    for (const std::string& value : knob.walk) {
+      Job job;
+      job.quality = "exact";
+      job.settings = {{knob.pass, knob.knob, value}};
+      EXPECT_TRUE(frame_knobs(job)) << name << "=" << value;
+    }
   }
+}
+
+struct Walked {
+  std::set<std::string> rows, exact;  // "clustered lights.test=aabb"; knobs whose study the technique's exact end belongs to
+  std::string notes;
+};
+Walked walked(const SweepPlace& place) {
+  Walked w;
+  for (const SweepRow& row : place.rows) {
+    const Job& job = row.configuration.job;
+    EXPECT_EQ(row.suite == "whole", job.settings.empty());
+    if (row.suite == "whole") {
+      EXPECT_EQ(row.knobs.empty(), job.quality != "exact");
+      for (const KnobPoint& point : row.knobs) w.exact.insert(job.technique + " " + point.knob);
+      continue;
+    }
+    EXPECT_EQ(job.quality, "exact");
+    EXPECT_EQ(row.knobs.size(), 1u);
+    EXPECT_TRUE(w.rows.insert(job.technique + " " + settings_text(job)).second) << settings_text(job);
+  }
+  for (const std::string& note : place.notes) w.notes += note + "\n";
+  return w;
+}
+
+TEST(SweepPlaces, WalkEveryKnobWithEveryTechniqueThatHasItsPasses) {
+  Suite base;
+  base.scenes = {suite_scene("light-field", {}, {})};
+  base.lights = {64};
+  base.sizes = {{160, 90}, {32, 32}};
+  base.qualities = {"draft"};
+  SceneStore store;
+  const auto places = sweep_places(base, store);
+  ASSERT_TRUE(places) << places.error().text();
+  ASSERT_EQ(places->size(), 2u);
+  const SweepPlace& place = places->front();
+  std::vector<std::string> qualities;
+  for (const SweepRow& row : place.rows)
+    if (row.suite == "whole" && row.configuration.job.technique == Job{}.technique) qualities.push_back(row.configuration.job.quality);
+  EXPECT_EQ(qualities, (std::vector<std::string>{"exact", "draft", "normal", "high"})) << "the exact end first: others are compared with it";
+  const Walked w = walked(place);
+  for (const char* row : {"clustered lights.test=aabb", "clustered lights.list=compact", "clustered cull.enabled=0", "clustered lights.floor_lux=0.1",
+                          "clustered lights.tile_px=8", "forward-plus lights.test=cone-sphere", "forward-plus lights.mask=0", "brute-force resolve.samples=1",
+                          "brute-force lights.floor_lux=1", "clustered lights.cap=4"})
+    EXPECT_TRUE(w.rows.contains(row)) << row;
+  // What plans the same work is measured once, as the technique's exact end.
+  for (const char* row : {"brute-force lights.test=aabb", "brute-force lights.cap=4", "forward-plus lights.tile_px=8", "clustered lights.mask=0",
+                          "clustered lights.floor_lux=0", "clustered lights.test=capsule-joint"})
+    EXPECT_FALSE(w.rows.contains(row)) << row;
+  EXPECT_NE(w.notes.find("lights.tile_px,"), std::string::npos) << w.notes;
+  EXPECT_EQ(w.notes.find("lights.tile_px="), std::string::npos) << w.notes;
+  EXPECT_TRUE(w.exact.contains("clustered lights.tile_px"));
+  EXPECT_FALSE(w.exact.contains("forward-plus lights.tile_px"));
+}
+
+TEST(SweepPlaces, ASceneThatIsNotThereStaysInTheList) {
+  Suite base;
+  base.scenes = {suite_scene("absent.glb", {}, {})};
+  base.techniques = {{"clustered", {}}};
+  SceneStore store;
+  const auto places = sweep_places(base, store);
+  ASSERT_TRUE(places);
+  ASSERT_EQ(places->size(), 1u);
+  EXPECT_EQ((*places)[0].rows.size(), 4u);
+  ASSERT_EQ((*places)[0].notes.size(), 1u);
+  EXPECT_NE((*places)[0].notes[0].find("no knob was walked"), std::string::npos);
 }
 
 TEST(ErrorBudget, Parse) {
@@ -146,32 +270,65 @@ TEST(ErrorBudget, Parse) {
   for (const char* bad : {"relmse", "relmse=", "relmse=x", "relmse=-1", "psnr=30", "=1"}) EXPECT_FALSE(parse_error_budget(bad, budget)) << bad;
 }
 
-TEST(ChooseSetting, WorstPlaceCounts) {
+const BudgetPlace here{.scene = "street.glb", .scene_content = "content of street", .width_px = 64, .height_px = 32, .device = "a device"};
+
+TEST(ChooseSetting, TheWorstOfItsTimesCounts) {
   auto rows = sweep();
-  // The same in another scene, where draft is slow and 0.01 leaves more error.
+  // The same at another moment, where draft is slow and 0.01 leaves more error.
   for (BenchRow row : sweep()) {
-    row.scene = "hall";
+    row.time_s = 1;
     if (row.quality == "draft") row.gpu.ms = {20, 20, 20};
     if (row.settings.ends_with("=0.01")) row.errors[1].metrics["relmse"] = 0.5;
     rows.push_back(row);
   }
   ErrorBudget budget{.error = 0.05};
-  const auto exact = choose_setting(rows, 64, 32, budget, "f");
+  const auto exact = choose_setting(rows, here, budget, "f");
   ASSERT_TRUE(exact);
-  EXPECT_EQ(exact->settings.size() + size_t(exact->quality == "exact"), exact->settings.empty() ? 1u : 2u);
+  EXPECT_TRUE(exact->settings.empty());
+  EXPECT_EQ(exact->quality, "exact");
   EXPECT_EQ(exact->ms, 6);
   budget.error = 1e-9;
-  ASSERT_FALSE(choose_setting(rows, 64, 32, budget, "f"));
-  EXPECT_EQ(choose_setting(rows, 64, 32, budget, "f").error().kind, ErrorKind::usage);
-  const auto quick = choose_setting(rows, 64, 32, {.time_ms = 4.5}, "f");
+  ASSERT_FALSE(choose_setting(rows, here, budget, "f"));
+  EXPECT_EQ(choose_setting(rows, here, budget, "f").error().kind, ErrorKind::usage);
+  const auto quick = choose_setting(rows, here, {.time_ms = 4.5}, "f");
   ASSERT_TRUE(quick);
   ASSERT_EQ(quick->settings.size(), 1u);
   EXPECT_EQ(quick->settings[0].value, "0.1");
-  EXPECT_FALSE(choose_setting(rows, 64, 32, {.time_ms = 0.1}, "f"));
-  const auto other_size = choose_setting(rows, 640, 320, budget, "f");
-  ASSERT_FALSE(other_size);
-  EXPECT_NE(other_size.error().message.find("64x32"), std::string::npos);
-  EXPECT_EQ(choose_setting(rows, 64, 32, {.error = 1, .reference = "path"}, "f").error().kind, ErrorKind::input);
+  EXPECT_FALSE(choose_setting(rows, here, {.time_ms = 0.1}, "f"));
+}
+
+TEST(ChooseSetting, ATimeBudgetHoldsForTheEndOfTheInterval) {
+  auto rows = sweep();
+  rows[5].gpu.ms = {4, 4, 4, 4.1, 4.6, 4.8, 4.9};  // 0.1: median 4.1, but not surely below 4.5
+  const auto choice = choose_setting(rows, here, {.time_ms = 4.5}, "f");
+  ASSERT_TRUE(choice) << choice.error().text();
+  ASSERT_EQ(choice->quality, "draft") << choice->text;
+  const auto wide = choose_setting(rows, here, {.time_ms = 4.95}, "f");
+  ASSERT_TRUE(wide);
+  ASSERT_EQ(wide->settings.size(), 1u);
+  EXPECT_EQ(wide->ms, 4.1);
+  EXPECT_GT(wide->ms_ci.high, 4.5);
+  EXPECT_LE(wide->ms_ci.high, 4.95);
+  const auto none = choose_setting(rows, here, {.time_ms = 1.5}, "f");
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("95 % CI"), std::string::npos) << none.error().message;
+}
+
+TEST(ChooseSetting, OtherPlacesAreRefused) {
+  const auto rows = sweep();
+  const auto refusal = [&](BudgetPlace place) {
+    const auto choice = choose_setting(rows, place, {.error = 0.05}, "sweep.json");
+    EXPECT_FALSE(choice);
+    return choice ? std::string() : choice.error().kind == ErrorKind::input ? choice.error().text() : "not input";
+  };
+  BudgetPlace place = here;
+  place.width_px = 640;
+  EXPECT_NE(refusal(place).find("at 640x32 but at 64x32"), std::string::npos) << refusal(place);
+  place = here, place.device = "another device";
+  EXPECT_NE(refusal(place).find("on another device but on a device"), std::string::npos) << refusal(place);
+  place = here, place.scene_content = "more", place.scene = "hall.glb";
+  EXPECT_NE(refusal(place).find("with the content of hall.glb but with street"), std::string::npos) << refusal(place);
+  EXPECT_EQ(choose_setting(rows, here, {.error = 1, .reference = "path"}, "f").error().kind, ErrorKind::input);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.h"
-#include "bench/error_sweep.h"
+#include "bench/error_truth.h"
 #include "report/bench_report.h"
 #include "report/bench_rows.h"
 #include "report/error_report.h"
@@ -21,8 +21,11 @@ BenchRow row_of(const std::string& quality, double ms, double error) {
                 {.reference = open_reference_name,
                  .metrics = {{"relmse", error + 0.001}, {"hdr-flip", 0.1}},
                  .noise = NoiseFloor{0.001, 0.0005},
-                 .exposures = ExposureRange{-4, 4, 9}},
+                 .exposures = ExposureRange{-4, 4, 9},
+                 .spp = 16},
                 {.reference = "path", .note = "could not be traced"}};
+  row.knobs = {{"lights.floor_lux", "0.1", "error", {"shade_forward"}}};
+  row.memory = {{"frame_bytes", 3 << 20}, {"device_peak_bytes", 7 << 20}};
   row.strip = {std::byte('p'), std::byte('n'), std::byte('g')};
   return row;
 }
@@ -36,6 +39,8 @@ TEST(ErrorRows, ComeBackFromJson) {
   EXPECT_EQ(bench_json(*again).dump(), bench_json(run()).dump());
   EXPECT_EQ(again->rows[0].errors[1].exposures, (ExposureRange{-4, 4, 9}));
   EXPECT_EQ(again->rows[0].errors[2].note, "could not be traced");
+  EXPECT_EQ(again->rows[0].errors[1].spp, 16u);
+  EXPECT_EQ(again->rows[0].knobs[0].passes, std::vector<std::string>{"shade_forward"});
   std::filesystem::remove(file);
 }
 
@@ -60,7 +65,7 @@ TEST(ErrorRows, FindingsSayFrontsAndSentences) {
 TEST(ErrorRows, CsvHasAColumnForEachError) {
   const std::string csv = bench_csv(run());
   const std::string head = csv.substr(0, csv.find("\r\n"));
-  for (const char* column : {"error.exact.relmse", "error.direct-unshadowed.hdr-flip", "noise.direct-unshadowed.relmse"})
+  for (const char* column : {"error.exact.relmse", "error.direct-unshadowed.hdr-flip", "noise.direct-unshadowed.relmse", "gpu_ci95_low_ms", "gpu_ci95_high_ms"})
     EXPECT_NE(head.find(column), std::string::npos) << column;
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   const std::string second = csv.substr(head.size() + 2, csv.find("\r\n", head.size() + 2) - head.size() - 2);
@@ -69,10 +74,31 @@ TEST(ErrorRows, CsvHasAColumnForEachError) {
 
 TEST(ErrorReport, HasFrontsNoiseSentencesAndStrips) {
   const std::string html = bench_html(run(), "t", false);
-  for (const char* part : {"Error against time: a &lt;scene&gt;", "noise of the reference", "the cheapest setting is", "Reference, result, FLIP", "cG5n"})
+  for (const char* part : {"Error against time: a &lt;scene&gt;", "noise of the reference", "the cheapest setting is", "Reference, result, FLIP", "cG5n", "95 % CI", "sampling error", "3.00", "7.00",
+                           "16 samples a pixel"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_EQ(html.find("a <scene>"), std::string::npos);
   EXPECT_EQ(error_html({}), "");
+}
+
+TEST(Scatter, TicksAtOneTwoAndFive) {
+  Scatter s{.title = "t", .points = {{"a", 8, 3e-5, 0, false, 7.5, 9}, {"b", 47, 0.3, 0, true}}, .floor_y = 1e-5};
+  const std::string svg = scatter_svg(s);
+  for (const char* tick : {">5<", ">10<", ">20<", ">50<", ">1e-05<", ">0.01<", ">1<"}) {
+    if (std::string_view(tick) == ">1<") EXPECT_EQ(svg.find(tick), std::string::npos) << "0.3 needs no more than 0.5";
+    else EXPECT_NE(svg.find(tick), std::string::npos) << tick << svg;
+  }
+  EXPECT_EQ(svg.find(">2e-05<"), std::string::npos) << "many decades have no room between them";
+  // 7.5 to 9 of 5 to 50 over 720 from 80.
+  EXPECT_NE(svg.find("M206.8 "), std::string::npos) << svg;
+  EXPECT_NE(svg.find("H263.8"), std::string::npos) << svg;
+  const std::string flat = scatter_svg({.title = "t", .points = {{"a", 3, 3, 0, false}}});
+  EXPECT_EQ(flat.find("nan"), std::string::npos);
+}
+
+TEST(Scatter, DrawsALaw) {
+  Scatter s{.title = "t", .points = {{"a", 1, 1, 0, false}, {"b", 10, 10, 0, false}}, .stairs = false, .curve = {{1, 1}, {10, 10}}};
+  EXPECT_NE(scatter_svg(s).find("M80.0 414.0L800.0 34.0"), std::string::npos) << scatter_svg(s);
 }
 
 TEST(Scatter, PutsPointsOnLogarithmicAxes) {

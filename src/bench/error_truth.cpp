@@ -1,0 +1,98 @@
+#include "bench/error_truth.h"
+
+#include "base/files.h"
+#include "base/log.h"
+#include "render/reference_frame.h"
+#include "render/session.h"
+
+namespace candela {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The version does not change with every build, what the tracer computes might.
+const std::optional<Hash128>& program_content() {
+  static const std::optional<Hash128> content = [] {
+    const auto bytes = read_file("/proc/self/exe");
+    return bytes ? std::optional(hash128(*bytes)) : std::nullopt;
+  }();
+  return content;
+}
+
+// Empty: nothing can be kept.
+fs::path film_file(const Hash128& identity) {
+  const fs::path cache = cache_folder();
+  if (cache.empty() || !program_content()) return {};
+  std::error_code failed;
+  fs::create_directories(cache / "references", failed);
+  return failed ? fs::path() : cache / "references" / (hash128(identity.hex() + program_content()->hex()).hex() + ".film");
+}
+
+// What a film goes on from, and where it is kept.
+struct KeptFilm {
+  reference::Film film;
+  fs::path file;  // empty: it is not kept
+};
+KeptFilm kept_film(const Hash128& identity, const Job& job, uint64_t most_spp) {
+  KeptFilm kept{reference::Film(job.width_px, job.height_px), film_file(identity)};
+  std::error_code failed;
+  if (kept.file.empty() || !fs::exists(kept.file, failed)) return kept;
+  auto film = reference::Film::load(kept.file, identity, job.width_px, job.height_px);
+  if (!film) return kept;  // damaged: it is made anew
+  if (film->samples() <= most_spp)
+    kept.film = std::move(*film);
+  else
+    kept.file.clear();  // a longer one must not decide what a shorter one is, nor be lost to it
+  return kept;
+}
+
+void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const TruthLimits& limits, const std::function<bool()>& stop) {
+  reference::TraceSettings settings;
+  settings.mode = truth.name == "path" ? reference::Mode::path : reference::Mode::direct;
+  settings.visibility = truth.name != open_reference_name;
+  const Hash128 identity = film_identity(job, frame, settings, {});
+  auto [film, file] = kept_film(identity, job, limits.spp);
+  const uint64_t kept = film.samples();
+  const reference::Integrator integrator(*frame.world, settings, film.width(), film.height());
+  constexpr double save_every_us = 60e6;
+  double saved_us = process_clock_us();
+  const auto save = [&] {
+    saved_us = process_clock_us();
+    if (file.empty() || film.samples() == kept) return;
+    if (auto saved = film.save(file, identity); !saved) log::warning("the reference is not kept: {}", saved.error().text());
+  };
+  if (kept < limits.spp)
+    reference::refine(
+        film, integrator, {.spp = limits.spp, .seconds = limits.seconds}, [&](const reference::Progress&) { return !stop || !stop(); },
+        [&] {
+          if (process_clock_us() - saved_us > save_every_us) save();
+        });
+  save();
+  log::info("reference {}: {} samples a pixel ({} of them kept before), relative standard error {:.3g} %", truth.name, film.samples(), kept,
+            film.relative_error() * 100);
+  truth.spp = film.samples();
+  if (truth.spp == 0)
+    truth.failed = "stopped before its first sample";
+  else
+    truth.image = reference_image(film, frame, job, settings_json(settings, {}), {"variance"}, std::nullopt, {});
+}
+
+}  // namespace
+
+std::vector<std::string> error_reference_names() { return {exact_reference, open_reference_name, "direct", "path"}; }
+
+std::vector<Truth> traced_truths(const Job& job, double time_s, const TruthLimits& limits, const std::function<bool()>& stop) {
+  std::vector<Truth> truths;
+  for (const std::string& name : error_reference_names())
+    if (name != exact_reference) truths.push_back({.name = name});
+  const auto frame = open_reference(job, time_s, {});
+  for (Truth& truth : truths) {
+    if (frame)
+      trace(truth, **frame, job, limits, stop);
+    else
+      truth.failed = frame.error().text();
+  }
+  return truths;
+}
+
+}  // namespace candela

@@ -1,0 +1,23 @@
+#include "cli/output_paths.h"
+
+#include <algorithm>
+
+#include "render/frame_names.h"
+
+namespace candela::cli {
+
+Expected<std::vector<std::filesystem::path>> output_paths(const std::vector<std::string>& outputs, int64_t frame) {
+  std::vector<std::filesystem::path> paths;
+  for (const std::string& text : outputs) {
+    const auto pattern = parse_pattern(text);
+    if (!pattern) return std::unexpected(pattern.error());
+    std::filesystem::path path = pattern->name(frame);
+    if (const auto format = output_format(path); !format) return std::unexpected(format.error());
+    if (std::find(paths.begin(), paths.end(), path) != paths.end())
+      return fail(ErrorKind::usage, "-o", "'{}' is named twice", path.string());
+    paths.push_back(std::move(path));
+  }
+  return paths;
+}
+
+}  // namespace candela::cli

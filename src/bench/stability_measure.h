@@ -18,6 +18,8 @@ struct TruePicture {
 // By the reference ray tracer: direct light without shadows and the ambient term as the techniques have it; side * side samples a
 // pixel (an odd number, so that one of them is the centre).
 Expected<TruePicture> traced_picture(const Job& job, double time_s, int side);
+// Pixels of the path tracer that are not finite, at a few samples each.
+Expected<uint64_t> nonfinite_paths(const Job& job, double time_s);
 // Another picture's own pixels.
 TruePicture picture_truth(const Beauty& beauty, double pre_exposure);
 

@@ -85,8 +85,10 @@ std::vector<Truth> traced_truths(const Job& job, double time_s, const TruthLimit
   std::vector<Truth> truths;
   for (const std::string& name : error_reference_names())
     if (name != exact_reference) truths.push_back({.name = name});
-  const auto frame = open_reference(job, time_s, {});
+  auto frame = open_reference(job, time_s, {});
   for (Truth& truth : truths) {
+    // The last: paths go through what the others take as opaque.
+    if (truth.name == "path" && frame && has_transmission((*frame)->scene)) frame = open_reference(job, time_s, {}, reference::Mode::path);
     if (frame)
       trace(truth, **frame, job, limits, stop);
     else

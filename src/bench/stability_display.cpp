@@ -122,6 +122,7 @@ std::vector<StabilityRecipe> stability_recipes() {
   stability::add_animation(all);
   stability::add_display(all);
   stability::add_images(all);
+  stability::add_fog(all);
   return all;
 }
 

@@ -12,21 +12,21 @@ namespace {
 constexpr uint32_t dimensions_a_layer = 8;
 constexpr int most_layers = 256;
 
-glm::dvec3 harmonics(const AmbientSh& sh, glm::dvec3 n) {
+}  // namespace
+
+glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band) {
   const std::array<double, 9> basis = sh_basis(n);
   glm::dvec3 sum(0);
-  for (size_t i = 0; i < 9; ++i) sum += basis[i] * glm::dvec3(sh[i]);
+  for (size_t i = 0; i < 9; ++i) sum += band[i == 0 ? 0 : i < 4 ? 1 : 2] * basis[i] * glm::dvec3(sh[i]);
   return glm::max(sum, glm::dvec3(0));
 }
-
-}  // namespace
 
 glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
   const glm::dvec2 ab = specular_scale_bias(s.roughness, std::clamp(glm::dot(s.normal, v), 1e-4, 1.0));
   const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
   const double left = 1 - std::max({dielectric.x, dielectric.y, dielectric.z});
-  const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonics(sh, s.normal);
-  return diffuse + glm::mix(dielectric, metal, s.metallic) * harmonics(sh, glm::reflect(-v, s.normal));
+  const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
+  return diffuse + glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal));
 }
 
 PixelSample Integrator::sample(int x, int y, uint64_t index) const {
@@ -47,8 +47,9 @@ PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream
 PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream) const {
   PixelSample out;
   const Ray ray = rounded(camera);
-  glm::dvec3 to_viewer = -glm::normalize(camera.direction);
-  double through = 1;
+  const glm::dvec3 onward = glm::normalize(camera.direction);
+  glm::dvec3 to_viewer = -onward;
+  double through = 1, before_m = 0;
   TraceCounts counts;
   std::optional<Hit> hit = next_surface(world_, ray, true, nullptr, &counts);
   // Front to back: each surface covers what the ones before left open.
@@ -61,7 +62,11 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     if (s.coverage > 0) {
       stream.start(4 + uint32_t(layer) * dimensions_a_layer);
       const glm::dvec3 radiance = s.unlit ? s.base_color : s.emission + direct_light(s, world_.accel().surface(*hit), to_viewer, stream);
-      out.radiance += through * s.coverage * radiance;
+      const double here_m = glm::dot(s.position - camera.origin, onward);
+      const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, here_m}, through, uint32_t(layer), stream, out);
+      before_m = here_m;
+      out.radiance += through * s.coverage * clear * radiance;
+      out.fog_through += through * s.coverage * (clear - 1.0);
       out.alpha += through * s.coverage;
       through *= 1 - s.coverage;
     }
@@ -71,8 +76,10 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   }
   if (through > 0) {
     const glm::dvec4 background = world_.background(camera.direction);
-    out.radiance += through * glm::dvec3(background);
-    out.alpha += through * background.w;
+    const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, endless}, through, most_layers, stream, out);
+    out.radiance += through * clear * glm::dvec3(background);
+    out.fog_through += through * (clear - 1.0);
+    out.alpha += through * (world_.medium() ? 1 - luminance(clear) * (1 - background.w) : background.w);
   }
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
@@ -90,10 +97,11 @@ glm::dvec3 Integrator::one_light(const PunctualLight& light, const Surface& s, c
   const Arrival a = arriving(light, s.position);
   if (a.illuminance == glm::dvec3(0)) return glm::dvec3(0);
   const glm::dvec3 radiance = a.illuminance * evaluate_brdf(s, a.l, v);
-  if (radiance == glm::dvec3(0) || !settings_.visibility) return radiance;
+  if (radiance == glm::dvec3(0)) return radiance;
+  if (!settings_.visibility) return radiance * world_.through_fog(s.position, a.l, a.distance_m);
   // Light from behind the triangle, which a shading normal may let in, is blocked by the surface itself.
   if (!(glm::dot(s.geometric, a.l) > 0)) return glm::dvec3(0);
-  return radiance * transmittance(world_, point, a.l, a.distance_m);
+  return radiance * transmittance(world_, point, a.l, a.distance_m) * world_.through_fog(s.position, a.l, a.distance_m);
 }
 
 glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
@@ -102,10 +110,11 @@ glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm
   return sum;
 }
 
-double Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
-  if (!settings_.visibility) return 1;
-  if (!(glm::dot(s.geometric, l) > 0)) return 0;
-  return transmittance(world_, point, l, settings_.mode == Mode::path ? std::numeric_limits<double>::infinity() : settings_.ambient_distance_m);
+glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
+  const glm::dvec3 clear = world_.through_fog(s.position, l, endless);
+  if (!settings_.visibility) return clear;
+  if (!(glm::dot(s.geometric, l) > 0)) return glm::dvec3(0);
+  return clear * transmittance(world_, point, l, settings_.mode == Mode::path ? endless : settings_.ambient_distance_m);
 }
 
 glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {

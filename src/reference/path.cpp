@@ -24,30 +24,54 @@ double Integrator::weight(double this_pdf, double other_pdf, Strategy own) const
   return 1 / (1 + r * r);
 }
 
-// The light of one triangle by way of one point on it.
-glm::dvec3 Integrator::emissive_event(int index, double probability, const Surface& s, const SurfacePoint& point, glm::dvec3 v,
-                                      glm::dvec2 u) const {
-  const EmissiveTriangle& t = world_.emissive()[size_t(index)];
+std::optional<Integrator::EmissivePoint> Integrator::emissive_point(uint32_t light, double probability, glm::dvec3 from, glm::dvec2 u) const {
+  const EmissiveTriangle& t = world_.emissive()[light];
   const double root = std::sqrt(u.x);
   const glm::dvec2 b(root * (1 - u.y), root * u.y);
-  const glm::dvec3 at = (1 - b.x - b.y) * t.corner[0] + b.x * t.corner[1] + b.y * t.corner[2];
-  const glm::dvec3 to_light = at - s.position;
+  const glm::dvec3 to_light = (1 - b.x - b.y) * t.corner[0] + b.x * t.corner[1] + b.y * t.corner[2] - from;
   const double d2 = glm::dot(to_light, to_light);
-  if (!(d2 > 0)) return glm::dvec3(0);
-  const double distance = std::sqrt(d2);
-  const glm::dvec3 l = to_light / distance;
+  if (!(d2 > 0)) return std::nullopt;
+  const double distance_m = std::sqrt(d2);
+  const glm::dvec3 l = to_light / distance_m;
   const double facing = -glm::dot(t.normal, l);
-  if (facing == 0 || (facing < 0 && !t.two_sided)) return glm::dvec3(0);
-  if (!(glm::dot(s.geometric, l) > 0)) return glm::dvec3(0);
-  const glm::dvec3 f = evaluate_brdf(s, l, v);
+  if (facing == 0 || (facing < 0 && !t.two_sided)) return std::nullopt;
+  return EmissivePoint{l, distance_m, probability * d2 / (std::abs(facing) * t.area_m2), light, b, facing < 0};
+}
+
+glm::dvec3 Integrator::radiance_of(const EmissivePoint& p) const {
+  const EmissiveTriangle& t = world_.emissive()[p.light];
+  const Surface emitter = world_.surface_at(t.item, t.primitive, p.at, p.back, -p.l);
+  return emitter.emission * emitter.coverage;
+}
+
+SurfacePoint Integrator::surface_of(const EmissivePoint& p) const {
+  const EmissiveTriangle& t = world_.emissive()[p.light];
+  return world_.accel().surface({0, float(p.at.x), float(p.at.y), t.item, t.primitive, p.back});
+}
+
+// The light of one triangle by way of one point on it.
+glm::dvec3 Integrator::emissive_event(uint32_t light, double probability, const Surface& s, const SurfacePoint& point, glm::dvec3 v,
+                                      glm::dvec2 u) const {
+  const auto p = emissive_point(light, probability, s.position, u);
+  if (!p || !(glm::dot(s.geometric, p->l) > 0)) return glm::dvec3(0);
+  const glm::dvec3 f = evaluate_brdf(s, p->l, v);
   if (f == glm::dvec3(0)) return glm::dvec3(0);
-  const Surface emitter = world_.surface_at(t.item, t.primitive, b, facing < 0, -l);
-  const double pdf = probability * d2 / (std::abs(facing) * t.area_m2);
-  const glm::dvec3 radiance = emitter.emission * emitter.coverage * f * (weight(pdf, brdf_pdf(s, l, v), Strategy::light) / pdf);
+  const glm::dvec3 radiance = radiance_of(*p) * f * (weight(p->pdf, brdf_pdf(s, p->l, v), Strategy::light) / p->pdf);
   if (radiance == glm::dvec3(0)) return radiance;
-  const Hit target{0, float(b.x), float(b.y), t.item, t.primitive, facing < 0};
-  const SurfacePoint end = world_.accel().surface(target);
-  return radiance * transmittance(world_, point, l, distance, &end);
+  const SurfacePoint end = surface_of(*p);
+  return radiance * transmittance(world_, point, p->l, p->distance_m, &end) * world_.through_fog(s.position, p->l, p->distance_m);
+}
+
+glm::dvec2 Integrator::on_triangle(glm::dvec2 first, size_t light) {
+  const glm::dvec2 turned = first + double(light) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
+  return turned - glm::floor(turned);
+}
+
+bool Integrator::survives(double u, int bounce, glm::dvec3& through) {
+  if (bounce <= roulette_after) return true;
+  const double survive = std::min(std::max({through.x, through.y, through.z}), 0.95);
+  through /= survive;
+  return u < survive;
 }
 
 // Every directional light, one direction of the sky, and lights of the tree.
@@ -75,9 +99,7 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
     if (choice.light < points) {
       sum += one_light(world_.punctual_lights()[world_.tree_punctual()[choice.light]], s, point, v) / choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
-      // Each light a place of its own, as even as the first (the R2 sequence's steps).
-      const glm::dvec2 turned = on_light + double(i) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
-      sum += emissive_event(int(choice.light - points), choice.probability, s, point, v, turned - glm::floor(turned));
+      sum += emissive_event(uint32_t(choice.light - points), choice.probability, s, point, v, on_triangle(on_light, i));
     }
   }
   return sum;
@@ -94,22 +116,12 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   glm::dvec3 last_normal(0), last_position(0);
   uint32_t alpha_dimension = first_alpha_dimension;
   int bounce = 0;
+  bool in_fog = false;  // the camera's ray ended there
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
     const std::optional<Hit> hit = next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? &counts : nullptr);
-    if (!hit) {
-      if (first) {
-        const glm::dvec4 background = world_.background(direction);
-        out.radiance += through * glm::dvec3(background);
-        out.alpha = background.w;
-      } else if (world_.sky()) {
-        const double w = weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
-        out.radiance += through * world_.sky().radiance(direction) * w;
-      }
-      break;
-    }
-    const Surface s = world_.surface(*hit, origin, direction);
-    if (s.coverage < 1) {
+    const Surface s = hit ? world_.surface(*hit, origin, direction) : Surface{};
+    if (hit && s.coverage < 1) {
       // A blended surface is there as often as it covers.
       stream.start(alpha_dimension);
       alpha_dimension += 4;
@@ -119,7 +131,31 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       }
     }
     passed.reset();
-    if (first) out.alpha = 1;
+    if (first) out.alpha = hit ? 1 : world_.background(direction).w;
+    if (world_.medium()) {
+      const glm::dvec3 onward = glm::normalize(direction);
+      const FogStep step =
+          fog_step(origin, onward, hit ? glm::dot(s.position - origin, onward) : endless, through, bounce, bounce < split_bounces, stream, out);
+      through = step.through;
+      if (through == glm::dvec3(0)) break;
+      if (step.scattered) {
+        in_fog |= first;
+        ++bounce;
+        brdf_density = step.density, last_normal = glm::dvec3(0), last_position = step.position;
+        ray = leaving_ray({step.position, {}, 0}, step.direction);
+        origin = step.position, direction = step.direction;
+        continue;
+      }
+    }
+    if (!hit) {
+      if (first) {
+        out.radiance += through * glm::dvec3(world_.background(direction));
+      } else if (world_.sky()) {
+        const double w = weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
+        out.radiance += through * world_.sky().radiance(direction) * w;
+      }
+      break;
+    }
     if (s.unlit) {
       // A picture, not a lamp: it is seen, also in reflections, and takes no light and is not chosen as a light.
       out.radiance += through * s.base_color;
@@ -151,16 +187,12 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     if (!(pdf > 0) || !(glm::dot(s.geometric, l) > 0)) break;
     through *= evaluate_brdf(s, l, v) / pdf;
     ++bounce;
-    if (bounce > roulette_after) {
-      const double survive = std::min(std::max({through.x, through.y, through.z}), 0.95);
-      if (!(roulette < survive)) break;
-      through /= survive;
-    }
-    if (through == glm::dvec3(0)) break;
+    if (!survives(roulette, bounce, through) || through == glm::dvec3(0)) break;
     brdf_density = pdf, last_normal = s.normal, last_position = s.position;
     ray = leaving_ray(point, l);
     origin = ray.origin, direction = l;
   }
+  if (in_fog) out.fog_light = out.radiance;
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
 }

@@ -21,6 +21,7 @@ glm::dmat3 normal_matrix(const glm::dmat3& m) {
 
 World::World(const WorldInput& input, std::vector<std::string>& warnings)
     : input_(input), accel_(input.scene, input.pose, input.frame, input.accel) {
+  if (input.fog) medium_.emplace(*input.fog, input.view.position);
   load_materials(warnings);
   add_items();
   add_lights();

@@ -16,6 +16,7 @@ StabilityScene fogged(const json& fog, const Known& known, const std::function<v
                       glm::dvec3 to = {0, 0, -1}, const std::string& background = "0,0,0") {
   GlbWriter out;
   camera(out, eye, eye + to, 0.8, 0.1);
+  place(out, box({0.01, 0.01, 0.01}), lit(glm::dvec3(0.5), 0, 0.5), eye + glm::dvec3(1000, 0, 0));  // a file needs some geometry: aside, and out of every light's way
   lights(out);
   StabilityScene scene = scene_of(out);
   scene.job.width_px = 32, scene.job.height_px = 24;

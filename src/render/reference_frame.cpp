@@ -85,6 +85,8 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
     input.ambient_sh = neutral_ambient();
     frame->notes.push_back("the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   }
+  if (look->fog && is_endless(*look->fog))
+    frame->notes.push_back("the fog has neither falloff nor bounds: sun, sky and background lie behind all of it and give no light");
   if (frame->data.items.empty()) frame->notes.push_back("nothing is visible at this time: the image holds the background alone");
   frame->world = std::make_unique<reference::World>(input, frame->warnings);
   if (const size_t skipped = frame->world->accel().statistics().skipped_items; skipped > 0)

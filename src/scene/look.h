@@ -24,6 +24,11 @@ struct Fog {
   glm::dvec3 lowest{-std::numeric_limits<double>::infinity()}, highest{std::numeric_limits<double>::infinity()};
 };
 
+// Nothing at an infinite distance comes through.
+inline bool is_endless(const Fog& fog) {
+  return fog.extinction_per_m != glm::dvec3(0) && fog.falloff_per_m == 0 && glm::all(glm::isinf(fog.lowest)) && glm::all(glm::isinf(fog.highest));
+}
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;

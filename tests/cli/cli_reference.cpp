@@ -118,6 +118,7 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   ASSERT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["job"]["look"], look);
+  EXPECT_NE(json["notes"].dump().find("behind all of it"), std::string::npos) << json["notes"];
   EXPECT_EQ(json["reference"]["fog-steps"], 4);
   const auto image = read_image(folder / "fog.exr");
   ASSERT_TRUE(image);

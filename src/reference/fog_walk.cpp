@@ -1,7 +1,9 @@
 // Fog in full transport. A path flies freely for a length of medium that is drawn from the transmittance itself, in closed form; where
 // extinction differs between colours, one channel draws, each as likely as it has throughput, and the result is weighted by the mean
-// density of all (spectral multiple importance sampling). Absorption weakens the path and never ends it. On the camera's ray one
-// path in four at least scatters where there is any fog, and half of these places lie equi-angular about point lights and spots.
+// density of all (spectral multiple importance sampling). Absorption weakens the path and never ends it. Half of the places where it
+// scatters lie equi-angular about the point lights and spots that light the ray most; the rest follows transmittance. On the camera's
+// ray one path in four at least scatters where there is any fog.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,14 +16,14 @@ namespace {
 
 constexpr uint32_t first_fog_dimension = 1u << 22, dimensions_a_step = 12;
 constexpr double least_scattering = 0.25;
-// Beyond, the densities of all lights at every place would cost more than they save.
-constexpr size_t most_lights_in_view = 32;
+// The strongest lights along the ray, of so many: any choice of them is right, but each costs.
+constexpr size_t most_lights_in_view = 16, most_lights = 4096;
 
 // Places on a ray in view of its lights, each light as likely as its unhindered light along the ray is strong.
 class InViewOfLights {
  public:
   InViewOfLights(const World& world, glm::dvec3 origin, glm::dvec3 direction, Span span) {
-    if (world.tree_punctual().size() > most_lights_in_view) return;
+    if (world.tree_punctual().size() > most_lights) return;
     for (const uint32_t index : world.tree_punctual()) {
       const PunctualLight& light = world.punctual_lights()[index];
       EquiAngular angles(origin, direction, light.position);
@@ -31,9 +33,13 @@ class InViewOfLights {
       angles.limit(seen);
       const double weight = luminance(light.intensity) * angles.angle() / angles.aside_m();
       if (!(weight > 0)) continue;
-      sum_ += weight;
-      lights_[count_++] = {angles, seen, weight};
+      if (count_ < most_lights_in_view) {
+        lights_[count_++] = {angles, seen, weight};
+      } else if (Seen& weakest = *std::ranges::min_element(lights_, {}, &Seen::weight); weight > weakest.weight) {
+        weakest = {angles, seen, weight};
+      }
     }
+    for (size_t i = 0; i < count_; ++i) sum_ += lights_[i].weight;
   }
   bool empty() const { return count_ == 0 || !std::isfinite(sum_); }
   double distance_at(double u) const {
@@ -99,13 +105,12 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
     return step;
   }
 
-  std::optional<InViewOfLights> lights;
-  if (bounce == 0) lights.emplace(world_, origin, direction, span);
-  const double by_angle = lights && !lights->empty() ? 0.5 : 0;
+  const InViewOfLights lights(world_, origin, direction, span);
+  const double by_angle = lights.empty() ? 0 : 0.5;
   const double sigma = medium.extinction()[chosen];
   double travelled = 0, distance_m = 0;
   if (way < by_angle) {
-    distance_m = lights->distance_at(place);
+    distance_m = lights.distance_at(place);
     travelled = medium.length(origin, direction, {span.begin_m, distance_m});
   } else {
     travelled = std::min(-std::log1p(-place * held[chosen]) / sigma, length);
@@ -119,7 +124,7 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
   double density = 0;  // per metre of medium
   for (int c = 0; c < 3; ++c)
     if (scatters[c] > 0) density += (1 - by_angle) * likely[c] * scatters[c] * medium.extinction()[c] * here[c] / held[c];
-  if (by_angle > 0) density += by_angle * glm::dot(likely, scatters) * lights->density(distance_m) / medium.density(step.position);
+  if (by_angle > 0) density += by_angle * glm::dot(likely, scatters) * lights.density(distance_m) / medium.density(step.position);
   if (!(density > 0)) return step;
   step.through = through * medium.scattering() * here / density;
 

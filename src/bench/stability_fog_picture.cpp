@@ -13,14 +13,14 @@ Expected<FogPicture> fog_picture(const Job& job, reference::Mode mode, const std
   if (!frame) return std::unexpected(frame.error());
   const reference::World& world = *(*frame)->world;
   const bool direct = mode == reference::Mode::direct;
-  const int spp = direct ? 1 : 256;
+  const int samples = direct ? 1 : 256;
   reference::TraceSettings settings;
   settings.mode = mode;
-  settings.sampler = {direct ? reference::SamplerKind::uniform : reference::SamplerKind::sobol, spp, 0};
+  settings.sampler = {reference::SamplerKind::uniform, 1, 0};  // every sample at the pixel's centre
   settings.most_bounces = direct ? 0 : 1;
-  settings.fog_steps = 256;
+  settings.fog_steps = 1024;
   reference::Film film(job.width_px, job.height_px, true);
-  film.add(reference::Integrator(world, settings, film.width(), film.height()), spp, [](double) { return true; });
+  film.add(reference::Integrator(world, settings, film.width(), film.height()), samples, [](double) { return true; });
 
   FogPicture made;
   made.beauty = {film.width(), film.height(), 16, std::vector<std::byte>(film.pixels() * 16)};

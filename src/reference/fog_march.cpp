@@ -1,7 +1,7 @@
 // Fog as direct sees it: what the medium emits, and light that is scattered once on its way from its source.
 //
 // Every light is summed, and its integral along the ray is estimated at fog_steps points. They lie in strata of equal share - one
-// point in each - under two densities, weighted by the balance heuristic of Veach: by transmittance towards the camera (for every
+// point in each - under two densities, weighted by the power heuristic of Veach: by transmittance towards the camera (for every
 // extinction that a colour channel has), whose weights are the exact energy-conserving integral (1 - e^-x) of each stratum, and, for
 // lights with a place, mostly equi-angular about the light (Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating
 // Media", 2012), which takes the inverse square out. All strata of a sample share one random offset, mirrored in every other one, so
@@ -110,6 +110,17 @@ Points points_on(const Stretch& stretch, int count, bool has_place) {
   return points;
 }
 
+// A place that several ways might have chosen, by the power heuristic: points times density of each, per metre of medium. Under the
+// balance heuristic a stray point that another colour's way puts where this colour's are dense would count like one of them.
+struct Weighed {
+  double own = 0, squares = 0;
+  void add(double density, bool is_own) {
+    squares += density * density;
+    if (is_own) own = density;
+  }
+  double density() const { return squares / own; }  // what the point's light is divided by
+};
+
 }  // namespace
 
 glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer, SampleStream& stream,
@@ -181,10 +192,10 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
         if (!std::isfinite(p.distance_m)) continue;
         const Arrival a = arriving(light, p.position);
         if (a.illuminance == glm::dvec3(0)) continue;
-        // Points by each way times their density there, per metre of medium.
-        double chosen = 0;
-        for (int k = 0; k < stretch.kinds(); ++k) chosen += points.of_kind[k] * stretch.density(k, p);
-        if (has_place) chosen += points.by_angle * angles.density(p.distance_m) / stretch.medium_a_metre(p);
+        Weighed weighed;
+        for (int k = 0; k < stretch.kinds(); ++k) weighed.add(points.of_kind[k] * stretch.density(k, p), k == way);
+        if (has_place) weighed.add(points.by_angle * angles.density(p.distance_m) / stretch.medium_a_metre(p), way < 0);
+        const double chosen = weighed.density();
         if (!(chosen > 0)) continue;
         const glm::dvec3 light_here = stretch.towards_camera(p) * a.illuminance * (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
                                       medium.transmittance(p.position, a.l, a.distance_m);
@@ -200,8 +211,9 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
     for (int j = 0; j < points.of_kind[kind]; ++j) {
       const Stretch::Place p = all.by_transmittance(kind, stratum(j, points.of_kind[kind], first_offset));
       if (!std::isfinite(p.distance_m)) continue;
-      double chosen = 0;
-      for (int k = 0; k < all.kinds(); ++k) chosen += points.of_kind[k] * all.density(k, p);
+      Weighed weighed;
+      for (int k = 0; k < all.kinds(); ++k) weighed.add(points.of_kind[k] * all.density(k, p), k == kind);
+      const double chosen = weighed.density();
       stream.start(dimension + 4 + step++ * dimensions_a_step);
       if (chosen > 0) sum += all.towards_camera(p) / chosen * fog_ambient(p.position, direction, stream);
     }

@@ -130,7 +130,7 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
     if (!(std::abs(e.energy_beyond) <= scene.energy_bound))
       row.faults.push_back(fmt::format("{:+.3g} of the {}'s energy", e.energy_beyond, name));
   };
-  if (traced) against(*traced, "reference", scene.bound, row.max_relative);
+  if (traced) against(*traced, scene.known ? "closed form" : "reference", scene.bound, row.max_relative);
   if (plain) against(*plain, "plain scene", scene.plain_bound, row.plain_relative);
   if (scene.black) {
     row.truth += (row.truth.empty() ? "" : " and ") + std::string("black");
@@ -255,11 +255,11 @@ Expected<void> StabilityRun::check_fog(const StabilityRecipe& recipe, const Stab
       break;
     }
     StabilityScene judged = scene;
-    if (mode == reference::Mode::path) judged.stray_share = 1, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
+    // Single pixels are noise: their sum is judged.
+    if (mode == reference::Mode::path) judged.bound = 1e9, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
     Shot made{picture->beauty, 1, {}, {}};
     if (!options_.pictures.empty()) made.display = picture->display;
     measure(judged, made, picture->known ? &*picture->known : nullptr, nullptr, row);
-    if (picture->known) row.truth = "closed form";
     judge(judged, made, row);
     if (mode == reference::Mode::direct && made.display)
       if (auto kept = keep_picture(recipe, scene, made); !kept) return kept;

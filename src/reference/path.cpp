@@ -70,8 +70,9 @@ glm::dvec2 Integrator::on_triangle(glm::dvec2 first, size_t light) {
 bool Integrator::survives(double u, int bounce, glm::dvec3& through) {
   if (bounce <= roulette_after) return true;
   const double survive = std::min(std::max({through.x, through.y, through.z}), 0.95);
+  if (!(u < survive)) return false;
   through /= survive;
-  return u < survive;
+  return true;
 }
 
 // Every directional light, one direction of the sky, and lights of the tree.

@@ -8,7 +8,8 @@
 
 namespace candela {
 
-Expected<FogPicture> fog_picture(const Job& job, reference::Mode mode, const std::function<glm::dvec3(glm::dvec3)>& known) {
+Expected<FogPicture> fog_picture(const Job& job, reference::Mode mode,
+                                 const std::function<glm::dvec3(glm::dvec3)>& known) {
   const auto frame = open_reference(job, 0, {});
   if (!frame) return std::unexpected(frame.error());
   const reference::World& world = *(*frame)->world;

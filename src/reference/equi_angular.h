@@ -9,8 +9,8 @@
 
 namespace candela::reference {
 
-// Points of a ray as a light beside it sees them: all angles alike, which is the inverse square of the distance (Kulla and Fajardo,
-// "Importance Sampling Techniques for Path Tracing in Participating Media", 2012).
+// Points of a ray as a light beside it sees them: all angles alike, which is the inverse square of the distance (Kulla
+// and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", 2012).
 class EquiAngular {
  public:
   EquiAngular(glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 light) {
@@ -28,7 +28,8 @@ class EquiAngular {
     // Beside the light the inverse square is held, and so is this.
     h_ = std::max(aside_m_, least_light_distance_m);
     from_ = span.begin_m - nearest_m_, to_ = span.end_m - nearest_m_;
-    // The difference of two arc tangents, as the angle between the two directions: no cancellation where the light is far.
+    // The difference of two arc tangents, as the angle between the two directions: no cancellation where the light is
+    // far.
     angle_ = std::isinf(to_) ? std::atan2(h_, from_) : std::atan2(h_ * (to_ - from_), h_ * h_ + from_ * to_);
   }
   double angle() const { return angle_; }

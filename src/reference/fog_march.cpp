@@ -1,11 +1,12 @@
 // Fog as direct sees it: what the medium emits, and light that is scattered once on its way from its source.
 //
-// Every light is summed, and its integral along the ray is estimated at fog_steps points. They lie in strata of equal share - one
-// point in each - under two densities, weighted by the power heuristic of Veach: by transmittance towards the camera (for every
-// extinction that a colour channel has), whose weights are the exact energy-conserving integral (1 - e^-x) of each stratum, and, for
-// lights with a place, mostly equi-angular about the light (Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating
-// Media", 2012), which takes the inverse square out. All strata of a sample share one random offset, mirrored in every other one, so
-// that on smooth stretches the error falls with the square of the steps; the offset makes the mean of the samples right for any number.
+// Every light is summed, and its integral along the ray is estimated at fog_steps points. They lie in strata of equal
+// share - one point in each - under two densities, weighted by the power heuristic of Veach: by transmittance towards
+// the camera (for every extinction that a colour channel has), whose weights are the exact energy-conserving integral
+// (1 - e^-x) of each stratum, and, for lights with a place, mostly equi-angular about the light (Kulla and Fajardo,
+// "Importance Sampling Techniques for Path Tracing in Participating Media", 2012), which takes the inverse square out.
+// All strata of a sample share one random offset, mirrored in every other one, so that on smooth stretches the error
+// falls with the square of the steps; the offset makes the mean of the samples right for any number.
 #include <algorithm>
 #include <cmath>
 
@@ -23,7 +24,8 @@ constexpr double deepest = 40;
 
 double stratum(int j, int count, double offset) { return (j + (j % 2 == 0 ? offset : 1 - offset)) / count; }
 
-// A stretch of a ray inside the medium, from the bound or the last surface to the next, and the densities of points on it.
+// A stretch of a ray inside the medium, from the bound or the last surface to the next, and the densities of points on
+// it.
 class Stretch {
  public:
   Stretch(const Medium& medium, glm::dvec3 origin, glm::dvec3 direction, Span span)
@@ -52,14 +54,17 @@ class Stretch {
   bool empty() const { return span_.empty() || !(length_ > 0); }
   const Span& span() const { return span_; }
   int kinds() const { return kinds_; }
-  double depth() const { return *std::max_element(extinctions_, extinctions_ + 3) * length_; }  // optical, of the most opaque channel
+  double depth() const {
+    return *std::max_element(extinctions_, extinctions_ + 3) * length_;
+  }  // optical, of the most opaque channel
 
   struct Place {
     double distance_m = 0, length = 0;  // along the ray; from the stretch's begin
     glm::dvec3 position{0};
   };
   Place place(double distance_m) const {
-    return {distance_m, medium_.length(origin_, direction_, {span_.begin_m, distance_m}), origin_ + direction_ * distance_m};
+    return {distance_m, medium_.length(origin_, direction_, {span_.begin_m, distance_m}),
+            origin_ + direction_ * distance_m};
   }
   // By transmittance, as extinction number `kind` has it.
   Place by_transmittance(int kind, double u) const {
@@ -71,7 +76,8 @@ class Stretch {
   // Density per metre of medium (not of the ray) of that way to choose.
   double density(int kind, const Place& p) const {
     const double sigma = extinctions_[kind];
-    return std::exp(-sigma * p.length) / (std::isinf(length_) ? 1 / sigma : length_ * one_minus_exp_over(sigma * length_));
+    return std::exp(-sigma * p.length) /
+           (std::isinf(length_) ? 1 / sigma : length_ * one_minus_exp_over(sigma * length_));
   }
   // Of light that a metre of medium at p scatters towards the camera, the part that arrives there.
   glm::dvec3 towards_camera(const Place& p) const { return medium_.scattering() * medium_.through(before_ + p.length); }
@@ -95,9 +101,10 @@ class Stretch {
   int kinds_ = 0;
 };
 
-// How many of `count` points each way to choose a place gets: equal angles, where the light has a place, and transmittance as each
-// extinction has it. Measured on a street of 256 lamps, angles alone have the least noise where fog is thin on a light's part of the
-// ray; through many mean free paths they waste their points, so transmittance gets up to half of them.
+// How many of `count` points each way to choose a place gets: equal angles, where the light has a place, and
+// transmittance as each extinction has it. Measured on a street of 256 lamps, angles alone have the least noise where
+// fog is thin on a light's part of the ray; through many mean free paths they waste their points, so transmittance gets
+// up to half of them.
 struct Points {
   int by_angle = 0, of_kind[3] = {};
 };
@@ -106,12 +113,14 @@ Points points_on(const Stretch& stretch, int count, bool has_place) {
   const double depth = stretch.depth();
   const int by_transmittance = has_place ? int(0.5 * (1 - one_minus_exp_over(depth)) * count) : count;
   points.by_angle = count - by_transmittance;
-  for (int k = 0; k < stretch.kinds(); ++k) points.of_kind[k] = by_transmittance / stretch.kinds() + (k < by_transmittance % stretch.kinds());
+  for (int k = 0; k < stretch.kinds(); ++k)
+    points.of_kind[k] = by_transmittance / stretch.kinds() + (k < by_transmittance % stretch.kinds());
   return points;
 }
 
-// A place that several ways might have chosen, by the power heuristic: points times density of each, per metre of medium. Under the
-// balance heuristic a stray point that another colour's way puts where this colour's are dense would count like one of them.
+// A place that several ways might have chosen, by the power heuristic: points times density of each, per metre of
+// medium. Under the balance heuristic a stray point that another colour's way puts where this colour's are dense would
+// count like one of them.
 struct Weighed {
   double own = 0, squares = 0;
   void add(double density, bool is_own) {
@@ -123,8 +132,8 @@ struct Weighed {
 
 }  // namespace
 
-glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer, SampleStream& stream,
-                                  PixelSample& out) const {
+glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
+                                  SampleStream& stream, PixelSample& out) const {
   const Medium* medium = world_.medium();
   if (!medium) return glm::dvec3(1);
   const glm::dvec3 light = share * fog_light(origin, direction, span, layer, stream);
@@ -133,7 +142,8 @@ glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span 
   return medium->transmittance(origin, direction, span.end_m);
 }
 
-// Radiance at a place in fog that the sky sends there and the fog scatters into the ray, over the scattering coefficient.
+// Radiance at a place in fog that the sky sends there and the fog scatters into the ray, over the scattering
+// coefficient.
 glm::dvec3 Integrator::fog_ambient(glm::dvec3 position, glm::dvec3 direction, SampleStream& stream) const {
   const double g = world_.medium()->anisotropy();
   const auto open = [&](glm::dvec3 l) {
@@ -161,7 +171,8 @@ glm::dvec3 Integrator::fog_ambient(glm::dvec3 position, glm::dvec3 direction, Sa
   return sum;
 }
 
-glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer, SampleStream& stream) const {
+glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer,
+                                 SampleStream& stream) const {
   const Medium& medium = *world_.medium();
   // Emission: a constant source over extinction, whatever the density does.
   glm::dvec3 sum = medium.glow() * medium.transmittance(origin, direction, span.begin_m) *
@@ -197,10 +208,12 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
         if (has_place) weighed.add(points.by_angle * angles.density(p.distance_m) / stretch.medium_a_metre(p), way < 0);
         const double chosen = weighed.density();
         if (!(chosen > 0)) continue;
-        const glm::dvec3 light_here = stretch.towards_camera(p) * a.illuminance * (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
+        const glm::dvec3 light_here = stretch.towards_camera(p) * a.illuminance *
+                                      (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
                                       medium.transmittance(p.position, a.l, a.distance_m);
         if (light_here == glm::dvec3(0)) continue;
-        sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m) : light_here;
+        sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m)
+                                    : light_here;
       }
     }
   }

@@ -1,8 +1,9 @@
-// Fog in full transport. A path flies freely for a length of medium that is drawn from the transmittance itself, in closed form; where
-// extinction differs between colours, one channel draws, each as likely as it has throughput, and the result is weighted by the mean
-// density of all (spectral multiple importance sampling). Absorption weakens the path and never ends it. Half of the places where it
-// scatters lie equi-angular about the point lights and spots that light the ray most; the rest follows transmittance. On the camera's
-// ray one path in four at least scatters where there is any fog.
+// Fog in full transport. A path flies freely for a length of medium that is drawn from the transmittance itself, in
+// closed form; where extinction differs between colours, one channel draws, each as likely as it has throughput, and
+// the result is weighted by the mean density of all (spectral multiple importance sampling). Absorption weakens the
+// path and never ends it. Half of the places where it scatters lie equi-angular about the point lights and spots that
+// light the ray most; the rest follows transmittance. On the camera's ray one path in four at least scatters where
+// there is any fog.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,7 +52,8 @@ class InViewOfLights {
   double density(double distance_m) const {
     double density = 0;
     for (size_t i = 0; i < count_; ++i)
-      if (const Seen& l = lights_[i]; distance_m >= l.span.begin_m && distance_m <= l.span.end_m) density += l.weight / sum_ * l.angles.density(distance_m);
+      if (const Seen& l = lights_[i]; distance_m >= l.span.begin_m && distance_m <= l.span.end_m)
+        density += l.weight / sum_ * l.angles.density(distance_m);
     return density;
   }
 
@@ -68,8 +70,8 @@ class InViewOfLights {
 
 }  // namespace
 
-Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce, bool split,
-                                         SampleStream& stream, PixelSample& out) const {
+Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through,
+                                         int bounce, bool split, SampleStream& stream, PixelSample& out) const {
   const Medium& medium = *world_.medium();
   const Span span = medium.inside(origin, direction, {0, end_m});
   const double length = medium.length(origin, direction, span);
@@ -123,8 +125,10 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
   const glm::dvec3 here = medium.through(travelled);
   double density = 0;  // per metre of medium
   for (int c = 0; c < 3; ++c)
-    if (scatters[c] > 0) density += (1 - by_angle) * likely[c] * scatters[c] * medium.extinction()[c] * here[c] / held[c];
-  if (by_angle > 0) density += by_angle * glm::dot(likely, scatters) * lights.density(distance_m) / medium.density(step.position);
+    if (scatters[c] > 0)
+      density += (1 - by_angle) * likely[c] * scatters[c] * medium.extinction()[c] * here[c] / held[c];
+  if (by_angle > 0)
+    density += by_angle * glm::dot(likely, scatters) * lights.density(distance_m) / medium.density(step.position);
   if (!(density > 0)) return step;
   step.through = through * medium.scattering() * here / density;
 
@@ -137,9 +141,10 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
   return step;
 }
 
-// Light that comes straight from its source to a place in fog and is scattered into the direction of travel towards it, turned
-// around: every directional light, one direction of the sky, and lights of the tree.
-glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool split, double which, SampleStream& stream) const {
+// Light that comes straight from its source to a place in fog and is scattered into the direction of travel towards it,
+// turned around: every directional light, one direction of the sky, and lights of the tree.
+glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool split, double which,
+                                 SampleStream& stream) const {
   const double g = world_.medium()->anisotropy();
   const SurfacePoint point{position, {}, 0};
   const auto phase = [&](glm::dvec3 l) { return henyey_greenstein(glm::dot(l, direction), g); };
@@ -157,7 +162,9 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
   if (world_.sky() && settings_.strategy != Strategy::brdf)
     if (const Sky::Choice choice = world_.sky().sample(for_sky); choice.pdf > 0) {
       const double p = phase(choice.direction);
-      sum += arrives(world_.sky().radiance(choice.direction) * (p * weight(choice.pdf, p, Strategy::light) / choice.pdf), choice.direction, endless);
+      sum +=
+          arrives(world_.sky().radiance(choice.direction) * (p * weight(choice.pdf, p, Strategy::light) / choice.pdf),
+                  choice.direction, endless);
     }
   static thread_local std::vector<LightTree::Choice> chosen;
   world_.light_tree().choose(position, glm::dvec3(0), which, split, chosen);
@@ -167,7 +174,8 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
     if (choice.light < points) {
       sum += punctual_event(world_.punctual_lights()[world_.tree_punctual()[choice.light]]) / choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
-      const auto p = emissive_point(uint32_t(choice.light - points), choice.probability, position, on_triangle(on_light, i));
+      const auto p =
+          emissive_point(uint32_t(choice.light - points), choice.probability, position, on_triangle(on_light, i));
       if (!p) continue;
       const double f = phase(p->l);
       const SurfacePoint end = surface_of(*p);

@@ -12,7 +12,9 @@ namespace {
 // e^600 times any extinction that a float holds is still a number; what is denser lets nothing through in any case.
 double held_exp(double x) { return std::exp(std::min(x, 600.0)); }
 
-double optical_depth(double extinction, double length) { return extinction > 0 ? extinction * length : 0; }  // 0 times infinity is 0
+double optical_depth(double extinction, double length) {
+  return extinction > 0 ? extinction * length : 0;
+}  // 0 times infinity is 0
 
 }  // namespace
 
@@ -74,7 +76,8 @@ double Medium::distance_at(glm::dvec3 origin, glm::dvec3 direction, double begin
   if (rate == 0) return begin_m + std::exp(as_level);
   const double ratio = std::log(std::abs(rate)) + as_level;
   if (ratio < -40) return begin_m + std::exp(as_level);  // the density does not change on the way
-  if (rate < 0) return begin_m + (ratio > 0 ? ratio + std::log1p(std::exp(-ratio)) : std::log1p(std::exp(ratio))) / -rate;
+  if (rate < 0)
+    return begin_m + (ratio > 0 ? ratio + std::log1p(std::exp(-ratio)) : std::log1p(std::exp(ratio))) / -rate;
   if (ratio >= 0) return endless;
   // ln(1 - e^ratio), from the side where no digits cancel.
   return begin_m - (ratio < -std::numbers::ln2 ? std::log1p(-std::exp(ratio)) : std::log(-std::expm1(ratio))) / rate;
@@ -97,7 +100,8 @@ glm::dvec3 Medium::transmittance(glm::dvec3 origin, glm::dvec3 direction, double
 }
 
 double henyey_greenstein(double cosine, double g) {
-  // (1 - g)^2 + 2 g (1 - cosine) is 1 + g^2 - 2 g cosine without its cancellation; from the side where the terms have one sign.
+  // (1 - g)^2 + 2 g (1 - cosine) is 1 + g^2 - 2 g cosine without its cancellation; from the side where the terms have
+  // one sign.
   const double base = g < 0 ? (1 + g) * (1 + g) - 2 * g * (1 + cosine) : (1 - g) * (1 - g) + 2 * g * (1 - cosine);
   return (1 - g * g) / (4 * std::numbers::pi * base * std::sqrt(base));
 }
@@ -105,7 +109,8 @@ double henyey_greenstein(double cosine, double g) {
 glm::dvec3 sample_henyey_greenstein(glm::dvec3 onward, double g, glm::dvec2 u) {
   // The usual inverse, (1 + g^2 - ((1 - g^2)/(1 + g s))^2) / 2g, with the quotient by g worked out.
   const double s = 2 * u.x - 1, d = 1 + g * s;
-  const double cosine = std::clamp((s + g * (s * s + 3) / 2 + g * g * s + g * g * g * (s * s - 1) / 2) / (d * d), -1.0, 1.0);
+  const double cosine =
+      std::clamp((s + g * (s * s + 3) / 2 + g * g * s + g * g * g * (s * s - 1) / 2) / (d * d), -1.0, 1.0);
   const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), longitude = 2 * std::numbers::pi * u.y;
   glm::dvec3 x, y;
   make_frame(onward, x, y);

@@ -17,18 +17,20 @@ struct Span {
   bool empty() const { return !(end_m > begin_m); }
 };
 
-// Fog in relative space (world axes, origin at the eye). Density falls exponentially with height, so its integral along a ray and the
-// inverse of that are closed forms; nothing here is stepped. Rays: any origin, directions of unit length, ends may be infinite.
+// Fog in relative space (world axes, origin at the eye). Density falls exponentially with height, so its integral along
+// a ray and the inverse of that are closed forms; nothing here is stepped. Rays: any origin, directions of unit length,
+// ends may be infinite.
 //
-// What lies between two points is measured by its length at density 1, D metres: the optical depth is extinction * D in every
-// channel, and the light that a constant source over extinction J adds is J (1 - e^(-extinction D)), whatever the density does between.
+// What lies between two points is measured by its length at density 1, D metres: the optical depth is extinction * D in
+// every channel, and the light that a constant source over extinction J adds is J (1 - e^(-extinction D)), whatever the
+// density does between.
 class Medium {
  public:
   Medium(const Fog& fog, glm::dvec3 eye_world);
 
-  const glm::dvec3& extinction() const { return extinction_; }    // per metre at density 1
+  const glm::dvec3& extinction() const { return extinction_; }  // per metre at density 1
   const glm::dvec3& scattering() const { return scattering_; }
-  const glm::dvec3& glow() const { return glow_; }                // emission over extinction: what endless fog shows
+  const glm::dvec3& glow() const { return glow_; }  // emission over extinction: what endless fog shows
   double anisotropy() const { return anisotropy_; }
   bool scatters() const { return scattering_ != glm::dvec3(0); }
 
@@ -52,8 +54,8 @@ class Medium {
   glm::dvec3 lowest_, highest_;
 };
 
-// The phase function of Henyey and Greenstein ("Diffuse Radiation in the Galaxy", 1941), per steradian: of the cosine between the
-// directions in which light travels before and after. Integrates to 1.
+// The phase function of Henyey and Greenstein ("Diffuse Radiation in the Galaxy", 1941), per steradian: of the cosine
+// between the directions in which light travels before and after. Integrates to 1.
 double henyey_greenstein(double cosine, double g);
 // A direction about unit `onward` with that density; no special case at g = 0.
 glm::dvec3 sample_henyey_greenstein(glm::dvec3 onward, double g, glm::dvec2 u);

@@ -55,7 +55,8 @@ Expected<glm::dvec3> colour(const Json& j, const std::string& place) {
     const auto value = from_zero(j, place);
     return value ? Expected<glm::dvec3>(glm::dvec3(*value)) : std::unexpected(value.error());
   }
-  if (j.size() != 3) return wrong(place, fmt::format("the list holds {} values; write one number or three: red, green, blue", j.size()));
+  if (j.size() != 3)
+    return wrong(place, fmt::format("the list holds {} values; write one number or three: red, green, blue", j.size()));
   glm::dvec3 out;
   for (int c = 0; c < 3; ++c) {
     const auto value = from_zero(j[size_t(c)], fmt::format("{}/{}", place, c));
@@ -90,15 +91,18 @@ Expected<double> anisotropy(const Json& j, const std::string& place) {
 
 Expected<glm::dvec3> albedo(const Json& j, const std::string& place) {
   const auto value = colour(j, place);
-  if (value && glm::any(glm::greaterThan(*value, glm::dvec3(1)))) return wrong(place, "an albedo is at most 1: air scatters no more than it meets");
+  if (value && glm::any(glm::greaterThan(*value, glm::dvec3(1))))
+    return wrong(place, "an albedo is at most 1: air scatters no more than it meets");
   return value;
 }
 
 Expected<void> bounds(const Json& j, const std::string& place, FogKeys& keys) {
   Readers<FogKeys> axes;
   for (int axis = 0; axis < 3; ++axis)
-    axes[std::string(1, char('x' + axis))] = [axis](const Json& v, const std::string& at, FogKeys& into) -> Expected<void> {
-      if (!v.is_array() || v.size() != 2) return wrong(at, "the value is not a list of two numbers, lowest and highest");
+    axes[std::string(1, char('x' + axis))] = [axis](const Json& v, const std::string& at,
+                                                    FogKeys& into) -> Expected<void> {
+      if (!v.is_array() || v.size() != 2)
+        return wrong(at, "the value is not a list of two numbers, lowest and highest");
       const auto low = number(v[0], at + "/0"), high = number(v[1], at + "/1");
       if (!low) return std::unexpected(low.error());
       if (!high) return std::unexpected(high.error());
@@ -140,7 +144,8 @@ Expected<void> read_fog(const Json& j, const std::string& place, Look& look) {
     fog.scattering_per_m = *keys.extinction * keys.albedo.value_or(glm::dvec3(1));
   }
   for (int c = 0; c < 3; ++c) {
-    if (!std::isfinite(float(fog.extinction_per_m[c]))) return wrong(place, "scattering and absorption together are beyond what a 32-bit number holds");
+    if (!std::isfinite(float(fog.extinction_per_m[c])))
+      return wrong(place, "scattering and absorption together are beyond what a 32-bit number holds");
     // What glows without end and is not weakened would be infinitely bright towards every horizon.
     if (fog.emission_per_m[c] > 0 && !std::isfinite(float(fog.emission_per_m[c] / fog.extinction_per_m[c])))
       return wrong(place + "/emission", "needs extinction above 0 in the same channel");

@@ -24,9 +24,12 @@ GltfBuilder with_light(Json light, Json node, GltfBuilder b = nothing()) {
   use_all(b);
   return b;
 }
-GltfBuilder with_sun(double lux) { return with_light({{"type", "directional"}, {"intensity", lux}}, {{"translation", {0, 0, 0}}}); }  // along -Z
+GltfBuilder with_sun(double lux) {
+  return with_light({{"type", "directional"}, {"intensity", lux}}, {{"translation", {0, 0, 0}}});
+}  // along -Z
 
-std::unique_ptr<TestWorld> world_in(const Fog& fog, const GltfBuilder& b, glm::dvec4 background = glm::dvec4(0), const TestCamera& c = camera) {
+std::unique_ptr<TestWorld> world_in(const Fog& fog, const GltfBuilder& b, glm::dvec4 background = glm::dvec4(0),
+                                    const TestCamera& c = camera) {
   return make_world(b, c, {}, false, background, fog);
 }
 TraceSettings marched(int steps) {
@@ -44,16 +47,18 @@ glm::dvec3 exp_of(glm::dvec3 v) { return {std::exp(v.x), std::exp(v.y), std::exp
 glm::dvec3 slab_lit_along_the_axis(const Fog& fog, glm::dvec3 d) {
   const double mu = -d.z;
   const glm::dvec3 albedo = fog.scattering_per_m / fog.extinction_per_m;
-  return albedo * henyey_greenstein(d.z, fog.anisotropy) * (1.0 - exp_of(-2.0 * fog.extinction_per_m * (1 + 1 / mu))) / (1 + mu);
+  return albedo * henyey_greenstein(d.z, fog.anisotropy) * (1.0 - exp_of(-2.0 * fog.extinction_per_m * (1 + 1 / mu))) /
+         (1 + mu);
 }
 
 // All pixels' means of path against an expected value for each, as one number each: within noise.
-void expect_mean(const TestWorld& t, const TraceSettings& settings, int spp, double relative_noise, const std::function<glm::dvec3(glm::dvec3)>& expected,
-                 const TestCamera& c = camera) {
+void expect_mean(const TestWorld& t, const TraceSettings& settings, int spp, double relative_noise,
+                 const std::function<glm::dvec3(glm::dvec3)>& expected, const TestCamera& c = camera) {
   const Film film = traced(t, settings, c, spp);
   for (int channel = 0; channel < 3; ++channel) {
     double want = 0;
-    // The pixel's mean is its centre's value but for curvature, which few and small pixels do not show: see the callers' fields of view.
+    // The pixel's mean is its centre's value but for curvature, which few and small pixels do not show: see the
+    // callers' fields of view.
     for (size_t i = 0; i < film.pixels(); ++i) want += expected(direction_of(t, i, c))[channel] / double(film.pixels());
     const MeanError m = mean_of(film, channel);
     EXPECT_NEAR(m.mean, want, 4.5 * m.error + 2e-3 * want) << channel;
@@ -93,14 +98,16 @@ TEST(Fog, EmissionAndBlendedSurfacesShareTheRay) {
   const Film film = traced(*t, marched(4), camera, 1);
   for (size_t i = 0; i < film.pixels(); ++i) {
     const double half = std::exp(-0.7 / -direction_of(*t, i).z);
-    const glm::dvec3 glow = glm::dvec3(1, 2, 0) * (1 - half), behind = glow + half * glm::dvec3(3), surface(0.25, 1, 0.5);
+    const glm::dvec3 glow = glm::dvec3(1, 2, 0) * (1 - half), behind = glow + half * glm::dvec3(3),
+                     surface(0.25, 1, 0.5);
     const glm::dvec3 light = glow + half * 0.6 * glow, expected = glow + half * (0.4 * surface + 0.6 * behind);
     for (int c = 0; c < 3; ++c) {
       EXPECT_NEAR(film.mean(i)[c], expected[c], 1e-6);
       EXPECT_NEAR(film.fog_light(i)[c], light[c], 1e-6);
       EXPECT_NEAR(film.fog_through(i)[c], 0.4 * half + 0.6 * half * half, 1e-6);
     }
-    EXPECT_NEAR(film.mean(i).w, 0.4 + 0.6 * (1 - half * half * 0.5), 1e-6) << "the background shows through by what fog and veil leave of its alpha";
+    EXPECT_NEAR(film.mean(i).w, 0.4 + 0.6 * (1 - half * half * 0.5), 1e-6)
+        << "the background shows through by what fog and veil leave of its alpha";
   }
   const Film path = traced(*t, path_settings(), camera, 2048);
   double expected = 0;
@@ -124,8 +131,9 @@ TEST(Fog, ASlabUnderASunHasItsClosedForm) {
     }
     TestCamera narrow = camera;
     narrow.yfov_deg = 0.2;
-    expect_mean(*world_in(fog, with_sun(2), glm::dvec4(0), narrow), path_settings(1), 256, 0.02,
-                [&](glm::dvec3 d) { return 2.0 * slab_lit_along_the_axis(fog, d); }, narrow);
+    expect_mean(
+        *world_in(fog, with_sun(2), glm::dvec4(0), narrow), path_settings(1), 256, 0.02,
+        [&](glm::dvec3 d) { return 2.0 * slab_lit_along_the_axis(fog, d); }, narrow);
   }
 }
 
@@ -137,7 +145,8 @@ TEST(Fog, ExtinctionMayBeAnything) {
     const Film film = traced(*t, marched(256), camera, 1);
     for (size_t i = 0; i < film.pixels(); ++i) {
       const double mu = -direction_of(*t, i).z;
-      const double expected = 2 * 0.8 * henyey_greenstein(-mu, 0.5) * -std::expm1(-2 * extinction * (1 + 1 / mu)) / (1 + mu);
+      const double expected =
+          2 * 0.8 * henyey_greenstein(-mu, 0.5) * -std::expm1(-2 * extinction * (1 + 1 / mu)) / (1 + mu);
       EXPECT_NEAR(film.mean(i).x, expected, 1e-4 * expected) << extinction;
     }
     const Film path = traced(*t, path_settings(1), camera, 64);
@@ -147,7 +156,8 @@ TEST(Fog, ExtinctionMayBeAnything) {
     EXPECT_LT(mean_of(path).error, 0.05 * expected);
   }
   const auto clear = world_in(slab(glm::dvec3(0), glm::dvec3(1)), with_sun(2), {1, 1, 1, 1});
-  for (const Mode mode : {Mode::direct, Mode::path}) EXPECT_EQ(traced(*clear, centred(mode), camera, 1).mean(5), glm::dvec4(1)) << int(mode);
+  for (const Mode mode : {Mode::direct, Mode::path})
+    EXPECT_EQ(traced(*clear, centred(mode), camera, 1).mean(5), glm::dvec4(1)) << int(mode);
 }
 
 // Emission in fog as dense as a wall, the eye inside: what is emitted over the extinction.
@@ -157,29 +167,37 @@ TEST(Fog, TendsToTheSourceOverTheExtinction) {
   fog.emission_per_m = {1e6, 5e5, 2e6};
   const auto t = world_in(fog, nothing(), {9, 9, 9, 1});
   for (const Mode mode : {Mode::direct, Mode::path})
-    for (const int spp : {1, 16}) EXPECT_EQ(traced(*t, mode == Mode::direct ? TraceSettings{} : path_settings(), camera, spp).mean(7), glm::dvec4(1, 0.5, 2, 1));
+    for (const int spp : {1, 16})
+      EXPECT_EQ(traced(*t, mode == Mode::direct ? TraceSettings{} : path_settings(), camera, spp).mean(7),
+                glm::dvec4(1, 0.5, 2, 1));
 }
 
 // The inverse square along a ray is a difference of arc tangents where the fog is too thin to weaken light.
 TEST(Fog, ALampInThinAir) {
   const Fog fog = slab(glm::dvec3(1e-9), glm::dvec3(1));
   for (const glm::dvec3 at : {glm::dvec3(0.3, -0.2, 0.1), glm::dvec3(0.02, 0.01, 0), glm::dvec3(2, 1, 3)}) {
-    const auto t = world_in(fog, with_light({{"type", "point"}, {"intensity", 1e9}}, {{"translation", {at.x, at.y, at.z}}}));
+    const auto t =
+        world_in(fog, with_light({{"type", "point"}, {"intensity", 1e9}}, {{"translation", {at.x, at.y, at.z}}}));
     const auto expected = [&](glm::dvec3 d) {
       const double nearest = glm::dot(at - camera.eye, d), aside = glm::length(at - camera.eye - nearest * d);
-      return glm::dvec3((std::atan((5 / -d.z - nearest) / aside) - std::atan((3 / -d.z - nearest) / aside)) / aside / (4 * pi));
+      return glm::dvec3((std::atan((5 / -d.z - nearest) / aside) - std::atan((3 / -d.z - nearest) / aside)) / aside /
+                        (4 * pi));
     };
     const Film film = traced(*t, marched(256), camera, 1);
     for (size_t i = 0; i < film.pixels(); ++i)
-      EXPECT_NEAR(film.mean(i).x, expected(direction_of(*t, i)).x, 1e-3 * expected(direction_of(*t, i)).x) << at.x << " " << i;
+      EXPECT_NEAR(film.mean(i).x, expected(direction_of(*t, i)).x, 1e-3 * expected(direction_of(*t, i)).x)
+          << at.x << " " << i;
     TestCamera off = camera;
     off.yfov_deg = 4, off.target = {1, 0.8, 0};
-    const auto aside = world_in(fog, with_light({{"type", "point"}, {"intensity", 1e9}}, {{"translation", {at.x, at.y, at.z}}}), glm::dvec4(0), off);
+    const auto aside =
+        world_in(fog, with_light({{"type", "point"}, {"intensity", 1e9}}, {{"translation", {at.x, at.y, at.z}}}),
+                 glm::dvec4(0), off);
     expect_mean(*aside, path_settings(1), 512, 0.01, expected, off);
   }
 }
 
-// The error of a smooth stretch falls with the square of the steps, whatever the offset; the mean of offsets is right for one step.
+// The error of a smooth stretch falls with the square of the steps, whatever the offset; the mean of offsets is right
+// for one step.
 TEST(Fog, TheMarchConvergesWithTheSquareOfItsSteps) {
   const Fog fog = slab(glm::dvec3(1.5), glm::dvec3(1));
   const auto t = world_in(fog, with_sun(1));
@@ -190,7 +208,8 @@ TEST(Fog, TheMarchConvergesWithTheSquareOfItsSteps) {
     for (int seed = 0; seed < seeds; ++seed) {
       settings.sampler.seed = uint64_t(seed);
       const Film film = traced(*t, settings, camera, 1);
-      for (size_t i = 0; i < film.pixels(); ++i) sum += std::pow(film.mean(i).x / slab_lit_along_the_axis(fog, direction_of(*t, i)).x - 1, 2);
+      for (size_t i = 0; i < film.pixels(); ++i)
+        sum += std::pow(film.mean(i).x / slab_lit_along_the_axis(fog, direction_of(*t, i)).x - 1, 2);
     }
     return std::sqrt(sum / seeds);
   };
@@ -205,8 +224,8 @@ TEST(Fog, TheMarchConvergesWithTheSquareOfItsSteps) {
   EXPECT_NEAR(m.mean, slab_lit_along_the_axis(fog, {0, 0, -1}).x, 5e-4 * m.mean);
 }
 
-// A wall's shadow reaches into the fog: the sun comes from the side, and of a ray's way through the slab only the part above the wall's
-// edge is lit.
+// A wall's shadow reaches into the fog: the sun comes from the side, and of a ray's way through the slab only the part
+// above the wall's edge is lit.
 TEST(Fog, ShadowsReachIntoIt) {
   Fog fog = slab(glm::dvec3(1e-6), glm::dvec3(1));
   fog.lowest.x = -5, fog.highest.x = 5;  // without an end the sun would lie behind all of it
@@ -214,7 +233,9 @@ TEST(Fog, ShadowsReachIntoIt) {
   // A roof at x = 1 over the half z < 0 of the slab; the sun shines along -X.
   Json roof = diffuse_material(1, 1, 1);
   roof["doubleSided"] = true;
-  add_node(b, {{"mesh", add_square_mesh(b, 50, add_material(b, roof))}, {"translation", {60, 0, -50}}, {"rotation", {0, 0.70710678, 0, 0.70710678}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 50, add_material(b, roof))},
+               {"translation", {60, 0, -50}},
+               {"rotation", {0, 0.70710678, 0, 0.70710678}}});
   b = with_light({{"type", "directional"}, {"intensity", 1e6}}, {{"rotation", {0, 0.70710678, 0, 0.70710678}}}, b);
   TestCamera narrow = camera;
   narrow.yfov_deg = 1;
@@ -242,7 +263,9 @@ TEST(Fog, LightOnSurfacesComesThroughIt) {
     const Film film = traced(*t, settings, camera, 1);
     for (size_t i = 0; i < film.pixels(); ++i)
       for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(film.mean(i)[c], 3 * 0.8 / pi * std::exp(-fog.extinction_per_m[c] * (1 + 1 / -direction_of(*t, i).z)), 1e-6) << int(mode);
+        EXPECT_NEAR(film.mean(i)[c],
+                    3 * 0.8 / pi * std::exp(-fog.extinction_per_m[c] * (1 + 1 / -direction_of(*t, i).z)), 1e-6)
+            << int(mode);
   }
 }
 
@@ -261,10 +284,12 @@ TEST(Fog, TheWhiteFurnaceHidesIt) {
   }
 }
 
-// Direct is what path is with one bounce: lamps, a spot, a sun and the sky on a floor with a wall in falling, coloured fog.
+// Direct is what path is with one bounce: lamps, a spot, a sun and the sky on a floor with a wall in falling, coloured
+// fog.
 TEST(Fog, DirectAgreesWithPathsOfOneBounce) {
   GltfBuilder b = nothing();
-  add_node(b, {{"mesh", add_square_mesh(b, 6, add_material(b, diffuse_material(0.6, 0.5, 0.4)))}, {"rotation", {-0.70710678, 0, 0, 0.70710678}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 6, add_material(b, diffuse_material(0.6, 0.5, 0.4)))},
+               {"rotation", {-0.70710678, 0, 0, 0.70710678}}});
   Json wall = diffuse_material(0.3, 0.3, 0.6);
   wall["doubleSided"] = true;
   add_node(b, {{"mesh", add_square_mesh(b, 0.7, add_material(b, wall))}, {"translation", {-0.4, 0.8, 0.3}}});
@@ -301,7 +326,9 @@ TEST(Fog, StrategiesAgree) {
   GltfBuilder b = nothing();
   Json lamp = emitting(diffuse_material(0.2, 0.2, 0.2), 6);
   lamp["doubleSided"] = true;
-  add_node(b, {{"mesh", add_square_mesh(b, 0.5, add_material(b, lamp))}, {"translation", {0.6, 0.5, 0}}, {"rotation", {0.5, 0, 0, 0.8660254}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 0.5, add_material(b, lamp))},
+               {"translation", {0.6, 0.5, 0}},
+               {"rotation", {0.5, 0, 0, 0.8660254}}});
   const Fog fog = slab({0.4, 0.6, 0.8}, glm::dvec3(0.9), 0.4);
   const TestCamera c{.width = 8, .height = 8};
   const auto t = make_world(b, c, Sky::neutral(), true, glm::dvec4(0), fog);
@@ -312,7 +339,9 @@ TEST(Fog, StrategiesAgree) {
     means[strategy] = mean_of(traced(*t, settings, c, 2048), 1);
   }
   for (const Strategy strategy : {Strategy::light, Strategy::brdf})
-    EXPECT_NEAR(means[strategy].mean, means[Strategy::both].mean, 4.5 * (means[strategy].error + means[Strategy::both].error)) << int(strategy);
+    EXPECT_NEAR(means[strategy].mean, means[Strategy::both].mean,
+                4.5 * (means[strategy].error + means[Strategy::both].error))
+        << int(strategy);
   EXPECT_LT(means[Strategy::both].error, 0.01 * means[Strategy::both].mean);
 }
 

@@ -46,13 +46,15 @@ TEST(Medium, LengthIsTheIntegralOfTheDensity) {
       const glm::dvec3 origin(rng.uniform(-3, 3), rng.uniform(-1, 1) * level, rng.uniform(-3, 3));
       const double rate = falloff * std::abs(d.y), reach = rate > 0 ? std::min(20 / rate, 50.0) : 50;
       const Span span{rng.uniform(0, reach / 2), reach};
-      const double expected = simpson(span.begin_m, span.end_m, 4000, [&](double t) { return medium.density(origin + d * t); });
+      const double expected =
+          simpson(span.begin_m, span.end_m, 4000, [&](double t) { return medium.density(origin + d * t); });
       const double length = medium.length(origin, d, span);
       EXPECT_NEAR(length, expected, 1e-8 * expected) << falloff << " " << d.y;
       // And back: where a part of the length is reached.
       for (const double part : {1e-9, 0.3, 0.999}) {
         const double at = medium.distance_at(origin, d, span.begin_m, part * length);
-        EXPECT_NEAR(medium.length(origin, d, {span.begin_m, at}), part * length, 1e-7 * part * length + 1e-13 * medium.density(origin + d * at));
+        EXPECT_NEAR(medium.length(origin, d, {span.begin_m, at}), part * length,
+                    1e-7 * part * length + 1e-13 * medium.density(origin + d * at));
       }
     }
 }
@@ -78,11 +80,13 @@ TEST(Medium, IsFiniteWhereNaiveFormsAreNot) {
             EXPECT_GE(length, 0) << falloff << " " << y << " " << slope << " " << end;
             const glm::dvec3 through = medium.through(length), held = medium.held(length);
             for (int c = 0; c < 3; ++c) {
-              EXPECT_TRUE(through[c] >= 0 && through[c] <= 1) << falloff << " " << y << " " << slope << " " << end << " " << extinction;
+              EXPECT_TRUE(through[c] >= 0 && through[c] <= 1)
+                  << falloff << " " << y << " " << slope << " " << end << " " << extinction;
               EXPECT_NEAR(through[c] + held[c], 1, 1e-15);
             }
             EXPECT_EQ(through.z, 1) << "nothing is lost where there is no extinction";
-            for (const double part : {1e-12, 1.0, 40.0}) EXPECT_GE(medium.distance_at(none, d, 0, part), 0) << falloff << " " << y << " " << slope;
+            for (const double part : {1e-12, 1.0, 40.0})
+              EXPECT_GE(medium.distance_at(none, d, 0, part), 0) << falloff << " " << y << " " << slope;
           }
   // Level rays in density 1, endless up, and the density of the deep.
   EXPECT_EQ(Medium(falling(20.7), glm::dvec3(0)).length(glm::dvec3(0), {1, 0, 0}, {0, 7}), 7);
@@ -98,7 +102,9 @@ TEST(Medium, BoundsCutRays) {
   Fog fog = falling(0);
   fog.lowest = {-1, -2, -3}, fog.highest = {1, 2, 3};
   const Medium medium(fog, {0, 0, 10});
-  const auto inside = [&](glm::dvec3 o, glm::dvec3 d) { return medium.inside(o, d, {0, std::numeric_limits<double>::infinity()}); };
+  const auto inside = [&](glm::dvec3 o, glm::dvec3 d) {
+    return medium.inside(o, d, {0, std::numeric_limits<double>::infinity()});
+  };
   EXPECT_EQ(inside({0, 0, 0}, {0, 0, -1}).begin_m, 7);
   EXPECT_EQ(inside({0, 0, 0}, {0, 0, -1}).end_m, 13);
   EXPECT_EQ(inside({0, 0, -10}, {0, 0, -1}).begin_m, 0);
@@ -148,8 +154,11 @@ TEST(Medium, ThePhaseFunctionIntegratesToOneWithMeanCosineG) {
 }
 
 TEST(Medium, EquiAngularPlacesHaveTheirDensity) {
-  for (const auto& [light, span] : {std::pair(glm::dvec3(0.5, 0, -3), Span{1, 6}), {glm::dvec3(0.5, 0, 3), Span{1, 6}}, {glm::dvec3(0, 0, -3), Span{0, 1e9}},
-                                    {glm::dvec3(2, 0, -3), Span{0, std::numeric_limits<double>::infinity()}}, {glm::dvec3(1e-3, 0, -1e6), Span{1e6 + 1, 1e6 + 2}}}) {
+  for (const auto& [light, span] : {std::pair(glm::dvec3(0.5, 0, -3), Span{1, 6}),
+                                    {glm::dvec3(0.5, 0, 3), Span{1, 6}},
+                                    {glm::dvec3(0, 0, -3), Span{0, 1e9}},
+                                    {glm::dvec3(2, 0, -3), Span{0, std::numeric_limits<double>::infinity()}},
+                                    {glm::dvec3(1e-3, 0, -1e6), Span{1e6 + 1, 1e6 + 2}}}) {
     EquiAngular angles(glm::dvec3(0), {0, 0, -1}, light);
     angles.limit(span);
     double last = span.begin_m;
@@ -159,7 +168,8 @@ TEST(Medium, EquiAngularPlacesHaveTheirDensity) {
       ASSERT_GE(at, last);
       ASSERT_LE(at, span.end_m);
       // Each of the steps holds the same share of the density.
-      EXPECT_NEAR(simpson(last, at, 40, [&](double t) { return angles.density(t); }) * steps, 1, 1e-3) << light.z << " " << i;
+      EXPECT_NEAR(simpson(last, at, 40, [&](double t) { return angles.density(t); }) * steps, 1, 1e-3)
+          << light.z << " " << i;
       last = at;
     }
   }

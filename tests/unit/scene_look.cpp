@@ -16,7 +16,8 @@ Fog fog_of(const std::string& text) {
 }  // namespace
 
 TEST(Look, SaysWhatFogIs) {
-  const Fog fog = fog_of(R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": [1, 0.5, 0], "anisotropy": -0.98, "emission": 2,
+  const Fog fog =
+      fog_of(R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": [1, 0.5, 0], "anisotropy": -0.98, "emission": 2,
                              "falloff": 20.7, "height": -3, "bounds": {"y": [-1, 2.5], "x": [0, 1]}}})");
   EXPECT_EQ(fog.extinction_per_m, glm::dvec3(0.1, 0.2, 0.3));
   EXPECT_EQ(fog.scattering_per_m, glm::dvec3(0.1, 0.1, 0));
@@ -31,7 +32,8 @@ TEST(Look, SaysWhatFogIs) {
   const Fog parts = fog_of(R"({"fog": {"scattering": 0.25, "absorption": [0.5, 0, 1]}})");
   EXPECT_EQ(parts.extinction_per_m, glm::dvec3(0.75, 0.25, 1.25));
   EXPECT_EQ(parts.scattering_per_m, glm::dvec3(0.25));
-  EXPECT_EQ(fog_of(R"({"fog": {"extinction": 1e6}})").scattering_per_m, glm::dvec3(1e6)) << "albedo is 1 where nothing is said";
+  EXPECT_EQ(fog_of(R"({"fog": {"extinction": 1e6}})").scattering_per_m, glm::dvec3(1e6))
+      << "albedo is 1 where nothing is said";
   EXPECT_FALSE(look_from_json("{}", "l.json")->fog);
 }
 

@@ -8,9 +8,11 @@
 #include "base/log.h"
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
+#include "bench/stability_fog_picture.h"
 #include "bench/stability_measure.h"
 #include "image/io.h"
 #include "render/outputs.h"
+#include "render/reference_frame.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -37,6 +39,7 @@ class StabilityRun {
  private:
   bool wanted(const StabilityRecipe& recipe) const;
   Expected<void> check_scene(const StabilityRecipe& recipe);
+  Expected<void> check_fog(const StabilityRecipe& recipe, const StabilityScene& scene, Job job);
   Expected<void> write_files(const StabilityScene& scene);
   Expected<Shot> shot(Job job, double time_s, bool display);
   Expected<std::optional<TruePicture>> plain_truth(const StabilityScene& scene);
@@ -129,7 +132,7 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
     if (!(std::abs(e.energy_beyond) <= scene.energy_bound))
       row.faults.push_back(fmt::format("{:+.3g} of the {}'s energy", e.energy_beyond, name));
   };
-  if (traced) against(*traced, "reference", scene.bound, row.max_relative);
+  if (traced) against(*traced, scene.known ? "closed form" : "reference", scene.bound, row.max_relative);
   if (plain) against(*plain, "plain scene", scene.plain_bound, row.plain_relative);
   if (scene.black) {
     row.truth += (row.truth.empty() ? "" : " and ") + std::string("black");
@@ -195,6 +198,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
   job.scene = path("scene.glb");
   job.sky = scene.sky ? path("sky.exr") : "";
   job.settings.insert(job.settings.end(), options_.settings.begin(), options_.settings.end());
+  if (!scene.look.empty()) return check_fog(recipe, scene, job);
   const auto plain = plain_truth(scene);
   if (!plain) return std::unexpected(Error{plain.error().kind, "the plain scene: " + plain.error().text(), recipe.name});
   std::optional<TruePicture> traced;
@@ -235,6 +239,37 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     if (!first && keep)
       if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
     if (!first) first = std::move(*made);
+    add(std::move(row));
+  }
+  ++report_.scenes;
+  return {};
+}
+
+Expected<void> StabilityRun::check_fog(const StabilityRecipe& recipe, const StabilityScene& scene, Job job) {
+  job.look = path("look.json");
+  const auto text = std::as_bytes(std::span(scene.look));
+  if (auto written = write_file_atomically(job.look, text); !written) return written;
+  for (const reference::Mode mode : {reference::Mode::direct, reference::Mode::path}) {
+    StabilityRow row;
+    row.family = recipe.family, row.scene = recipe.name, row.what = recipe.what;
+    row.technique = "reference " + std::string(name_of(mode));
+    const auto start = Clock::now();
+    const auto picture = fog_picture(job, mode, scene.known);
+    row.wall_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (!picture) {
+      refuse(scene, picture.error(), row);
+      add(std::move(row));
+      break;
+    }
+    StabilityScene judged = scene;
+    // Single pixels are noise: their sum is judged.
+    if (mode == reference::Mode::path) judged.bound = 1e9, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
+    Shot made{picture->beauty, 1, {}, {}};
+    if (!options_.pictures.empty()) made.display = picture->display;
+    measure(judged, made, picture->known ? &*picture->known : nullptr, nullptr, row);
+    judge(judged, made, row);
+    if (mode == reference::Mode::direct && made.display)
+      if (auto kept = keep_picture(recipe, scene, made); !kept) return kept;
     add(std::move(row));
   }
   ++report_.scenes;

@@ -123,6 +123,7 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_animation(all);
   stability::add_display(all);
   stability::add_images(all, sizes);
+  stability::add_fog(all);
   return all;
 }
 

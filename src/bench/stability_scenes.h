@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,11 @@ struct StabilityScene {
   bool clamps = false;                // values beyond half: the count must not be 0
   bool black = false;                 // every pixel is exactly 0
   bool display = false;               // the 16-bit picture is compared with the curve in double
+  // Fog, as a look file has it. No pass draws it yet: the reference does, in both modes, and is measured against the radiance that
+  // is known in closed form for a direction (unit, world axes) from the eye. path is held to one bounce, which is what direct solves,
+  // and judged by its energy: it has noise.
+  std::string look;
+  std::function<glm::dvec3(glm::dvec3 direction)> known;
 };
 
 struct StabilityRecipe {

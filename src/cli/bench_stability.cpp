@@ -75,7 +75,7 @@ std::string rows_text(const StabilityReport& report) {
     const StabilityRow& row = report.rows[i];
     size_t end = i + 1;  // techniques of the same bits are one line
     while (end < report.rows.size() && same_picture(row, report.rows[end])) ++end;
-    const bool has_plain = row.truth.find("plain") != std::string::npos, traced = row.truth.find("reference") != std::string::npos;
+    const bool has_plain = row.truth.find("plain") != std::string::npos, traced = row.truth.find("reference") != std::string::npos || row.truth.find("closed form") != std::string::npos;
     const bool drawn = row.error.empty();
     table.push_back({row.family + ": " + row.scene, end - i > 1 ? fmt::format("{} alike", end - i) : row.technique,
                      drawn ? fmt::format("{}", row.nonfinite) : "", traced ? fmt::format("{:.2g}", row.max_relative) : "",

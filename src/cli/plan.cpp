@@ -6,6 +6,7 @@
 #include "cli/job_options.h"
 #include "cli/scene_notes.h"
 #include "render/frame_names.h"
+#include "render/job_look.h"
 #include "render/plan_frame.h"
 #include "scene/gltf.h"
 
@@ -37,6 +38,12 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
   const auto scene = load_gltf(job.scene);
   if (!scene) return std::unexpected(scene.error());
   if (auto noted = note_scene(*scene, o.job.strict); !noted) return std::unexpected(noted.error());
+  const auto look = look_of(job);
+  if (!look) return std::unexpected(look.error());
+  if (const std::string left_out = left_out_of(job, *look); !left_out.empty()) {
+    if (o.job.strict) return fail(ErrorKind::input, job.scene, "--strict refuses the scene: {}", left_out);
+    log::warning("{}", left_out);
+  }
   return plan_frame(job, *scene, wanted, moment->time_s);
 }
 

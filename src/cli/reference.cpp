@@ -32,6 +32,7 @@ struct ReferenceOptions {
   uint64_t spp = 0;
   double seconds = 0, noise = 0, ambient_distance_m = 0;
   int bounces = 0, threads = 0;
+  std::optional<int> fog_steps;
   bool resume = false;
 };
 
@@ -85,6 +86,12 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
     for (const auto& [option, given] : {std::pair("--visibility", !*visibility), {"--ambient", *ambient != Ambient::traced}, {"--ambient-distance", o.ambient_distance_m > 0}})
       if (given) return fail(ErrorKind::usage, option, "belongs to --mode direct; path follows all light as it goes");
   if (*mode == Mode::direct && o.bounces > 0) return fail(ErrorKind::usage, "--bounces", "belongs to --mode path");
+  if (o.fog_steps) {
+    if (*mode == Mode::path) return fail(ErrorKind::usage, "--fog-steps", "belongs to --mode direct; path follows light through fog as it goes");
+    if (o.job.look.empty()) return fail(ErrorKind::usage, "--fog-steps", "needs --look FILE, which says what the fog is");
+    if (*o.fog_steps < 1 || *o.fog_steps > most_fog_steps)
+      return fail(ErrorKind::usage, "--fog-steps", "{} is outside 1 to {}", *o.fog_steps, most_fog_steps);
+  }
   constexpr uint64_t default_spp = 64;
   plan.stop = {o.spp, o.seconds, o.noise};
   if (o.spp == 0 && o.seconds == 0 && o.noise == 0) plan.stop.spp = default_spp;
@@ -97,18 +104,24 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
   plan.settings.ambient = *ambient;
   if (o.ambient_distance_m > 0) plan.settings.ambient_distance_m = o.ambient_distance_m;
   plan.settings.most_bounces = o.bounces;
+  if (o.job.look.empty())
+    plan.settings.fog_steps = 0;
+  else if (o.fog_steps)
+    plan.settings.fog_steps = *o.fog_steps;
   plan.accel.builder = *bvh;
   return {};
 }
 
 Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
   if (o.outputs.empty()) return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
-  std::vector<std::string> views = reference_layer_names();
+  const std::vector<std::string> layers = reference_layer_names();
   if (!o.layers.empty() && o.layers != "none") plan.layers = split(o.layers, ',');
   for (const std::string& layer : plan.layers)
-    if (std::find(views.begin(), views.end(), layer) == views.end())
-      return fail(ErrorKind::usage, "--layers", "{}", unknown_name("layer", layer, views));
-  views.front() = "beauty";  // a variance has no colours of its own
+    if (std::find(layers.begin(), layers.end(), layer) == layers.end())
+      return fail(ErrorKind::usage, "--layers", "{}", unknown_name("layer", layer, layers));
+  std::vector<std::string> views = {"beauty"};
+  for (const std::string& layer : layers)
+    if (layer.starts_with("heatmap.")) views.push_back(layer);
   if (std::find(views.begin(), views.end(), o.view) == views.end())
     return fail(ErrorKind::usage, "--view", "{}", unknown_name("view", o.view, views));
   auto paths = output_paths(o.outputs, plan.moment.frame.value_or(0));
@@ -226,10 +239,11 @@ struct Traced {
 Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
                                 const std::atomic<int>& interrupted) {
   const Hash128 identity = film_identity(plan.job, frame, plan.settings, plan.accel);
-  reference::Film film(plan.job.width_px, plan.job.height_px);
+  const bool with_fog = frame.world->medium() != nullptr;
+  reference::Film film(plan.job.width_px, plan.job.height_px, with_fog);
   std::error_code failed;
   if (o.resume && fs::exists(o.state, failed)) {
-    auto loaded = reference::Film::load(o.state, identity, film.width(), film.height());
+    auto loaded = reference::Film::load(o.state, identity, film.width(), film.height(), with_fog);
     if (!loaded) return std::unexpected(loaded.error());
     film = std::move(*loaded);
     log::info("goes on after {} samples a pixel", film.samples());
@@ -321,10 +335,16 @@ void add_trace_options(CLI::App& command, ReferenceOptions& o) {
       ->capture_default_str()
       ->type_name("METRES");
   command.add_option("--bounces", o.bounces, "path: most bounces; 0: as Russian roulette decides")->capture_default_str()->type_name("N");
+  command
+      .add_option_function<int>(
+          "--fog-steps", [&o](int value) { o.fog_steps = value; },
+          fmt::format("direct: points on a ray at which a light's way through fog is followed, {} where nothing is given; the mean is right for any",
+                      reference::TraceSettings{}.fog_steps))
+      ->type_name("N");
   command.add_option("--threads", o.threads, "Threads; 0: all. Changes no byte")->capture_default_str()->type_name("N");
   command.add_option("--state", o.state, "Sums of the samples, written at the end and every minute")->type_name("FILE");
   command.add_flag("--resume", o.resume, "Go on from --state where it exists; the image is that of a run without a break");
-  command.add_option("--layers", o.layers, "EXR layers beside beauty: variance, heatmap.traversal, heatmap.leaves, or none")
+  command.add_option("--layers", o.layers, "EXR layers beside beauty: variance, fog.L, fog.T, heatmap.traversal, heatmap.leaves, or none")
       ->capture_default_str()
       ->type_name("LIST");
   command.add_option("--view", o.view, "What PNG shows: beauty, heatmap.traversal or heatmap.leaves")->capture_default_str()->type_name("NAME");

@@ -12,21 +12,21 @@ namespace {
 constexpr uint32_t dimensions_a_layer = 8;
 constexpr int most_layers = 256;
 
-glm::dvec3 harmonics(const AmbientSh& sh, glm::dvec3 n) {
+}  // namespace
+
+glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band) {
   const std::array<double, 9> basis = sh_basis(n);
   glm::dvec3 sum(0);
-  for (size_t i = 0; i < 9; ++i) sum += basis[i] * glm::dvec3(sh[i]);
+  for (size_t i = 0; i < 9; ++i) sum += band[i == 0 ? 0 : i < 4 ? 1 : 2] * basis[i] * glm::dvec3(sh[i]);
   return glm::max(sum, glm::dvec3(0));
 }
-
-}  // namespace
 
 glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
   const glm::dvec2 ab = specular_scale_bias(s.roughness, std::clamp(glm::dot(s.normal, v), 1e-4, 1.0));
   const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
   const double left = 1 - std::max({dielectric.x, dielectric.y, dielectric.z});
-  const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonics(sh, s.normal);
-  return diffuse + glm::mix(dielectric, metal, s.metallic) * harmonics(sh, glm::reflect(-v, s.normal));
+  const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
+  return diffuse + glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal));
 }
 
 PixelSample Integrator::sample(int x, int y, uint64_t index) const {
@@ -47,8 +47,9 @@ PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream
 PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream) const {
   PixelSample out;
   const Ray ray = rounded(camera);
-  glm::dvec3 to_viewer = -glm::normalize(camera.direction);
-  double through = 1;
+  const glm::dvec3 onward = glm::normalize(camera.direction);
+  glm::dvec3 to_viewer = -onward;
+  double through = 1, before_m = 0;
   TraceCounts counts;
   std::optional<Hit> hit = next_surface(world_, ray, true, nullptr, &counts);
   // Front to back: each surface covers what the ones before left open.
@@ -61,7 +62,11 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     if (s.coverage > 0) {
       stream.start(4 + uint32_t(layer) * dimensions_a_layer);
       const glm::dvec3 radiance = s.unlit ? s.base_color : s.emission + direct_light(s, world_.accel().surface(*hit), to_viewer, stream);
-      out.radiance += through * s.coverage * radiance;
+      const double here_m = glm::dot(s.position - camera.origin, onward);
+      const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, here_m}, through, uint32_t(layer), stream, out);
+      before_m = here_m;
+      out.radiance += through * s.coverage * clear * radiance;
+      out.fog_through += through * s.coverage * (clear - 1.0);
       out.alpha += through * s.coverage;
       through *= 1 - s.coverage;
     }
@@ -71,8 +76,10 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   }
   if (through > 0) {
     const glm::dvec4 background = world_.background(camera.direction);
-    out.radiance += through * glm::dvec3(background);
-    out.alpha += through * background.w;
+    const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, endless}, through, most_layers, stream, out);
+    out.radiance += through * clear * glm::dvec3(background);
+    out.fog_through += through * (clear - 1.0);
+    out.alpha += through * (world_.medium() ? 1 - luminance(clear) * (1 - background.w) : background.w);
   }
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
@@ -93,10 +100,12 @@ Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const S
 }
 
 glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const {
-  if (offer.radiance == glm::dvec3(0) || !settings_.visibility) return offer.radiance;
+  if (offer.radiance == glm::dvec3(0)) return offer.radiance;
+  const glm::dvec3 radiance = offer.radiance * world_.through_fog(s.position, offer.l, offer.distance_m);
+  if (!settings_.visibility) return radiance;
   // Light from behind the triangle, which a shading normal may let in, is blocked by the surface itself.
   if (!is_open(s, offer.l)) return glm::dvec3(0);
-  return offer.radiance * light_through(world_, point, offer.l, offer.distance_m, bodies_towards(s, offer.l), offer.end ? &*offer.end : nullptr);
+  return radiance * light_through(world_, point, offer.l, offer.distance_m, bodies_towards(s, offer.l), offer.end ? &*offer.end : nullptr);
 }
 
 glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
@@ -106,10 +115,11 @@ glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm
 }
 
 glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
-  if (!settings_.visibility) return glm::dvec3(1);
+  const glm::dvec3 clear = world_.through_fog(s.position, l, endless);
+  if (!settings_.visibility) return clear;
   if (!is_open(s, l)) return glm::dvec3(0);
-  const double distance_m = settings_.mode == Mode::path ? std::numeric_limits<double>::infinity() : settings_.ambient_distance_m;
-  return light_through(world_, point, l, distance_m, bodies_towards(s, l));
+  const double distance_m = settings_.mode == Mode::path ? endless : settings_.ambient_distance_m;
+  return clear * light_through(world_, point, l, distance_m, bodies_towards(s, l));
 }
 
 glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {

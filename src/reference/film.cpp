@@ -26,7 +26,20 @@ struct FileHead {
 
 }  // namespace
 
-Film::Film(int width_px, int height_px) : width_(width_px), height_(height_px), sums_(size_t(width_px) * size_t(height_px)) {}
+Film::Film(int width_px, int height_px, bool with_fog)
+    : width_(width_px), height_(height_px), sums_(size_t(width_px) * size_t(height_px)), fog_(with_fog ? sums_.size() : 0) {}
+
+glm::dvec3 Film::fog_light(size_t pixel) const {
+  if (fog_.empty()) return glm::dvec3(0);
+  const double* v = fog_[pixel].light;
+  return glm::dvec3(v[0], v[1], v[2]) / double(std::max<uint64_t>(samples_, 1));
+}
+
+glm::dvec3 Film::fog_through(size_t pixel) const {
+  if (fog_.empty() || samples_ == 0) return glm::dvec3(1);
+  const double* v = fog_[pixel].through;
+  return glm::dvec3(v[0], v[1], v[2]) / double(samples_);
+}
 
 glm::dvec4 Film::mean(size_t pixel) const {
   const double* v = sums_[pixel].value;
@@ -73,6 +86,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
   const int tiles = tiles_x * tiles_y;
   // A batch that is given up must leave the film as it was.
   std::vector<Sums> sums = sums_;
+  std::vector<FogSums> fog = fog_;
   std::atomic<bool> stopped = false;
   std::mutex reporting;
   int done = 0;
@@ -81,7 +95,8 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
     const int left = tile % tiles_x * tile_px, top = tile / tiles_x * tile_px;
     for (int y = top; y < std::min(top + tile_px, height_); ++y)
       for (int x = left; x < std::min(left + tile_px, width_); ++x) {
-        Sums& pixel = sums[size_t(y) * size_t(width_) + size_t(x)];
+        const size_t at = size_t(y) * size_t(width_) + size_t(x);
+        Sums& pixel = sums[at];
         for (uint64_t i = samples_; i < samples_ + uint64_t(count); ++i) {
           const PixelSample s = integrator.sample(x, y, i);
           for (int c = 0; c < 3; ++c) {
@@ -91,6 +106,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
           }
           pixel.value[3] += s.alpha;
           pixel.traversal += s.traversal;
+          for (int c = 0; c < 3 && !fog.empty(); ++c) fog[at].light[c] += s.fog_light[c], fog[at].through[c] += s.fog_through[c];
         }
       }
     const std::lock_guard lock(reporting);
@@ -98,25 +114,26 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
   });
   if (stopped) return false;
   sums_ = std::move(sums);
+  fog_ = std::move(fog);
   samples_ += uint64_t(count);
   return true;
 }
 
 Expected<void> Film::save(const std::filesystem::path& path, const Hash128& identity) const {
-  const std::span<const std::byte> body = std::as_bytes(std::span(sums_));
   FileHead head{};
   std::memcpy(head.magic, magic, 8);
   head.identity = identity;
   head.width = width_, head.height = height_;
   head.samples = samples_;
-  head.content = hash128(body);
-  std::vector<std::byte> bytes(sizeof head + body.size());
+  std::vector<std::byte> bytes(sizeof head);
+  for (const std::span<const std::byte> sums : {std::as_bytes(std::span(sums_)), std::as_bytes(std::span(fog_))})
+    bytes.insert(bytes.end(), sums.begin(), sums.end());
+  head.content = hash128(std::span(bytes).subspan(sizeof head));
   std::memcpy(bytes.data(), &head, sizeof head);
-  std::memcpy(bytes.data() + sizeof head, body.data(), body.size());
   return write_file_atomically(path, bytes);
 }
 
-Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px) {
+Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px, bool with_fog) {
   const auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
   FileHead head{};
@@ -125,11 +142,13 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
   if (head.identity != identity || head.width != width_px || head.height != height_px)
     return fail(ErrorKind::input, path.string(),
                 "belongs to another picture: scene, camera, size, mode, sampler and all that decides a pixel must be the same");
-  Film film(width_px, height_px);
-  const std::span<std::byte> body = std::as_writable_bytes(std::span(film.sums_));
-  if (bytes->size() != sizeof head + body.size() || hash128(std::span(*bytes).subspan(sizeof head)) != head.content)
+  Film film(width_px, height_px, with_fog);
+  const std::span<const std::byte> body = std::span(*bytes).subspan(sizeof head);
+  const std::span<std::byte> sums = std::as_writable_bytes(std::span(film.sums_)), fog = std::as_writable_bytes(std::span(film.fog_));
+  if (body.size() != sums.size() + fog.size() || hash128(body) != head.content)
     return fail(ErrorKind::input, path.string(), "is damaged; remove it to begin anew");
-  std::memcpy(body.data(), bytes->data() + sizeof head, body.size());
+  std::memcpy(sums.data(), body.data(), sums.size());
+  if (!fog.empty()) std::memcpy(fog.data(), body.data() + sums.size(), fog.size());
   film.samples_ = head.samples;
   return film;
 }

@@ -13,7 +13,7 @@ namespace candela::reference {
 // so does an interruption.
 class Film {
  public:
-  Film(int width_px, int height_px);
+  Film(int width_px, int height_px, bool with_fog = false);
   int width() const { return width_; }
   int height() const { return height_; }
   uint64_t samples() const { return samples_; }  // of every pixel
@@ -21,6 +21,9 @@ class Film {
   glm::dvec4 mean(size_t pixel) const;        // premultiplied radiance, alpha
   glm::dvec3 variance(size_t pixel) const;    // of that mean: sample variance over the count; 0 for one sample
   double traversal(size_t pixel) const;       // mean cost of the camera ray
+  bool has_fog() const { return !fog_.empty(); }
+  glm::dvec3 fog_light(size_t pixel) const;    // mean light of fog, a part of mean(); 0 without fog
+  glm::dvec3 fog_through(size_t pixel) const;  // mean transmittance; 1 without fog
   size_t pixels() const { return size_t(width_) * size_t(height_); }
 
   // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared difference of
@@ -36,11 +39,14 @@ class Film {
 
   // The file that a later run goes on from. `identity` says which picture and settings it belongs to.
   Expected<void> save(const std::filesystem::path& path, const Hash128& identity) const;
-  static Expected<Film> load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px);
+  static Expected<Film> load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px, bool with_fog = false);
 
  private:
   struct Sums {
     double value[4] = {}, square[3] = {}, even[3] = {}, traversal = 0;
+  };
+  struct FogSums {
+    double light[3] = {}, through[3] = {};
   };
   // The mean over pixels and channels of a quarter of the squared difference of the halves over scale(mean).
   template <class Scale>
@@ -49,6 +55,7 @@ class Film {
   int width_, height_;
   uint64_t samples_ = 0;
   std::vector<Sums> sums_;
+  std::vector<FogSums> fog_;  // empty: none
 };
 
 // How long a film is made better. Every limit may be given; the first that is reached ends the work.

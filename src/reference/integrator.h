@@ -13,6 +13,8 @@ enum class Ambient : uint8_t { traced, occlusion, off };
 // Which of path's two ways to meet a light counts. Both, weighted by the power heuristic (Veach 1997), or one alone for tests.
 enum class Strategy : uint8_t { both, light, brdf };
 
+inline constexpr int most_fog_steps = 65536;
+
 struct TraceSettings {
   Mode mode = Mode::direct;
   SamplerSettings sampler;
@@ -22,6 +24,7 @@ struct TraceSettings {
   double lifted = 0;       // direct: points are lit as if they stood this part of their distance above their surface
   int most_bounces = 0;    // path: 0 as many as Russian roulette leaves
   Strategy strategy = Strategy::both;
+  int fog_steps = 16;      // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
 };
 
 // One sample of one pixel.
@@ -29,6 +32,8 @@ struct PixelSample {
   glm::dvec3 radiance{0};  // premultiplied by alpha
   double alpha = 0;
   double traversal = 0;    // of the camera ray: a quarter for each node, one for each triangle tested
+  glm::dvec3 fog_light{0};    // of radiance, what fog scatters or emits towards the camera
+  glm::dvec3 fog_through{1};  // what fog leaves of the light of whatever lies at the end of the camera ray
 };
 
 // What one sample of direct or path is. Thread safe; the result depends on its arguments alone.
@@ -57,16 +62,62 @@ class Integrator {
     double distance_m = 0;
     std::optional<SurfacePoint> end;  // where the light is a surface
   };
+  // One of several offers, as likely as it weighs; taken() of it times scale() is their sum on average.
+  class OneOf {
+   public:
+    void consider(const Offer& other, double weight, double& u);  // u: a number in [0, 1), and what is left of it
+    double scale() const { return weight_ > 0 ? total_ / weight_ : 0; }
+    Offer offer;
+
+   private:
+    double weight_ = 0, total_ = 0;
+  };
   Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const;
-  Offer emissive_offer(int index, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
+  Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream) const;
+  // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces in front leave
+  // `share`, and returns the transmittance from the camera to the span's end.
+  glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer, SampleStream& stream,
+                        PixelSample& out) const;
+  glm::dvec3 fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer, SampleStream& stream) const;
+  glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, SampleStream& stream) const;
+  // A point of an emissive triangle as `from` sees it; empty where it gives no light there.
+  struct EmissivePoint {
+    glm::dvec3 l{0};        // unit, towards it
+    double distance_m = 0, pdf = 0;  // per steradian
+    uint32_t light = 0;     // into World::emissive()
+    glm::dvec2 at{0};       // weights of the second and third corner
+    bool back = false;
+  };
+  std::optional<EmissivePoint> emissive_point(uint32_t light, double probability, glm::dvec3 from, glm::dvec2 u) const;
+  glm::dvec3 radiance_of(const EmissivePoint& p) const;
+  SurfacePoint surface_of(const EmissivePoint& p) const;
   double weight(double this_pdf, double other_pdf, Strategy own) const;
+  static bool survives(double u, int bounce, glm::dvec3& through, double compressed = 1);  // Russian roulette
+
+  // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and all light
+  // that reaches the place where it scatters.
+  struct FogStep {
+    glm::dvec3 through{1};  // of the path, from here on
+    glm::dvec3 clear{1};    // transmittance of the way to the next surface
+    bool scattered = false;
+    glm::dvec3 position{0}, direction{0};  // where it goes on
+    double density = 0;                    // of that direction
+  };
+  FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce, uint32_t number, bool every, SampleStream& stream,
+                   PixelSample& out) const;
+  glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, bool every, double which, SampleStream& stream) const;
+  // Each light that is chosen at a point a place of its own, as even as the first (the R2 sequence's steps).
+  static glm::dvec2 on_triangle(glm::dvec2 first, size_t light);
 
   const World& world_;
   TraceSettings settings_;
   int width_px_, height_px_;
 };
+
+// A sky of spherical harmonics, as they are for diffuse light, in direction n; every band times its factor.
+glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band = glm::dvec3(1));
 
 // The ambient term of the raster techniques (shaders: lib/ambient), in double: spherical harmonics up to l = 2 for diffuse light, and
 // for reflections as well.

@@ -41,6 +41,7 @@ class GlassWay {
   // On to the end, without a surface.
   glm::dvec3 end(double distance_m) const { return here_.transmittance(distance_m - travelled_); }
   void cross() { here_ = behind_; }
+  bool in_body() const { return !here_.empty(); }
   void start_ray() { travelled_ = 0; }
 
   // Where the surface splits colours and none is chosen yet: follows one of them. What the choice weighs.

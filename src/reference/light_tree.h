@@ -32,6 +32,7 @@ class LightTree {
   };
   // A normal of zero: light counts from all sides. One light, or with `split` one of each cluster that lies away from the point: those about the point hold lights of which a
   // common estimate says little, and are taken apart. The probability is that of being among the chosen; u in [0, 1).
+  // A normal of 0: no surface, light from every side counts.
   void choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split, std::vector<Choice>& chosen) const;
   double probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal, bool split) const;
   bool empty() const { return nodes_.empty(); }

@@ -27,28 +27,65 @@ double Integrator::weight(double this_pdf, double other_pdf, Strategy own) const
   return 1 / (1 + r * r);
 }
 
-// The light of one triangle by way of one point on it.
-Integrator::Offer Integrator::emissive_offer(int index, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const {
-  const EmissiveTriangle& t = world_.emissive()[size_t(index)];
+std::optional<Integrator::EmissivePoint> Integrator::emissive_point(uint32_t light, double probability, glm::dvec3 from, glm::dvec2 u) const {
+  const EmissiveTriangle& t = world_.emissive()[light];
   const double root = std::sqrt(u.x);
   const glm::dvec2 b(root * (1 - u.y), root * u.y);
-  const glm::dvec3 at = (1 - b.x - b.y) * t.corner[0] + b.x * t.corner[1] + b.y * t.corner[2];
-  const glm::dvec3 to_light = at - s.position;
+  const glm::dvec3 to_light = (1 - b.x - b.y) * t.corner[0] + b.x * t.corner[1] + b.y * t.corner[2] - from;
   const double d2 = glm::dot(to_light, to_light);
-  if (!(d2 > 0)) return {};
-  const double distance = std::sqrt(d2);
-  const glm::dvec3 l = to_light / distance;
+  if (!(d2 > 0)) return std::nullopt;
+  const double distance_m = std::sqrt(d2);
+  const glm::dvec3 l = to_light / distance_m;
   const double facing = -glm::dot(t.normal, l);
-  if (facing == 0 || (facing < 0 && !t.two_sided)) return {};
-  if (!is_open(s, l)) return {};
-  const glm::dvec3 f = evaluate_bsdf(s, l, v);
+  if (facing == 0 || (facing < 0 && !t.two_sided)) return std::nullopt;
+  return EmissivePoint{l, distance_m, probability * d2 / (std::abs(facing) * t.area_m2), light, b, facing < 0};
+}
+
+glm::dvec3 Integrator::radiance_of(const EmissivePoint& p) const {
+  const EmissiveTriangle& t = world_.emissive()[p.light];
+  const Surface emitter = world_.surface_at(t.item, t.primitive, p.at, p.back, -p.l);
+  return emitter.emission * emitter.coverage;
+}
+
+SurfacePoint Integrator::surface_of(const EmissivePoint& p) const {
+  const EmissiveTriangle& t = world_.emissive()[p.light];
+  return world_.accel().surface({0, float(p.at.x), float(p.at.y), t.item, t.primitive, p.back});
+}
+
+// The light of one triangle by way of one point on it.
+Integrator::Offer Integrator::emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const {
+  const auto p = emissive_point(light, probability, s.position, u);
+  if (!p || !is_open(s, p->l)) return {};
+  const glm::dvec3 f = evaluate_bsdf(s, p->l, v);
   if (f == glm::dvec3(0)) return {};
-  const Surface emitter = world_.surface_at(t.item, t.primitive, b, facing < 0, -l);
-  const double pdf = probability * d2 / (std::abs(facing) * t.area_m2);
-  const glm::dvec3 radiance = emitter.emission * emitter.coverage * f * (weight(pdf, bsdf_pdf(s, l, v), Strategy::light) / pdf);
+  const glm::dvec3 radiance = radiance_of(*p) * f * (weight(p->pdf, bsdf_pdf(s, p->l, v), Strategy::light) / p->pdf);
   if (radiance == glm::dvec3(0)) return {};
-  const Hit target{0, float(b.x), float(b.y), t.item, t.primitive, facing < 0};
-  return {radiance, l, distance, world_.accel().surface(target)};
+  return {radiance, p->l, p->distance_m, surface_of(*p)};
+}
+
+void Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
+  if (!(weight > 0)) return;
+  total_ += weight;
+  const double share = weight / total_;
+  if (u < share) {
+    offer = other, weight_ = weight;
+    u = std::min(u / share, 1 - 0x1p-53);
+  } else {
+    u = std::min((u - share) / (1 - share), 1 - 0x1p-53);
+  }
+}
+
+glm::dvec2 Integrator::on_triangle(glm::dvec2 first, size_t light) {
+  const glm::dvec2 turned = first + double(light) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
+  return turned - glm::floor(turned);
+}
+
+bool Integrator::survives(double u, int bounce, glm::dvec3& through, double compressed) {
+  if (bounce <= roulette_after) return true;
+  const double survive = std::min(largest(through) / compressed, 0.95);
+  if (!(u < survive)) return false;
+  through /= survive;
+  return true;
 }
 
 // Every directional light, one direction of the sky, and lights of the tree: those about the point each, and some of those farther off.
@@ -73,8 +110,7 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
   static thread_local std::vector<LightTree::Choice> chosen;
   world_.light_tree().choose(s.position, lit_side(s), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
-  Offer best;  // of a reservoir of one
-  double best_weight = 0, total = 0;
+  OneOf best;
   for (size_t i = 0; i < chosen.size(); ++i) {
     const LightTree::Choice& choice = chosen[i];
     Offer offer;
@@ -82,26 +118,14 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       offer = punctual_offer(world_.punctual_lights()[world_.tree_punctual()[choice.light]], s, v);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
-      // Each light a place of its own, as even as the first (the R2 sequence's steps).
-      const glm::dvec2 turned = on_light + double(i) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
-      offer = emissive_offer(int(choice.light - points), choice.probability, s, v, turned - glm::floor(turned));
+      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, on_triangle(on_light, i));
     }
-    if (every) {
+    if (every)
       sum += taken(offer, s, point);
-      continue;
-    }
-    const double w = is_open(s, offer.l) ? largest(offer.radiance) : 0;
-    if (!(w > 0)) continue;
-    total += w;
-    const double share = w / total;
-    if (pick < share) {
-      best = offer, best_weight = w;
-      pick = std::min(pick / share, 1 - 0x1p-53);
-    } else {
-      pick = std::min((pick - share) / (1 - share), 1 - 0x1p-53);
-    }
+    else
+      best.consider(offer, is_open(s, offer.l) ? largest(offer.radiance) : 0, pick);
   }
-  if (best_weight > 0) sum += taken(best, s, point) * (total / best_weight);
+  if (!every) sum += taken(best.offer, s, point) * best.scale();
   return sum;
 }
 
@@ -117,27 +141,22 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   glm::dvec3 last_normal(0), last_position(0);
   uint32_t alpha_dimension = first_alpha_dimension;
   int bounce = 0;
-  uint32_t shaded = 0;  // surfaces, among them those that the ray goes straight through
+  uint32_t shaded = 0, fogged = 0;  // surfaces, among them those that the ray goes straight through, and spans of fog
   GlassWay way;
   double compressed = 1;  // what refraction has made of radiance alone, not of its share
+  double clear_m = 0;     // fog up to here is behind the ray already
+  glm::dvec3 seen(1);     // what fog leaves of what the camera sees
+  bool in_fog = false;    // the camera's ray ended there
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
     const std::optional<Hit> hit = next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? &counts : nullptr);
-    if (!hit) {
-      through *= way.end(std::numeric_limits<double>::infinity());
-      if (first) {
-        const glm::dvec4 background = world_.background(direction);
-        out.radiance += through * glm::dvec3(background);
-        out.alpha = background.w;
-      } else if (world_.sky()) {
-        const double w = from_mirror ? 1 : weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
-        out.radiance += through * world_.sky().radiance(direction) * w;
-      }
-      break;
-    }
-    Surface s = world_.surface(*hit, origin, direction);
+    Surface s = hit ? world_.surface(*hit, origin, direction) : Surface{};
     const glm::dvec3 v = -glm::normalize(direction);
-    if (world_.has_glass()) {
+    const double here_m = hit ? glm::dot(s.position - origin, -v) : endless;
+    const bool in_body = way.in_body();
+    if (!hit) {
+      through *= way.end(endless);
+    } else if (world_.has_glass()) {
       if (way.splits(s)) {
         stream.start(alpha_dimension);
         alpha_dimension += 4;
@@ -145,7 +164,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       }
       through *= way.arrive(s, v, hit->back, glm::length(s.position - origin));
     }
-    if (s.coverage < 1) {
+    if (hit && s.coverage < 1) {
       // A blended surface is there as often as it covers.
       stream.start(alpha_dimension);
       alpha_dimension += 4;
@@ -154,7 +173,38 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
         continue;
       }
     }
-    if (first && !is_straight(s)) out.alpha = 1;
+    if (first) out.alpha = hit ? 1 : world_.background(direction).w;
+    // Bodies of glass hold no fog.
+    if (world_.medium() && !in_body) {
+      const FogStep step = fog_step(origin - v * clear_m, -v, here_m - clear_m, through, bounce, fogged++, bounce < shadowed_bounces, stream, out);
+      if (first) {
+        seen *= step.clear;
+        out.fog_through = seen;
+        out.alpha = 1 - luminance(seen) * (1 - out.alpha);
+      }
+      through = step.through;
+      if (through == glm::dvec3(0)) break;
+      if (step.scattered) {
+        in_fog |= first;
+        ++bounce;
+        from_mirror = false;
+        brdf_density = step.density, last_normal = glm::dvec3(0), last_position = step.position;
+        passed.reset();
+        ray = leaving_ray({step.position, {}, 0}, step.direction);
+        origin = step.position, direction = step.direction, clear_m = 0;
+        way.start_ray();
+        continue;
+      }
+    }
+    if (!hit) {
+      if (first) {
+        out.radiance += through * glm::dvec3(world_.background(direction));
+      } else if (world_.sky()) {
+        const double w = from_mirror ? 1 : weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
+        out.radiance += through * world_.sky().radiance(direction) * w;
+      }
+      break;
+    }
     if (s.unlit) {
       // A picture, not a lamp: it is seen, also in reflections, and takes no light and is not chosen as a light.
       out.radiance += through * s.base_color;
@@ -188,25 +238,20 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     if (next->through) way.cross();
     if (next->straight) {
       if (through == glm::dvec3(0)) break;
-      passed = *hit;
+      passed = *hit, clear_m = here_m;
       continue;
     }
     passed.reset();
-    if (first) out.alpha = 1;
     if (next->through && s.glass->body) compressed /= s.eta * s.eta;
     ++bounce;
-    if (bounce > roulette_after) {
-      const double survive = std::min(largest(through) / compressed, 0.95);
-      if (!(roulette < survive)) break;
-      through /= survive;
-    }
-    if (through == glm::dvec3(0)) break;
+    if (!survives(roulette, bounce, through, compressed) || through == glm::dvec3(0)) break;
     from_mirror = !(next->pdf > 0);
     brdf_density = next->pdf, last_normal = lit_side(s), last_position = s.position;
     ray = leaving_ray(point, next->l);
-    origin = ray.origin, direction = next->l;
+    origin = ray.origin, direction = next->l, clear_m = 0;
     way.start_ray();
   }
+  if (in_fog) out.fog_light = out.radiance;
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
 }

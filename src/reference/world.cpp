@@ -28,6 +28,7 @@ AccelOptions accel_options(const WorldInput& input) {
 
 World::World(const WorldInput& input, std::vector<std::string>& warnings)
     : input_(input), accel_(input.scene, input.pose, input.frame, accel_options(input)) {
+  if (input.fog) medium_.emplace(*input.fog, input.view.position);
   load_materials(warnings);
   add_items();
   add_lights();

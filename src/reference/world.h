@@ -8,6 +8,7 @@
 #include "reference/accel.h"
 #include "reference/bsdf.h"
 #include "reference/light_tree.h"
+#include "reference/medium.h"
 #include "reference/punctual.h"
 #include "reference/sky.h"
 #include "reference/texture.h"
@@ -28,6 +29,7 @@ struct WorldInput {
   glm::dvec4 background{0};         // linear, premultiplied
   AccelOptions accel{};
   bool glass = false;               // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
+  std::optional<Fog> fog{};
 };
 
 // A ray with directions in double; the acceleration structure gets it rounded.
@@ -57,6 +59,11 @@ class World {
   const AmbientSh& ambient_sh() const { return input_.ambient_sh; }
   const std::vector<PunctualLight>& punctual_lights() const { return punctual_; }
   bool has_blend() const { return has_blend_; }
+  const Medium* medium() const { return medium_ ? &*medium_ : nullptr; }  // null: clear air
+  // What fog leaves of light over a distance in unit direction l, colour by colour; 1 in clear air.
+  glm::dvec3 through_fog(glm::dvec3 from, glm::dvec3 l, double distance_m) const {
+    return medium_ ? medium_->transmittance(from, l, distance_m) : glm::dvec3(1);
+  }
 
   CameraRay camera_ray(glm::dvec2 pixel, int width_px, int height_px) const;
   glm::dvec4 background(glm::dvec3 direction) const;  // of a camera ray that meets nothing
@@ -114,6 +121,7 @@ class World {
   static double coverage_of(const Material& m, double alpha);
 
   WorldInput input_;
+  std::optional<Medium> medium_;
   Accel accel_;
   std::map<std::pair<int, bool>, std::unique_ptr<Texture>> textures_;  // by image and whether its colours are sRGB
   std::vector<TracedMaterial> materials_;                              // the last is the default material

@@ -4,7 +4,7 @@
 
 namespace candela {
 
-Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::string& sky) {
+Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::string& sky, const std::string& look) {
   std::string digests;
   const auto add = [&](const std::string& file) -> Expected<void> {
     const auto bytes = read_file(file);
@@ -14,8 +14,9 @@ Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::s
   };
   for (const std::string& file : files)
     if (auto done = add(file); !done) return std::unexpected(done.error());
-  if (!sky.empty())
-    if (auto done = add(sky); !done) return std::unexpected(done.error());
+  for (const std::string& file : {sky, look})
+    if (!file.empty())
+      if (auto done = add(file); !done) return std::unexpected(done.error());
   return hash128(digests);
 }
 

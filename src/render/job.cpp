@@ -52,6 +52,7 @@ std::string job_json(const Job& job) {
     for (const KnobSetting& s : job.settings) j["set"].push_back(setting_text(s));
   }
   if (!job.sky.empty()) j["sky"] = job.sky;
+  if (!job.look.empty()) j["look"] = job.look;
   j["exposure"] = shortest(job.exposure_ev);
   j["tonemap"] = job.tonemap;
   j["view"] = job.view;
@@ -153,6 +154,7 @@ const std::map<std::string, Reader>& readers() {
       {"quality", text_into(&Job::quality)},
       {"set", read_settings},
       {"sky", text_into(&Job::sky)},
+      {"look", text_into(&Job::look)},
       {"exposure",
        [](const Json& v, Job& job) -> std::string {
          if (!v.is_number()) return "is not a number";
@@ -234,6 +236,7 @@ Hash128 frame_identity(const Job& job, const Hash128& scene_content, const std::
   Job nowhere = job;
   nowhere.scene.clear();
   if (!nowhere.sky.empty()) nowhere.sky = "sky";
+  if (!nowhere.look.empty()) nowhere.look = "look";
   return hash128(fmt::format("candela {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(nowhere), scene_content.hex(),
                              device, time_s));
 }

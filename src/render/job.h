@@ -33,6 +33,7 @@ struct Job {
   std::string quality = "high";      // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings; // --set PASS.KNOB=VALUE, over the quality
   std::string sky;                   // equirectangular .hdr or .exr
+  std::string look;                  // look file: fog
   float exposure_ev = 0;
   std::string tonemap = "agx";       // agx, none, reinhard, aces, neutral, rec709
   std::vector<std::string> layers;   // beside beauty

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "reference/leaf_view.h"
 #include "render/content_hash.h"
+#include "render/job_look.h"
 #include "render/metadata.h"
 #include "scene/gltf.h"
 #include "scene/neutral_light.h"
@@ -55,7 +56,9 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
     if (!image) return std::unexpected(image.error());
     sky = std::move(*image);
   }
-  const auto content = hash_files(frame->scene.files, job.sky);
+  const auto look = look_of(job);
+  if (!look) return std::unexpected(look.error());
+  const auto content = hash_files(frame->scene.files, job.sky, job.look);
   if (!content) return std::unexpected(content.error());
   frame->scene_content = *content;
   const auto animations = choose_animations(frame->scene, job.animation);
@@ -73,6 +76,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.background = background_of(job.background);
   input.accel = accel;
   input.glass = path;
+  input.fog = look->fog;
   if (sky) {
     input.sky = reference::Sky(*sky);
     input.ambient_sh = project_environment(*sky);
@@ -83,6 +87,8 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
     input.ambient_sh = neutral_ambient();
     frame->notes.push_back("the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   }
+  if (look->fog && is_endless(*look->fog))
+    frame->notes.push_back("the fog has neither falloff nor bounds: sun, sky and background lie behind all of it and give no light");
   if (frame->data.items.empty()) frame->notes.push_back("nothing is visible at this time: the image holds the background alone");
   frame->world = std::make_unique<reference::World>(input, frame->warnings);
   if (const size_t skipped = frame->world->accel().statistics().skipped_items; skipped > 0)
@@ -104,6 +110,7 @@ std::string settings_json(const reference::TraceSettings& s, const AccelOptions&
   } else if (s.most_bounces > 0) {
     j["bounces"] = s.most_bounces;
   }
+  if (s.mode == reference::Mode::direct && s.fog_steps > 0) j["fog-steps"] = s.fog_steps;
   j["bvh"] = name_of(accel.builder);
   return j.dump();
 }
@@ -116,11 +123,12 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.width_px = job.width_px, picture.height_px = job.height_px;
   picture.background = job.background;
   picture.sky = job.sky.empty() ? "" : "sky";
+  picture.look = job.look.empty() ? "" : "look";
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(picture), settings_json(settings, accel),
                              frame.scene_content.hex(), frame.time_s));
 }
 
-std::vector<std::string> reference_layer_names() { return {"variance", "heatmap.traversal", "heatmap.leaves"}; }
+std::vector<std::string> reference_layer_names() { return {"variance", "fog.L", "fog.T", "heatmap.traversal", "heatmap.leaves"}; }
 
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer) {
   if (layer == "heatmap.leaves") return reference::leaf_counts(*frame.world, film.width(), film.height());
@@ -147,13 +155,14 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
     for (size_t i = 0; i < film.pixels(); ++i) plane[i] = float(film.mean(i)[c]);
   }
   for (const std::string& layer : layers) {
-    if (layer != "variance") {
+    if (layer.starts_with("heatmap.")) {
       add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);
       continue;
     }
     for (int c = 0; c < 3; ++c) {
-      std::vector<float>& plane = add(std::string("variance.") + rgba[c], ChannelType::float32);
-      for (size_t i = 0; i < film.pixels(); ++i) plane[i] = float(film.variance(i)[c]);
+      std::vector<float>& plane = add(layer + "." + rgba[c], ChannelType::float32);
+      for (size_t i = 0; i < film.pixels(); ++i)
+        plane[i] = float((layer == "variance" ? film.variance(i) : layer == "fog.L" ? film.fog_light(i) : film.fog_through(i))[c]);
     }
   }
   add_view_metadata(image, frame.view, frame.time_s, frame_number, rate);

@@ -7,6 +7,7 @@
 #include "render/content_hash.h"
 #include "render/device_samples.h"
 #include "render/gpu_scene.h"
+#include "render/job_look.h"
 #include "render/timings.h"
 #include "scene/gltf.h"
 
@@ -52,6 +53,7 @@ class DeviceSession : public Session {
   Scene scene_;
   GeometryLayout layout_;
   std::optional<DecodedImage> sky_;
+  std::string left_out_;  // of the look
   AmbientSh environment_{};
   Hash128 scene_content_;
   std::unique_ptr<gpu::Device> device_;
@@ -74,7 +76,10 @@ Expected<void> DeviceSession::load() {
     environment_ = project_environment(*image);
     sky_ = std::move(*image);
   }
-  auto content = hash_files(scene_.files, job_.sky);
+  const auto look = look_of(job_);
+  if (!look) return std::unexpected(look.error());
+  left_out_ = left_out_of(job_, *look);
+  auto content = hash_files(scene_.files, job_.sky, job_.look);
   if (!content) return std::unexpected(content.error());
   scene_content_ = *content;
   return {};
@@ -186,6 +191,7 @@ Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, doubl
   result.hashes = std::move(run.hashes);
   result.notes = std::move(planned.notes);
   result.warnings = uploaded.warnings;
+  if (!left_out_.empty()) result.warnings.push_back(left_out_);
   if (planned.light_losses >= 0) report_losses(result, planned.light_losses, planned.light_grid.shape.knobs.cap);
   return result;
 }

@@ -123,6 +123,64 @@ TEST(Reference, RefusesWhatIsNotFinite) {
   EXPECT_EQ(candela(words).code, 0);
 }
 
+TEST(Reference, DrawsTheFogOfALookFile) {
+  const TestFolder folder;
+  const std::string look = folder / "look.json";
+  std::ofstream(look) << R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": 0.5}})";
+  const Ended ended = candela(traced(folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers", "fog.L,fog.T", "--json"}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const auto json = nlohmann::json::parse(ended.out);
+  EXPECT_EQ(json["job"]["look"], look);
+  EXPECT_NE(json["notes"].dump().find("behind all of it"), std::string::npos) << json["notes"];
+  EXPECT_EQ(json["reference"]["fog-steps"], 4);
+  const auto image = read_image(folder / "fog.exr");
+  ASSERT_TRUE(image);
+  double light = 0, clear[2] = {0, 0};
+  for (const char* name : {"fog.L.R", "fog.L.G", "fog.L.B", "fog.T.R", "fog.T.G", "fog.T.B"}) ASSERT_TRUE(image->find(name)) << name;
+  for (size_t i = 0; i < image->find("fog.L.R")->f.size(); ++i) {
+    light += image->find("fog.L.R")->f[i];
+    clear[0] += image->find("fog.T.R")->f[i], clear[1] += image->find("fog.T.B")->f[i];
+  }
+  EXPECT_GT(light, 0);
+  EXPECT_GT(clear[0], clear[1]);
+  EXPECT_GT(clear[1], 0);
+  // Another look is another picture: a state does not go on with it.
+  const std::vector<std::string> state = {"--look", look, "--state", folder / "s", "--resume", "--spp", "2"};
+  EXPECT_EQ(candela(traced(folder / "a.exr", state)).code, 0);
+  std::ofstream(look) << R"({"fog": {"extinction": [0.1, 0.2, 0.4], "albedo": 0.5}})";
+  EXPECT_EQ(candela(traced(folder / "a.exr", state)).code, 3);
+
+  std::ofstream(look) << R"({"fog": {"extinction": -1}})";
+  const Ended wrong = candela(traced(folder / "x.exr", {"--look", look}));
+  EXPECT_EQ(wrong.code, 3);
+  EXPECT_NE(wrong.err.find("look.json: /fog/extinction: -1 is below 0"), std::string::npos) << wrong.err;
+  EXPECT_EQ(candela(traced(folder / "x.exr", {"--look", folder / "none.json"})).code, 3);
+}
+
+// Until a pass draws fog, a picture without it says so.
+TEST(Reference, RendersDoNotLeaveFogOutInSilence) {
+  const TestFolder folder;
+  const std::string look = folder / "look.json", left_out = "is left out";
+  std::ofstream(look) << R"({"fog": {"extinction": 0.1}})";
+  for (const std::string command : {"render", "plan", "sequence"}) {
+    std::vector<std::string> words = {command, box, "--size", "16x12", "--look", look, "-o", folder / "a%04d.exr"};
+    if (command == "sequence") words.insert(words.end(), {"--frames", "0-1"});
+    const Ended ended = candela(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_NE(ended.err.find(left_out), std::string::npos) << command << ended.err;
+    words.push_back("--strict");
+    const Ended strict = candela(words);
+    EXPECT_EQ(strict.code, 3) << command;
+    EXPECT_NE(strict.err.find(left_out), std::string::npos) << strict.err;
+  }
+  const Ended json = candela({"render", box, "--size", "16x12", "--look", look, "-o", folder / "b.exr", "--json"});
+  EXPECT_NE(nlohmann::json::parse(json.out)["warnings"].dump().find(left_out), std::string::npos) << json.out;
+  std::ofstream(look) << "{}";
+  const Ended empty = candela({"render", box, "--size", "16x12", "--look", look, "-o", folder / "b.exr"});
+  EXPECT_EQ(empty.code, 0);
+  EXPECT_EQ(empty.err.find(left_out), std::string::npos) << empty.err;
+}
+
 TEST(Reference, NamesWhatIsWrong) {
   const TestFolder folder;
   const std::string out = folder / "x.exr";
@@ -137,6 +195,10 @@ TEST(Reference, NamesWhatIsWrong) {
       {{"reference", box, "-o", out, "--mode", "path", "--visibility", "off"}, "--visibility"},
       {{"reference", box, "-o", out, "--mode", "path", "--ambient", "occlusion"}, "--ambient"},
       {{"reference", box, "-o", out, "--bounces", "3"}, "--bounces"},
+      {{"reference", box, "-o", out, "--fog-steps", "4"}, "--look"},
+      {{"reference", box, "-o", out, "--look", "l.json", "--fog-steps", "0"}, "--fog-steps"},
+      {{"reference", box, "-o", out, "--look", "l.json", "--mode", "path", "--fog-steps", "4"}, "--fog-steps"},
+      {{"reference", box, "-o", out, "--view", "fog.L"}, "heatmap.leaves"},
       {{"reference", box, "-o", out, "--noise", "-1"}, "--noise"},
       {{"reference", box, "-o", out, "--spp", "-1"}, "--spp"},
       {{"reference", box, "-o", out, "--layers", "depth"}, "variance"},

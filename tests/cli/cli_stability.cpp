@@ -24,7 +24,7 @@ TEST(Stability, ExtremeScenesAreAsTheyShouldBe) {
        "near 1e-4,1 mm at 1 km,inside a ball,1e6 m along,cancelling,a million times,1e9 cd,range 1e-3,farther than floats,on a surface,at the camera,"
        "cone of 0.01 degrees,cone of 90,dark ones,metal mirror,albedo above,emissive,normal map of zero,NaN,infinity in the sky,"
        "without area,normals of zero,scale 0,scale 1e-8,scale 1e15,two keys,antipodal,beyond floats,through zero,65504,all black,all 1e30,"
-       "exposure,images/1x1,images/127x61,16385",
+       "exposure,images/1x1,images/127x61,16385,fog/extinction 0,slab,lamp,endless,over it,in it,1e6 m along and up",
        "--json", folder / "s.json", "--pictures", folder / "pictures"});
   ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
   EXPECT_NE(ended.out.find("0 pixels not finite, 0 rows wrong"), std::string::npos) << ended.out;

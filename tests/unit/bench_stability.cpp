@@ -27,7 +27,7 @@ TEST(Stability, HasAtLeastEightyScenesOfUniqueNames) {
     EXPECT_TRUE(names.insert(recipe.family + "/" + recipe.name).second) << recipe.name;
   }
   EXPECT_GE(names.size(), 80u);
-  EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "textures", "geometry", "animation", "tone", "images"}));
+  EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "textures", "geometry", "animation", "tone", "images", "fog"}));
 }
 
 TEST(Stability, ScenesFollowFromTheSeed) {

@@ -31,7 +31,8 @@ struct TestCamera {
 };
 
 inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const TestCamera& camera = {}, Sky sky = {},
-                                             bool sky_visible = false, glm::dvec4 background = glm::dvec4(0), bool glass = false) {
+                                             bool sky_visible = false, glm::dvec4 background = glm::dvec4(0), bool glass = false,
+                                             std::optional<Fog> fog = {}) {
   auto t = std::make_unique<TestWorld>();
   auto scene = builder.load(glass ? LoadFor::path_tracing : LoadFor::raster);
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().text());
@@ -48,13 +49,14 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
   t->frame = make_frame_data(t->scene, t->pose, t->view);
   WorldInput input{t->scene, t->pose, t->view, t->frame};
   input.sky = std::move(sky), input.sky_visible = sky_visible, input.background = background, input.glass = glass;
+  input.fog = fog;
   t->world = std::make_unique<World>(input, t->warnings);
   EXPECT_TRUE(t->warnings.empty());
   return t;
 }
 
 inline Film traced(const TestWorld& t, const TraceSettings& settings, const TestCamera& camera, int spp) {
-  Film film(camera.width, camera.height);
+  Film film(camera.width, camera.height, t.world->medium() != nullptr);
   const Integrator integrator(*t.world, settings, camera.width, camera.height);
   EXPECT_TRUE(film.add(integrator, spp, [](double) { return true; }));
   return film;

@@ -17,6 +17,7 @@ Job rich_job() {
   job.quality = "exact";
   job.settings = {{"cull", "enabled", "0"}, {"a", "b", "-1.5"}};
   job.sky = "sky.hdr";
+  job.look = "look.json";
   job.exposure_ev = 0.1f;
   job.tonemap = "neutral";
   job.layers = {"depth", "normal"};
@@ -64,6 +65,7 @@ TEST(JobJson, TellsApartJobsThatDifferInOneMember) {
   add([](Job& j) { j.quality = "x"; });
   add([](Job& j) { j.settings = {{"a", "b", "c"}}; });
   add([](Job& j) { j.sky = "x"; });
+  add([](Job& j) { j.look = "x"; });
   add([](Job& j) { j.exposure_ev = 1; });
   add([](Job& j) { j.tonemap = "x"; });
   add([](Job& j) { j.view = "x"; });

@@ -1,0 +1,237 @@
+// Fog as direct sees it: what the medium emits, and light that is scattered once on its way from its source.
+//
+// Every light is summed, and its integral along the ray is estimated at fog_steps points. They lie in strata of equal
+// share - one point in each - under two densities, weighted by the power heuristic of Veach: by transmittance towards
+// the camera (for every extinction that a colour channel has), whose weights are the exact energy-conserving integral
+// (1 - e^-x) of each stratum, and, for lights with a place, mostly equi-angular about the light (Kulla and Fajardo,
+// "Importance Sampling Techniques for Path Tracing in Participating Media", 2012), which takes the inverse square out.
+// All strata of a sample share one random offset, mirrored in every other one, so that on smooth stretches the error
+// falls with the square of the steps; the offset makes the mean of the samples right for any number.
+#include <algorithm>
+#include <cmath>
+
+#include "reference/equi_angular.h"
+#include "reference/integrator.h"
+#include "reference/visibility.h"
+
+namespace candela::reference {
+namespace {
+
+constexpr uint32_t first_fog_dimension = 1u << 21;
+constexpr uint32_t dimensions_a_step = 8;
+// Behind this optical depth e^-40 (4e-18) of the light is left.
+constexpr double deepest = 40;
+
+double stratum(int j, int count, double offset) { return (j + (j % 2 == 0 ? offset : 1 - offset)) / count; }
+
+// A stretch of a ray inside the medium, from the bound or the last surface to the next, and the densities of points on
+// it.
+class Stretch {
+ public:
+  Stretch(const Medium& medium, glm::dvec3 origin, glm::dvec3 direction, Span span)
+      : medium_(medium), origin_(origin), direction_(direction), span_(medium.inside(origin, direction, span)) {
+    before_ = medium.length(origin, direction, medium.inside(origin, direction, {0, span.begin_m}));
+    length_ = medium.length(origin, direction, span_);
+    double thinnest = endless;
+    for (int c = 0; c < 3; ++c) {
+      const double extinction = medium.extinction()[c];
+      if (!(medium.scattering()[c] > 0)) continue;
+      thinnest = std::min(thinnest, extinction);
+      bool known = false;
+      for (int k = 0; k < kinds_; ++k) known = known || extinctions_[k] == extinction;
+      if (!known) extinctions_[kinds_++] = extinction;
+    }
+    cut(deepest / thinnest - before_);
+  }
+  Stretch part(Span span) const {
+    Stretch p = *this;
+    p.span_ = {std::max(span.begin_m, span_.begin_m), std::min(span.end_m, span_.end_m)};
+    if (p.span_.empty()) return p;
+    p.before_ += medium_.length(origin_, direction_, {span_.begin_m, p.span_.begin_m});
+    p.length_ = medium_.length(origin_, direction_, p.span_);
+    return p;
+  }
+  bool empty() const { return span_.empty() || !(length_ > 0); }
+  const Span& span() const { return span_; }
+  int kinds() const { return kinds_; }
+  double depth() const {
+    return *std::max_element(extinctions_, extinctions_ + 3) * length_;
+  }  // optical, of the most opaque channel
+
+  struct Place {
+    double distance_m = 0, length = 0;  // along the ray; from the stretch's begin
+    glm::dvec3 position{0};
+  };
+  Place place(double distance_m) const {
+    return {distance_m, medium_.length(origin_, direction_, {span_.begin_m, distance_m}),
+            origin_ + direction_ * distance_m};
+  }
+  // By transmittance, as extinction number `kind` has it.
+  Place by_transmittance(int kind, double u) const {
+    const double sigma = extinctions_[kind];
+    const double length = std::min(-std::log1p(u * std::expm1(-sigma * length_)) / sigma, length_);
+    const double at = std::min(medium_.distance_at(origin_, direction_, span_.begin_m, length), span_.end_m);
+    return {at, length, origin_ + direction_ * at};
+  }
+  // Density per metre of medium (not of the ray) of that way to choose.
+  double density(int kind, const Place& p) const {
+    const double sigma = extinctions_[kind];
+    return std::exp(-sigma * p.length) /
+           (std::isinf(length_) ? 1 / sigma : length_ * one_minus_exp_over(sigma * length_));
+  }
+  // Of light that a metre of medium at p scatters towards the camera, the part that arrives there.
+  glm::dvec3 towards_camera(const Place& p) const { return medium_.scattering() * medium_.through(before_ + p.length); }
+  double medium_a_metre(const Place& p) const { return medium_.density(p.position); }
+
+ private:
+  void cut(double longest) {
+    if (!(longest > 0) || kinds_ == 0) {
+      length_ = 0;
+    } else if (longest < length_) {
+      length_ = longest;
+      span_.end_m = std::min(span_.end_m, medium_.distance_at(origin_, direction_, span_.begin_m, longest));
+    }
+  }
+
+  const Medium& medium_;
+  glm::dvec3 origin_, direction_;
+  Span span_;
+  double before_ = 0, length_ = 0;  // metres at density 1
+  double extinctions_[3] = {};
+  int kinds_ = 0;
+};
+
+// How many of `count` points each way to choose a place gets: equal angles, where the light has a place, and
+// transmittance as each extinction has it. Measured on a street of 256 lamps, angles alone have the least noise where
+// fog is thin on a light's part of the ray; through many mean free paths they waste their points, so transmittance gets
+// up to half of them.
+struct Points {
+  int by_angle = 0, of_kind[3] = {};
+};
+Points points_on(const Stretch& stretch, int count, bool has_place) {
+  Points points;
+  const double depth = stretch.depth();
+  const int by_transmittance = has_place ? int(0.5 * (1 - one_minus_exp_over(depth)) * count) : count;
+  points.by_angle = count - by_transmittance;
+  for (int k = 0; k < stretch.kinds(); ++k)
+    points.of_kind[k] = by_transmittance / stretch.kinds() + (k < by_transmittance % stretch.kinds());
+  return points;
+}
+
+// A place that several ways might have chosen, by the power heuristic: points times density of each, per metre of
+// medium. Under the balance heuristic a stray point that another colour's way puts where this colour's are dense would
+// count like one of them.
+struct Weighed {
+  double own = 0, squares = 0;
+  void add(double density, bool is_own) {
+    squares += density * density;
+    if (is_own) own = density;
+  }
+  double density() const { return squares / own; }  // what the point's light is divided by
+};
+
+}  // namespace
+
+glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
+                                  SampleStream& stream, PixelSample& out) const {
+  const Medium* medium = world_.medium();
+  if (!medium) return glm::dvec3(1);
+  const glm::dvec3 light = share * fog_light(origin, direction, span, layer, stream);
+  out.radiance += light;
+  out.fog_light += light;
+  return medium->transmittance(origin, direction, span.end_m);
+}
+
+// Radiance at a place in fog that the sky sends there and the fog scatters into the ray, over the scattering
+// coefficient.
+glm::dvec3 Integrator::fog_ambient(glm::dvec3 position, glm::dvec3 direction, SampleStream& stream) const {
+  const double g = world_.medium()->anisotropy();
+  const auto open = [&](glm::dvec3 l) {
+    const glm::dvec3 clear = world_.through_fog(position, l, endless);
+    if (clear == glm::dvec3(0) || !settings_.visibility) return clear;
+    return clear * transmittance(world_, {position, {}, 0}, l, settings_.ambient_distance_m);
+  };
+  const glm::dvec3 onward = sample_henyey_greenstein(direction, g, stream.next2());
+  if (settings_.ambient == Ambient::occlusion) {
+    // A harmonic of degree l keeps g^l of itself; the coefficients come with the cosine lobe's 1, 2/3 and 1/4.
+    const glm::dvec3 sky = harmonic_sum(world_.ambient_sh(), direction, {1, 1.5 * g, 4 * g * g});
+    return sky == glm::dvec3(0) ? sky : sky * open(onward);
+  }
+  glm::dvec3 sum(0);
+  const auto add = [&](glm::dvec3 l, double pdf, double other, double phase) {
+    if (!(pdf > 0)) return;
+    const glm::dvec3 radiance = world_.sky().radiance(l) * (phase * pdf / (pdf * pdf + other * other));
+    if (radiance != glm::dvec3(0)) sum += radiance * open(l);
+  };
+  const double phase = henyey_greenstein(glm::dot(onward, direction), g);
+  add(onward, phase, world_.sky().pdf(onward), phase);
+  const Sky::Choice choice = world_.sky().sample(stream.next2());
+  const double of_choice = henyey_greenstein(glm::dot(choice.direction, direction), g);
+  add(choice.direction, choice.pdf, of_choice, of_choice);
+  return sum;
+}
+
+glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer,
+                                 SampleStream& stream) const {
+  const Medium& medium = *world_.medium();
+  // Emission: a constant source over extinction, whatever the density does.
+  glm::dvec3 sum = medium.glow() * medium.transmittance(origin, direction, span.begin_m) *
+                   medium.held(medium.length(origin, direction, medium.inside(origin, direction, span)));
+  const Stretch all(medium, origin, direction, span);
+  if (!medium.scatters() || all.empty()) return sum;
+
+  const uint32_t steps = uint32_t(settings_.fog_steps);
+  const uint32_t dimension = first_fog_dimension + layer * (4 + steps * dimensions_a_step);
+  stream.start(dimension);
+  const double first_offset = stream.next();
+  const double g = medium.anisotropy();
+  uint32_t number = 0;
+  for (const PunctualLight& light : world_.punctual_lights()) {
+    double offset = first_offset + 0.6180339887498949 * number++;
+    offset -= std::floor(offset);
+    const bool has_place = light.type != LightType::directional;
+    EquiAngular angles(origin, direction, light.position);
+    const Stretch stretch = has_place ? all.part(angles.within(light.range_m)) : all;
+    if (stretch.empty()) continue;
+    if (has_place) angles.limit(stretch.span());
+    const Points points = points_on(stretch, settings_.fog_steps, has_place);
+    for (int way = -1; way < stretch.kinds(); ++way) {
+      const int count = way < 0 ? points.by_angle : points.of_kind[way];
+      for (int j = 0; j < count; ++j) {
+        const double u = stratum(j, count, offset);
+        const Stretch::Place p = way < 0 ? stretch.place(angles.distance_at(u)) : stretch.by_transmittance(way, u);
+        if (!std::isfinite(p.distance_m)) continue;
+        const Arrival a = arriving(light, p.position);
+        if (a.illuminance == glm::dvec3(0)) continue;
+        Weighed weighed;
+        for (int k = 0; k < stretch.kinds(); ++k) weighed.add(points.of_kind[k] * stretch.density(k, p), k == way);
+        if (has_place) weighed.add(points.by_angle * angles.density(p.distance_m) / stretch.medium_a_metre(p), way < 0);
+        const double chosen = weighed.density();
+        if (!(chosen > 0)) continue;
+        const glm::dvec3 light_here = stretch.towards_camera(p) * a.illuminance *
+                                      (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
+                                      medium.transmittance(p.position, a.l, a.distance_m);
+        if (light_here == glm::dvec3(0)) continue;
+        sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m)
+                                    : light_here;
+      }
+    }
+  }
+  if (!world_.sky() || settings_.ambient == Ambient::off) return sum;
+  uint32_t step = 0;
+  const Points points = points_on(all, settings_.fog_steps, false);
+  for (int kind = 0; kind < all.kinds(); ++kind) {
+    for (int j = 0; j < points.of_kind[kind]; ++j) {
+      const Stretch::Place p = all.by_transmittance(kind, stratum(j, points.of_kind[kind], first_offset));
+      if (!std::isfinite(p.distance_m)) continue;
+      Weighed weighed;
+      for (int k = 0; k < all.kinds(); ++k) weighed.add(points.of_kind[k] * all.density(k, p), k == kind);
+      const double chosen = weighed.density();
+      stream.start(dimension + 4 + step++ * dimensions_a_step);
+      if (chosen > 0) sum += all.towards_camera(p) / chosen * fog_ambient(p.position, direction, stream);
+    }
+  }
+  return sum;
+}
+
+}  // namespace candela::reference

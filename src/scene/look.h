@@ -1,0 +1,44 @@
+#pragma once
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "base/error.h"
+
+namespace candela {
+
+// Beyond this the phase function is a spike that neither a grid nor a lobe of 16-bit numbers holds (TECHNIQUES 13.1).
+inline constexpr double largest_anisotropy = 0.98;
+
+// Air that absorbs, scatters and glows. Everything is in world space, metres and linear Rec.709. What stands per metre
+// holds where the density is 1; everywhere else it is multiplied by the density exp(-falloff * (y - height)), and
+// outside the bounds there is nothing.
+struct Fog {
+  glm::dvec3 extinction_per_m{0};  // absorption and scattering together
+  glm::dvec3 scattering_per_m{0};  // no larger than the extinction
+  glm::dvec3 emission_per_m{0};    // radiance that a metre adds, cd/m2 per m; 0 where the extinction is
+  double anisotropy = 0;           // g of Henyey and Greenstein: above 0 light goes on, below 0 it comes back
+  double falloff_per_m = 0;
+  double height_m = 0;
+  glm::dvec3 lowest{-std::numeric_limits<double>::infinity()}, highest{std::numeric_limits<double>::infinity()};
+};
+
+// Nothing at an infinite distance comes through.
+inline bool is_endless(const Fog& fog) {
+  return fog.extinction_per_m != glm::dvec3(0) && fog.falloff_per_m == 0 && glm::all(glm::isinf(fog.lowest)) &&
+         glm::all(glm::isinf(fog.highest));
+}
+
+// What a look file says of the picture beside scene and job.
+struct Look {
+  std::optional<Fog> fog;
+};
+
+// A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are
+// negative, not finite or contradict each other are errors (input) that name file and JSON path.
+Expected<Look> read_look(const std::filesystem::path& file);
+Expected<Look> look_from_json(const std::string& text, const std::string& place);
+
+}  // namespace candela

@@ -1,0 +1,78 @@
+#include "scene/look.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace candela::test {
+namespace {
+
+Fog fog_of(const std::string& text) {
+  const auto look = look_from_json(text, "l.json");
+  EXPECT_TRUE(look) << (look ? "" : look.error().text());
+  return look && look->fog ? *look->fog : Fog{};
+}
+
+}  // namespace
+
+TEST(Look, SaysWhatFogIs) {
+  const Fog fog =
+      fog_of(R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": [1, 0.5, 0], "anisotropy": -0.98, "emission": 2,
+                             "falloff": 20.7, "height": -3, "bounds": {"y": [-1, 2.5], "x": [0, 1]}}})");
+  EXPECT_EQ(fog.extinction_per_m, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(fog.scattering_per_m, glm::dvec3(0.1, 0.1, 0));
+  EXPECT_EQ(fog.emission_per_m, glm::dvec3(2));
+  EXPECT_EQ(fog.anisotropy, -0.98);
+  EXPECT_EQ(fog.falloff_per_m, 20.7);
+  EXPECT_EQ(fog.height_m, -3);
+  EXPECT_EQ(fog.lowest.x, 0);
+  EXPECT_EQ(fog.highest.y, 2.5);
+  EXPECT_EQ(fog.lowest.z, -std::numeric_limits<double>::infinity());
+
+  const Fog parts = fog_of(R"({"fog": {"scattering": 0.25, "absorption": [0.5, 0, 1]}})");
+  EXPECT_EQ(parts.extinction_per_m, glm::dvec3(0.75, 0.25, 1.25));
+  EXPECT_EQ(parts.scattering_per_m, glm::dvec3(0.25));
+  EXPECT_EQ(fog_of(R"({"fog": {"extinction": 1e6}})").scattering_per_m, glm::dvec3(1e6))
+      << "albedo is 1 where nothing is said";
+  EXPECT_FALSE(look_from_json("{}", "l.json")->fog);
+}
+
+TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
+  const std::vector<std::array<const char*, 3>> cases = {
+      {R"({"fogg": {}})", "l.json: /fogg", "did you mean 'fog'"},
+      {R"({"fog": {"extinction": 1, "extiction": 1}})", "l.json: /fog/extiction", "extinction"},
+      {R"({"fog": {"extinction": "1"}})", "l.json: /fog/extinction", "not a number"},
+      {R"({"fog": {"extinction": true}})", "l.json: /fog/extinction", "not a number"},
+      {R"({"fog": {"extinction": [1, 2]}})", "l.json: /fog/extinction", "2 values"},
+      {R"({"fog": {"extinction": [1, -2, 1]}})", "l.json: /fog/extinction/1", "below 0"},
+      {R"({"fog": {"extinction": [1, 1, 1e39]}})", "l.json: /fog/extinction/2", "32-bit"},
+      {R"({"fog": {"extinction": 1e999}})", "l.json", "JSON"},
+      {R"({"fog": {"extinction": NaN}})", "l.json", "JSON"},
+      {R"({"fog": {"scattering": 3e38, "absorption": 3e38}})", "l.json: /fog", "32-bit"},
+      {R"({"fog": {"extinction": 1, "albedo": 1.01}})", "l.json: /fog/albedo", "at most 1"},
+      {R"({"fog": {"extinction": 1, "anisotropy": 0.99}})", "l.json: /fog/anisotropy", "0.98"},
+      {R"({"fog": {"extinction": 1, "anisotropy": [0, 0, 0]}})", "l.json: /fog/anisotropy", "not a number"},
+      {R"({"fog": {"extinction": 1, "falloff": -0.1}})", "l.json: /fog/falloff", "below 0"},
+      {R"({"fog": {"extinction": 1, "bounds": {"y": [2, 1]}}})", "l.json: /fog/bounds/y", "not below"},
+      {R"({"fog": {"extinction": 1, "bounds": {"y": 2}}})", "l.json: /fog/bounds/y", "two numbers"},
+      {R"({"fog": {"extinction": 1, "bounds": {"w": [1, 2]}}})", "l.json: /fog/bounds/w", "key"},
+      {R"({"fog": {"extinction": 1, "scattering": 1}})", "l.json: /fog", "one pair"},
+      {R"({"fog": {"albedo": 1}})", "l.json: /fog", "lacks extinction"},
+      {R"({"fog": {"extinction": [1, 0, 1], "emission": [0, 1, 0]}})", "l.json: /fog/emission", "extinction above 0"},
+      {R"({"fog": {"extinction": 1, "extinction": 2}})", "l.json", "twice"},
+      {R"({"fog": []})", "l.json: /fog", "not an object"},
+      {R"([])", "l.json", "object"},
+      {R"({"fog": {"extinction": 1},})", "l.json", "JSON"},
+      {"", "l.json", "JSON"},
+  };
+  for (const auto& [text, place, what] : cases) {
+    const auto look = look_from_json(text, "l.json");
+    ASSERT_FALSE(look) << text;
+    EXPECT_EQ(look.error().kind, ErrorKind::input);
+    EXPECT_EQ(look.error().place, place) << text;
+    EXPECT_NE(look.error().message.find(what), std::string::npos) << look.error().text();
+  }
+  EXPECT_FALSE(read_look("no such file.json"));
+}
+
+}  // namespace candela::test

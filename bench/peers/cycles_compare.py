@@ -28,7 +28,7 @@ NOTES = [
     " wholly dependent channels. beyond_3_sigma: share of values, 0.0027 for Gaussian noise.",
     "energy: mean of candela's pixels over that of Cycles', with the standard error of the ratio, by channel.",
     "relmse: mean (a-b)^2 / (b^2 + 0.01) over pixels and channels; relmse_of_noise: what the two variances say it should be.",
-    "candela_compare: one run of each by the program, whose floor holds the noise of candela's run alone.",
+    "candela_compare: relmse of the first run of each by `candela compare`, and its floor, which holds the noise of candela's run alone.",
 ]
 
 

@@ -1,9 +1,10 @@
 """The scenes that candela and Cycles both read: glTF files whose materials mean the same in both.
 
-Cycles 3.4 has no BRDF equal to glTF's: its Principled BSDF takes Schlick's Fresnel of another half vector law, and its GGX masks
-each direction by itself where glTF's is height-correlated. Equal are: a diffuse surface (glTF: KHR_materials_specular with factor 0,
-not metallic; the layer of f0 = f90 = 0 takes nothing), emission, and a metal of base colour 1, whose Schlick Fresnel is 1 at every
-angle, as far as masking does not matter (alpha 0.09: products of two Lambda terms, 4e-6 at 45 degrees, 4e-3 at 80).
+Cycles 3.4 has no BRDF equal to glTF's: its Principled BSDF takes the Fresnel equations where glTF takes Schlick's approximation, adds
+the specular lobe without taking its share from the diffuse one, which is Burley's and not Lambert's, and its GGX is the product of two
+maskings where glTF's is height-correlated. Equal are: a diffuse surface (glTF: KHR_materials_specular with factor 0, not metallic; the
+layer of f0 = f90 = 0 takes nothing), emission, and a metal of base colour 1, whose Schlick Fresnel is 1 at every angle, as far as
+masking does not matter (alpha 0.09: the two differ by the product of the directions' Lambda, 4e-6 at 45 degrees, 4e-3 at 80).
 """
 import base64
 import json
@@ -16,8 +17,8 @@ NITS = [18.4, 15.6, 8.0]
 WHITE, RED, GREEN = [0.74, 0.73, 0.70], [0.61, 0.06, 0.05], [0.12, 0.45, 0.10]
 
 # Cornell University Program of Computer Graphics, "The Cornell Box", measured geometry; millimetres.
-# Corners turn against the clock as seen from the room or from outside the blocks. The lamp hangs a tenth of a millimetre lower than
-# there, since its ceiling has a hole for it and this one has none.
+# Corners turn against the clock as seen from inside the room and from outside the blocks: glTF's front. The lamp hangs a tenth of a
+# millimetre lower than there, where the ceiling has a hole for it.
 CORNELL = {
     "white": [[(552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)],
               [(556, 548.8, 0), (556, 548.8, 559.2), (0, 548.8, 559.2), (0, 548.8, 0)],
@@ -97,7 +98,6 @@ def cornell(file, tall_block=None):
     of = {"white": 0, "short block": 0, "red": 1, "green": 2, "lamp": 3, "tall block": 4}
     for name, quads in CORNELL.items():
         corners = [[tuple(x / 1000 for x in p) for p in q] for q in quads]
-        # The walls and the lamp have their fronts inside as listed; x runs to the left, so the listed order is the other hand's.
         add_triangles(gltf, name, [t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))], of[name])
     add_camera(gltf, 2 * math.atan(0.0125 / 0.035), translation=[0.278, 0.273, -0.8], rotation=[0, 1, 0, 0])
     # candela lights a file without lights by a neutral one; a dark light keeps that away, so that the lamp is all there is.

@@ -14,7 +14,7 @@ Expected<BudgetPlace> place_of(const Job& job, const std::string& device) {
   BudgetPlace place{.scene = job.scene, .width_px = job.width_px, .height_px = job.height_px};
   const auto scene = load_gltf(job.scene);
   if (!scene) return std::unexpected(scene.error());
-  const auto content = hash_files(scene->files, job.sky);
+  const auto content = hash_files(scene->files, job.sky, job.look);
   if (!content) return std::unexpected(content.error());
   place.scene_content = content->hex();
   const auto devices = gpu::list_devices();

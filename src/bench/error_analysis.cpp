@@ -53,7 +53,7 @@ void judge_times(KnobStudy& study) {
 
 // A tenth of what is wrong anyway is not seen: the cheapest value whose own error stays below it is the one worth its time; among values
 // whose times are not known to differ, the one with less error.
-void judge_values(KnobStudy& study, std::optional<double> whole_relmse) {
+void judge_values(KnobStudy& study, std::optional<double> model_relmse) {
   const auto& values = study.values;
   if (study.kind == "time") return judge_times(study);
   if (std::all_of(values.begin(), values.end(), [](const KnobStudy::Value& v) { return v.rmse == 0; })) {
@@ -63,7 +63,7 @@ void judge_values(KnobStudy& study, std::optional<double> whole_relmse) {
   find_dominated(study);
   const KnobStudy::Value* best = nullptr;
   for (KnobStudy::Value& v : study.values) {
-    const bool hidden = whole_relmse ? v.relmse <= 0.1 * *whole_relmse : v.relmse == 0;
+    const bool hidden = model_relmse ? v.relmse <= 0.1 * *model_relmse : v.relmse == 0;
     if (!v.dominated) v.verdict = hidden ? "its error is hidden under the technique's own" : "its error shows";
     if (!hidden) continue;
     if (!best || surely_quicker(v.ms_ci, best->ms_ci) || (!surely_quicker(best->ms_ci, v.ms_ci) && v.relmse < best->relmse)) best = &v;
@@ -186,7 +186,11 @@ std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows) {
   for (KnobStudy& study : studies) {
     fit_order(study);
     const BenchRow* exact = exact_row(rows, study.technique);
-    judge_values(study, exact ? error_of(*exact, open_reference_name, "relmse") : std::nullopt);
+    // Trimmed: a firefly of the technique's must not hide what a knob does everywhere else.
+    std::optional<double> model;
+    if (exact) model = error_of(*exact, open_reference_name, "relmse-trimmed");
+    if (exact && !model) model = error_of(*exact, open_reference_name, "relmse");
+    judge_values(study, model);
   }
   return studies;
 }

@@ -88,6 +88,12 @@ TEST(KnobStudies, OrderOfConvergenceAndAdvice) {
   for (const auto& v : study.values) EXPECT_FALSE(v.dominated);
 }
 
+TEST(KnobStudies, AFireflyOfTheTechniqueHidesNothing) {
+  auto rows = sweep();
+  rows[1].errors[1].metrics["relmse-trimmed"] = 0.001;  // all but one pixel
+  EXPECT_EQ(knob_studies(pointers(rows))[0].advised, "0.01") << "0.0009 of 0.1 is no longer a tenth of what is wrong elsewhere";
+}
+
 TEST(KnobStudies, AValueThatCostsMoreAndGivesLessIsDominated) {
   auto rows = sweep();
   rows[5].gpu.ms = {7, 7, 7};  // 0.1 is now slower than the exact value

@@ -292,9 +292,11 @@ Expected<ordered_json> measure(const std::string& what, int width, int height, i
   const Accel first(*scene, pose, frame, options);
   const Mesh3 mesh(*scene, frame, first);
   const std::vector<RayKind> kinds = make_rays(first, frame, *view, bounds, width, height);
-  ordered_json out = {{"scene", std::filesystem::path(parts[0]).stem().string()},
+  const std::filesystem::path file = std::filesystem::absolute(parts[0]);
+  ordered_json out = {{"scene", (file.stem() == "scene" ? file.parent_path() : file).stem().string()},
                       {"triangles", mesh.index.size() / 3},
                       {"view", view->name}};
+  if (parts.size() == 3) out["eye"] = parts[1], out["target"] = parts[2];
   std::fprintf(stderr, "%s: %zu triangles\n", out["scene"].get<std::string>().c_str(), mesh.index.size() / 3);
   for (const Quality& q : qualities) {
     options.builder = q.builder, options.measure_cost = true;

@@ -12,6 +12,12 @@ namespace {
 
 bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+// Without branches: what is not finite leaves NaN.
+bool finite_pair(glm::vec3 a, glm::vec3 b) {
+  const glm::vec3 none = (a - a) + (b - b);
+  return (none.x + none.y) + none.z == 0;
+}
+
 // One traversal: what the kernels call back.
 struct Search : KernelCaller {
   const Accel::Trees& trees;
@@ -25,7 +31,11 @@ struct Search : KernelCaller {
   float inverse_scale = 1;  // from the kernels' t to the caller's
 
   Search(const Accel::Trees& t, const HitFilter* f, KernelCounts* c, bool any_hit)
-      : KernelCaller{&accept_hit, &enter_instance}, trees(t), filter(f), counts(c), any(any_hit) {}
+      : KernelCaller{any_hit && !f ? nullptr : &accept_hit, &enter_instance},
+        trees(t),
+        filter(f),
+        counts(c),
+        any(any_hit) {}
 
   Hit resolve(const KernelHit& h, const AccelInstance* in) const {
     Hit hit{h.t * inverse_scale, h.u, h.v, 0, 0, h.clockwise};
@@ -53,6 +63,7 @@ struct Search : KernelCaller {
     Search& s = static_cast<Search&>(caller);
     if (s.found && h.t == s.best.t && s.loses_tie(h)) return false;
     if (s.filter && s.filtered_out(h)) return false;
+    if (!s.instance) __builtin_prefetch(&s.trees.world_item[h.id]);  // resolve will want it
     s.best = h, s.best_instance = s.instance, s.found = true;
     return true;
   }
@@ -80,15 +91,18 @@ struct Search : KernelCaller {
   }
 
   bool trace(const Ray& from) {
-    if (!finite(from.origin) || !finite(from.direction) || from.direction == glm::vec3(0)) return false;
-    if (!(from.t_min <= from.t_max)) return false;
+    if (!finite_pair(from.origin, from.direction) || !(from.t_min <= from.t_max)) return false;
     const float scale = direction_scale(from.direction);
-    const glm::vec3 d = from.direction / scale;
-    KernelRay ray{
-        {from.origin.x, from.origin.y, from.origin.z}, {d.x, d.y, d.z}, from.t_min * scale, from.t_max * scale};
-    inverse_scale = 1.0f / scale;
-    if (!run(trees.world, ray)) run(trees.top, ray);
-    return found;
+    if (!(scale > 0)) return false;
+    KernelRay ray{{from.origin.x, from.origin.y, from.origin.z},
+                  {from.direction.x, from.direction.y, from.direction.z},
+                  from.t_min,
+                  from.t_max};
+    if (scale != 1) {
+      for (float& d : ray.direction) d /= scale;
+      ray.t_min *= scale, ray.t_max *= scale, inverse_scale = 1.0f / scale;
+    }
+    return run(trees.world, ray) || run(trees.top, ray) || found;
   }
 };
 

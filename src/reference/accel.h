@@ -55,7 +55,7 @@ struct AccelStatistics {
   size_t left_out = 0;       // triangles with non-finite corners
   size_t skipped_items = 0;  // items of points or lines: rays do not meet them
   size_t nodes = 0, bytes = 0;
-  double sah_cost = 0;  // of the binary trees (instanced ones once), in triangle tests, if asked for
+  double sah_cost = 0;  // of the binary trees (instanced ones once), in tests of four triangles, if asked for
   double build_ms = 0;
 };
 

@@ -178,7 +178,7 @@ class Assembly {
       references.push_back(r);
     }
     BvhOptions options = options_;
-    options.max_leaf = 1;
+    options.max_leaf = 1, options.block_shift = 0;
     trees_.top = collapse(build_tree(references, {}, options), {});
   }
 

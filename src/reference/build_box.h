@@ -43,6 +43,11 @@ struct Span {
   const BoxReference* end() const { return references + count; }
 };
 
+// What testing that many references costs, in tests of a block.
+inline float tests_of(uint32_t count, uint32_t block_shift) {
+  return float((count + ((1u << block_shift) - 1)) >> block_shift);
+}
+
 // Nodes above this size are binned by all threads; the sums (minima, maxima, counts) do not depend on their order.
 constexpr uint32_t parallel_binning = 1u << 15;
 

@@ -58,14 +58,17 @@ class Builder {
     while (waiting > 0) {
       const Subtree at = stack[--waiting];
       deepest = std::max(deepest, at.depth + 1);
-      at.box.write(tree_.nodes[at.node]);
+      BinaryNode& node = tree_.nodes[at.node];
+      at.box.write(node);
+      node.count = at.count & 0x7fffffffu;
       Subtree left, right;
-      if (!split(at, left, right)) {
-        tree_.nodes[at.node].first = at.begin, tree_.nodes[at.node].count = at.count;
+      node.inner = split(at, left, right);
+      if (!node.inner) {
+        node.first = at.begin;
         in_leaves += at.count;
         continue;
       }
-      tree_.nodes[at.node].first = left.node, tree_.nodes[at.node].count = 0;
+      node.first = left.node;
       if (right.count > task_size)
         group_.run([this, right] { build_subtree(right); });
       else
@@ -95,16 +98,18 @@ class Builder {
     // Few references do not fill many buckets.
     const Buckets buckets(at.centres2, int(std::min(uint32_t(options_.buckets), 4 + at.count / 4)));
     const Span references{references_ + at.begin, at.count};
-    const ObjectSplit object = find_object_split(references, buckets, may_cut);
+    const ObjectSplit object = find_object_split(references, buckets, options_.block_shift, may_cut);
     const uint32_t slack = at.last - at.first - at.count;
     const float area = at.box.half_area();
     SpatialSplit spatial;
     // Where the sides hardly overlap a spatial split has nothing to gain. The share is of the root's area: small nodes
     // deep down do not matter however much they overlap.
     if (may_cut && slack > 0 && (object.axis < 0 || object.overlap > options_.overlap_alpha * root_area_))
-      spatial = find_spatial_split(references, triangles_, at.box, options_.buckets, slack);
+      spatial = find_spatial_split(references, triangles_, at.box, options_.buckets, options_.block_shift, slack);
     const float best = std::min(object.cost, spatial.cost);
-    if (at.count <= options_.max_leaf && !(options_.node_cost * area + best < area * float(at.count))) return false;
+    if (at.count <= options_.max_leaf &&
+        !(options_.node_cost * area + best < area * tests_of(at.count, options_.block_shift)))
+      return false;
     if (spatial.cost < object.cost && cut_in_two(at, spatial, left, right)) return true;
     if (object.axis < 0) return halve(at, left, right);
     partition(at, buckets, object, left, right);
@@ -249,8 +254,9 @@ double sah_cost(const BinaryTree& tree, const BvhOptions& options) {
   while (!stack.empty()) {
     const BinaryNode& node = tree.nodes[stack.back()];
     stack.pop_back();
-    sum += double(node.half_area()) * (node.count > 0 ? double(node.count) : double(options.node_cost));
-    if (node.count == 0) stack.push_back(node.first), stack.push_back(node.first + 1);
+    sum +=
+        double(node.half_area()) * double(node.inner ? options.node_cost : tests_of(node.count, options.block_shift));
+    if (node.inner) stack.push_back(node.first), stack.push_back(node.first + 1);
   }
   const double root = double(tree.nodes[0].half_area());
   return root > 0 ? sum / root : double(tree.reference_count);

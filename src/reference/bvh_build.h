@@ -31,7 +31,8 @@ BoxReference reference_to(const TriangleCorners& triangle, uint32_t id);
 struct BinaryNode {
   float low[3], high[3];
   uint32_t first;  // leaf: into BinaryTree::references; inner: its children are nodes first and first + 1
-  uint32_t count;  // leaf: references; 0: inner
+  uint32_t inner : 1;
+  uint32_t count : 31;  // references; below an inner node spatial splits may have added some
   Aabb box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
   float half_area() const {  // half the surface
     const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
@@ -54,8 +55,8 @@ struct BinaryTree {
 BinaryTree build_tree(std::span<const BoxReference> boxes, std::span<const TriangleCorners> triangles,
                       const BvhOptions& options);
 
-// Expected cost of a ray that meets the root's box, in triangle tests (MacDonald and Booth, "Heuristics for Ray Tracing
-// using Space Subdivision", 1990): every inner node costs options.node_cost, every reference 1.
+// Expected cost of a ray that meets the root's box, in tests of a block (MacDonald and Booth, "Heuristics for Ray
+// Tracing using Space Subdivision", 1990): an inner node costs options.node_cost, a leaf its blocks.
 double sah_cost(const BinaryTree& tree, const BvhOptions& options);
 
 }  // namespace candela

@@ -16,7 +16,8 @@ struct BvhOptions {
       1e-5f;  // sbvh: spatial splits are tried where children's overlap exceeds this share of the root's area
   float split_budget = 1.0f;  // sbvh: references that spatial splits may add, as a share of the triangles
   uint32_t max_leaf = 8;      // references in a leaf, at most 32 * 4
-  float node_cost = 1.0f;     // of a step down, in triangle tests
+  uint32_t block_shift = 2;   // a leaf's triangles are tested by blocks of 1 << block_shift at once
+  float node_cost = 0.5f;     // of a step down, in tests of a block
 };
 
 }  // namespace candela

@@ -56,7 +56,7 @@ BuildBox union_of(const BuildBox* boxes, int first, int last) {
   return all;
 }
 
-ObjectSplit best_split(const Bins& bins, const Buckets& how, bool with_overlap) {
+ObjectSplit best_split(const Bins& bins, const Buckets& how, uint32_t block_shift, bool with_overlap) {
   ObjectSplit best;
   const int n = bins.buckets;
   for (int a = 0; a < 3; ++a) {
@@ -66,13 +66,13 @@ ObjectSplit best_split(const Bins& bins, const Buckets& how, bool with_overlap) 
     uint32_t count = 0;
     for (int b = n - 1; b > 0; --b) {
       box.add(bins.box[a][b]), count += bins.count[a][b];
-      right_cost[b] = count > 0 ? box.half_area() * float(count) : -1.0f;  // -1: an empty side
+      right_cost[b] = count > 0 ? box.half_area() * tests_of(count, block_shift) : -1.0f;  // -1: an empty side
     }
     box = {}, count = 0;
     for (int b = 1; b < n; ++b) {
       box.add(bins.box[a][b - 1]), count += bins.count[a][b - 1];
       if (count == 0 || right_cost[b] < 0) continue;
-      const float cost = box.half_area() * float(count) + right_cost[b];
+      const float cost = box.half_area() * tests_of(count, block_shift) + right_cost[b];
       if (cost < best.cost) best.axis = a, best.bucket = b, best.cost = cost;
     }
   }
@@ -101,15 +101,15 @@ Buckets::Buckets(const BuildBox& centres2, int buckets)
   scale4_ = F4::load(scale_);
 }
 
-ObjectSplit find_object_split(Span references, const Buckets& buckets, bool with_overlap) {
+ObjectSplit find_object_split(Span references, const Buckets& buckets, uint32_t block_shift, bool with_overlap) {
   if (references.count < parallel_binning) {
     Bins bins(buckets.count());
     bins.add(references, buckets);
-    return best_split(bins, buckets, with_overlap);
+    return best_split(bins, buckets, block_shift, with_overlap);
   }
   ParallelBins bins(references, buckets);
   tbb::parallel_reduce(tbb::blocked_range<uint32_t>(0, references.count, parallel_binning / 8), bins);
-  return best_split(bins.bins, buckets, with_overlap);
+  return best_split(bins.bins, buckets, block_shift, with_overlap);
 }
 
 }  // namespace candela

@@ -22,10 +22,10 @@ class Buckets {
 struct ObjectSplit {
   int axis = -1;                                        // -1: none (all centres are one point)
   int bucket = 0;                                       // the first one on the right side
-  float cost = std::numeric_limits<float>::infinity();  // sum of half area times count over both sides
+  float cost = std::numeric_limits<float>::infinity();  // sum of half area times tests over both sides
   float overlap = 0;                                    // half area of the sides' common box; 0: none
 };
 // The best of all axes and bucket borders; ties: the first axis and border. overlap is made only on request.
-ObjectSplit find_object_split(Span references, const Buckets& buckets, bool with_overlap);
+ObjectSplit find_object_split(Span references, const Buckets& buckets, uint32_t block_shift, bool with_overlap);
 
 }  // namespace candela

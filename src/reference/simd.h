@@ -48,10 +48,13 @@ inline F4 operator/(F4 a, F4 b) { return {_mm_div_ps(a.v, b.v)}; }
 inline F4 min(F4 a, F4 b) { return {_mm_min_ps(a.v, b.v)}; }
 inline F4 max(F4 a, F4 b) { return {_mm_max_ps(a.v, b.v)}; }
 inline F4 absolute(F4 a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
-// Bit i is lane i.
-inline uint32_t less(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v))); }
-inline uint32_t less_equal(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v, b.v))); }
-inline uint32_t equal(F4 a, F4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v))); }
+struct M4 {  // of each lane, whether
+  __m128 v;
+  uint32_t bits() const { return uint32_t(_mm_movemask_ps(v)); }  // bit i is lane i
+};
+inline M4 operator&(M4 a, M4 b) { return {_mm_and_ps(a.v, b.v)}; }
+inline M4 less(F4 a, F4 b) { return {_mm_cmplt_ps(a.v, b.v)}; }
+inline M4 less_equal(F4 a, F4 b) { return {_mm_cmple_ps(a.v, b.v)}; }
 inline uint32_t equal_ints(const uint32_t* p, uint32_t x) {
   const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
   return uint32_t(_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(v, _mm_set1_epi32(int(x))))));
@@ -86,11 +89,16 @@ F4 each(F4 a, F4 b, Operation operation) {
   for (int i = 0; i < 4; ++i) r.v[i] = operation(a.v[i], b.v[i]);
   return r;
 }
+struct M4 {
+  uint32_t lanes;
+  uint32_t bits() const { return lanes; }
+};
+inline M4 operator&(M4 a, M4 b) { return {a.lanes & b.lanes}; }
 template <class Test>
-uint32_t lanes(F4 a, F4 b, Test test) {
+M4 lanes(F4 a, F4 b, Test test) {
   uint32_t mask = 0;
   for (int i = 0; i < 4; ++i) mask |= uint32_t(test(a.v[i], b.v[i])) << i;
-  return mask;
+  return {mask};
 }
 inline F4 operator+(F4 a, F4 b) {
   return each(a, b, [](float x, float y) { return x + y; });
@@ -113,14 +121,11 @@ inline F4 max(F4 a, F4 b) {
 inline F4 absolute(F4 a) {
   return each(a, a, [](float x, float) { return std::bit_cast<float>(std::bit_cast<uint32_t>(x) & 0x7fffffffu); });
 }
-inline uint32_t less(F4 a, F4 b) {
+inline M4 less(F4 a, F4 b) {
   return lanes(a, b, [](float x, float y) { return x < y; });
 }
-inline uint32_t less_equal(F4 a, F4 b) {
+inline M4 less_equal(F4 a, F4 b) {
   return lanes(a, b, [](float x, float y) { return x <= y; });
-}
-inline uint32_t equal(F4 a, F4 b) {
-  return lanes(a, b, [](float x, float y) { return x == y; });
 }
 inline uint32_t equal_ints(const uint32_t* p, uint32_t x) {
   uint32_t mask = 0;
@@ -160,7 +165,7 @@ inline F8 operator-(F8 x, F8 y) { return {x.a - y.a, x.b - y.b}; }
 inline F8 operator*(F8 x, F8 y) { return {x.a * y.a, x.b * y.b}; }
 inline F8 min(F8 x, F8 y) { return {min(x.a, y.a), min(x.b, y.b)}; }
 inline F8 max(F8 x, F8 y) { return {max(x.a, y.a), max(x.b, y.b)}; }
-inline uint32_t less_equal(F8 x, F8 y) { return less_equal(x.a, y.a) | less_equal(x.b, y.b) << 4; }
+inline uint32_t less_equal(F8 x, F8 y) { return less_equal(x.a, y.a).bits() | less_equal(x.b, y.b).bits() << 4; }
 
 #endif
 

@@ -50,7 +50,7 @@ class Cutter {
   }
 
  private:
-  static bool valid(const BuildBox& b) { return (less_equal(b.low, b.high) & 7u) == 7u; }
+  static bool valid(const BuildBox& b) { return (less_equal(b.low, b.high).bits() & 7u) == 7u; }
   const TriangleCorners& triangle_;
   F4 corner_[3], margin_, slack_;
 };
@@ -131,7 +131,8 @@ struct SpatialBinning {
   }
 };
 
-void best_on_axis(const Bins& bins, const Slabs& slabs, int axis, uint32_t most, SpatialSplit& best) {
+void best_on_axis(const Bins& bins, const Slabs& slabs, int axis, uint32_t most, uint32_t block_shift,
+                  SpatialSplit& best) {
   BuildBox right_box[most_buckets];
   uint32_t right_count[most_buckets];
   BuildBox box;
@@ -144,7 +145,8 @@ void best_on_axis(const Bins& bins, const Slabs& slabs, int axis, uint32_t most,
   for (int k = 1; k < slabs.count; ++k) {
     box.add(bins.box[k - 1]), count += bins.entry[k - 1];
     if (count == 0 || right_count[k] == 0 || count + right_count[k] > most) continue;
-    const float cost = box.half_area() * float(count) + right_box[k].half_area() * float(right_count[k]);
+    const float cost = box.half_area() * tests_of(count, block_shift) +
+                       right_box[k].half_area() * tests_of(right_count[k], block_shift);
     if (cost < best.cost) best = {axis, slabs.plane(k), cost, count, right_count[k], box, right_box[k]};
   }
 }
@@ -162,7 +164,7 @@ BuildBox joined(BuildBox a, const BuildBox& b) {
 }  // namespace
 
 SpatialSplit find_spatial_split(Span references, std::span<const TriangleCorners> triangles, const BuildBox& box,
-                                int buckets, uint32_t room) {
+                                int buckets, uint32_t block_shift, uint32_t room) {
   const Slabs slabs[3] = {{box, 0, buckets}, {box, 1, buckets}, {box, 2, buckets}};
   SpatialBinning binning(references, triangles, slabs);
   const tbb::blocked_range<uint32_t> all(0, references.count, parallel_binning / 32);
@@ -172,7 +174,7 @@ SpatialSplit find_spatial_split(Span references, std::span<const TriangleCorners
     tbb::parallel_reduce(all, binning);
   SpatialSplit best;
   for (int a = 0; a < 3; ++a)
-    if (slabs[a].usable()) best_on_axis(binning.axis(a), slabs[a], a, references.count + room, best);
+    if (slabs[a].usable()) best_on_axis(binning.axis(a), slabs[a], a, references.count + room, block_shift, best);
   return best;
 }
 

@@ -21,7 +21,7 @@ struct SpatialSplit {
 };
 // The best plane of `buckets` equal slabs of the node's box, on any axis, that adds at most `room` references.
 SpatialSplit find_spatial_split(Span references, std::span<const TriangleCorners> triangles, const BuildBox& box,
-                                int buckets, uint32_t room);
+                                int buckets, uint32_t block_shift, uint32_t room);
 
 struct SplitCounts {
   uint32_t left = 0, right = 0;

@@ -18,26 +18,7 @@ constexpr int stack_size = 7 * 92 + 8;
 constexpr float slab_slack = 1.000001f;
 constexpr float smallest_determinant = 1e-20f, largest_determinant = 1e30f;  // as in triangle.h
 
-struct Shear {
-  uint32_t x, y, z;
-  float sx, sy, sz;
-};
-
 inline float magnitude(float x) { return std::bit_cast<float>(std::bit_cast<uint32_t>(x) & 0x7fffffffu); }
-
-// As shear_of in triangle.h, without branches: incoherent rays would guess them wrong.
-inline Shear shear_along(const float (&d)[3]) {
-  const float a0 = magnitude(d[0]), a1 = magnitude(d[1]), a2 = magnitude(d[2]);
-  const uint32_t first = a0 > a1, last = !((a0 > a1 ? a0 : a1) > a2);
-  static constexpr uint32_t after[3] = {1, 2, 0};
-  Shear s;
-  s.z = last << 1 | ((first | last) ^ 1u);
-  const uint32_t x = after[s.z], y = after[x], backwards = std::bit_cast<uint32_t>(d[s.z]) >> 31;
-  s.x = x ^ ((x ^ y) & (0u - backwards)), s.y = y ^ ((x ^ y) & (0u - backwards));
-  s.sz = 1.0f / d[s.z];
-  s.sx = d[s.x] * s.sz, s.sy = d[s.y] * s.sz;
-  return s;
-}
 
 // A child to visit, as one number that sorts by distance: its bits as those of a float that is not negative, above the
 // child reference. (Below zero, for rays with such a t_min, the order is no longer the best one, but all are visited.)
@@ -52,37 +33,48 @@ inline void sort2(Waiting& a, Waiting& b) {
 }
 
 struct Prepared {  // a ray, spread over lanes
-  F8 origin[3], inverse[3], t_min;
+  F8 origin[3], inverse[3], far_inverse[3], t_min;
   uint32_t near_row[3], far_row[3];  // of WideNode::bounds, in floats
-  Shear shear;
-  F4 shear_origin[3], sx, sy, sz;
-  explicit Prepared(const KernelRay& ray) : t_min(F8::all(ray.t_min)), shear(shear_along(ray.direction)) {
-    for (int a = 0; a < 3; ++a) {
-      const float inverse_a = 1.0f / ray.direction[a];
-      origin[a] = F8::all(ray.origin[a]), inverse[a] = F8::all(inverse_a);
-      const uint32_t backwards = std::bit_cast<uint32_t>(inverse_a) >> 31;
-      near_row[a] = (uint32_t(2 * a) + backwards) * wide_children;
-      far_row[a] = (uint32_t(2 * a) + 1 - backwards) * wide_children;
+  uint32_t x, y, z;                  // axes of the sheared space
+  F4 shear_origin[3], sx, sy, sz, least_t;
+  explicit Prepared(const KernelRay& ray) : t_min(F8::all(ray.t_min)), least_t(F4::all(ray.t_min)) {
+    const float(&d)[3] = ray.direction;
+    float inverses[4];  // the fourth of no meaning
+    (F4::all(1.0f) / F4::load3(d)).store(inverses);
+    for (uint32_t a = 0; a < 3; ++a) {
+      origin[a] = F8::all(ray.origin[a]), inverse[a] = F8::all(inverses[a]);
+      far_inverse[a] = F8::all(inverses[a] * slab_slack);
+      near_row[a] = (2 * a + negative(d[a])) * wide_children;
+      far_row[a] = (2 * a + 1 - negative(d[a])) * wide_children;
     }
-    shear_origin[0] = F4::all(ray.origin[shear.x]);
-    shear_origin[1] = F4::all(ray.origin[shear.y]);
-    shear_origin[2] = F4::all(ray.origin[shear.z]);
-    sx = F4::all(shear.sx), sy = F4::all(shear.sy), sz = F4::all(shear.sz);
+    // As shear_of in triangle.h, without branches: incoherent rays would guess them wrong.
+    const float a0 = magnitude(d[0]), a1 = magnitude(d[1]), a2 = magnitude(d[2]);
+    const uint32_t first = a0 > a1, last = !((a0 > a1 ? a0 : a1) > a2);
+    static constexpr uint32_t after[3] = {1, 2, 0};
+    z = last << 1 | ((first | last) ^ 1u);
+    const uint32_t one = after[z], other = after[one], swap = (one ^ other) & (0u - negative(d[z]));
+    x = one ^ swap, y = other ^ swap;
+    const uint32_t axes[3] = {x, y, z};
+    for (int i = 0; i < 3; ++i) shear_origin[i] = F4::all(ray.origin[axes[i]]);
+    sz = F4::all(inverses[z]), sx = F4::all(d[x]) * sz, sy = F4::all(d[y]) * sz;
   }
+
+ private:
+  static uint32_t negative(float f) { return std::bit_cast<uint32_t>(f) >> 31; }
 };
 
 // Bit per child whose box the ray meets. A slab's 0 * infinity (the origin in the plane of a slab that the ray runs
 // along) is NaN, which min and max drop: the slab then does not limit.
-inline uint32_t meet_boxes(const WideNode& node, const Prepared& p, float t_max, float (&near)[wide_children]) {
+inline uint32_t meet_boxes(const WideNode& node, const Prepared& p, float t_max, F8& near) {
   const float* bounds = node.bounds[0];
-  F8 begin = p.t_min, end = F8::all(t_max);
+  F8 begin = p.t_min, end = F8::all(t_max * slab_slack);
 #pragma GCC unroll 3
   for (int a = 0; a < 3; ++a) {
     begin = max((F8::load(bounds + p.near_row[a]) - p.origin[a]) * p.inverse[a], begin);
-    end = min((F8::load(bounds + p.far_row[a]) - p.origin[a]) * p.inverse[a], end);
+    end = min((F8::load(bounds + p.far_row[a]) - p.origin[a]) * p.far_inverse[a], end);
   }
-  begin.store(near);
-  return less_equal(begin, end * F8::all(slab_slack));
+  near = begin;
+  return less_equal(begin, end);
 }
 
 struct Sheared {
@@ -103,34 +95,37 @@ inline bool meet_in_double(const float (&a)[3], const float (&b)[3], const float
   return true;
 }
 
-inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay& ray, KernelCaller& caller, bool any,
+template <bool any, bool counted>
+inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay& ray, KernelCaller& caller,
                        KernelCounts* counts) {
   Sheared s[3];
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) {
-    const F4 z = F4::load(block.corner[k][p.shear.z]) - p.shear_origin[2];
-    s[k].x = (F4::load(block.corner[k][p.shear.x]) - p.shear_origin[0]) - p.sx * z;
-    s[k].y = (F4::load(block.corner[k][p.shear.y]) - p.shear_origin[1]) - p.sy * z;
+    const F4 z = F4::load(block.corner[k][p.z]) - p.shear_origin[2];
+    s[k].x = (F4::load(block.corner[k][p.x]) - p.shear_origin[0]) - p.sx * z;
+    s[k].y = (F4::load(block.corner[k][p.y]) - p.shear_origin[1]) - p.sy * z;
     s[k].z = z;
   }
   const F4 u = s[2].x * s[1].y - s[2].y * s[1].x;
   const F4 v = s[0].x * s[2].y - s[0].y * s[2].x;
   const F4 w = s[1].x * s[0].y - s[1].y * s[0].x;
   const F4 zero = F4::all(0.0f);
-  const uint32_t present = ~equal_ints(block.id, no_triangle) & 15u;
-  if (counts) counts->triangles += uint64_t(std::popcount(present));
-  uint32_t candidates = present & ~(less(min(min(u, v), w), zero) & less(zero, max(max(u, v), w)));
+  if constexpr (counted) counts->triangles += uint64_t(std::popcount(~equal_ints(block.id, no_triangle) & 15u));
+  uint32_t candidates = 15u & ~(less(min(min(u, v), w), zero) & less(zero, max(max(u, v), w))).bits();
   if (candidates == 0) return false;
+  candidates &= ~equal_ints(block.id, no_triangle);
 
   const F4 determinant = (u + v) + w, size = absolute(determinant);
-  const uint32_t exact = less_equal(F4::all(smallest_determinant), size) &
-                         less_equal(size, F4::all(largest_determinant)) &
-                         ~(equal(u, zero) | equal(v, zero) | equal(w, zero));
+  const F4 least = min(min(absolute(u), absolute(v)), absolute(w));
+  const uint32_t exact = (less(zero, least) & less_equal(F4::all(smallest_determinant), size) &
+                          less_equal(size, F4::all(largest_determinant)))
+                             .bits();
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) s[k].z = p.sz * s[k].z;
   const F4 t = ((u * s[0].z + v * s[1].z) + w * s[2].z) / determinant;
-  candidates &= ~exact | (less_equal(F4::all(ray.t_min), t) & less_equal(t, F4::all(ray.t_max)));
+  candidates &= ~exact | (less_equal(p.least_t, t) & less_equal(t, F4::all(ray.t_max))).bits();
   if (candidates == 0) return false;
+  if (any && !caller.accept && (candidates & exact) != 0) return true;
   float ts[4], us[4], vs[4], size_sign[4];
   t.store(ts), (v / determinant).store(us), (w / determinant).store(vs), determinant.store(size_sign);
   for (; candidates != 0; candidates &= candidates - 1) {
@@ -147,11 +142,32 @@ inline bool meet_block(const TriangleBlock& block, const Prepared& p, KernelRay&
       }
       if (!meet_in_double(corner[0], corner[1], corner[2], ray, hit)) continue;
     }
+    if (any && !caller.accept) return true;
     if (!caller.accept(caller, hit)) continue;
     if (any) return true;
     ray.t_max = hit.t;
   }
   return false;
+}
+
+// What stands in a leaf.
+template <bool over_triangles, bool any, bool counted>
+inline bool meet_leaf(const KernelTree& tree, uint32_t leaf, const Prepared& p, KernelRay& ray, KernelCaller& caller,
+                      KernelCounts* counts) {
+  const uint32_t first = first_of_leaf(leaf), count = count_of_leaf(leaf);
+  for (uint32_t i = first; i < first + count; ++i) {
+    if constexpr (over_triangles) {
+      if (meet_block<any, counted>(tree.blocks[i], p, ray, caller, counts)) return true;
+    } else {
+      if (caller.enter(caller, tree.indices[i], ray)) return true;
+    }
+  }
+  return false;
+}
+
+inline void count_node(const WideNode& node, KernelCounts* counts) {
+  ++counts->nodes;
+  for (uint32_t c : node.child) counts->boxes += c != no_child;
 }
 
 // Starts fetching what a child reference stands for: big trees do not fit into the caches.
@@ -168,8 +184,8 @@ inline void prefetch(const KernelTree& tree, uint32_t child) {
   if (!(child & leaf_bit)) __builtin_prefetch(at + 192);
 }
 
-template <bool over_triangles, bool any>
-bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, KernelCounts* counts) {
+template <bool over_triangles, bool counted>
+bool traverse_nearest(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, KernelCounts* counts) {
   const Prepared p(ray);
   Waiting stack[stack_size];
   Waiting* top = stack;
@@ -178,13 +194,12 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
     // Down to a leaf, nearest child first.
     while (!(child & leaf_bit)) {
       const WideNode& node = tree.nodes[child];
-      alignas(32) float near[wide_children];
-      uint32_t met = meet_boxes(node, p, ray.t_max, near);
-      if (counts) {
-        ++counts->nodes;
-        for (uint32_t c : node.child) counts->boxes += c != no_child;
-      }
+      F8 begin;
+      uint32_t met = meet_boxes(node, p, ray.t_max, begin);
+      if constexpr (counted) count_node(node, counts);
       if (met == 0) goto next;
+      alignas(32) float near[wide_children];
+      begin.store(near);
       const auto next_met = [&] {
         const int lane = std::countr_zero(met);
         met &= met - 1;
@@ -193,13 +208,6 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
       };
       Waiting a = next_met();
       if (met == 0) {
-        child = child_of(a);
-        continue;
-      }
-      if constexpr (any) {
-        // The last child first: it is the largest (wide_tree.cpp), hence the likeliest to hold a hit.
-        do *top++ = a, a = next_met();
-        while (met != 0);
         child = child_of(a);
         continue;
       }
@@ -229,16 +237,7 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
       } while (met != 0);
       child = child_of(a);
     }
-    {
-      const uint32_t first = first_of_leaf(child), count = count_of_leaf(child);
-      for (uint32_t i = first; i < first + count; ++i) {
-        if constexpr (over_triangles) {
-          if (meet_block(tree.blocks[i], p, ray, caller, any, counts)) return true;
-        } else {
-          if (caller.enter(caller, tree.indices[i], ray)) return true;
-        }
-      }
-    }
+    if (meet_leaf<over_triangles, false, counted>(tree, child, p, ray, caller, counts)) return true;
   next:
     do {
       if (top == stack) return false;
@@ -248,10 +247,38 @@ bool traverse(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, Kern
   }
 }
 
+// The ray never gets shorter, so distances do not matter. The last child is the largest (wide_tree.cpp), hence the
+// likeliest to hold a hit: it comes first.
+template <bool over_triangles, bool counted>
+bool traverse_any(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, KernelCounts* counts) {
+  const Prepared p(ray);
+  uint32_t stack[stack_size];
+  uint32_t* top = stack;
+  uint32_t child = 0;
+  while (true) {
+    while (!(child & leaf_bit)) {
+      const WideNode& node = tree.nodes[child];
+      F8 begin;
+      uint32_t met = meet_boxes(node, p, ray.t_max, begin);
+      if constexpr (counted) count_node(node, counts);
+      if (met == 0) goto next;
+      for (; met != 0; met &= met - 1) *top++ = node.child[std::countr_zero(met)];
+      child = *--top;
+    }
+    if (meet_leaf<over_triangles, true, counted>(tree, child, p, ray, caller, counts)) return true;
+  next:
+    if (top == stack) return false;
+    child = *--top;
+  }
+}
+
 template <bool over_triangles>
 bool trace(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, bool any, KernelCounts* counts) {
-  return any ? traverse<over_triangles, true>(tree, ray, caller, counts)
-             : traverse<over_triangles, false>(tree, ray, caller, counts);
+  if (any)
+    return counts ? traverse_any<over_triangles, true>(tree, ray, caller, counts)
+                  : traverse_any<over_triangles, false>(tree, ray, caller, counts);
+  return counts ? traverse_nearest<over_triangles, true>(tree, ray, caller, counts)
+                : traverse_nearest<over_triangles, false>(tree, ray, caller, counts);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ class Collapse {
 
   // Opens the inner child of largest area until there are eight; ties: the first.
   uint32_t open(uint32_t binary, uint32_t (&child)[wide_children]) const {
-    if (tree_.nodes[binary].count > 0) {  // a tree of one leaf
+    if (!tree_.nodes[binary].inner) {  // a tree of one leaf
       child[0] = binary;
       return 1;
     }
@@ -72,7 +72,7 @@ class Collapse {
     uint32_t count = 0;
     const auto put = [&](uint32_t at, uint32_t node) {
       child[at] = node;
-      area[at] = tree_.nodes[node].count > 0 ? -1.0f : tree_.nodes[node].half_area();
+      area[at] = tree_.nodes[node].inner ? tree_.nodes[node].half_area() : -1.0f;
     };
     put(count++, tree_.nodes[binary].first), put(count++, tree_.nodes[binary].first + 1);
     while (count < wide_children) {
@@ -92,12 +92,12 @@ class Collapse {
   // whose leaves each have a block. False: too many.
   bool gather(uint32_t binary) {
     ids_.clear();
-    if (tree_.nodes[binary].count == 0 && triangles_.empty()) return false;
+    if (tree_.nodes[binary].inner && triangles_.empty()) return false;
     uint32_t stack[2 * block_triangles], waiting = 0;
     stack[waiting++] = binary;
     while (waiting > 0) {
       const BinaryNode& node = tree_.nodes[stack[--waiting]];
-      if (node.count == 0) {
+      if (node.inner) {
         // Every node left to see has a reference at least.
         if (ids_.size() + waiting + 2 > block_triangles) return false;
         stack[waiting++] = node.first + 1, stack[waiting++] = node.first;

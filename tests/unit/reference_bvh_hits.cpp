@@ -91,7 +91,8 @@ TEST(BvhHits, AreTheSameWhateverTheVectorWidth) {
       const Accel wide(m->scene, m->pose, m->frame, options);
       const auto bad = differing(50'000, [&](uint64_t i) {
         TraceCounts a, b;
-        const bool equal = same(plain.closest(rays[i], nullptr, &a), wide.closest(rays[i], nullptr, &b));
+        const bool equal = same(plain.closest(rays[i], nullptr, &a), wide.closest(rays[i], nullptr, &b)) &&
+                           plain.occluded(rays[i], nullptr, &a) == wide.occluded(rays[i], nullptr, &b);
         return !equal || a.boxes != b.boxes || a.triangles != b.triangles || a.nodes != b.nodes;
       });
       EXPECT_TRUE(bad.empty()) << m->name << " " << kernels->name << ": ray " << (bad.empty() ? 0 : bad[0]);
@@ -200,8 +201,6 @@ TEST(BvhHits, SecondaryRaysLeaveTheirTriangle) {
         if (i % 4 == 0) away.direction -= 0.999f * glm::dot(away.direction, p.geometric_normal) * p.geometric_normal;
         away.origin = leaving_origin(p, away.direction);
         const auto next = accel.closest(away);
-        if (next && next->item == hit->item && next->primitive == hit->primitive)
-          printf("DBG leave %s %g: t %g error %g\n", m->name.c_str(), scale, next->t, p.error_m);
         return next && next->item == hit->item && next->primitive == hit->primitive;
       });
       EXPECT_TRUE(bad.empty()) << m->name << " x " << scale << ": ray " << (bad.empty() ? 0 : bad[0]);

@@ -28,8 +28,8 @@ struct KernelHit {
 };
 
 // What a kernel asks while it goes. accept decides about a hit with t within the ray's limits: true shortens the ray,
-// or ends a search for any hit; null, in such a search alone, accepts all. enter traces the thing of that index; true: a
-// search for any hit ends.
+// or ends a search for any hit; null, in such a search alone, accepts all. enter traces the thing of that index; true:
+// a search for any hit ends.
 struct KernelCaller {
   bool (*accept)(KernelCaller&, const KernelHit&);
   bool (*enter)(KernelCaller&, uint32_t index, KernelRay& ray);

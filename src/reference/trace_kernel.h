@@ -247,8 +247,8 @@ bool traverse_nearest(const KernelTree& tree, KernelRay& ray, KernelCaller& call
   }
 }
 
-// The ray never gets shorter, so distances do not matter. The last child comes first: it has the fewest triangles
-// (wide_tree.cpp).
+// The ray never gets shorter, so distances do not matter. The last child is the largest (wide_tree.cpp), hence the
+// likeliest to hold a hit: it comes first.
 template <bool over_triangles, bool counted>
 bool traverse_any(const KernelTree& tree, KernelRay& ray, KernelCaller& caller, KernelCounts* counts) {
   const Prepared p(ray);

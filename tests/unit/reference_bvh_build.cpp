@@ -178,27 +178,6 @@ TEST(BvhBuild, HasNoBadCases) {
     }
 }
 
-size_t triangles_below(const WideTree& tree, uint32_t child) {
-  size_t count = 0;
-  if (child == no_child) return count;
-  if (child & leaf_bit) {
-    for (uint32_t b = 0; b < count_of_leaf(child); ++b)
-      for (uint32_t id : tree.blocks[first_of_leaf(child) + b].id) count += id != no_triangle;
-    return count;
-  }
-  for (uint32_t c : tree.nodes[child].child) count += triangles_below(tree, c);
-  return count;
-}
-
-// What searches for any hit rely on, from the last child to the first.
-TEST(BvhBuild, ChildrenAreInOrderOfTheirTriangles) {
-  const auto triangles = random_soup(12, 5000, 0.05);
-  const WideTree tree = collapse(tree_of(triangles, BvhBuilder::sah), triangles);
-  for (const WideNode& node : tree.nodes)
-    for (uint32_t c = 0; c + 1 < wide_children; ++c)
-      EXPECT_GE(triangles_below(tree, node.child[c]), triangles_below(tree, node.child[c + 1]));
-}
-
 // Triangles are tested four at once, so a split that only thins out blocks is not worth its step.
 TEST(BvhBuild, CountingBlocksMakesFewerOfThem) {
   const auto triangles = random_soup(13, 20'000, 0.02);

@@ -102,12 +102,13 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
 
 Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
   if (o.outputs.empty()) return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
-  std::vector<std::string> views = reference_layer_names();
+  const std::vector<std::string> layers = reference_layer_names();
+  std::vector<std::string> views = reference_view_names();
+  views.insert(views.begin(), "beauty");
   if (!o.layers.empty() && o.layers != "none") plan.layers = split(o.layers, ',');
   for (const std::string& layer : plan.layers)
-    if (std::find(views.begin(), views.end(), layer) == views.end())
-      return fail(ErrorKind::usage, "--layers", "{}", unknown_name("layer", layer, views));
-  views.front() = "beauty";  // a variance has no colours of its own
+    if (std::find(layers.begin(), layers.end(), layer) == layers.end())
+      return fail(ErrorKind::usage, "--layers", "{}", unknown_name("layer", layer, layers));
   if (std::find(views.begin(), views.end(), o.view) == views.end())
     return fail(ErrorKind::usage, "--view", "{}", unknown_name("view", o.view, views));
   for (const std::string& text : o.outputs) {
@@ -317,7 +318,7 @@ void add_trace_options(CLI::App& command, ReferenceOptions& o) {
   command.add_option("--threads", o.threads, "Threads; 0: all. Changes no byte")->capture_default_str()->type_name("N");
   command.add_option("--state", o.state, "Sums of the samples, written at the end and every minute")->type_name("FILE");
   command.add_flag("--resume", o.resume, "Go on from --state where it exists; the image is that of a run without a break");
-  command.add_option("--layers", o.layers, "EXR layers beside beauty: variance, heatmap.traversal, heatmap.leaves, or none")
+  command.add_option("--layers", o.layers, fmt::format("EXR layers beside beauty: {}; or none", fmt::join(reference_layer_names(), ", ")))
       ->capture_default_str()
       ->type_name("LIST");
   command.add_option("--view", o.view, "What PNG shows: beauty, heatmap.traversal or heatmap.leaves")->capture_default_str()->type_name("NAME");

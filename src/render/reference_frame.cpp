@@ -8,6 +8,7 @@
 #include "reference/leaf_view.h"
 #include "render/content_hash.h"
 #include "render/metadata.h"
+#include "render/reference_layers.h"
 #include "scene/gltf.h"
 #include "scene/neutral_light.h"
 
@@ -118,7 +119,12 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
                              frame.scene_content.hex(), frame.time_s));
 }
 
-std::vector<std::string> reference_layer_names() { return {"variance", "heatmap.traversal", "heatmap.leaves"}; }
+std::vector<std::string> reference_layer_names() {
+  std::vector<std::string> names = {"variance"};
+  for (const std::vector<std::string>& more : {surface_layer_names(), reference_view_names()}) names.insert(names.end(), more.begin(), more.end());
+  return names;
+}
+std::vector<std::string> reference_view_names() { return {"heatmap.traversal", "heatmap.leaves"}; }
 
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer) {
   if (layer == "heatmap.leaves") return reference::leaf_counts(*frame.world, film.width(), film.height());
@@ -144,7 +150,9 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
     std::vector<float>& plane = add(rgba[c], type);
     for (size_t i = 0; i < film.pixels(); ++i) plane[i] = float(film.mean(i)[c]);
   }
+  add_surface_layers(image, frame, layers, type);
   for (const std::string& layer : layers) {
+    if (std::find(surface_layer_names().begin(), surface_layer_names().end(), layer) != surface_layer_names().end()) continue;
     if (layer != "variance") {
       add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);
       continue;

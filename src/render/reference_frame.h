@@ -36,7 +36,8 @@ std::string_view name_of(BvhBuilder builder);
 Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings, const AccelOptions& accel);
 
 // Layers that the reference can write beside beauty.
-std::vector<std::string> reference_layer_names();  // variance, heatmap.traversal, heatmap.leaves
+std::vector<std::string> reference_layer_names();  // variance, surface_layer_names(), and
+std::vector<std::string> reference_view_names();   // heatmap.traversal, heatmap.leaves: counts, which PNG can show as well
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer);
 
 // The film as an image of linear radiance with layers and metadata, of the same form as linear_image() of a GPU's frame.

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -44,6 +45,33 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   EXPECT_EQ(candela(traced(folder / "n.exr", {"--spp", "4", "--layers", "none"})).code, 0);
   const Ended same = candela({"compare", folder / "v.exr", folder / "n.exr", "--limit", "max=0"});
   EXPECT_EQ(same.code, 0) << same.err;
+}
+
+// The layers that a technique's frame has, by the same names and types, so that files of both compare layer by layer.
+TEST(Reference, WritesTheLayersThatRenderWrites) {
+  const TestFolder folder;
+  const std::string layers = "depth,normal,albedo,object_id,material_id,emission";
+  const auto made = [&](const std::string& command, const std::string& name) {
+    const Ended ended = candela({command, spheres, "--size", "48x32", "--layers", layers, "-o", folder / name, "--quiet"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+  };
+  made("render", "render.exr");
+  made("reference", "reference.exr");
+  const auto rendered = read_image(folder / "render.exr"), traced = read_image(folder / "reference.exr");
+  ASSERT_TRUE(rendered && traced);
+  std::map<std::string, ChannelType> of_render, of_reference;
+  for (const Channel& channel : rendered->channels) of_render[channel.name] = channel.type;
+  for (const Channel& channel : traced->channels) of_reference[channel.name] = channel.type;
+  EXPECT_EQ(of_render, of_reference);
+  const Ended compared = candela({"compare", folder / "reference.exr", folder / "render.exr", "--hdr-flip", "off", "--json"});
+  ASSERT_EQ(compared.code, 0) << compared.err;
+  const auto json = nlohmann::json::parse(compared.out)["layers"];
+  std::map<std::string, nlohmann::json> by_name;
+  for (const auto& layer : json) by_name[layer["name"]] = layer;
+  EXPECT_EQ(by_name.size(), 6u) << json;
+  EXPECT_LE(by_name["object_id"]["metrics"]["differing-share"], 0.01) << json;
+  EXPECT_EQ(by_name["depth"]["kind"], "depth") << json;
+  EXPECT_LT(by_name["depth"]["metrics"]["depth-rel-p99"], 1e-4) << json;
 }
 
 TEST(Reference, AResumedRunHasTheBytesOfAWholeOne) {
@@ -126,7 +154,8 @@ TEST(Reference, NamesWhatIsWrong) {
       {{"reference", box, "-o", out, "--bounces", "3"}, "--bounces"},
       {{"reference", box, "-o", out, "--noise", "-1"}, "--noise"},
       {{"reference", box, "-o", out, "--spp", "-1"}, "--spp"},
-      {{"reference", box, "-o", out, "--layers", "depth"}, "variance"},
+      {{"reference", box, "-o", out, "--layers", "depht"}, "did you mean 'depth'"},
+      {{"reference", box, "-o", out, "--view", "depth"}, "heatmap.leaves"},
       {{"reference", box, "-o", out, "--view", "leaves"}, "heatmap.leaves"},
       {{"reference", box, "-o", out, "--technique", "forward"}, "--technique"},
       {{"reference", box, "-o", folder / "x.jpg"}, ".exr nor .png"},

@@ -1,0 +1,73 @@
+#include "render/reference_layers.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "reference/centre_surface.h"
+
+namespace candela {
+namespace {
+
+constexpr float no_depth_m = 1e10f;
+constexpr uint32_t no_id = 0xffffffffu;
+
+using Centres = std::vector<std::optional<reference::CentreSurface>>;
+
+Centres centres_of(const ReferenceFrame& frame, int width, int height) {
+  Centres centres(size_t(width) * size_t(height));
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x)
+      centres[size_t(y) * size_t(width) + size_t(x)] = reference::centre_surface(*frame.world, x, y, width, height);
+  });
+  return centres;
+}
+
+void add_depth(FloatImage& image, const Centres& centres) {
+  Channel channel{"depth.Z", ChannelType::float32, {}, {}};
+  for (const auto& c : centres) channel.f.push_back(c ? std::min(float(c->depth_m), no_depth_m) : no_depth_m);
+  image.channels.push_back(std::move(channel));
+}
+
+template <class Id>
+void add_ids(FloatImage& image, const Centres& centres, const std::string& layer, Id&& id) {
+  Channel channel{layer, ChannelType::uint32, {}, {}};
+  for (const auto& c : centres) channel.u.push_back(c ? id(*c) : no_id);
+  image.channels.push_back(std::move(channel));
+}
+
+template <class Value>
+void add_vectors(FloatImage& image, const Centres& centres, const std::string& layer, const char* parts, ChannelType type, Value&& value) {
+  for (int part = 0; part < 3; ++part) {
+    Channel channel{layer + "." + parts[part], type, {}, {}};
+    for (const auto& c : centres) channel.f.push_back(c ? float(value(c->surface)[part]) : 0.0f);
+    image.channels.push_back(std::move(channel));
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& surface_layer_names() {
+  static const std::vector<std::string> names = {"depth", "normal", "albedo", "object_id", "material_id", "emission"};
+  return names;
+}
+
+void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers, ChannelType type) {
+  using reference::CentreSurface, reference::Surface;
+  const auto wanted = [&](const std::string& name) { return std::find(layers.begin(), layers.end(), name) != layers.end(); };
+  const std::vector<std::string>& all = surface_layer_names();
+  if (std::none_of(all.begin(), all.end(), wanted)) return;
+  const Centres centres = centres_of(frame, image.width, image.height);
+  const auto item_of = [&](const CentreSurface& c) -> const DrawItem& { return frame.data.items[c.item]; };
+  if (wanted("depth")) add_depth(image, centres);
+  if (wanted("normal"))
+    add_vectors(image, centres, "normal", "XYZ", type, [](const Surface& s) { return s.unlit ? glm::dvec3(0) : s.normal; });
+  if (wanted("albedo")) add_vectors(image, centres, "albedo", "RGB", type, [](const Surface& s) { return s.base_color; });
+  if (wanted("object_id")) add_ids(image, centres, "object_id", [&](const CentreSurface& c) { return item_of(c).node; });
+  if (wanted("material_id")) add_ids(image, centres, "material_id", [&](const CentreSurface& c) { return uint32_t(item_of(c).material); });
+  // What unlit surfaces show counts as emission, as it does on the GPU.
+  if (wanted("emission"))
+    add_vectors(image, centres, "emission", "RGB", type, [](const Surface& s) { return s.unlit ? s.base_color : s.emission; });
+}
+
+}  // namespace candela

@@ -1,0 +1,110 @@
+// The layers beside beauty, from the GPU and from the reference: one sample at the centre of each pixel, of the same surface.
+#include "reference_parity.h"
+#include "render/outputs.h"
+#include "render/reference_layers.h"
+
+namespace candela::test {
+namespace {
+
+struct LayerPair {
+  FloatImage gpu, reference;
+  int w() const { return reference.width; }
+  int h() const { return reference.height; }
+  const std::vector<uint32_t>& ids(const FloatImage& image, const char* layer) const { return image.find(layer)->u; }
+  bool same_surface(size_t a, size_t b) const {  // the GPU's at a, the reference's at b
+    return ids(gpu, "object_id")[a] == ids(reference, "object_id")[b] && ids(gpu, "material_id")[a] == ids(reference, "material_id")[b];
+  }
+  // Calls see(pixel) for the pixels about one.
+  template <class See>
+  void around(size_t pixel, See&& see) const {
+    const int x = int(pixel) % w(), y = int(pixel) / w();
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, h() - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, w() - 1); ++i)
+        if (i != x || j != y) see(size_t(j) * size_t(w()) + size_t(i));
+  }
+};
+
+struct Bound {
+  std::string channel;
+  double floor;  // of 32-bit arithmetic and of textures' codes; depth: relative, else of the channel's largest value where above 1
+  double share;  // of the change to the next pixels: rasterizers move corners to a grid of 1/256 pixel
+};
+// The error beyond the floor, as a share of how much the channel changes to the next pixels.
+double share_of_change(const LayerPair& p, const Bound& bound, size_t i) {
+  const std::vector<float>&a = p.reference.find(bound.channel)->f, &b = p.gpu.find(bound.channel)->f;
+  const double scale = bound.channel == "depth.Z" ? a[i] : std::max(*std::max_element(a.begin(), a.end()), 1.0f);
+  double change = 0;
+  p.around(i, [&](size_t k) { change = std::max(change, std::abs(double(a[k]) - a[i]) / scale); });
+  return (std::abs(double(b[i]) - a[i]) / scale - bound.floor) / std::max(change, 1e-12);
+}
+
+bool agrees(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
+  return p.same_surface(i, i) && std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return share_of_change(p, b, i) <= b.share; });
+}
+
+// Where a sample of the GPU met another surface than the reference's: an edge or a crease runs by the centre of the pixel, or exactly
+// through it. Then the reference, in a pixel beside this one, shows what the GPU has here.
+bool is_seen_beside(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
+  bool beside = false;
+  p.around(i, [&](size_t k) {
+    if (p.same_surface(i, k) && !p.same_surface(i, i)) beside = true;  // another object, as its ids say
+    beside |= p.same_surface(i, k) && std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) {
+      const std::vector<float>& a = p.reference.find(b.channel)->f;
+      const double seen = p.gpu.find(b.channel)->f[i], there = std::abs(a[k] - seen), here = std::abs(a[i] - seen);
+      // Another face of it; what the neighbour has is not what would be here, but must be nearer to it.
+      return there <= here || there <= 0.05 * std::max(std::abs(seen), 1.0);
+    });
+  });
+  return beside;
+}
+
+}  // namespace
+
+class ReferenceLayers : public ReferenceParity {
+ protected:
+  static LayerPair layers_of(Job job, double time_s) {
+    job.exr_float = true;
+    job.layers = surface_layer_names();
+    LayerPair out;
+    const auto session = open(job);
+    const auto reference = open_reference(job, time_s, {});
+    EXPECT_TRUE(session && reference);
+    if (!session || !reference) return out;
+    NonFinite nonfinite;
+    out.gpu = linear_image(render(*session, time_s), job, *session, std::nullopt, {}, nonfinite);
+    out.reference = reference_image(reference::Film(job.width_px, job.height_px), **reference, job, "{}", job.layers, std::nullopt, {});
+    return out;
+  }
+};
+
+TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
+  for (const std::string& name : scene_names()) {
+    if (name == "primitive-modes" || name == "animated") continue;  // lines and points, which rays do not meet
+    SCOPED_TRACE(name);
+    const LayerPair p = layers_of(job_for(one_lamp(scene(name), Light::kept), width * 2, height * 2), 17.0 / 24);
+    // The rounding of a filtered normal map to 8-bit codes (docs/reference.md), and llvmpipe's cubic for
+    // sRGB, which is off by up to 1.2e-3.
+    const double normal_floor = name == "normal-mapped" ? 9e-3 : 2e-5, colour_floor = 2e-3;
+    std::vector<Bound> bounds = {{"depth.Z", 1e-6, 0.01}};
+    for (const char* part : {"X", "Y", "Z"}) bounds.push_back({std::string("normal.") + part, normal_floor, 0.02});
+    for (const char* layer : {"albedo.", "emission."})
+      for (const char* part : {"R", "G", "B"}) bounds.push_back({std::string(layer) + part, colour_floor, 0.02});
+    size_t edges = 0, surfaces = 0;
+    for (size_t i = 0; i < size_t(p.w()) * size_t(p.h()); ++i) {
+      const std::string at = fmt::format("pixel {},{}", i % size_t(p.w()), i / size_t(p.w()));
+      surfaces += p.ids(p.reference, "object_id")[i] != 0xffffffffu;
+      if (agrees(p, bounds, i)) continue;
+      ++edges;
+      if (is_seen_beside(p, bounds, i)) continue;
+      for (const Bound& bound : bounds)
+        EXPECT_LE(share_of_change(p, bound, i), bound.share)
+            << at << ": " << bound.channel << " is " << p.gpu.find(bound.channel)->f[i] << " for " << p.reference.find(bound.channel)->f[i];
+      EXPECT_TRUE(p.same_surface(i, i)) << at;
+    }
+    EXPECT_GT(surfaces, 100u);
+    fmt::print("{}: {} pixels at edges of {} with a surface\n", name, edges, surfaces);
+    EXPECT_LE(double(edges), 0.03 * p.w() * p.h());
+  }
+}
+
+}  // namespace candela::test

@@ -81,14 +81,12 @@ class Collapse {
       const uint32_t first = tree_.nodes[child[widest]].first;
       put(widest, first), put(count++, first + 1);
     }
+    // By area, the largest last: searches for any hit go there first (Nah and Manocha, "SATO: Surface Area Traversal
+    // Order for Shadow Ray Tracing", 2014).
     std::stable_sort(child, child + count,
-                     [&](uint32_t a, uint32_t b) { return lateness(tree_.nodes[a]) > lateness(tree_.nodes[b]); });
+                     [&](uint32_t a, uint32_t b) { return tree_.nodes[a].half_area() < tree_.nodes[b].half_area(); });
     return count;
   }
-
-  // Searches for any hit go to the last child first: to the one with the fewest references, as it is the soonest done
-  // with.
-  static float lateness(const BinaryNode& node) { return float(node.count); }
 
   // The references below a leaf, or below an inner node if they fit into one block, which costs a ray less than a node
   // whose leaves each have a block. False: too many.

@@ -15,12 +15,12 @@ namespace candela {
 namespace {
 
 // The order is that of reference: what is named comes before what names it.
-Scene import_scene(gltf::Document& document) {
+Scene import_scene(gltf::Document& document, LoadFor use) {
   Scene scene;
   scene.path = document.name;
-  scene.extensions = gltf::survey_extensions(document);
+  scene.extensions = gltf::survey_extensions(document, use);
   gltf::read_buffers(document);
-  gltf::import_materials(document, gltf::animated_pointers(document), scene);
+  gltf::import_materials(document, gltf::animated_pointers(document), use, scene);
   gltf::import_meshes(document, scene);
   gltf::import_cameras(document, scene);
   gltf::import_lights(document, scene);
@@ -35,21 +35,21 @@ Scene import_scene(gltf::Document& document) {
 
 }  // namespace
 
-Expected<Scene> load_gltf(const std::filesystem::path& path) {
+Expected<Scene> load_gltf(const std::filesystem::path& path, LoadFor use) {
   const Expected<std::vector<std::byte>> bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
-  Expected<Scene> scene = load_gltf_from_memory(*bytes, path.string(), path.parent_path());
+  Expected<Scene> scene = load_gltf_from_memory(*bytes, path.string(), path.parent_path(), use);
   if (scene) scene->files.insert(scene->files.begin(), path.string());
   return scene;
 }
 
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
-                                      const std::filesystem::path& folder) {
+                                      const std::filesystem::path& folder, LoadFor use) {
   std::set<std::string> earlier;
   try {
     gltf::Document document = gltf::open_document(bytes, name, folder);
     earlier = document.finding_codes;
-    Scene scene = import_scene(document);
+    Scene scene = import_scene(document, use);
     prepare_deformation_bounds(scene);
     return scene;
   } catch (const gltf::Failure& failure) {

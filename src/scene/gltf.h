@@ -8,15 +8,19 @@
 
 namespace candela {
 
+// What is going to be made of a scene. path_tracing: light goes through surfaces and bodies (KHR_materials_transmission, _volume,
+// _dispersion), so these extensions are supported and their textures read; raster techniques draw such surfaces opaque.
+enum class LoadFor : uint8_t { raster, path_tracing };
+
 // Loads .gltf (files, base64) or .glb. Everything is checked before it is used: every index, every byte range, every
 // size. A file that breaks the specification in a way that leaves no right picture is an error (kind input) whose
 // message names what the Khronos validator names and whose place is "FILE: /json/path"; what can be used is used, with
 // a line in Scene::warnings. An ignored extension in extensionsRequired is an error that names extension, node and
 // consequence. Memory stays in proportion to the file's size.
-Expected<Scene> load_gltf(const std::filesystem::path& path);
+Expected<Scene> load_gltf(const std::filesystem::path& path, LoadFor use = LoadFor::raster);
 
 // The same from memory (fuzzing, tests); relative URIs resolve against `folder`.
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
-                                      const std::filesystem::path& folder);
+                                      const std::filesystem::path& folder, LoadFor use = LoadFor::raster);
 
 }  // namespace candela

@@ -11,6 +11,7 @@ struct Known {
   const char* name;
   Support support;
   const char* consequence;
+  bool traced = false;  // supported where paths are traced
 };
 
 constexpr Known known_extensions[] = {
@@ -32,13 +33,13 @@ constexpr Known known_extensions[] = {
     {"KHR_materials_variants", approximated, "the materials of the default variant are drawn"},
     {"KHR_materials_clearcoat", ignored, "the clear coat layer is not drawn"},
     {"KHR_materials_sheen", ignored, "the sheen layer of cloth is not drawn"},
-    {"KHR_materials_transmission", ignored, "the surface is drawn opaque instead of letting light through"},
+    {"KHR_materials_transmission", ignored, "the surface is drawn opaque instead of letting light through", true},
     {"KHR_materials_diffuse_transmission", ignored, "no light shines diffusely through the surface"},
-    {"KHR_materials_volume", ignored, "the inside of the body neither refracts nor absorbs light"},
+    {"KHR_materials_volume", ignored, "the inside of the body neither refracts nor absorbs light", true},
     {"KHR_materials_volume_scatter", ignored, "light is not scattered inside the body"},
     {"KHR_materials_iridescence", ignored, "the thin film shows no colours"},
     {"KHR_materials_anisotropy", ignored, "highlights are round instead of stretched"},
-    {"KHR_materials_dispersion", ignored, "refraction does not split colours"},
+    {"KHR_materials_dispersion", ignored, "refraction does not split colours", true},
     {"KHR_materials_pbrSpecularGlossiness", ignored,
      "specular-glossiness materials are drawn with their metallic-roughness values, which may be the defaults"},
     {"KHR_texture_basisu", ignored, "KTX2 images are not read; a texture without PNG or JPEG is left out"},
@@ -99,12 +100,15 @@ std::vector<std::string> names_in(const Json& root, const char* key) {
   return out;
 }
 
-ExtensionUse describe(const std::string& name) {
+ExtensionUse describe(const std::string& name, LoadFor purpose) {
   ExtensionUse use;
   use.name = name;
   for (const Known& known : known_extensions)
     if (name == known.name) {
+      // Where it is drawn nothing is lacking.
+      if (known.traced && purpose == LoadFor::path_tracing) return {.name = name, .support = supported};
       use.support = known.support;
+      use.traced = known.traced;
       use.consequence = known.consequence;
       return use;
     }
@@ -114,7 +118,7 @@ ExtensionUse describe(const std::string& name) {
 
 }  // namespace
 
-std::vector<ExtensionUse> survey_extensions(Document& document) {
+std::vector<ExtensionUse> survey_extensions(Document& document, LoadFor purpose) {
   std::map<std::string, std::vector<std::string>> users = users_of_extensions(document.json);
   std::vector<std::string> names = names_in(document.json, "extensionsUsed");
   const std::vector<std::string> required = names_in(document.json, "extensionsRequired");
@@ -126,13 +130,13 @@ std::vector<ExtensionUse> survey_extensions(Document& document) {
 
   std::vector<ExtensionUse> out;
   for (const std::string& name : names) {
-    ExtensionUse use = describe(name);
+    ExtensionUse use = describe(name, purpose);
     use.required = std::find(required.begin(), required.end(), name) != required.end();
     use.users = users[name];
     if (use.required && use.support == Support::ignored)
       document.refuse(
-          "/extensionsRequired", "the file requires {}, which this program does not have ({}); it is used by {}", name,
-          use.consequence, use.users.empty() ? "no object of the file" : fmt::format("{}", fmt::join(use.users, ", ")));
+          "/extensionsRequired", "the file requires {}, which {} ({}); it is used by {}", name,
+          use.traced ? "only 'reference --mode path' draws" : "this program does not have", use.consequence, use.users.empty() ? "no object of the file" : fmt::format("{}", fmt::join(use.users, ", ")));
     out.push_back(std::move(use));
   }
   return out;

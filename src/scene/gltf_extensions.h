@@ -1,9 +1,9 @@
 #pragma once
+#include "scene/gltf.h"
 #include "scene/gltf_document.h"
-#include "scene/scene.h"
 
 namespace candela::gltf {
 // One line for each extension that the file uses, with what uses it. Refuses the file when it requires one that is
 // ignored.
-std::vector<ExtensionUse> survey_extensions(Document& document);
+std::vector<ExtensionUse> survey_extensions(Document& document, LoadFor use);
 }  // namespace candela::gltf

@@ -29,6 +29,7 @@ constexpr float no_limit = std::numeric_limits<float>::max();
 struct Importer {
   Document& document;
   const std::set<std::string>& pointers;
+  LoadFor use;
   Scene& scene;
   std::vector<bool> image_used;
   std::vector<SceneImage> merged_images;
@@ -101,6 +102,25 @@ struct Importer {
       material.specular_texture = slot(*e, "specularTexture", where);
       material.specular_color_texture = slot(*e, "specularColorTexture", where);
     }
+    read_transmission(json, path, material);
+  }
+
+  // Ranges are the validation's. A thickness texture is for techniques that have no other way to know how thick a body is.
+  void read_transmission(const Json& json, const std::string& path, Material& material) {
+    if (const Json* e = extension(json, "KHR_materials_transmission")) {
+      const std::string where = path + "/extensions/KHR_materials_transmission";
+      material.transmission = factor(document, *e, "transmissionFactor", 0, 1, where);
+      if (use == LoadFor::path_tracing) material.transmission_texture = slot(*e, "transmissionTexture", where);
+    }
+    if (const Json* e = extension(json, "KHR_materials_volume")) {
+      const std::string where = path + "/extensions/KHR_materials_volume";
+      material.thickness_m = factor(document, *e, "thicknessFactor", 0, no_limit, where);
+      if (e->contains("attenuationDistance"))
+        material.attenuation_distance_m = std::max(factor(document, *e, "attenuationDistance", 1, no_limit, where), std::numeric_limits<float>::min());
+      material.attenuation_color = color_factor(document, *e, "attenuationColor", glm::vec3(1), 1, where);
+    }
+    if (const Json* e = extension(json, "KHR_materials_dispersion"))
+      material.dispersion = factor(document, *e, "dispersion", 0, no_limit, path + "/extensions/KHR_materials_dispersion");
   }
 
   Material read(const Json& json, const std::string& path) {
@@ -140,10 +160,10 @@ struct Importer {
 
 }  // namespace
 
-void import_materials(Document& document, const std::set<std::string>& pointers, Scene& scene) {
+void import_materials(Document& document, const std::set<std::string>& pointers, LoadFor use, Scene& scene) {
   import_samplers(document, scene);
   const Json* images = member(document.json, "images");
-  Importer importer{document, pointers, scene, std::vector<bool>(images ? images->size() : 0), {}};
+  Importer importer{document, pointers, use, scene, std::vector<bool>(images ? images->size() : 0), {}};
   if (const Json* materials = member(document.json, "materials"))
     for (size_t i = 0; i < materials->size(); ++i)
       scene.materials.push_back(importer.read((*materials)[i], fmt::format("/materials/{}", i)));

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -41,7 +42,8 @@ struct TextureSlot {
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
 
-// Metallic-roughness material (glTF 2.0 appendix B, with ior, specular, emissive_strength, unlit).
+// Metallic-roughness material (glTF 2.0 appendix B, with ior, specular, emissive_strength, unlit; transmission, volume and dispersion for
+// the path tracer).
 struct Material {
   std::string name;
   glm::vec4 base_color{1};
@@ -59,6 +61,15 @@ struct Material {
   // when occlusion could not be merged (other UV set or transform); then has_orm_occlusion is false.
   TextureSlot base_color_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture, specular_color_texture;
   bool orm_has_occlusion = false, orm_has_metallic_roughness = false;
+  // KHR_materials_transmission: the share of the light that the diffuse base would reflect which goes through instead. The texture (R) is
+  // there only in a scene that was loaded for path tracing.
+  float transmission = 0;
+  TextureSlot transmission_texture;
+  // KHR_materials_volume. Thickness 0: a sheet that does not bend light; else the surface bounds a body. (How thick it is tells geometry.)
+  float thickness_m = 0;
+  float attenuation_distance_m = std::numeric_limits<float>::infinity();  // white light has the attenuation colour after this way
+  glm::vec3 attenuation_color{1};
+  float dispersion = 0;             // KHR_materials_dispersion: 20 over the Abbe number
 };
 
 enum class Topology : uint8_t { triangles, lines, points };
@@ -173,6 +184,7 @@ struct ExtensionUse {
   std::string name;
   bool required = false;
   Support support = Support::ignored;
+  bool traced = false;      // ignored here, but not where paths are traced
   std::string consequence;  // for approximated and ignored: what the picture lacks ("clear coat layer is not drawn")
   std::vector<std::string> users;  // JSON paths with names, at most 8, of what uses it
 };
@@ -194,5 +206,10 @@ struct Scene {
   std::vector<ExtensionUse> extensions;
   std::vector<std::string> warnings;       // one line each, with place
 };
+
+// Whether some material lets light through (KHR_materials_transmission).
+inline bool has_transmission(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.transmission > 0 && !m.unlit; });
+}
 
 }  // namespace candela

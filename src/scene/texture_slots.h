@@ -16,4 +16,10 @@ void for_each_slot(const Material& m, F&& f) {
   f(m.specular_color_texture, true);
 }
 
+// The same for slots that only path tracing reads.
+template <class F>
+void for_each_traced_slot(const Material& m, F&& f) {
+  if (!m.unlit && m.transmission > 0) f(m.transmission_texture, false);
+}
+
 }  // namespace candela

@@ -80,6 +80,29 @@ const ObjectSchema& specular_schema() {
   return schema;
 }
 
+const ObjectSchema& transmission_schema() {
+  static const ObjectSchema schema{
+      "transmission",
+      {{.name = "transmissionFactor", .shape = Shape::number, .lowest = 0, .highest = 1},
+       {.name = "transmissionTexture", .shape = Shape::object, .object = &texture_info_schema()}}};
+  return schema;
+}
+
+const ObjectSchema& volume_schema() {
+  static const ObjectSchema schema{
+      "volume",
+      {{.name = "thicknessFactor", .shape = Shape::number, .lowest = 0},
+       {.name = "thicknessTexture", .shape = Shape::object, .object = &texture_info_schema()},
+       {.name = "attenuationDistance", .shape = Shape::number, .lowest = 0, .above_lowest = true},
+       {.name = "attenuationColor", .shape = Shape::numbers, .lowest = 0, .highest = 1, .lengths = {3}}}};
+  return schema;
+}
+
+const ObjectSchema& dispersion_schema() {
+  static const ObjectSchema schema{"dispersion", {{.name = "dispersion", .shape = Shape::number, .lowest = 0}}};
+  return schema;
+}
+
 const ObjectSchema& empty_schema() {
   static const ObjectSchema schema{"empty", {}};
   return schema;
@@ -168,11 +191,11 @@ const std::vector<ExtensionSchema>& extension_schemas() {
       {"KHR_materials_unlit", "material", &empty_schema()},
       {"KHR_materials_clearcoat", "material", &clearcoat_schema()},
       {"KHR_materials_sheen", "material", nullptr},
-      {"KHR_materials_transmission", "material", nullptr},
-      {"KHR_materials_volume", "material", nullptr},
+      {"KHR_materials_transmission", "material", &transmission_schema()},
+      {"KHR_materials_volume", "material", &volume_schema()},
       {"KHR_materials_anisotropy", "material", nullptr},
       {"KHR_materials_iridescence", "material", nullptr},
-      {"KHR_materials_dispersion", "material", nullptr},
+      {"KHR_materials_dispersion", "material", &dispersion_schema()},
       {"KHR_materials_pbrSpecularGlossiness", "material", nullptr},
       {"EXT_texture_webp", "texture", &texture_source_schema()},
       {"KHR_texture_basisu", "texture", &texture_source_schema()},

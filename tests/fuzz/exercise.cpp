@@ -8,7 +8,7 @@
 namespace candela::fuzz {
 
 bool exercise_gltf(std::span<const std::byte> bytes) {
-  const Expected<Scene> scene = load_gltf_from_memory(bytes, "input.gltf", "no-such-folder");
+  const Expected<Scene> scene = load_gltf_from_memory(bytes, "input.gltf", "no-such-folder", LoadFor::path_tracing);
   if (!scene) return false;
   const Expected<AnimationChoice> all = choose_animations(*scene, "all");
   for (const double time_s : {-1.0, 0.5, 1e9}) {

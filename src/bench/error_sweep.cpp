@@ -70,8 +70,12 @@ std::vector<Truth> truths_of(const Configuration& c, SceneStore& store, const Er
   else
     truths[0].failed = image.error().text();
   const auto job = job_with_file(exact, store);
-  const auto frame = job ? open_reference(*job, c.time_s, {}) : std::unexpected(job.error());
+  using reference::Mode;
+  const auto open = [&](Mode mode) { return job ? open_reference(*job, c.time_s, {}, mode) : std::unexpected(job.error()); };
+  auto frame = open(Mode::direct);
   for (size_t i = 1; i < truths.size(); ++i) {
+    // The last: paths go through what the others take as opaque.
+    if (truths[i].name == "path" && frame && has_transmission((*frame)->scene)) frame = open(Mode::path);
     if (frame)
       truths[i].image = traced(**frame, *job, truths[i].name, o, stop);
     else

@@ -219,6 +219,11 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
       else
         row.faults.push_back("the reference: " + picture.error().text());
     }
+    if (scene.paths && !first) {
+      const auto bad = nonfinite_paths(job, scene.time_s);
+      if (!bad || *bad > 0)
+        row.faults.push_back("paths: " + (bad ? fmt::format("{} pixels are not finite", *bad) : bad.error().text()));
+    }
     measure(scene, *made, traced ? &*traced : nullptr, *plain ? &**plain : nullptr, row);
     // Textures are loaded for the first technique alone.
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;

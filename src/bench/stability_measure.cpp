@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "reference/display.h"
+#include "reference/film.h"
 #include "reference/integrator.h"
 #include "render/reference_frame.h"
 
@@ -73,6 +74,22 @@ Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach
     }
   });
   return truth;
+}
+
+Expected<uint64_t> nonfinite_paths(const Job& job, double time_s) {
+  const auto frame = open_reference(job, time_s, {}, reference::Mode::path);
+  if (!frame) return std::unexpected(frame.error());
+  reference::TraceSettings settings;
+  settings.mode = reference::Mode::path;
+  reference::Film film(job.width_px, job.height_px);
+  constexpr int samples = 4;
+  film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), samples, [](double) { return true; });
+  uint64_t count = 0;
+  for (size_t i = 0; i < film.pixels(); ++i) {
+    const glm::vec4 mean(film.mean(i));  // as files hold it
+    count += !(std::isfinite(mean.x) && std::isfinite(mean.y) && std::isfinite(mean.z) && std::isfinite(mean.w));
+  }
+  return count;
 }
 
 TruePicture picture_truth(const Beauty& beauty, double pre_exposure) {

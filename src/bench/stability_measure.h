@@ -17,6 +17,8 @@ struct TruePicture {
 };
 // By the reference ray tracer: direct light without shadows and the ambient term as the techniques have it.
 Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach_px);
+// Pixels of the path tracer that are not finite, at a few samples each.
+Expected<uint64_t> nonfinite_paths(const Job& job, double time_s);
 // Another picture's own pixels.
 TruePicture picture_truth(const Beauty& beauty, double pre_exposure);
 

@@ -263,7 +263,7 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
   if (!plan) return std::unexpected(plan.error());
   std::optional<tbb::global_control> threads;
   if (o.threads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(o.threads));
-  const auto frame = open_reference(plan->job, plan->moment.time_s, plan->accel);
+  const auto frame = open_reference(plan->job, plan->moment.time_s, plan->accel, plan->settings.mode);
   if (!frame) return std::unexpected(frame.error());
   if (auto noted = note_scene((*frame)->scene, o.job.strict); !noted) return std::unexpected(noted.error());
   for (const std::string& note : (*frame)->notes) log::info("{}", note);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "reference/microfacet.h"
 #include "reference/sampling.h"
 
 namespace candela::reference {
@@ -15,23 +16,6 @@ double alpha_of(const Surface& s) {
   const double r = std::max(s.roughness, least_roughness);
   return r * r;
 }
-
-double ggx_d(double n_h, double alpha) {
-  const double a2 = alpha * alpha, t = n_h * n_h * (a2 - 1) + 1;
-  return a2 / (pi * t * t);
-}
-// Height-correlated Smith over 4 (n.l) (n.v) (Heitz 2014).
-double smith_v(double n_l, double n_v, double alpha) {
-  const double a2 = alpha * alpha;
-  return 0.5 / (n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2));
-}
-// Smith masking of one direction.
-double smith_g1(double n_v, double alpha) {
-  const double a2 = alpha * alpha;
-  return 2 * n_v / (n_v + std::sqrt(a2 + (1 - a2) * n_v * n_v));
-}
-
-double largest(glm::dvec3 c) { return std::max({c.x, c.y, c.z}); }
 
 // How often the specular lobe is chosen; a function of what sampling and density both know.
 double specular_share(const Surface& s, glm::dvec3 v) {
@@ -48,6 +32,7 @@ double specular_share(const Surface& s, glm::dvec3 v) {
 
 }  // namespace
 
+double largest(glm::dvec3 c) { return std::max({c.x, c.y, c.z}); }
 double luminance(glm::dvec3 c) { return glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)); }
 
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
@@ -69,20 +54,7 @@ glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
 
 glm::dvec3 sample_brdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u) {
   if (lobe >= specular_share(s, v)) return cosine_direction(s.normal, u);
-  const double alpha = alpha_of(s);
-  glm::dvec3 x, y;
-  make_frame(s.normal, x, y);
-  // Stretched so that the surface is a hemisphere of which v sees a half disc and a half ellipse.
-  const glm::dvec3 stretched =
-      glm::normalize(glm::dvec3(alpha * glm::dot(v, x), alpha * glm::dot(v, y), glm::dot(v, s.normal)));
-  const double across2 = stretched.x * stretched.x + stretched.y * stretched.y;
-  const glm::dvec3 t1 = across2 > 0 ? glm::dvec3(-stretched.y, stretched.x, 0) / std::sqrt(across2) : glm::dvec3(1, 0, 0);
-  const glm::dvec3 t2 = glm::cross(stretched, t1);
-  const double r = std::sqrt(u.x), phi = 2 * pi * u.y, p1 = r * std::cos(phi), share = 0.5 * (1 + stretched.z);
-  const double p2 = (1 - share) * std::sqrt(std::max(1 - p1 * p1, 0.0)) + share * r * std::sin(phi);
-  const glm::dvec3 on_sphere = p1 * t1 + p2 * t2 + std::sqrt(std::max(1 - p1 * p1 - p2 * p2, 0.0)) * stretched;
-  const glm::dvec3 m = glm::normalize(glm::dvec3(alpha * on_sphere.x, alpha * on_sphere.y, std::max(on_sphere.z, 0.0)));
-  const glm::dvec3 h = m.x * x + m.y * y + m.z * s.normal;
+  const glm::dvec3 h = visible_normal(s.normal, v, alpha_of(s), u);
   return glm::normalize(2 * glm::dot(v, h) * h - v);
 }
 

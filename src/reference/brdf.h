@@ -9,6 +9,9 @@ namespace candela::reference {
 // a mirror, and every lobe has a density.
 inline constexpr double least_roughness = 0.045;
 
+struct Glass;     // bsdf.h
+class Interior;  // interior.h
+
 struct Surface {
   glm::dvec3 position{0};   // relative space, metres
   glm::dvec3 normal{0};     // unit, shading, on the viewer's side
@@ -20,6 +23,12 @@ struct Surface {
   double dielectric_f90 = 1;
   double coverage = 1;      // 1 opaque, 0 a hole (glTF 3.9.4)
   bool unlit = false;       // base_color is what it shows
+  // Where light goes through (paths alone; the functions below know nothing of it).
+  const Glass* glass = nullptr;  // null: opaque
+  double transmission = 0;       // share of the base's light
+  double eta = 1;                // index of refraction behind the surface over the one before it, on the viewer's side
+  glm::dvec3 specular_tint{1};   // KHR_materials_specular: of the reflectance at normal incidence
+  const Interior *before = nullptr, *behind = nullptr;  // bodies about the point on either side; null: there are none
 };
 
 // f(l, v) (n.l), 1/sr; 0 for light from below the shading normal. l and v are unit and point away from the surface.
@@ -35,5 +44,6 @@ double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);  // 1/sr
 glm::dvec2 specular_scale_bias(double roughness, double n_v);
 
 double luminance(glm::dvec3 rec709);
+double largest(glm::dvec3 c);  // of its components
 
 }  // namespace candela::reference

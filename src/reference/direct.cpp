@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "math/spherical_harmonics.h"
+#include "reference/glass_light.h"
 #include "reference/integrator.h"
-#include "reference/visibility.h"
 
 namespace candela::reference {
 namespace {
@@ -86,26 +86,30 @@ glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point,
   return sum;
 }
 
-glm::dvec3 Integrator::one_light(const PunctualLight& light, const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
+Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const {
   const Arrival a = arriving(light, s.position);
-  if (a.illuminance == glm::dvec3(0)) return glm::dvec3(0);
-  const glm::dvec3 radiance = a.illuminance * evaluate_brdf(s, a.l, v);
-  if (radiance == glm::dvec3(0) || !settings_.visibility) return radiance;
+  if (a.illuminance == glm::dvec3(0)) return {};
+  return {a.illuminance * evaluate_bsdf(s, a.l, v, true), a.l, a.distance_m, {}};
+}
+
+glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const {
+  if (offer.radiance == glm::dvec3(0) || !settings_.visibility) return offer.radiance;
   // Light from behind the triangle, which a shading normal may let in, is blocked by the surface itself.
-  if (!(glm::dot(s.geometric, a.l) > 0)) return glm::dvec3(0);
-  return radiance * transmittance(world_, point, a.l, a.distance_m);
+  if (!is_open(s, offer.l)) return glm::dvec3(0);
+  return offer.radiance * light_through(world_, point, offer.l, offer.distance_m, bodies_towards(s, offer.l), offer.end ? &*offer.end : nullptr);
 }
 
 glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
   glm::dvec3 sum(0);
-  for (const PunctualLight& light : world_.punctual_lights()) sum += one_light(light, s, point, v);
+  for (const PunctualLight& light : world_.punctual_lights()) sum += taken(punctual_offer(light, s, v), s, point);
   return sum;
 }
 
-double Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
-  if (!settings_.visibility) return 1;
-  if (!(glm::dot(s.geometric, l) > 0)) return 0;
-  return transmittance(world_, point, l, settings_.mode == Mode::path ? std::numeric_limits<double>::infinity() : settings_.ambient_distance_m);
+glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
+  if (!settings_.visibility) return glm::dvec3(1);
+  if (!is_open(s, l)) return glm::dvec3(0);
+  const double distance_m = settings_.mode == Mode::path ? std::numeric_limits<double>::infinity() : settings_.ambient_distance_m;
+  return light_through(world_, point, l, distance_m, bodies_towards(s, l));
 }
 
 glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {

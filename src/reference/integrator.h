@@ -50,11 +50,17 @@ class Integrator {
   glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const;
   glm::dvec3 traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const;
   glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const;
-  double sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
-  glm::dvec3 one_light(const PunctualLight& light, const Surface& s, const SurfacePoint& point, glm::dvec3 v) const;
-  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool split, SampleStream& stream) const;
-  glm::dvec3 emissive_event(int index, double probability, const Surface& s, const SurfacePoint& point, glm::dvec3 v,
-                            glm::dvec2 u) const;
+  glm::dvec3 sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
+  // What a light would give if nothing stood between.
+  struct Offer {
+    glm::dvec3 radiance{0}, l{0};
+    double distance_m = 0;
+    std::optional<SurfacePoint> end;  // where the light is a surface
+  };
+  Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const;
+  Offer emissive_offer(int index, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
+  glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
+  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream) const;
   double weight(double this_pdf, double other_pdf, Strategy own) const;
 
   const World& world_;

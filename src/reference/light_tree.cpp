@@ -79,7 +79,7 @@ double LightTree::importance(const Node& node, glm::dvec3 point, glm::dvec3 norm
   // Half the angle that the cluster's sphere takes, and a little more against rounding.
   const double sin_spread = std::min(node.radius / distance + 1e-9, 1.0), cos_spread = sin_of(sin_spread);
   const double cos_in = std::clamp(glm::dot(normal, l), -1.0, 1.0);
-  const double received = cos_less(cos_in, sin_of(cos_in), cos_spread, sin_spread);
+  const double received = normal == glm::dvec3(0) ? 1 : cos_less(cos_in, sin_of(cos_in), cos_spread, sin_spread);
   if (received <= 0) return 0;
   double sent = std::clamp(-glm::dot(e.axis, l), -1.0, 1.0);
   sent = cos_less(sent, sin_of(sent), node.cos_o, node.sin_o);

@@ -30,7 +30,7 @@ class LightTree {
     uint32_t light;
     double probability;
   };
-  // One light, or with `split` one of each cluster that lies away from the point: those about the point hold lights of which a
+  // A normal of zero: light counts from all sides. One light, or with `split` one of each cluster that lies away from the point: those about the point hold lights of which a
   // common estimate says little, and are taken apart. The probability is that of being among the chosen; u in [0, 1).
   void choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split, std::vector<Choice>& chosen) const;
   double probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal, bool split) const;

@@ -2,8 +2,8 @@
 // (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997).
 #include <cmath>
 
+#include "reference/glass_light.h"
 #include "reference/integrator.h"
-#include "reference/visibility.h"
 
 namespace candela::reference {
 namespace {
@@ -12,6 +12,9 @@ constexpr int roulette_after = 4;
 constexpr int split_bounces = 1;  // surfaces at which more than one light is chosen: what the camera sees
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic
+
+// For the choice of lights: glass is lit from either side.
+glm::dvec3 lit_side(const Surface& s) { return s.glass ? glm::dvec3(0) : s.normal; }
 
 bool emits_towards(const World& world, const Hit& hit) { return !hit.back || world.is_double_sided(hit.item); }
 
@@ -25,41 +28,39 @@ double Integrator::weight(double this_pdf, double other_pdf, Strategy own) const
 }
 
 // The light of one triangle by way of one point on it.
-glm::dvec3 Integrator::emissive_event(int index, double probability, const Surface& s, const SurfacePoint& point, glm::dvec3 v,
-                                      glm::dvec2 u) const {
+Integrator::Offer Integrator::emissive_offer(int index, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const {
   const EmissiveTriangle& t = world_.emissive()[size_t(index)];
   const double root = std::sqrt(u.x);
   const glm::dvec2 b(root * (1 - u.y), root * u.y);
   const glm::dvec3 at = (1 - b.x - b.y) * t.corner[0] + b.x * t.corner[1] + b.y * t.corner[2];
   const glm::dvec3 to_light = at - s.position;
   const double d2 = glm::dot(to_light, to_light);
-  if (!(d2 > 0)) return glm::dvec3(0);
+  if (!(d2 > 0)) return {};
   const double distance = std::sqrt(d2);
   const glm::dvec3 l = to_light / distance;
   const double facing = -glm::dot(t.normal, l);
-  if (facing == 0 || (facing < 0 && !t.two_sided)) return glm::dvec3(0);
-  if (!(glm::dot(s.geometric, l) > 0)) return glm::dvec3(0);
-  const glm::dvec3 f = evaluate_brdf(s, l, v);
-  if (f == glm::dvec3(0)) return glm::dvec3(0);
+  if (facing == 0 || (facing < 0 && !t.two_sided)) return {};
+  if (!is_open(s, l)) return {};
+  const glm::dvec3 f = evaluate_bsdf(s, l, v);
+  if (f == glm::dvec3(0)) return {};
   const Surface emitter = world_.surface_at(t.item, t.primitive, b, facing < 0, -l);
   const double pdf = probability * d2 / (std::abs(facing) * t.area_m2);
-  const glm::dvec3 radiance = emitter.emission * emitter.coverage * f * (weight(pdf, brdf_pdf(s, l, v), Strategy::light) / pdf);
-  if (radiance == glm::dvec3(0)) return radiance;
+  const glm::dvec3 radiance = emitter.emission * emitter.coverage * f * (weight(pdf, bsdf_pdf(s, l, v), Strategy::light) / pdf);
+  if (radiance == glm::dvec3(0)) return {};
   const Hit target{0, float(b.x), float(b.y), t.item, t.primitive, facing < 0};
-  const SurfacePoint end = world_.accel().surface(target);
-  return radiance * transmittance(world_, point, l, distance, &end);
+  return {radiance, l, distance, world_.accel().surface(target)};
 }
 
 // Every directional light, one direction of the sky, and lights of the tree.
-glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool split, SampleStream& stream) const {
+glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream) const {
   glm::dvec3 sum(0);
-  for (const uint32_t index : world_.directional()) sum += one_light(world_.punctual_lights()[index], s, point, v);
+  for (const uint32_t index : world_.directional()) sum += taken(punctual_offer(world_.punctual_lights()[index], s, v), s, point);
   const glm::dvec2 for_sky = stream.next2();
   if (world_.sky() && settings_.strategy != Strategy::brdf) {
     const Sky::Choice choice = world_.sky().sample(for_sky);
-    const glm::dvec3 f = choice.pdf > 0 ? evaluate_brdf(s, choice.direction, v) : glm::dvec3(0);
+    const glm::dvec3 f = choice.pdf > 0 ? evaluate_bsdf(s, choice.direction, v) : glm::dvec3(0);
     if (f != glm::dvec3(0)) {
-      const double w = weight(choice.pdf, brdf_pdf(s, choice.direction, v), Strategy::light);
+      const double w = weight(choice.pdf, bsdf_pdf(s, choice.direction, v), Strategy::light);
       const glm::dvec3 radiance = world_.sky().radiance(choice.direction) * f * (w / choice.pdf);
       if (radiance != glm::dvec3(0)) sum += radiance * sky_visibility(s, point, choice.direction);
     }
@@ -68,17 +69,20 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
   stream.next();
   const glm::dvec2 on_light = stream.next2();
   static thread_local std::vector<LightTree::Choice> chosen;
-  world_.light_tree().choose(s.position, s.normal, which, split, chosen);
+  world_.light_tree().choose(s.position, lit_side(s), which, every, chosen);
   const size_t points = world_.tree_punctual().size();
   for (size_t i = 0; i < chosen.size(); ++i) {
     const LightTree::Choice& choice = chosen[i];
+    Offer offer;
     if (choice.light < points) {
-      sum += one_light(world_.punctual_lights()[world_.tree_punctual()[choice.light]], s, point, v) / choice.probability;
+      offer = punctual_offer(world_.punctual_lights()[world_.tree_punctual()[choice.light]], s, v);
+      offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
       // Each light a place of its own, as even as the first (the R2 sequence's steps).
       const glm::dvec2 turned = on_light + double(i) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
-      sum += emissive_event(int(choice.light - points), choice.probability, s, point, v, turned - glm::floor(turned));
+      offer = emissive_offer(int(choice.light - points), choice.probability, s, v, turned - glm::floor(turned));
     }
+    sum += taken(offer, s, point);
   }
   return sum;
 }
@@ -89,26 +93,40 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   Ray ray = rounded(camera);
   TraceCounts counts;
   std::optional<Hit> passed;
-  // Of the bounce that the ray comes from; the camera's first ray meets lights by itself alone.
+  // Of the bounce that the ray comes from; the camera's first ray meets lights by itself alone, and so does one from a mirror.
   double brdf_density = 0;
+  bool from_mirror = false;
   glm::dvec3 last_normal(0), last_position(0);
   uint32_t alpha_dimension = first_alpha_dimension;
   int bounce = 0;
+  uint32_t shaded = 0;  // surfaces, among them those that the ray goes straight through
+  GlassWay way;
+  double compressed = 1;  // what refraction has made of radiance alone, not of its share
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
     const std::optional<Hit> hit = next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? &counts : nullptr);
     if (!hit) {
+      through *= way.end(std::numeric_limits<double>::infinity());
       if (first) {
         const glm::dvec4 background = world_.background(direction);
         out.radiance += through * glm::dvec3(background);
         out.alpha = background.w;
       } else if (world_.sky()) {
-        const double w = weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
+        const double w = from_mirror ? 1 : weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
         out.radiance += through * world_.sky().radiance(direction) * w;
       }
       break;
     }
-    const Surface s = world_.surface(*hit, origin, direction);
+    Surface s = world_.surface(*hit, origin, direction);
+    const glm::dvec3 v = -glm::normalize(direction);
+    if (world_.has_glass()) {
+      if (way.splits(s)) {
+        stream.start(alpha_dimension);
+        alpha_dimension += 4;
+        through *= way.choose_channel(s, stream.next());
+      }
+      through *= way.arrive(s, v, hit->back, glm::length(s.position - origin));
+    }
     if (s.coverage < 1) {
       // A blended surface is there as often as it covers.
       stream.start(alpha_dimension);
@@ -118,17 +136,15 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
         continue;
       }
     }
-    passed.reset();
-    if (first) out.alpha = 1;
+    if (first && !is_straight(s)) out.alpha = 1;
     if (s.unlit) {
       // A picture, not a lamp: it is seen, also in reflections, and takes no light and is not chosen as a light.
       out.radiance += through * s.base_color;
       break;
     }
-    const glm::dvec3 v = -glm::normalize(direction);
     if (s.emission != glm::dvec3(0) && emits_towards(world_, *hit)) {
       double w = 1;
-      const int light = first ? -1 : world_.emissive_of(hit->item, hit->primitive);
+      const int light = first || from_mirror ? -1 : world_.emissive_of(hit->item, hit->primitive);
       if (light >= 0) {
         const EmissiveTriangle& t = world_.emissive()[size_t(light)];
         const glm::dvec3 d = s.position - last_position;
@@ -139,27 +155,39 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       }
       out.radiance += through * s.emission * w;
     }
-    if (settings_.most_bounces > 0 && bounce >= settings_.most_bounces) break;
+    // After the last bounce light still goes straight through what lies between.
+    const bool last = settings_.most_bounces > 0 && bounce >= settings_.most_bounces;
+    if (last && !is_straight(s)) break;
     const SurfacePoint point = world_.accel().surface(*hit);
-    stream.start(4 + uint32_t(bounce) * dimensions_a_bounce);
+    stream.start(4 + shaded++ * dimensions_a_bounce);
     const glm::dvec2 for_lobe = stream.next2();
     const double lobe = stream.next(), roulette = stream.next();
-    out.radiance += through * next_event(s, point, v, bounce < split_bounces, stream);
+    if (!last) out.radiance += through * next_event(s, point, v, bounce < split_bounces, stream);
 
-    const glm::dvec3 l = sample_brdf(s, v, lobe, for_lobe);
-    const double pdf = brdf_pdf(s, l, v);
-    if (!(pdf > 0) || !(glm::dot(s.geometric, l) > 0)) break;
-    through *= evaluate_brdf(s, l, v) / pdf;
+    const std::optional<BsdfSample> next = sample_bsdf(s, v, lobe, for_lobe);
+    if (!next || (last && !next->straight)) break;
+    through *= next->weight;
+    if (next->through) way.cross();
+    if (next->straight) {
+      if (through == glm::dvec3(0)) break;
+      passed = *hit;
+      continue;
+    }
+    passed.reset();
+    if (first) out.alpha = 1;
+    if (next->through && s.glass->body) compressed /= s.eta * s.eta;
     ++bounce;
     if (bounce > roulette_after) {
-      const double survive = std::min(std::max({through.x, through.y, through.z}), 0.95);
+      const double survive = std::min(largest(through) / compressed, 0.95);
       if (!(roulette < survive)) break;
       through /= survive;
     }
     if (through == glm::dvec3(0)) break;
-    brdf_density = pdf, last_normal = s.normal, last_position = s.position;
-    ray = leaving_ray(point, l);
-    origin = ray.origin, direction = l;
+    from_mirror = !(next->pdf > 0);
+    brdf_density = next->pdf, last_normal = lit_side(s), last_position = s.position;
+    ray = leaving_ray(point, next->l);
+    origin = ray.origin, direction = next->l;
+    way.start_ray();
   }
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;

@@ -138,6 +138,12 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   const double ratio = m.ior == 0 ? 1 : (double(m.ior) - 1) / (double(m.ior) + 1);
   s.dielectric_f0 = glm::min(ratio * ratio * specular_color, glm::dvec3(1)) * specular;
   s.dielectric_f90 = specular;
+  if (t.glass) {
+    s.specular_tint = specular_color;
+    s.transmission = m.transmission;
+    if (t.transmission) s.transmission *= std::clamp(fetch(t.transmission, m.transmission_texture, v).x, 0.0, 1.0);
+    if (s.transmission > 0 && s.metallic < 1) s.glass = &*t.glass;
+  }
   return s;
 }
 

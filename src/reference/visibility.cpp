@@ -20,7 +20,7 @@ bool SurfaceFilter::accepts(const Hit& hit) const {
   if (passed_ && (std::tie(hit.t, hit.item, hit.primitive) <= std::tie(passed_->t, passed_->item, passed_->primitive) ||
                   is_same_point(hit, *passed_)))
     return false;
-  if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item)) return false;
+  if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item) && !world_.bounds_body(hit.item)) return false;
   return !world_.is_masked(hit.item) || world_.coverage(hit) > 0;
 }
 
@@ -31,27 +31,33 @@ std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_b
   return world.accel().closest(rest, &filter, counts);
 }
 
-double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target) {
+std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target) {
   Ray ray = leaving_ray(from, l);
   if (std::isfinite(distance_m)) {
     // From the point where the ray really begins to the one where it ends, both pushed off their surfaces.
     const glm::vec3 end = target ? leaving_origin(*target, glm::vec3(-l)) : glm::vec3(glm::dvec3(from.position) + l * distance_m);
     ray.direction = end - ray.origin;
     ray.t_max = before_end;
-    if (glm::dot(glm::dvec3(ray.direction), l) <= 0) return 1;  // closer than the offsets
+    if (glm::dot(glm::dvec3(ray.direction), l) <= 0) return {};
   }
+  return ray;
+}
+
+double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target) {
+  const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
+  if (!ray) return 1;
   if (!world.has_blend()) {
     const SurfaceFilter filter(world, false);
-    return world.accel().occluded(ray, &filter) ? 0 : 1;
+    return world.accel().occluded(*ray, &filter) ? 0 : 1;
   }
   double through = 1;
-  std::optional<Hit> hit = next_surface(world, ray, false, nullptr, nullptr);
+  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr);
   while (hit) {
     const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
     through *= 1 - coverage;
     if (!(through > 0)) return 0;
     const Hit passed = *hit;
-    hit = next_surface(world, ray, false, &passed, nullptr);
+    hit = next_surface(world, *ray, false, &passed, nullptr);
   }
   return through;
 }

@@ -27,6 +27,9 @@ std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_b
 double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
                      const SurfacePoint* target = nullptr);
 
+// The ray of it; nothing where the two are closer than what keeps it off their surfaces.
+std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target = nullptr);
+
 Ray rounded(const CameraRay& ray);
 Ray leaving_ray(const SurfacePoint& from, glm::dvec3 direction);
 

@@ -17,13 +17,28 @@ glm::dmat3 normal_matrix(const glm::dmat3& m) {
   return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
+// Light goes on behind any surface of glass, so that the filter must be asked about all of them: it knows which are passed.
+AccelOptions accel_options(const WorldInput& input) {
+  AccelOptions options = input.accel;
+  options.always_ask_filter |= input.glass && has_transmission(input.scene);
+  return options;
+}
+
 }  // namespace
 
 World::World(const WorldInput& input, std::vector<std::string>& warnings)
-    : input_(input), accel_(input.scene, input.pose, input.frame, input.accel) {
+    : input_(input), accel_(input.scene, input.pose, input.frame, accel_options(input)) {
   load_materials(warnings);
   add_items();
   add_lights();
+}
+
+void World::add_textures(const Material& material) {
+  const auto add = [&](const TextureSlot& slot, bool srgb) {
+    if (slot) textures_[{slot.image, srgb}] = nullptr;
+  };
+  for_each_slot(material, add);
+  if (input_.glass) for_each_traced_slot(material, add);
 }
 
 void World::load_materials(std::vector<std::string>& warnings) {
@@ -33,9 +48,7 @@ void World::load_materials(std::vector<std::string>& warnings) {
     if (item.material >= 0) used[size_t(item.material)] = true;
   for (size_t m = 0; m < used.size(); ++m)
     if (used[m])
-      for_each_slot(input_.pose.materials[m], [&](const TextureSlot& slot, bool srgb) {
-        if (slot) textures_[{slot.image, srgb}] = nullptr;
-      });
+      add_textures(input_.pose.materials[m]);
   std::vector<std::pair<const std::pair<int, bool>, std::unique_ptr<Texture>>*> list;
   for (auto& entry : textures_) list.push_back(&entry);
   std::vector<std::string> failed(list.size());
@@ -64,6 +77,10 @@ void World::load_materials(std::vector<std::string>& warnings) {
     t.emissive = find(m.emissive_texture, true);
     t.specular = find(m.specular_texture, false);
     t.specular_color = find(m.specular_color_texture, true);
+    if (input_.glass && !m.unlit && m.transmission > 0) {
+      t.transmission = find(m.transmission_texture, false);
+      t.glass = Glass{m.ior, m.dispersion, m.thickness_m > 0, m.attenuation_color, m.attenuation_distance_m};
+    }
     materials_.push_back(std::move(t));
   }
 }
@@ -79,7 +96,10 @@ void World::add_items() {
     t.normal_from_local = normal_matrix(linear);
     t.mirrored = glm::determinant(linear) < 0 ? -1 : 1;
     t.unlit = is_unlit(*t.section, item.material >= 0 ? &t.material->material : nullptr);
-    if (t.section->topology == Topology::triangles) has_blend_ |= t.material->material.alpha_mode == AlphaMode::blend;
+    if (t.section->topology == Topology::triangles) {
+      has_blend_ |= t.material->material.alpha_mode == AlphaMode::blend;
+      has_glass_ |= t.material->glass.has_value();
+    }
     items_.push_back(t);
   }
 }
@@ -104,6 +124,8 @@ glm::dvec4 World::background(glm::dvec3 direction) const {
 bool World::is_masked(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::mask; }
 bool World::is_blended(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::blend; }
 bool World::is_double_sided(uint32_t item) const { return items_[item].material->material.double_sided; }
+
+bool World::bounds_body(uint32_t item) const { return items_[item].material->glass && items_[item].material->glass->body; }
 
 int World::emissive_of(uint32_t item, uint32_t primitive) const {
   const std::vector<int>& index = emissive_index_[item];

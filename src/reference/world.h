@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "reference/accel.h"
-#include "reference/brdf.h"
+#include "reference/bsdf.h"
 #include "reference/light_tree.h"
 #include "reference/punctual.h"
 #include "reference/sky.h"
@@ -27,6 +27,7 @@ struct WorldInput {
   bool sky_visible = false;         // camera rays see it; else the background
   glm::dvec4 background{0};         // linear, premultiplied
   AccelOptions accel{};
+  bool glass = false;               // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
 };
 
 // A ray with directions in double; the acceleration structure gets it rounded.
@@ -68,6 +69,8 @@ class World {
   bool is_masked(uint32_t item) const;    // by alpha: its holes are holes for every ray
   bool is_blended(uint32_t item) const;
   bool is_double_sided(uint32_t item) const;
+  bool has_glass() const { return has_glass_; }
+  bool bounds_body(uint32_t item) const;  // of glass: it has an inside, whose walls are seen from both sides
 
   const std::vector<EmissiveTriangle>& emissive() const { return emissive_; }
   int emissive_of(uint32_t item, uint32_t primitive) const;  // into emissive(), -1: not chosen as a light
@@ -80,7 +83,8 @@ class World {
   struct TracedMaterial {
     Material material;
     const Texture *base = nullptr, *orm = nullptr, *occlusion = nullptr, *normal = nullptr, *emissive = nullptr,
-                  *specular = nullptr, *specular_color = nullptr;
+                  *specular = nullptr, *specular_color = nullptr, *transmission = nullptr;
+    std::optional<Glass> glass;  // nothing: opaque
   };
   struct TracedItem {
     const MeshSection* section = nullptr;
@@ -98,6 +102,7 @@ class World {
     glm::dvec2 uv[2];
     glm::dvec4 color{1};
   };
+  void add_textures(const Material& material);
   void load_materials(std::vector<std::string>& warnings);
   void add_items();
   void add_lights();
@@ -118,7 +123,7 @@ class World {
   std::vector<EmissiveTriangle> emissive_;
   std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle
   LightTree tree_;
-  bool has_blend_ = false;
+  bool has_blend_ = false, has_glass_ = false;
 };
 
 }  // namespace candela::reference

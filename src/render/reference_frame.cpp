@@ -41,10 +41,11 @@ std::string_view name_of(BvhBuilder builder) {
   return builder == BvhBuilder::equal_counts ? "equal-counts" : builder == BvhBuilder::sah ? "sah" : "sbvh";
 }
 
-Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel) {
+Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel, reference::Mode mode) {
   if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
   auto frame = std::make_unique<ReferenceFrame>();
-  auto scene = load_gltf(job.scene);
+  const bool path = mode == reference::Mode::path;
+  auto scene = load_gltf(job.scene, path ? LoadFor::path_tracing : LoadFor::raster);
   if (!scene) return std::unexpected(scene.error());
   frame->scene = std::move(*scene);
   frame->time_s = time_s;
@@ -71,6 +72,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   reference::WorldInput input{frame->scene, frame->pose, frame->view, frame->data};
   input.background = background_of(job.background);
   input.accel = accel;
+  input.glass = path;
   if (sky) {
     input.sky = reference::Sky(*sky);
     input.ambient_sh = project_environment(*sky);

@@ -22,7 +22,9 @@ struct ReferenceFrame {
   std::vector<std::string> notes, warnings;
   std::unique_ptr<reference::World> world;
 };
-Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel);
+// path: light goes through transmissive surfaces, and the scene is loaded with what that needs.
+Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel,
+                                                         reference::Mode mode = reference::Mode::direct);
 
 // What decides the reference's pixels beside the job, as JSON: mode, sampler, bvh and the rest. Stable order; one line.
 std::string settings_json(const reference::TraceSettings& settings, const AccelOptions& accel);

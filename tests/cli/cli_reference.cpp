@@ -140,4 +140,37 @@ TEST(Reference, NamesWhatIsWrong) {
   EXPECT_TRUE(files_in(folder.path()).empty());
 }
 
+// Techniques and direct light draw glass opaque and say so; paths go through it, and there is nothing to say.
+TEST(Reference, OnlyPathsGoThroughGlass) {
+  const TestFolder folder;
+  const std::string file = folder / "pane.gltf";
+  const auto write = [&](const char* required) {
+    std::ofstream(file) << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_transmission"],)" << required
+                        << R"("scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+      "materials": [{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36}],
+      "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  };
+  const auto traced_in = [&](const char* mode) {
+    return candela({"reference", file, "--mode", mode, "--size", "8x8", "--spp", "1", "-o", folder / (std::string(mode) + ".exr")});
+  };
+  const std::string note = "KHR_materials_transmission is ignored: the surface is drawn opaque";
+  write("");
+  for (const Ended& ended : {candela({"plan", file}), traced_in("direct")}) {
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_NE(ended.err.find(note), std::string::npos) << ended.err;
+  }
+  const Ended path = traced_in("path");
+  EXPECT_EQ(path.code, 0) << path.err;
+  EXPECT_EQ(path.err.find("KHR_materials_transmission"), std::string::npos) << path.err;
+  write(R"("extensionsRequired": ["KHR_materials_transmission"],)");
+  for (const Ended& ended : {candela({"plan", file}), traced_in("direct")}) {
+    EXPECT_EQ(ended.code, 3);
+    EXPECT_NE(ended.err.find("--mode path"), std::string::npos) << ended.err;
+  }
+  EXPECT_EQ(traced_in("path").code, 0);
+}
+
 }  // namespace candela::test

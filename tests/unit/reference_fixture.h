@@ -31,9 +31,9 @@ struct TestCamera {
 };
 
 inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const TestCamera& camera = {}, Sky sky = {},
-                                             bool sky_visible = false, glm::dvec4 background = glm::dvec4(0)) {
+                                             bool sky_visible = false, glm::dvec4 background = glm::dvec4(0), bool glass = false) {
   auto t = std::make_unique<TestWorld>();
-  auto scene = builder.load();
+  auto scene = builder.load(glass ? LoadFor::path_tracing : LoadFor::raster);
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().text());
   if (!scene) return nullptr;
   t->scene = std::move(*scene);
@@ -47,7 +47,7 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
   t->view = *view;
   t->frame = make_frame_data(t->scene, t->pose, t->view);
   WorldInput input{t->scene, t->pose, t->view, t->frame};
-  input.sky = std::move(sky), input.sky_visible = sky_visible, input.background = background;
+  input.sky = std::move(sky), input.sky_visible = sky_visible, input.background = background, input.glass = glass;
   t->world = std::make_unique<World>(input, t->warnings);
   EXPECT_TRUE(t->warnings.empty());
   return t;
@@ -147,10 +147,30 @@ inline Json emitting(Json material, double radiance) {
   material["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", radiance}};
   return material;
 }
+// Clear glass; thickness 0: a sheet that does not bend light.
+inline Json glass_material(double ior, double roughness, double thickness, glm::dvec3 color = glm::dvec3(1)) {
+  Json m = {{"pbrMetallicRoughness", base_color(color.x, color.y, color.z)}};
+  m["pbrMetallicRoughness"]["roughnessFactor"] = roughness;
+  m["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_ior", {{"ior", ior}}}};
+  if (thickness > 0) m["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", thickness}};
+  return m;
+}
+inline Json absorbing(Json material, double distance_m, glm::dvec3 color) {
+  Json& volume = material["extensions"]["KHR_materials_volume"];
+  volume["attenuationDistance"] = distance_m, volume["attenuationColor"] = {color.x, color.y, color.z};
+  return material;
+}
+// Two squares of half size `half` that face away from each other, the upper at z = 0: a slab whose sides are far away.
+inline void add_slab(GltfBuilder& b, float half, double thickness_m, int material) {
+  const int mesh = add_square_mesh(b, half, material);
+  add_node(b, {{"mesh", mesh}});
+  add_node(b, {{"mesh", mesh}, {"translation", {0, 0, -thickness_m}}, {"rotation", {1, 0, 0, 0}}});
+}
 // Extensions that materials and lights of these tests use.
 inline void use_all(GltfBuilder& b) {
   b.json["extensionsUsed"] = {"KHR_lights_punctual", "KHR_materials_specular", "KHR_materials_unlit",
-                              "KHR_materials_emissive_strength"};
+                              "KHR_materials_emissive_strength", "KHR_materials_transmission", "KHR_materials_volume",
+                              "KHR_materials_ior", "KHR_materials_dispersion"};
 }
 
 }  // namespace candela::reference::test

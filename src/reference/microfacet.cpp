@@ -1,0 +1,43 @@
+#include "reference/microfacet.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "reference/sampling.h"
+
+namespace candela::reference {
+
+constexpr double pi = std::numbers::pi;
+
+double ggx_d(double n_h, double alpha) {
+  const double a2 = alpha * alpha, t = n_h * n_h * (a2 - 1) + 1;
+  return a2 / (pi * t * t);
+}
+
+double smith_v(double n_l, double n_v, double alpha) {
+  const double a2 = alpha * alpha;
+  return 0.5 / (n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2));
+}
+
+double smith_g1(double n_v, double alpha) {
+  const double a2 = alpha * alpha;
+  return 2 * n_v / (n_v + std::sqrt(a2 + (1 - a2) * n_v * n_v));
+}
+
+glm::dvec3 visible_normal(glm::dvec3 normal, glm::dvec3 v, double alpha, glm::dvec2 u) {
+  glm::dvec3 x, y;
+  make_frame(normal, x, y);
+  // Stretched so that the surface is a hemisphere of which v sees a half disc and a half ellipse.
+  const glm::dvec3 stretched =
+      glm::normalize(glm::dvec3(alpha * glm::dot(v, x), alpha * glm::dot(v, y), glm::dot(v, normal)));
+  const double across2 = stretched.x * stretched.x + stretched.y * stretched.y;
+  const glm::dvec3 t1 = across2 > 0 ? glm::dvec3(-stretched.y, stretched.x, 0) / std::sqrt(across2) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 t2 = glm::cross(stretched, t1);
+  const double r = std::sqrt(u.x), phi = 2 * pi * u.y, p1 = r * std::cos(phi), share = 0.5 * (1 + stretched.z);
+  const double p2 = (1 - share) * std::sqrt(std::max(1 - p1 * p1, 0.0)) + share * r * std::sin(phi);
+  const glm::dvec3 on_sphere = p1 * t1 + p2 * t2 + std::sqrt(std::max(1 - p1 * p1 - p2 * p2, 0.0)) * stretched;
+  const glm::dvec3 m = glm::normalize(glm::dvec3(alpha * on_sphere.x, alpha * on_sphere.y, std::max(on_sphere.z, 0.0)));
+  return m.x * x + m.y * y + m.z * normal;
+}
+
+}  // namespace candela::reference

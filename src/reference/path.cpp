@@ -9,7 +9,7 @@ namespace candela::reference {
 namespace {
 
 constexpr int roulette_after = 4;
-constexpr int split_bounces = 1;  // surfaces at which more than one light is chosen: what the camera sees
+constexpr int shadowed_bounces = 1;  // surfaces at which each light that is chosen gets a shadow ray: what the camera sees
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic
 
@@ -51,7 +51,9 @@ Integrator::Offer Integrator::emissive_offer(int index, double probability, cons
   return {radiance, l, distance, world_.accel().surface(target)};
 }
 
-// Every directional light, one direction of the sky, and lights of the tree.
+// Every directional light, one direction of the sky, and lights of the tree: those about the point each, and some of those farther off.
+// Where not every one of them is worth a shadow ray, one is chosen by what it would give unhindered (Talbot et al., "Importance Resampling
+// for Global Illumination", 2005): lamps close to the point, which a common estimate of their cluster misses, are the ones that matter.
 glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream) const {
   glm::dvec3 sum(0);
   for (const uint32_t index : world_.directional()) sum += taken(punctual_offer(world_.punctual_lights()[index], s, v), s, point);
@@ -66,11 +68,13 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
     }
   }
   const double which = stream.next();
-  stream.next();
+  double pick = stream.next();
   const glm::dvec2 on_light = stream.next2();
   static thread_local std::vector<LightTree::Choice> chosen;
-  world_.light_tree().choose(s.position, lit_side(s), which, every, chosen);
+  world_.light_tree().choose(s.position, lit_side(s), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
+  Offer best;  // of a reservoir of one
+  double best_weight = 0, total = 0;
   for (size_t i = 0; i < chosen.size(); ++i) {
     const LightTree::Choice& choice = chosen[i];
     Offer offer;
@@ -82,8 +86,22 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       const glm::dvec2 turned = on_light + double(i) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
       offer = emissive_offer(int(choice.light - points), choice.probability, s, v, turned - glm::floor(turned));
     }
-    sum += taken(offer, s, point);
+    if (every) {
+      sum += taken(offer, s, point);
+      continue;
+    }
+    const double w = is_open(s, offer.l) ? largest(offer.radiance) : 0;
+    if (!(w > 0)) continue;
+    total += w;
+    const double share = w / total;
+    if (pick < share) {
+      best = offer, best_weight = w;
+      pick = std::min(pick / share, 1 - 0x1p-53);
+    } else {
+      pick = std::min((pick - share) / (1 - share), 1 - 0x1p-53);
+    }
   }
+  if (best_weight > 0) sum += taken(best, s, point) * (total / best_weight);
   return sum;
 }
 
@@ -149,7 +167,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
         const EmissiveTriangle& t = world_.emissive()[size_t(light)];
         const glm::dvec3 d = s.position - last_position;
         const double probability =
-            world_.light_tree().probability(uint32_t(world_.tree_punctual().size()) + uint32_t(light), last_position, last_normal, bounce - 1 < split_bounces);
+            world_.light_tree().probability(uint32_t(world_.tree_punctual().size()) + uint32_t(light), last_position, last_normal, true);
         const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
         w = weight(brdf_density, pdf, Strategy::brdf);
       }
@@ -162,7 +180,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     stream.start(4 + shaded++ * dimensions_a_bounce);
     const glm::dvec2 for_lobe = stream.next2();
     const double lobe = stream.next(), roulette = stream.next();
-    if (!last) out.radiance += through * next_event(s, point, v, bounce < split_bounces, stream);
+    if (!last) out.radiance += through * next_event(s, point, v, bounce < shadowed_bounces, stream);
 
     const std::optional<BsdfSample> next = sample_bsdf(s, v, lobe, for_lobe);
     if (!next || (last && !next->straight)) break;

@@ -171,4 +171,26 @@ TEST(KnownAnswers, ALampInsideADiffuseSphere) {
   EXPECT_NEAR(direct.mean, rho / pi * candela / (radius * radius), 3e-3 * direct.mean);
 }
 
+// Wherever lamps are in a diffuse sphere, what its walls send to each other lights them evenly: all lamps together give rho/pi of
+// rho * sum(I) / r^2 / (1 - rho) beside their direct light. Dim and bright ones, near and far: each is chosen as often as it is weighed.
+TEST(KnownAnswers, ManyLampsInsideADiffuseSphere) {
+  GltfBuilder b = empty_scene();
+  const double rho = 0.6, radius = 2;
+  add_node(b, {{"mesh", add_sphere_mesh(b, float(radius), add_material(b, diffuse_material(rho, rho, rho)), 64, true)}});
+  double candela = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double intensity = i % 7 == 0 ? 2 : 0.05, at = 1.3 * std::sqrt((i + 0.5) / 40);
+    candela += intensity;
+    add_light(b, {{"type", "point"}, {"intensity", intensity}},
+              {{"translation", {at * std::cos(i * 2.4), at * std::sin(i * 1.7) * 0.5, at * std::sin(i * 2.4)}}});
+  }
+  use_all(b);
+  const TestCamera camera{.eye = {0.4, 0.2, 0.5}, .target = {-1, 0.3, -1}, .yfov_deg = 80, .width = 8, .height = 8};
+  const auto t = make_world(b, camera);
+  const MeanError all = mean_of(traced(*t, path_settings(), camera, 512)), direct = mean_of(traced(*t, path_settings(1), camera, 64));
+  const double expected = rho / pi * rho * candela / (radius * radius) / (1 - rho);
+  EXPECT_NEAR(all.mean - direct.mean, expected, 5 * (all.error + direct.error) + 3e-3 * expected);
+  EXPECT_LT(all.error + direct.error, 0.02 * expected);
+}
+
 }  // namespace candela::reference::test

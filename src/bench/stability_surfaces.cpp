@@ -81,7 +81,6 @@ void add_glass(Recipes& all, std::string name, std::string what, GlassBall ball)
                                              {"KHR_materials_dispersion", {{"dispersion", 1}}}};
                    for (int i = 0; i < ball.nested; ++i) place(out, sphere(0.6 - 0.05 * i, 64, 48), material, ball.at);
                    StabilityScene scene = scene_of(out);
-                   scene.bound = 2e-3;
                    scene.paths = true;
                    return scene;
                  }});

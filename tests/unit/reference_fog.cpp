@@ -284,6 +284,41 @@ TEST(Fog, TheWhiteFurnaceHidesIt) {
   }
 }
 
+// A pane of glass that bends and reflects nothing stands in the fog: what lies behind is weakened by the same way through fog, once,
+// and a body of such glass holds none.
+TEST(Fog, GoesOnBehindGlass) {
+  const Fog fog = slab({0.5, 1, 2}, glm::dvec3(0));
+  const double body_m = 0.75;
+  for (const bool body : {false, true}) {
+    GltfBuilder b = nothing();
+    const int material = add_material(b, glass_material(1, 0, body ? body_m : 0));
+    if (body)
+      add_slab(b, 200, body_m, material);
+    else
+      for (const double z : {0.5, -0.25}) add_node(b, {{"mesh", add_square_mesh(b, 200, material)}, {"translation", {0, 0, z}}});
+    const auto t = make_world(b, camera, {}, false, {1, 2, 4, 1}, true, fog);
+    const Film film = traced(*t, centred(Mode::path), camera, 1);
+    for (size_t i = 0; i < film.pixels(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        const double way = (2 - (body ? body_m : 0)) / -direction_of(*t, i).z;
+        EXPECT_NEAR(film.mean(i)[c], (1 << c) * std::exp(-fog.extinction_per_m[c] * way), 1e-5) << body;
+      }
+  }
+  // Light that scatters about the panes comes from everywhere alike: neither is seen.
+  Fog white = slab({0.5, 1, 1.5}, glm::dvec3(1), 0.3);
+  white.lowest = glm::dvec3(-1), white.highest = glm::dvec3(1);
+  GltfBuilder b = nothing();
+  const int pane = add_square_mesh(b, 3, add_material(b, glass_material(1.5, 0, 0)));
+  for (const double z : {0.5, -0.25}) add_node(b, {{"mesh", pane}, {"translation", {0, 0, z}}});
+  const auto t = make_world(b, camera, Sky::constant(glm::dvec3(1)), true, glm::dvec4(0), true, white);
+  const Film film = traced(*t, path_settings(), camera, 512);
+  for (int c = 0; c < 3; ++c) {
+    const MeanError m = mean_of(film, c);
+    EXPECT_NEAR(m.mean, 1, 4.5 * m.error) << c;
+    EXPECT_LT(m.error, 0.01);
+  }
+}
+
 // Direct is what path is with one bounce: lamps, a spot, a sun and the sky on a floor with a wall in falling, coloured
 // fog.
 TEST(Fog, DirectAgreesWithPathsOfOneBounce) {

@@ -38,7 +38,7 @@ layout(location = DIRECT) out vec4 out_direct;
 void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
   const Varyings v = load_varyings();
-  const vec3 to_viewer = direction_to_viewer(v.relative_position);
+  const vec3 to_viewer = direction_to_viewer();
   const bool unlit = (m.flags & material_unlit) != 0u;
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;

@@ -18,7 +18,7 @@ layout(location = 0) out vec4 out_radiance;  // premultiplied, pre-exposed
 void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
   const Varyings v = load_varyings();
-  const vec3 to_viewer = direction_to_viewer(v.relative_position);
+  const vec3 to_viewer = direction_to_viewer();
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples that passed
   // the depth test may lie in a hole, and the kept sample would be nobody's.

@@ -17,6 +17,9 @@ Varyings load_varyings() {
   v.color = HAS_VERTEX_COLOR != 0 ? in_color : vec4(1.0);
   return v;
 }
-vec3 direction_to_viewer(vec3 relative_position) {
-  return frame.perspective != 0u ? normalize_or(-relative_position, frame.camera_back) : frame.camera_back;
+// Through the middle of the pixel. Interpolated positions would tell it less exactly: over a large triangle some devices keep 20 bits.
+vec3 direction_to_viewer() {
+  if (frame.perspective == 0u) return frame.camera_back;
+  const vec2 ndc = 2.0 * gl_FragCoord.xy / vec2(frame.size_px) - 1.0;
+  return normalize(frame.camera_back - ndc.x * frame.tan_half.x * frame.camera_right + ndc.y * frame.tan_half.y * frame.camera_up);
 }

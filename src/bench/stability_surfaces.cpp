@@ -32,11 +32,7 @@ StabilityScene grazing(double height_m, double roughness, double metallic) {
   point(out, {0, 0.5, -8}, 20);
   sun(out, {0.1, 0.01, -1}, 1);
   camera(out, {0, height_m, 10}, {0, 0, -4}, 0.3, 0.01);
-  StabilityScene scene = scene_of(out);
-  // At a cosine of 1e-4 the place of a highlight is the last digits of 32-bit positions.
-  scene.bound = 5e-3;
-  scene.stray_share = 1e-3;
-  return scene;
+  return scene_of(out);
 }
 
 StabilityScene colored(StabilityInput& in, double factor) {

@@ -1,8 +1,10 @@
-# candela_module(NAME LINK libs...): the static library candela_NAME from src/NAME/*.cpp. Its public include folder is src,
+# candela_module(NAME LINK libs...): the static library candela_NAME from src/NAME and the folders in it; what is loaded at run time
+# (modules/) is not part of it. Its public include folder is src,
 # so every include says its module: #include "scene/scene.h".
 function(candela_module name)
   cmake_parse_arguments(A "" "" "LINK" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/modules/")
   if(NOT sources)
     add_library(candela_${name} INTERFACE)
     target_include_directories(candela_${name} INTERFACE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/shaders)

@@ -6,7 +6,7 @@ layout(push_constant, scalar) uniform Push { TonemapPush pc; };
 #include "lib/bindless.glsl"
 #include "lib/tone_curves.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;  // rows, as in resolve.comp
-layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/tonemap.h
+layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/post/tonemap.h
 
 vec3 srgb_encode(vec3 c) {
   return mix(1.055 * pow(max(c, vec3(1e-7)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308)));

@@ -3,7 +3,7 @@
 #include "frame_server.h"
 #include "image/io.h"
 #include "render/outputs.h"
-#include "render/session.h"
+#include "frame/session.h"
 
 // candela's side of the comparison: the session that `candela sequence` uses, one frame a request. The frame is the one
 // that a PNG is made of: tone curve "none", sRGB, 8 bits, without dither, which is what the peers deliver.

@@ -17,7 +17,7 @@
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "reference/accel.h"
-#include "scene/gltf.h"
+#include "gltf/gltf.h"
 #include "scene/view.h"
 
 using namespace candela;

@@ -1,4 +1,4 @@
-// Whether a light can touch a cell of the light grid. Every test errs towards yes: volumes are inflated (render/light_grid.cpp) and
+// Whether a light can touch a cell of the light grid. Every test errs towards yes: volumes are inflated (frame/light_grid.cpp) and
 // comparisons give way by SLACK of the distances involved (the range is inflated by far more than its own rounding), so that rounding
 // never loses a light; NaN counts as yes.
 // Space: view, x right, y up, z forward. Needs `frame`, lib/light_cells.glsl.
@@ -147,7 +147,7 @@ bool test_capsule_joint(LightBounds b, Slab s) {
   return b.cos_outer <= 1e-3 || cone_touches(b, c, q, interval, slack);
 }
 
-const int TEST_AABB = 0, TEST_CONE_SPHERE = 1, TEST_CAPSULE = 2, TEST_CAPSULE_JOINT = 3;  // passes/light_assign.h
+const int TEST_AABB = 0, TEST_CONE_SPHERE = 1, TEST_CAPSULE = 2, TEST_CAPSULE_JOINT = 3;  // passes/lights/light_assign.h
 
 bool light_touches(int test, LightBounds b, Slab s) {
   if (s.z_near > s.z_far) return false;

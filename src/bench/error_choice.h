@@ -5,7 +5,7 @@
 
 #include "base/statistics.h"
 #include "bench/row.h"
-#include "render/job.h"
+#include "frame/job.h"
 
 namespace candela {
 

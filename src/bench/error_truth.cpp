@@ -3,7 +3,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "render/reference_frame.h"
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela {
 namespace {

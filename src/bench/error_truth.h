@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "image/image.h"
-#include "render/job.h"
+#include "frame/job.h"
 
 namespace candela {
 

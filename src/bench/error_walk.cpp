@@ -3,9 +3,9 @@
 #include <map>
 
 #include "base/text.h"
-#include "render/frame_knobs.h"
-#include "render/plan_frame.h"
-#include "scene/gltf.h"
+#include "frame/frame_knobs.h"
+#include "frame/plan_frame.h"
+#include "gltf/gltf.h"
 
 namespace candela {
 namespace {

@@ -8,8 +8,8 @@
 #include "bench/picture.h"
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
-#include "render/plan_frame.h"
-#include "scene/make_scene.h"
+#include "frame/plan_frame.h"
+#include "testscenes/make_scene.h"
 
 namespace candela {
 namespace {

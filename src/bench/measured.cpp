@@ -7,7 +7,7 @@
 
 #include "base/hash.h"
 #include "render/outputs.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 #include "scene/frame_data.h"
 
 namespace candela {

@@ -7,7 +7,7 @@
 #include "base/check.h"
 #include "base/statistics.h"
 #include "image/png_write.h"
-#include "render/plan_frame.h"
+#include "frame/plan_frame.h"
 
 namespace candela {
 namespace {

@@ -6,7 +6,7 @@
 #include "bench/measured.h"
 #include "bench/picture.h"
 #include "bench/scene_store.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 
 namespace candela {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "bench/row.h"
 #include "bench/suite.h"
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela {
 

@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include "scene/make_scene.h"
+#include "testscenes/make_scene.h"
 
 namespace candela {
 namespace fs = std::filesystem;

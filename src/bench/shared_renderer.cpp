@@ -2,8 +2,8 @@
 
 #include "base/files.h"
 #include "image/environment_file.h"
-#include "render/device_samples.h"
-#include "scene/gltf.h"
+#include "frame/device_samples.h"
+#include "gltf/gltf.h"
 
 namespace candela {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "bench/picture.h"
 #include "gpu/frame_runner.h"
-#include "render/gpu_scene.h"
-#include "render/plan_frame.h"
+#include "frame/gpu_scene.h"
+#include "frame/plan_frame.h"
 
 namespace candela {
 

@@ -1,7 +1,7 @@
 #include "bench/suite.h"
 
 #include "base/text.h"
-#include "render/plan_frame.h"
+#include "frame/plan_frame.h"
 
 namespace candela {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "bench/sampling.h"
-#include "render/job.h"
+#include "frame/job.h"
 
 namespace candela {
 

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "render/job.h"
+#include "frame/job.h"
 
 // Reading of suite files: strict, and errors (input) name file and key.
 namespace candela::suite_file {

@@ -1,7 +1,7 @@
 #include "base/files.h"
 #include "bench/suite.h"
 #include "bench/suite_file.h"
-#include "scene/make_scene.h"
+#include "testscenes/make_scene.h"
 
 namespace candela {
 namespace fs = std::filesystem;

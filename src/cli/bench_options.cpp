@@ -1,9 +1,9 @@
 #include "cli/bench_options.h"
 
 #include "base/text.h"
-#include "bench/stability.h"
+#include "stability/stability.h"
 #include "cli/job_options.h"
-#include "render/plan_frame.h"
+#include "frame/plan_frame.h"
 
 namespace candela::cli {
 namespace fs = std::filesystem;

@@ -4,12 +4,12 @@
 
 #include "base/log.h"
 #include "base/text.h"
-#include "bench/stability.h"
+#include "stability/stability.h"
 #include "cli/command.h"
 #include "cli/result.h"
 #include "cli/signals.h"
 #include "render/frame_names.h"
-#include "render/plan_frame.h"
+#include "frame/plan_frame.h"
 
 namespace candela::cli {
 namespace {

@@ -3,9 +3,9 @@
 #include "base/text.h"
 #include "bench/error_truth.h"
 #include "gpu/device_select.h"
-#include "render/content_hash.h"
+#include "frame/content_hash.h"
 #include "report/bench_rows.h"
-#include "scene/gltf.h"
+#include "gltf/gltf.h"
 
 namespace candela::cli {
 namespace {

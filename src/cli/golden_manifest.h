@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/job.h"
+#include "frame/job.h"
 
 namespace candela::cli {
 

@@ -3,7 +3,7 @@
 #include "base/log.h"
 #include "metrics/heatmap.h"
 #include "render/outputs.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 
 namespace candela::cli {
 namespace fs = std::filesystem;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "render/job.h"
+#include "frame/job.h"
 
 namespace candela::cli {
 

@@ -4,9 +4,9 @@
 #include "base/text.h"
 #include "cli/command.h"
 #include "gpu/device.h"
-#include "render/plan_frame.h"
-#include "render/timings.h"
-#include "scene/make_scene.h"
+#include "frame/plan_frame.h"
+#include "frame/timings.h"
+#include "testscenes/make_scene.h"
 
 namespace candela::cli {
 namespace {

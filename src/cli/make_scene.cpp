@@ -1,4 +1,4 @@
-#include "scene/make_scene.h"
+#include "testscenes/make_scene.h"
 
 #include <CLI/CLI.hpp>
 

@@ -6,9 +6,9 @@
 #include "cli/job_options.h"
 #include "cli/scene_notes.h"
 #include "render/frame_names.h"
-#include "render/job_look.h"
-#include "render/plan_frame.h"
-#include "scene/gltf.h"
+#include "frame/job_look.h"
+#include "frame/plan_frame.h"
+#include "gltf/gltf.h"
 
 namespace candela::cli {
 namespace {

@@ -15,7 +15,7 @@
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/reference_frame.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 
 namespace candela::cli {
 namespace {

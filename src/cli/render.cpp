@@ -11,7 +11,7 @@
 #include "cli/signals.h"
 #include "render/frame_names.h"
 #include "render/outputs.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 
 namespace candela::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "cli/command.h"
 #include "cli/scene_notes.h"
 #include "render/frame_names.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 
 namespace candela::cli {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela::cli {
 

@@ -2,7 +2,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "base/error.h"
-#include "render/session.h"
+#include "frame/session.h"
 #include "scene/scene.h"
 
 namespace candela::cli {

@@ -10,7 +10,7 @@
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 
 namespace candela::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "graph/builder.h"
-#include "passes/light_lists.h"
+#include "passes/lights/light_lists.h"
 #include "scene/draw_list.h"
 
 namespace candela {

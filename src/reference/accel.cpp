@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "reference/accel_trees.h"
-#include "reference/triangle.h"
+#include "bvh/triangle.h"
 
 namespace candela {
 namespace {

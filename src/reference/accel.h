@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "math/bounds.h"
-#include "reference/bvh_options.h"
+#include "bvh/options.h"
 #include "reference/deform.h"
-#include "reference/ray.h"
+#include "bvh/ray.h"
 #include "scene/frame_data.h"
 #include "scene/pose.h"
 #include "scene/scene.h"

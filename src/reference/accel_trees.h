@@ -2,9 +2,9 @@
 #include <vector>
 
 #include "reference/accel.h"
-#include "reference/bvh_build.h"
-#include "reference/trace.h"
-#include "reference/wide_tree.h"
+#include "bvh/build.h"
+#include "bvh/trace.h"
+#include "bvh/wide_tree.h"
 
 namespace candela {
 

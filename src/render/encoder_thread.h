@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela {
 

@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "image/image.h"
-#include "render/job.h"
+#include "frame/job.h"
 #include "scene/view.h"
 
 namespace candela {

@@ -9,7 +9,7 @@
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/metadata.h"
-#include "render/timings.h"
+#include "frame/timings.h"
 
 namespace candela {
 namespace fs = std::filesystem;

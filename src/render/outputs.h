@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "image/image.h"
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela {
 

@@ -6,11 +6,11 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "reference/leaf_view.h"
-#include "render/content_hash.h"
-#include "render/job_look.h"
+#include "frame/content_hash.h"
+#include "frame/job_look.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
-#include "scene/gltf.h"
+#include "gltf/gltf.h"
 #include "scene/neutral_light.h"
 
 namespace candela {

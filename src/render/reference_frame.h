@@ -6,7 +6,7 @@
 
 #include "image/image.h"
 #include "reference/film.h"
-#include "render/job.h"
+#include "frame/job.h"
 
 namespace candela {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/frame_names.h"
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela {
 

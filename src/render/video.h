@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "image/image.h"
-#include "render/job.h"
+#include "frame/job.h"
 
 namespace candela {
 

@@ -37,7 +37,7 @@ struct FrameKnobs {
   bool cull_enabled = true;
 };
 
-// How a technique wants the frame's light lists laid out (render/light_grid.h).
+// How a technique wants the frame's light lists laid out (frame/light_grid.h).
 enum class LightGridKind { none, clusters, tiles };
 
 // What a technique leaves: linear radiance (multisampled when the request is), and single-sample layers.

@@ -14,7 +14,7 @@ fresh() {
   printf 'struct Tone {\n  static void record(int commands);\n};\n' >"$tree/src/passes/tone.h"
   printf 'struct Shared {};\n' >"$tree/src/passes/shared_part.h"
   printf '#include "passes/shared_part.h"\n#include "graph/plan.h"\n#include "passes/pass.h"\n#include "passes/tone.h"\n#include "gpu/command_list.h"\n' >"$tree/src/passes/tone.cpp"
-  printf '#include "render/job.h"\n#include <CLI/CLI.hpp>\n' >"$tree/src/cli/cli.cpp"
+  printf '#include "frame/job.h"\n#include <CLI/CLI.hpp>\n' >"$tree/src/cli/cli.cpp"
   printf '#include "shared/types.h"\n#include "lib/brdf.glsl"\n' >"$tree/shaders/tone.frag"
 }
 
@@ -38,7 +38,7 @@ expect includes src/base/a.cpp '#include "scene/scene.h"' 'base may not include'
 expect includes src/scene/a.h '#include "gpu/device.h"' 'scene may not include'
 expect includes src/scene/a.cpp '#include <vulkan/vulkan.h>' 'only graph gpu may'
 expect includes src/graph/a.cpp '  #  include "passes/tone.h"' 'graph may not include'
-expect includes src/gpu/a.cpp '#include "render/job.h"' 'gpu may not include'
+expect includes src/gpu/a.cpp '#include "frame/job.h"' 'gpu may not include'
 expect includes src/passes/blur.cpp '#include "passes/tone.h"' 'passes may not include each other'
 expect includes src/passes/blur.cpp '#include "gpu/device.h"' 'passes may not include'
 expect includes src/techniques/a.cpp '#include "gpu/command_list.h"' 'techniques may not include'

@@ -7,7 +7,7 @@
 
 #include "image/io.h"
 #include "render/outputs.h"
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "../unit/scene_pieces.h"
-#include "render/session.h"
+#include "frame/session.h"
 
 namespace candela::test {
 

@@ -1,7 +1,7 @@
 #include <numbers>
 
 #include "frame_fixture.h"
-#include "scene/procedural_textures.h"
+#include "testscenes/procedural_textures.h"
 
 namespace candela::test {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 #include "passes_fixture.h"
-#include "render/light_grid.h"
+#include "frame/light_grid.h"
 #include "shared/scene.h"
 
 namespace candela::gpu::test {

@@ -4,9 +4,9 @@
 
 #include "frame_fixture.h"
 #include "lights_bounds_fixture.h"
-#include "render/plan_frame.h"
-#include "scene/gltf.h"
-#include "scene/make_scene.h"
+#include "frame/plan_frame.h"
+#include "gltf/gltf.h"
+#include "testscenes/make_scene.h"
 
 namespace candela::gpu::test {
 namespace {

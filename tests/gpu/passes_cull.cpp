@@ -2,8 +2,8 @@
 
 #include "math/bounds.h"
 #include "math/transforms.h"
-#include "passes/cull.h"
-#include "passes/cull_compact.h"
+#include "passes/geometry/cull.h"
+#include "passes/geometry/cull_compact.h"
 #include "passes_fixture.h"
 #include "shared/cull.h"
 #include "shared/scene.h"

@@ -1,4 +1,4 @@
-#include "passes/deform.h"
+#include "passes/geometry/deform.h"
 #include "passes_fixture.h"
 #include "shared/deform.h"
 #include "shared/scene.h"

@@ -1,7 +1,7 @@
 #include <numbers>
 
-#include "passes/resolve.h"
-#include "passes/tonemap.h"
+#include "passes/post/resolve.h"
+#include "passes/post/tonemap.h"
 #include "passes_fixture.h"
 
 namespace candela::gpu::test {

@@ -2,7 +2,7 @@
 #include "base/files.h"
 #include "frame_fixture.h"
 #include "render/reference_frame.h"
-#include "scene/gltf.h"
+#include "gltf/gltf.h"
 
 namespace candela::test {
 

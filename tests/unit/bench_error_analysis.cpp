@@ -6,8 +6,8 @@
 #include "bench/error_choice.h"
 #include "bench/error_truth.h"
 #include "bench/error_walk.h"
-#include "render/frame_knobs.h"
-#include "render/plan_frame.h"
+#include "frame/frame_knobs.h"
+#include "frame/plan_frame.h"
 
 namespace candela {
 namespace {

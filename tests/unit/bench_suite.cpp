@@ -6,8 +6,8 @@
 
 #include "bench/exactness.h"
 #include "bench/suite.h"
-#include "render/frame_knobs.h"
-#include "render/plan_frame.h"
+#include "frame/frame_knobs.h"
+#include "frame/plan_frame.h"
 
 namespace candela {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/rng.h"
 #include "reference/accel_trees.h"
-#include "reference/triangle.h"
+#include "bvh/triangle.h"
 
 namespace candela::bvh_test {
 

@@ -1,6 +1,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "reference/trace.h"
+#include "bvh/trace.h"
 #include "reference_bvh_fixture.h"
 
 namespace candela {

@@ -5,7 +5,7 @@
 
 #include "scene/deformation_bounds.h"
 #include "scene/frame_data.h"
-#include "scene/gltf.h"
+#include "gltf/gltf.h"
 #include "scene/survey.h"
 
 namespace candela {

@@ -1,5 +1,5 @@
 #pragma once
-#include "scene_gltf_builder.h"
+#include "gltf_builder.h"
 
 namespace candela::test {
 

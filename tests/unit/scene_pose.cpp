@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "math/transforms.h"
-#include "scene_gltf_builder.h"
+#include "gltf_builder.h"
 
 namespace candela {
 namespace {

@@ -1,0 +1,19 @@
+// Compiled with -mavx2 where the compiler knows it (CMakeLists.txt), and only called where the processor does.
+#ifdef __AVX2__
+#include "bvh/trace_kernel.h"
+#else
+#include "bvh/trace.h"
+#endif
+
+namespace candela {
+
+#ifdef __AVX2__
+const Kernels* avx2_kernels() {
+  static constexpr Kernels kernels{&trace<true>, &trace<false>, "avx2"};
+  return __builtin_cpu_supports("avx2") ? &kernels : nullptr;
+}
+#else
+const Kernels* avx2_kernels() { return nullptr; }
+#endif
+
+}  // namespace candela

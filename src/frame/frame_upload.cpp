@@ -1,0 +1,161 @@
+#include "frame/frame_upload.h"
+
+#include <cmath>
+
+namespace candela {
+namespace {
+
+shared::Transform shared_transform(const glm::mat4& m) {
+  return {
+      {m[0][0], m[1][0], m[2][0], m[3][0]}, {m[0][1], m[1][1], m[2][1], m[3][1]}, {m[0][2], m[1][2], m[2][2], m[3][2]}};
+}
+
+shared::Geometry static_geometry(const SectionLayout& l) {
+  return {l.position, l.normal, l.tangent, l.uv0, l.uv1, l.color, 0};
+}
+
+// Places a deformed section's vertices in the deformed buffer and describes the work that fills them.
+void add_deformation(const Scene& scene, const Deformation& d, const SectionLayout& l, FrameUpload& upload) {
+  const uint32_t vertices = uint32_t(scene.meshes[d.mesh].sections[d.section].position.size());
+  const auto take = [&](bool present, uint32_t words_each) {
+    if (!present) return shared::absent;
+    const uint32_t at = upload.deformed_words;
+    upload.deformed_words += vertices * words_each;
+    return at;
+  };
+  shared::Geometry g = static_geometry(l);
+  g.flags = shared::geometry_deformed;
+  g.position = take(true, 3);
+  g.normal = take(l.normal != shared::absent, 3);
+  g.tangent = take(l.tangent != shared::absent, 4);
+  upload.geometries.push_back(g);
+  upload.deform_jobs.push_back(
+      {vertices, l.position, l.normal, l.tangent, l.joints0, l.weights0, l.joints1, l.weights1, l.morph_table,
+       std::min(d.weight_count, uint32_t(scene.meshes[d.mesh].sections[d.section].morph.size())), d.first_joint,
+       d.joint_count, d.first_weight, g.position, g.normal, g.tangent});
+}
+
+// Farther off than floats can square, a light shines as one nearer by in the same direction does that is weaker by the square.
+LightItem brought_nearer(LightItem l) {
+  constexpr double farthest_m = 1e15;
+  const double distance = glm::length(glm::dvec3(l.position));
+  if (l.type == LightType::directional || !(distance > farthest_m) || !std::isfinite(distance)) return l;
+  const double by = farthest_m / distance;
+  l.position = glm::vec3(glm::dvec3(l.position) * by);
+  l.intensity = glm::vec3(glm::dvec3(l.intensity) * (by * by));
+  l.range_m = float(double(l.range_m) * by);
+  return l;
+}
+
+double one_minus_cosine(double angle) { return 2 * std::pow(std::sin(angle / 2), 2); }
+
+shared::Light shared_light(const LightItem& given) {
+  const LightItem l = brought_nearer(given);
+  shared::Light out{};
+  out.position = l.position;
+  out.direction = l.direction;
+  out.intensity = l.intensity;
+  out.type = l.type == LightType::directional ? shared::light_directional
+             : l.type == LightType::point     ? shared::light_point
+                                              : shared::light_spot;
+  out.inverse_range = std::isfinite(l.range_m) ? std::min(1.0f / l.range_m, std::numeric_limits<float>::max()) : 0.0f;
+  // KHR_lights_punctual's recommended spot angle attenuation, (cos - cos outer) / (cos inner - cos outer), with 1 - cos for each
+  // cosine: those of a narrow cone are all 1 as floats.
+  const double inner = one_minus_cosine(double(l.inner_cone_rad)), outer = one_minus_cosine(double(l.outer_cone_rad));
+  const double scale = 1.0 / std::max(0.001, outer - inner);
+  out.spot_scale = float(scale / 2);
+  out.spot_offset = float(outer * scale);
+  return out;
+}
+
+void add_items(const FrameData& data, const DrawList& draws, const GeometryLayout& layout, uint32_t default_material,
+               FrameUpload& upload) {
+  const float unbounded = std::numeric_limits<float>::infinity();
+  for (const uint32_t index : draws.order) {
+    const DrawItem& item = data.items[index];
+    const SectionLayout& l = layout.sections[item.mesh][item.section];
+    shared::Item out{};
+    out.bounds_centre = item.bounds_relative.centre();
+    out.bounds_extent = item.bounds_relative.extent();
+    const bool finite = std::isfinite(out.bounds_centre.x + out.bounds_centre.y + out.bounds_centre.z) &&
+                        std::isfinite(out.bounds_extent.x + out.bounds_extent.y + out.bounds_extent.z);
+    if (!finite) out.bounds_centre = glm::vec3(0), out.bounds_extent = glm::vec3(unbounded);
+    out.transform = item.transform;
+    out.geometry = item.deformed >= 0 ? layout.geometry_count + uint32_t(item.deformed) : l.geometry;
+    out.first_index = l.first_index;
+    out.index_count = l.index_count;
+    out.material = item.material >= 0 ? uint32_t(item.material) : default_material;
+    out.object_id = item.node;
+    upload.items.push_back(out);
+  }
+}
+
+void add_groups(const DrawList& draws, FrameUpload& upload) {
+  for (uint32_t r = 0; r < draws.runs.size(); ++r) {
+    const DrawRun& run = draws.runs[r];
+    const uint32_t first_group = uint32_t(upload.groups.size());
+    for (uint32_t at = 0; at < run.count; at += shared::cull_group_size) {
+      const uint32_t count = std::min(shared::cull_group_size, run.count - at);
+      upload.groups.push_back({run.first + at, count, r, first_group, at + count == run.count ? 1u : 0u});
+    }
+  }
+}
+
+void set_view(const View& view, const FrameRequest& request, shared::FrameConstants& c) {
+  c.clip_from_relative = glm::mat4(view.clip_from_relative);
+  const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
+  for (size_t p = 0; p < 5; ++p) c.planes[p] = glm::vec4(planes[p]);
+  const glm::dmat3 relative_from_view = glm::transpose(glm::dmat3(view.view_from_relative));
+  c.camera_right = glm::vec3(relative_from_view[0]);
+  c.camera_up = glm::vec3(relative_from_view[1]);
+  c.camera_back = glm::vec3(relative_from_view[2]);
+  c.tan_half = {float(view.tan_x), float(view.tan_y)};
+  c.size_px = {uint32_t(request.width_px), uint32_t(request.height_px)};
+  c.perspective = view.perspective ? 1 : 0;
+  c.pre_exposure = std::exp2(pre_exposure_ev(request.exposure_ev));
+}
+
+}  // namespace
+
+FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
+                              const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
+                              const AmbientSh& ambient) {
+  FrameUpload upload;
+  set_view(view, request, upload.constants);
+  for (size_t i = 0; i < 9; ++i) upload.constants.ambient_sh[i] = glm::vec4(ambient[i], 0);
+  for (const glm::mat4& m : data.relative_from_local) upload.transforms.push_back(shared_transform(m));
+  upload.geometries.resize(layout.geometry_count);
+  for (const auto& mesh : layout.sections)
+    for (const SectionLayout& l : mesh) upload.geometries[l.geometry] = static_geometry(l);
+  for (const Deformation& d : data.deformations) add_deformation(scene, d, layout.sections[d.mesh][d.section], upload);
+  add_items(data, draws, layout, uint32_t(pose.materials.size()), upload);
+  add_groups(draws, upload);
+  for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
+  upload.constants.light_count = uint32_t(upload.lights.size());
+  upload.constants.item_count = uint32_t(upload.items.size());
+  return upload;
+}
+
+shared::Material shared_material(const Material& m, uint32_t id) {
+  shared::Material out{};
+  out.base_color = m.base_color;
+  out.emissive = m.unlit ? glm::vec3(0) : m.emissive * m.emissive_strength;
+  out.alpha_cutoff = m.alpha_cutoff;
+  out.metallic = m.metallic;
+  out.roughness = m.roughness;
+  out.normal_scale = m.normal_scale;
+  out.occlusion_strength = m.occlusion_strength;
+  out.specular = m.specular;
+  const float ratio = m.ior == 0 ? 1.0f : (m.ior - 1) / (m.ior + 1);
+  out.ior_f0 = ratio * ratio;
+  out.specular_color = m.specular_color;
+  out.id = id;
+  out.flags = (m.alpha_mode == AlphaMode::mask ? shared::material_masked : 0u) |
+              (m.alpha_mode == AlphaMode::blend ? shared::material_blended : 0u) |
+              (m.double_sided ? shared::material_double_sided : 0u) | (m.unlit ? shared::material_unlit : 0u) |
+              (m.orm_has_occlusion ? shared::material_orm_occlusion : 0u) |
+              (m.orm_has_metallic_roughness ? shared::material_orm_metallic_roughness : 0u);
+  return out;
+}
+
+}  // namespace candela

@@ -1,0 +1,205 @@
+#include "frame/gpu_scene.h"
+
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cstring>
+
+#include "frame/mip_chain.h"
+#include "scene/scene_images.h"
+#include "scene/texture_slots.h"
+
+namespace candela {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+constexpr VkBufferUsageFlags storage_usage =
+    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+
+VkSamplerAddressMode address_mode(Wrap w) {
+  return w == Wrap::repeat  ? VK_SAMPLER_ADDRESS_MODE_REPEAT
+         : w == Wrap::clamp ? VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE
+                            : VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+}
+
+VkSamplerCreateInfo sampler_info(const Sampler& s) {
+  VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  info.magFilter = s.mag == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+  info.minFilter = s.min == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+  info.mipmapMode =
+      s.mipmaps && s.mip == Filter::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST;
+  info.addressModeU = address_mode(s.wrap_u);
+  info.addressModeV = address_mode(s.wrap_v);
+  info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  // 0.25 without mipmaps: the specification's way to keep both filters and level 0 alone.
+  info.maxLod = s.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;
+  return info;
+}
+
+// Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when they do not
+// fit.
+void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void* data, size_t size, size_t room) {
+  const size_t least = std::max(size, room);
+  if (!buffer || buffer.size() < least)
+    buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least),
+                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                         gpu::Buffer::Memory::upload, gpu::Device::Purpose::frame, name);
+  if (size) std::memcpy(buffer.mapped(), data, size);
+}
+
+}  // namespace
+
+GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout)
+    : device_(device), bindless_(bindless), scene_(scene), layout_(layout) {
+  for (const Sampler& s : scene.samplers) samplers_.push_back(bindless.add_sampler(sampler_info(s)));
+  for (const Material& m : scene.materials)
+    for_each_slot(m, [&](const TextureSlot& slot, bool srgb) {
+      if (slot) mipmapped_[{slot.image, srgb}] |= scene.samplers[size_t(slot.sampler)].mipmaps;
+    });
+  if (layout.vertex_words == 0) return;
+  std::vector<uint32_t> words(layout.vertex_words), indices(layout.index_count);
+  pack_geometry(scene, layout, words, indices);
+  using Memory = gpu::Buffer::Memory;
+  using Purpose = gpu::Device::Purpose;
+  vertices_ = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::device,
+                          Purpose::scene, "scene.vertices");
+  indices_ =
+      gpu::Buffer(device, indices.size() * 4, VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                  Memory::device, Purpose::scene, "scene.indices");
+  gpu::Uploader uploader(device);
+  uploader.to_buffer(vertices_, 0, std::as_bytes(std::span(words)));
+  uploader.to_buffer(indices_, 0, std::as_bytes(std::span(indices)));
+  uploader.flush();
+}
+
+GpuScene::~GpuScene() {
+  for (const auto& [key, loaded] : textures_)
+    if (loaded.index != shared::absent) bindless_.remove_sampled(loaded.index);
+  if (environment_index_ != shared::absent) bindless_.remove_sampled(environment_index_);
+}
+
+void GpuScene::set_environment(const DecodedImage& image) {
+  const gpu::TextureData data = make_mip_chain(image, false, true);
+  environment_ = gpu::Texture(device_, data, "sky");
+  gpu::Uploader uploader(device_);
+  uploader.to_texture(environment_, data);
+  uploader.flush();
+  environment_index_ = bindless_.add_sampled(environment_.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  Sampler sampler;
+  sampler.wrap_v = Wrap::clamp;
+  environment_sampler_ = bindless_.add_sampler(sampler_info(sampler));
+  environment_size_ = {image.width, image.height};
+}
+
+void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
+  // Only what the frame's visible materials use, and only what is not here yet.
+  std::map<TextureKey, bool> wanted;  // -> whether some sampler wants mipmaps
+  for (size_t m = 0; m < frame.pose.materials.size(); ++m) {
+    if (!frame.facts.material_used[m]) continue;
+    for_each_slot(frame.pose.materials[m], [&](const TextureSlot& slot, bool srgb) {
+      if (!slot || !frame.facts.image_used[size_t(slot.image)]) return;
+      const TextureKey key{slot.image, srgb};
+      if (!textures_.contains(key)) wanted[key] = mipmapped_.at(key);
+    });
+  }
+  if (wanted.empty()) return;
+  const auto start = Clock::now();
+  const std::vector<std::pair<TextureKey, bool>> list(wanted.begin(), wanted.end());
+  std::vector<Expected<gpu::TextureData>> decoded(list.size());
+  tbb::parallel_for(size_t(0), list.size(), [&](size_t i) {
+    const auto image = decode_scene_image(scene_, list[i].first.image);
+    if (image)
+      decoded[i] = make_mip_chain(*image, list[i].first.srgb, list[i].second);
+    else
+      decoded[i] = std::unexpected(image.error());
+  });
+  uploaded.decode_ms = ms_since(start);
+  gpu::Uploader uploader(device_);
+  for (size_t i = 0; i < list.size(); ++i) {
+    LoadedTexture& loaded = textures_[list[i].first];
+    if (!decoded[i]) {
+      uploaded.warnings.push_back(decoded[i].error().text() + ": the texture is left out");
+      continue;
+    }
+    loaded.texture = gpu::Texture(device_, *decoded[i], scene_.images[size_t(list[i].first.image)].place.c_str());
+    uploader.to_texture(loaded.texture, *decoded[i]);
+    loaded.index = bindless_.add_sampled(loaded.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  }
+  uploader.flush();
+}
+
+shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) const {
+  shared::TextureRef ref{shared::absent, 0, 0, {1, 0, 0}, {0, 1, 0}};
+  if (!slot) return ref;
+  const auto found = textures_.find({slot.image, srgb});
+  if (found == textures_.end()) return ref;
+  ref.texture = found->second.index;
+  ref.sampler_index = samplers_[size_t(slot.sampler)];
+  ref.uv_set = uint32_t(slot.uv_set);
+  // KHR_texture_transform: translation * rotation * scale, rotation counter-clockwise in UV space with v down.
+  const float c = std::cos(slot.rotation_rad), s = std::sin(slot.rotation_rad);
+  ref.u_row = {c * slot.scale.x, s * slot.scale.y, slot.offset.x};
+  ref.v_row = {-s * slot.scale.x, c * slot.scale.y, slot.offset.y};
+  return ref;
+}
+
+shared::Material GpuScene::material_with_textures(const Material& m, uint32_t id) const {
+  shared::Material out = shared_material(m, id);
+  out.base_texture = texture_ref(m.base_color_texture, true);
+  out.orm_texture = texture_ref(m.orm_texture, false);
+  out.occlusion_texture = texture_ref(m.occlusion_texture, false);
+  out.normal_texture = texture_ref(m.normal_texture, false);
+  out.emissive_texture = texture_ref(m.emissive_texture, true);
+  out.specular_texture = texture_ref(m.specular_texture, false);
+  out.specular_color_texture = texture_ref(m.specular_color_texture, true);
+  return out;
+}
+
+GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
+  Uploaded uploaded;
+  load_textures(frame, uploaded);
+  const auto start = Clock::now();
+  FrameUpload& u = frame.upload;
+  std::vector<shared::Material> materials;
+  for (size_t m = 0; m < frame.pose.materials.size(); ++m)
+    materials.push_back(material_with_textures(frame.pose.materials[m], uint32_t(m)));
+  materials.push_back(material_with_textures(Material{}, shared::absent));
+  const auto put = [&](int resource, gpu::Buffer& buffer, const char* name, const auto& values,
+                       size_t room = 0) -> uint64_t {
+    if (resource < 0) return 0;
+    fill(device_, buffer, name, values.data(), values.size() * sizeof(values[0]), room * sizeof(values[0]));
+    uploaded.imports[resource] = &buffer;
+    return buffer.address();
+  };
+  shared::FrameConstants& c = u.constants;
+  c.items = put(frame.imports.items, items_, "frame.items", u.items);
+  c.transforms = put(frame.imports.transforms, transforms_, "frame.transforms", u.transforms);
+  c.geometries = put(frame.imports.geometries, geometries_, "frame.geometries", u.geometries);
+  c.materials = put(frame.imports.materials, materials_, "frame.materials", materials);
+  const uint64_t lights = put(frame.imports.lights, lights_, "frame.lights", u.lights);
+  const LightGrid& grid = frame.light_grid;
+  put(frame.imports.light_bounds, light_bounds_, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
+  put(frame.imports.light_chunks, light_chunks_, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
+  c.grid.globals = put(frame.imports.light_globals, light_globals_, "frame.light_globals", grid.globals);
+  // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be valid.
+  if (c.grid.globals == 0) c.grid.globals = lights;
+  put(frame.imports.cull_groups, groups_, "frame.cull_groups", u.groups);
+  put(frame.imports.deform_jobs, jobs_, "frame.deform_jobs", u.deform_jobs);
+  put(frame.imports.joints, joints_, "frame.joints", frame.data.joint_matrices);
+  put(frame.imports.weights, weights_, "frame.weights", frame.data.morph_weights);
+  c.vertices = vertices_.address();
+  c.sky_texture = environment_index_;
+  c.sky_sampler = environment_sampler_;
+  c.sky_size_px = environment_size_;
+  put(frame.imports.constants, constants_, "frame.constants", std::span(&c, 1));
+  if (frame.imports.vertices >= 0) uploaded.imports[frame.imports.vertices] = &vertices_;
+  if (frame.imports.indices >= 0) uploaded.imports[frame.imports.indices] = &indices_;
+  uploaded.upload_ms = ms_since(start);
+  return uploaded;
+}
+
+}  // namespace candela

@@ -1,0 +1,62 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gpu/bindless.h"
+#include "gpu/device.h"
+#include "gpu/resources.h"
+#include "image/io.h"
+#include "frame/plan_frame.h"
+
+namespace candela {
+
+// A scene on a device. Vertices and indices are uploaded once; textures when a frame first uses them; the rest for
+// every frame, into buffers that the device reads in place and that grow as needed.
+class GpuScene {
+ public:
+  GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout);
+  ~GpuScene();
+
+  void set_environment(const DecodedImage& image);
+
+  struct Uploaded {
+    std::map<int, const gpu::Buffer*> imports;  // for FrameRunner::run
+    double decode_ms = 0, upload_ms = 0;
+    std::vector<std::string> warnings;  // textures that could not be decoded
+  };
+  // Fills every imported buffer of the plan. The frame before must have finished. An image that no decoder takes is a
+  // warning and the texture is left out. Throws GpuError.
+  Uploaded upload(PlannedFrame& frame);
+
+ private:
+  struct TextureKey {
+    int image;
+    bool srgb;
+    auto operator<=>(const TextureKey&) const = default;
+  };
+  void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
+  shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
+  shared::Material material_with_textures(const Material& material, uint32_t id) const;
+
+  gpu::Device& device_;
+  gpu::Bindless& bindless_;
+  const Scene& scene_;
+  const GeometryLayout& layout_;
+  gpu::Buffer vertices_, indices_;
+  gpu::Buffer constants_, items_, transforms_, geometries_, materials_, lights_, light_bounds_, light_chunks_, light_globals_,
+      groups_, jobs_, joints_, weights_;
+  struct LoadedTexture {
+    gpu::Texture texture;
+    uint32_t index = shared::absent;  // absent: could not be decoded
+  };
+  std::map<TextureKey, LoadedTexture> textures_;
+  std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another
+  std::vector<uint32_t> samplers_;  // bindless index of each Scene::samplers
+  gpu::Texture environment_;
+  uint32_t environment_index_ = shared::absent, environment_sampler_ = 0;
+  glm::vec2 environment_size_{0};
+};
+
+}  // namespace candela

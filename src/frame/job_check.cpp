@@ -1,0 +1,76 @@
+#include "base/text.h"
+#include "frame/job.h"
+#include "frame/plan_frame.h"
+
+namespace candela {
+namespace {
+
+Expected<void> check_name(const char* option, const char* what, const std::string& name,
+                          const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) != names.end()) return {};
+  return fail(ErrorKind::usage, option, "{}", unknown_name(what, name, names));
+}
+
+Expected<void> check_settings(const Job& job) {
+  if (job.settings.empty()) return {};
+  const std::vector<KnobRow> rows = knob_rows(job.quality);
+  for (const KnobSetting& setting : job.settings) {
+    std::vector<std::string> passes, knobs;
+    for (const KnobRow& row : rows) {
+      if (passes.empty() || passes.back() != row.pass) passes.push_back(row.pass);
+      if (row.pass == setting.pass) knobs.push_back(row.knob);
+    }
+    if (knobs.empty()) return check_name("--set", "pass with knobs", setting.pass, passes);
+    if (auto known = check_name("--set", "knob", setting.knob, knobs); !known) return known;
+  }
+  return {};
+}
+
+Expected<void> check_background(const std::string& background) {
+  if (background == "transparent") return {};
+  const std::vector<std::string> parts = split(background, ',');
+  bool good = parts.size() == 3;
+  for (const std::string& part : parts) {
+    char* end = nullptr;
+    const double value = std::strtod(part.c_str(), &end);
+    good = good && !part.empty() && *end == 0 && std::isfinite(value) && value >= 0;
+  }
+  if (!good)
+    return fail(ErrorKind::usage, "--background",
+                "'{}' is neither transparent nor three linear values R,G,B of at least 0", background);
+  return {};
+}
+
+}  // namespace
+
+Expected<void> check_job(const Job& job) {
+  // 16384 is the image size that every Vulkan 1.3 desktop driver offers; lavapipe stops there.
+  constexpr int max_side_px = 16384;
+  if (job.width_px < 1 || job.height_px < 1 || job.width_px > max_side_px || job.height_px > max_side_px)
+    return fail(ErrorKind::usage, "--size", "{}x{} is outside 1x1 to {}x{}", job.width_px, job.height_px, max_side_px,
+                max_side_px);
+  constexpr std::array<int, 5> sample_counts = {0, 1, 2, 4, 8};  // 0: as the quality says
+  if (std::find(sample_counts.begin(), sample_counts.end(), job.samples) == sample_counts.end())
+    return fail(ErrorKind::usage, "--samples", "{} is none of 1, 2, 4 and 8", job.samples);
+  if (job.png_bits != 8 && job.png_bits != 16)
+    return fail(ErrorKind::usage, "--png-bits", "{} is neither 8 nor 16", job.png_bits);
+  if (!std::isfinite(job.exposure_ev) || std::abs(job.exposure_ev) > 100)
+    return fail(ErrorKind::usage, "--exposure", "{} is outside -100 to 100 stops", job.exposure_ev);
+  if (job.camera.eye.has_value() != job.camera.target.has_value())
+    return fail(ErrorKind::usage, job.camera.eye ? "--target" : "--eye", "--eye and --target go together");
+  if (job.camera.eye && !job.camera.camera.empty())
+    return fail(ErrorKind::usage, "--camera", "a camera is chosen either by --camera or by --eye and --target");
+  if (job.camera.yfov_deg && !(*job.camera.yfov_deg > 0 && *job.camera.yfov_deg < 180))
+    return fail(ErrorKind::usage, "--yfov", "{} is outside 0 to 180 degrees", *job.camera.yfov_deg);
+  static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
+  if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;
+  if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
+  if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;
+  if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
+  for (const std::string& layer : job.layers)
+    if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
+  if (auto good = check_background(job.background); !good) return good;
+  return check_settings(job);
+}
+
+}  // namespace candela

@@ -1,0 +1,13 @@
+#pragma once
+#include "frame/job.h"
+#include "scene/look.h"
+
+namespace candela {
+
+// The job's look file; an empty look where the job names none.
+Expected<Look> look_of(const Job& job);
+
+// What a frame of the GPU leaves out of it, as a line of warning; empty: nothing.
+std::string left_out_of(const Job& job, const Look& look);
+
+}  // namespace candela

@@ -1,0 +1,301 @@
+#include "frame/light_grid.h"
+
+#include <tbb/parallel_for.h>
+
+#include <bit>
+#include <cmath>
+#include <optional>
+
+namespace candela {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double inflated_range = 1 + 1.0 / 1024, inflated_angle_rad = 1e-3;
+constexpr double half_pi = 1.5707963267948966;
+
+struct Range {
+  double low = -infinity, high = infinity;
+  bool empty() const { return low > high; }
+};
+Range cut(Range a, Range b) { return {std::max(a.low, b.low), std::min(a.high, b.high)}; }
+
+struct Ball {
+  glm::dvec3 centre;
+  double radius;
+};
+
+// x/z over the part of a ball in front of the camera, or x itself for an orthographic one. The tangents to a circle at angle phi
+// from the axis lie at phi +- alpha, sin alpha = radius/distance.
+Range projected(double x, double z, double radius, bool perspective) {
+  if (!perspective) return {x - radius, x + radius};
+  const double distance2 = x * x + z * z, t2 = distance2 - radius * radius;
+  if (!(t2 > 1e-9 * distance2)) return {};
+  const double t = std::sqrt(t2);
+  Range r;
+  if (const double cosine = z * t + x * radius; cosine > 1e-12 * distance2) r.low = (x * t - z * radius) / cosine;
+  if (const double cosine = z * t - x * radius; cosine > 1e-12 * distance2) r.high = (x * t + z * radius) / cosine;
+  return r;
+}
+
+// A ball round a cone with a spherical cap, smaller than the range's where the cone is narrow.
+Ball ball_of_cone(glm::dvec3 apex, glm::dvec3 axis, double range, double half_angle_rad) {
+  const double c = std::cos(half_angle_rad);
+  if (half_angle_rad < half_pi / 2) return {apex + axis * (range / (2 * c)), range / (2 * c)};
+  return {apex + axis * (range * c), range * std::sin(half_angle_rad)};
+}
+
+// How far a cone with a spherical cap reaches along a direction at `angle` from its axis.
+double cone_reach(double angle_rad, double range, double half_angle_rad) {
+  if (angle_rad <= half_angle_rad) return range;
+  return std::max(0.0, range * std::cos(angle_rad - half_angle_rad));
+}
+
+class Grid {
+ public:
+  Grid(LightGridKind kind, const shared::FrameConstants& constants, const LightKnobs& knobs, uint32_t tile_px,
+       double far_m, double reach_m)
+      : frame_(constants), right_(constants.camera_right), up_(constants.camera_up), back_(constants.camera_back) {
+    shared::LightGrid& g = g_;
+    const bool perspective = constants.perspective != 0;
+    g.tiled = kind == LightGridKind::tiles;
+    g.tile_px = tile_px;
+    g.tiles = (constants.size_px + glm::uvec2(tile_px - 1)) / tile_px;
+    g.columns = g.tiled ? (g.tiles + glm::uvec2(shared::column_tiles - 1)) / shared::column_tiles : glm::uvec2(0);
+    g.px_scale = glm::vec2(constants.size_px) * 0.5f / constants.tan_half;
+    // What 32-bit arithmetic can do to the place of a shaded point: some units in the last place of its distance.
+    const double spread = 1 + double(constants.tan_half.x) + double(constants.tan_half.y);
+    const double scale = double(std::max(g.px_scale.x, g.px_scale.y));
+    g.margin_px = float(1.0 / 16 + 4e-6 * scale * (perspective ? spread : reach_m));
+    g.margin_z = float(4e-6 * spread + 1e-5);
+    g.slices = 1;
+    g.slice_shift = 23;
+    if (!g.tiled) set_slices(far_m, knobs.slices_per_octave);
+    g.cap = uint32_t(knobs.cap);
+  }
+
+  const shared::LightGrid& constants() const { return g_; }
+  uint64_t cells() const {
+    const uint64_t tiles = uint64_t(g_.tiles.x) * g_.tiles.y;
+    return tiles * g_.slices + uint64_t(g_.columns.x) * g_.columns.y;
+  }
+  uint64_t cells_of(const shared::LightBounds& b, bool column) const {
+    const glm::uvec3 n = place(b.last, column) - place(b.first, column) + 1u;
+    return uint64_t(n.x) * n.y * n.z;
+  }
+  bool is_everywhere(const shared::LightBounds& b) const {
+    return b.first == glm::uvec3(0) && b.last == glm::uvec3(g_.tiles, g_.slices) - 1u;
+  }
+
+  enum class Reach { nothing, some, everything };
+  Reach bounds_of(const LightItem& light, shared::LightBounds& b) const {
+    if (light.type == LightType::directional || !std::isfinite(light.range_m)) return Reach::everything;
+    const glm::dvec3 at(light.position), towards(light.direction);
+    const glm::dvec3 position(glm::dot(at, right_), glm::dot(at, up_), -glm::dot(at, back_));
+    const glm::dvec3 direction(glm::dot(towards, right_), glm::dot(towards, up_), -glm::dot(towards, back_));
+    const double range = double(light.range_m) * inflated_range;
+    const double half_angle = double(light.outer_cone_rad) + inflated_angle_rad;
+    const bool cone = light.type == LightType::spot && half_angle < half_pi;
+    b = {};
+    b.position = position;
+    b.radius = float(range);
+    b.direction = direction;
+    b.cos_outer = -2;
+    const Ball ball{position, range};
+    Range z{position.z - range, position.z + range};
+    if (cone) {
+      b.cos_outer = float(std::cos(half_angle)), b.sin_outer = float(std::sin(half_angle));
+      const double angle = std::acos(std::clamp(direction.z, -1.0, 1.0));
+      const double margin = 1e-3 * range;
+      z = cut(z, {position.z - cone_reach(2 * half_pi - angle, range, half_angle) - margin,
+                  position.z + cone_reach(angle, range, half_angle) + margin});
+    }
+    // The GPU's test has the bounds as floats: outward by their rounding.
+    z = {z.low - std::abs(z.low) * 1e-6, z.high + std::abs(z.high) * 1e-6};
+    b.z_low = float(z.low), b.z_high = float(z.high);
+    Range x = projected(ball.centre.x, ball.centre.z, ball.radius, frame_.perspective != 0);
+    Range y = projected(ball.centre.y, ball.centre.z, ball.radius, frame_.perspective != 0);
+    if (cone) {
+      Ball smaller = ball_of_cone(position, direction, range, half_angle);
+      smaller.radius *= 1.0001;
+      x = cut(x, projected(smaller.centre.x, smaller.centre.z, smaller.radius, frame_.perspective != 0));
+      y = cut(y, projected(smaller.centre.y, smaller.centre.z, smaller.radius, frame_.perspective != 0));
+    }
+    const glm::dvec2 size(frame_.size_px), scale(g_.px_scale);
+    const Range px{size.x / 2 + scale.x * x.low, size.x / 2 + scale.x * x.high};
+    const Range py{size.y / 2 - scale.y * y.high, size.y / 2 - scale.y * y.low};
+    const bool behind = frame_.perspective != 0 && z.high <= 0;
+    if (behind || z.empty() || !tiles_of(px, size.x, g_.tiles.x, b.first.x, b.last.x) ||
+        !tiles_of(py, size.y, g_.tiles.y, b.first.y, b.last.y))
+      return Reach::nothing;
+    b.first.z = g_.tiled ? 0 : slice(z.low - std::abs(z.low) * double(g_.margin_z));
+    b.last.z = g_.tiled ? 0 : slice(z.high + std::abs(z.high) * double(g_.margin_z));
+    return Reach::some;
+  }
+
+ private:
+  static glm::uvec3 place(glm::uvec3 tile, bool column) {
+    return column ? glm::uvec3(tile.x / shared::column_tiles, tile.y / shared::column_tiles, 0) : tile;
+  }
+
+  // Ten octaves of depth up to the first power of two beyond far_m; what is nearer shares the first slice.
+  void set_slices(double far_m, int slices_per_octave) {
+    const int per = std::bit_width(unsigned(slices_per_octave)) - 1;
+    constexpr int octaves = 10;
+    int exponent = 0;
+    std::frexp(std::clamp(far_m, 1e-20, 1e30), &exponent);
+    const float nearest = std::ldexp(1.0f, exponent - octaves);
+    g_.slice_shift = uint32_t(23 - per);
+    g_.slice_base = int(std::bit_cast<uint32_t>(nearest) >> g_.slice_shift);
+    g_.slices = uint32_t(octaves << per);
+  }
+  uint32_t slice(double z) const {
+    const float depth = float(std::clamp(z, 0.0, 3e38));
+    const int s = int(std::bit_cast<uint32_t>(depth) >> g_.slice_shift) - g_.slice_base;
+    return uint32_t(std::clamp(s, 0, int(g_.slices) - 1));
+  }
+  // A point may lie up to a pixel outside the image and still be looked up in the outermost tile.
+  bool tiles_of(Range px, double size, uint32_t tiles, uint32_t& first, uint32_t& last) const {
+    px = {px.low - double(g_.margin_px), px.high + double(g_.margin_px)};
+    if (px.empty() || px.high < -1 || px.low > size + 1) return false;
+    const auto tile = [&](double p) {
+      return uint32_t(std::clamp(std::floor(p / g_.tile_px), 0.0, double(tiles - 1)));
+    };
+    first = tile(px.low), last = tile(px.high);
+    return true;
+  }
+
+  const shared::FrameConstants& frame_;
+  glm::dvec3 right_, up_, back_;
+  shared::LightGrid g_{};
+};
+
+// Every light's box in one grid.
+struct Boxes {
+  std::vector<shared::LightBounds> bounds;
+  std::vector<uint32_t> everywhere;
+  uint64_t covered = 0;
+};
+Boxes boxes_of(const Grid& grid, const std::vector<LightItem>& lights) {
+  std::vector<shared::LightBounds> all(lights.size());
+  std::vector<Grid::Reach> reach(lights.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, lights.size(), 1024), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      reach[i] = grid.bounds_of(lights[i], all[i]);
+      all[i].light = uint32_t(i);
+      if (reach[i] == Grid::Reach::some && grid.is_everywhere(all[i])) reach[i] = Grid::Reach::everything;
+    }
+  });
+  Boxes boxes;
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (reach[i] == Grid::Reach::everything) boxes.everywhere.push_back(uint32_t(i));
+    if (reach[i] != Grid::Reach::some) continue;
+    boxes.bounds.push_back(all[i]);
+    boxes.covered += grid.cells_of(all[i], false) + (grid.constants().tiled ? grid.cells_of(all[i], true) : 0);
+  }
+  return boxes;
+}
+
+double deepest(const std::vector<LightItem>& lights, const shared::FrameConstants& constants) {
+  const glm::dvec3 back(constants.camera_back);
+  double depth = 0;
+  for (const LightItem& l : lights)
+    if (l.type != LightType::directional && std::isfinite(l.range_m))
+      depth = std::max(depth, double(l.range_m) * inflated_range - glm::dot(glm::dvec3(l.position), back));
+  return depth;
+}
+
+std::string refusal(LightGridKind kind, const std::vector<LightItem>& lights, const LightKnobs& knobs, double reach_m,
+                    bool perspective) {
+  if (kind == LightGridKind::none) return "the technique walks every light for every pixel";
+  if (lights.empty()) return "the scene has no lights";
+  if (lights.size() <= size_t(knobs.few))
+    return fmt::format("{} light{}: each pixel walks all (lights.few)", lights.size(), lights.size() == 1 ? "" : "s");
+  if (!perspective && !std::isfinite(reach_m)) return "an orthographic view of things without bounds";
+  return "";
+}
+
+// Two words a cell. With more, walking words costs more than sorting entries does, on CPU and GPU (suite light-lists).
+constexpr uint64_t most_bitmask_lights = 64;
+
+}  // namespace
+
+uint32_t apply_light_floor(std::vector<LightItem>& lights, float floor_lux) {
+  uint32_t count = 0;
+  if (!(floor_lux > 0)) return count;
+  for (LightItem& l : lights) {
+    if (l.type == LightType::directional || std::isfinite(l.range_m)) continue;
+    const double brightest = double(std::max(l.intensity.x, std::max(l.intensity.y, l.intensity.z)));
+    l.range_m = float(std::min(std::sqrt(brightest / double(floor_lux)), 1e18));
+    ++count;
+  }
+  return count;
+}
+
+shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameConstants& constants) {
+  shared::LightBounds bounds{};
+  Grid(LightGridKind::tiles, constants, {}, 16, 1, 1).bounds_of(light, bounds);
+  return bounds;
+}
+
+LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights, const shared::FrameConstants& constants,
+                          double farthest_m, double reach_m, const LightKnobs& knobs) {
+  LightGrid out;
+  out.shape.knobs = knobs;
+  out.shape.reason = refusal(kind, lights, knobs, reach_m, constants.perspective != 0);
+  if (!out.shape.reason.empty()) return out;
+  const double far_m = std::min(farthest_m, deepest(lights, constants));
+  const uint64_t words = (lights.size() + 31) / 32, budget = uint64_t(knobs.memory_mb) << 20;
+  uint32_t tile_px = kind == LightGridKind::tiles ? 16 : uint32_t(knobs.tile_px);
+  for (;; tile_px *= 2) {
+    const Grid grid(kind, constants, knobs, tile_px, far_m, reach_m);
+    Boxes boxes = boxes_of(grid, lights);
+    if (boxes.bounds.empty()) {
+      out.shape.reason = boxes.everywhere.empty() ? "no light reaches what the camera sees"
+                                                  : "every light that reaches the view covers all of it";
+      return out;
+    }
+    const uint64_t bitmask = grid.cells() * words * 4, compact = boxes.covered * 8;
+    const auto asked = LightList(knobs.list);
+    bool use_compact = asked == LightList::compact || knobs.cap > 0;
+    if (asked == LightList::automatic && knobs.cap == 0)
+      use_compact = lights.size() > most_bitmask_lights ? compact <= std::max(bitmask, budget) : bitmask > compact && bitmask > budget;
+    const uint64_t bytes = use_compact ? compact : bitmask;
+    const bool coarsest = grid.constants().tiles == glm::uvec2(1);
+    if (bytes > budget && !coarsest && kind == LightGridKind::clusters) continue;
+    if (boxes.covered > 0xf0000000u || grid.cells() * words > 0xf0000000u) {
+      out.shape.reason = "light lists would take more than 16 GiB: each pixel walks all lights";
+      out.note = out.shape.reason;
+      return out;
+    }
+    if (tile_px != uint32_t(knobs.tile_px) && kind == LightGridKind::clusters)
+      out.note = fmt::format("light lists take tiles of {} px instead of {} to stay below {} MiB (lights.memory_mb)", tile_px,
+                             knobs.tile_px, knobs.memory_mb);
+    shared::LightGrid& g = out.constants = grid.constants();
+    g.mode = use_compact ? shared::light_mode_compact : shared::light_mode_bitmask;
+    g.words = uint32_t(words);
+    if (use_compact) {
+      out.globals = boxes.everywhere;
+    } else if (!boxes.everywhere.empty()) {
+      out.globals.assign(words, 0);
+      for (const uint32_t light : boxes.everywhere) out.globals[light / 32] |= 1u << (light % 32);
+    }
+    g.global_count = uint32_t(out.globals.size());
+    for (uint32_t column = 0; column <= g.tiled; ++column)
+      for (uint32_t b = 0; b < boxes.bounds.size(); ++b)
+        for (uint64_t first = 0; first < grid.cells_of(boxes.bounds[b], column != 0); first += shared::light_chunk_cells)
+          out.chunks.push_back({b, uint32_t(first), column});
+    out.bounds = std::move(boxes.bounds);
+    LightGridShape& s = out.shape;
+    s.tiled = g.tiled != 0;
+    s.compact = use_compact;
+    s.tile_px = g.tile_px, s.tiles_x = g.tiles.x, s.tiles_y = g.tiles.y;
+    s.cells = uint32_t(grid.cells());
+    s.words = g.words;
+    s.chunks = uint32_t(out.chunks.size());
+    s.most_chunks = std::bit_ceil(s.chunks);
+    s.most_entries = std::bit_ceil(boxes.covered);  // so that the plan seldom changes from frame to frame
+    return out;
+  }
+}
+
+}  // namespace candela

@@ -1,0 +1,209 @@
+#include "frame/session.h"
+
+#include <cstring>
+#include <future>
+
+#include "base/files.h"
+#include "frame/content_hash.h"
+#include "frame/device_samples.h"
+#include "frame/gpu_scene.h"
+#include "frame/job_look.h"
+#include "frame/timings.h"
+#include "gltf/gltf.h"
+
+namespace candela {
+namespace {
+
+Error as_error(const gpu::GpuError& e) {
+  return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
+}
+
+// The knob lights.cap shows what other renderers' caps lose; it must not do so in silence.
+void report_losses(FrameResult& result, int buffer, int cap) {
+  const auto found = result.readbacks.find(buffer);
+  if (found == result.readbacks.end()) return;
+  uint32_t lost[3] = {};
+  std::memcpy(lost, found->second->bytes().data(), sizeof lost);
+  if (lost[0] > 0)
+    result.warnings.push_back(
+        fmt::format("lights.cap={}: {} lights of {} cells are LOST (the longest list has {}); the picture lacks their light", cap,
+                    lost[0], lost[1], lost[2]));
+}
+
+class DeviceSession : public Session {
+ public:
+  DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
+      : job_(std::move(job)), wanted_(wanted), settings_(std::move(settings)) {}
+
+  Expected<void> open();
+  Expected<FrameResult> render(double time_s, bool hash_outputs) override;
+  const Scene& scene() const override { return scene_; }
+  const gpu::Device& device() const override { return *device_; }
+  const Timings& opening() const override { return opening_; }
+  Hash128 scene_content() const override { return scene_content_; }
+
+ private:
+  Expected<void> load();
+  Expected<FrameResult> render_planned(PlannedFrame& planned, double time_s, bool hash_outputs);
+
+  Job job_;
+  WantedOutputs wanted_;
+  RunSettings settings_;
+  Timings opening_;
+  Scene scene_;
+  GeometryLayout layout_;
+  std::optional<DecodedImage> sky_;
+  std::string left_out_;  // of the look
+  AmbientSh environment_{};
+  Hash128 scene_content_;
+  std::unique_ptr<gpu::Device> device_;
+  std::unique_ptr<gpu::Bindless> bindless_;
+  std::unique_ptr<GpuScene> gpu_scene_;
+  std::unique_ptr<gpu::FrameRunner> runner_;
+};
+
+Expected<void> DeviceSession::load() {
+  const StageTimer timer(opening_, "load");
+  auto scene = load_gltf(job_.scene);
+  if (!scene) return std::unexpected(scene.error());
+  scene_ = std::move(*scene);
+  auto layout = layout_geometry(scene_);
+  if (!layout) return std::unexpected(layout.error());
+  layout_ = std::move(*layout);
+  if (!job_.sky.empty()) {
+    auto image = read_environment(job_.sky);
+    if (!image) return std::unexpected(image.error());
+    environment_ = project_environment(*image);
+    sky_ = std::move(*image);
+  }
+  const auto look = look_of(job_);
+  if (!look) return std::unexpected(look.error());
+  left_out_ = left_out_of(job_, *look);
+  auto content = hash_files(scene_.files, job_.sky, job_.look);
+  if (!content) return std::unexpected(content.error());
+  scene_content_ = *content;
+  return {};
+}
+
+Expected<void> DeviceSession::open() {
+  // The device opens while the scene loads; an error of the scene is the more useful one to name.
+  auto opening_device = std::async(std::launch::async, [&] {
+    const double start = process_clock_us();
+    auto device = gpu::Device::open({settings_.device, settings_.validate});
+    return std::pair(std::move(device), std::pair(start, process_clock_us() - start));
+  });
+  const auto loaded = load();
+  auto [device, span] = opening_device.get();
+  opening_.spans.push_back({"open device", "device", span.first, span.second});
+  if (!loaded) return loaded;
+  if (!device) return std::unexpected(device.error());
+  device_ = std::move(*device);
+  if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
+  try {
+    const StageTimer timer(opening_, "upload");
+    // An image may be uploaded twice, as sRGB and as linear; the sky is one more.
+    const size_t textures = std::min<size_t>(2 * scene_.images.size() + 1, gpu::Bindless::most_textures);
+    bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
+    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
+    if (sky_) gpu_scene_->set_environment(*sky_);
+    sky_.reset();
+    const std::filesystem::path cache = cache_folder();
+    runner_ = std::make_unique<gpu::FrameRunner>(*device_, *bindless_,
+                                                 gpu::ShaderCompiler(settings_.shader_folder, cache), cache);
+    runner_->timeout_s = settings_.timeout_s;
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+  return {};
+}
+
+Expected<FrameResult> DeviceSession::render(double time_s, bool hash_outputs) {
+  const double start = process_clock_us();
+  auto planned =
+      plan_frame(job_, PlanContext{scene_, layout_, job_.sky.empty() ? nullptr : &environment_}, wanted_, time_s);
+  if (!planned) return std::unexpected(planned.error());
+  try {
+    auto result = render_planned(*planned, time_s, hash_outputs);
+    if (result) {
+      result->timings.spans.insert(result->timings.spans.begin(),
+                                   {{"animate", "cpu", start, planned->animate_ms * 1000},
+                                    {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
+                                    {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000,
+                                     planned->plan_ms * 1000}});
+      if (settings_.validate)
+        if (const auto messages = device_->validation_messages(); !messages.empty())
+          return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
+                      messages.front());
+    }
+    return result;
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+}
+
+Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, double time_s, bool hash_outputs) {
+  FrameResult result;
+  Timings& t = result.timings;
+  t.add("animate", planned.animate_ms);
+  if (planned.light_grid.shape.reason.empty()) t.add("light_grid", planned.light_grid_ms);
+  t.add("plan", planned.plan_ms);
+  const double upload_start = process_clock_us();
+  const GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
+  t.add("decode", uploaded.decode_ms);
+  t.add("upload", (process_clock_us() - upload_start) / 1000 - uploaded.decode_ms);
+  t.spans.push_back({"decode and upload", "cpu", upload_start, process_clock_us() - upload_start});
+  bool fresh = false;
+  {
+    const StageTimer timer(t, "compile");
+    const auto prepared = runner_->prepare(planned.graph);
+    if (!prepared) return std::unexpected(prepared.error());
+    fresh = prepared->pipelines > 0;
+  }
+  if (settings_.timed && fresh) {
+    // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own
+    // work.
+    const StageTimer timer(t, "warm_up");
+    runner_->run(planned.graph, uploaded.imports, {});
+  }
+  const double run_start = process_clock_us();
+  gpu::FrameRun run = runner_->run(planned.graph, uploaded.imports, {settings_.timed, hash_outputs});
+  t.add("record", run.record_ms);
+  t.add("wait", run.submit_ms + run.wait_ms);
+  t.spans.push_back({"record, submit, wait", "cpu", run_start, process_clock_us() - run_start});
+  double gpu_at = run_start + run.record_ms * 1000;
+  for (const gpu::PassTime& pass : run.passes) {
+    t.spans.push_back({pass.name, "gpu", gpu_at, pass.gpu_ms * 1000});
+    gpu_at += pass.gpu_ms * 1000;
+  }
+  t.gpu_ms = std::move(run.passes);
+  t.frame_gpu_ms = run.frame_gpu_ms;
+  result.width_px = job_.width_px;
+  result.height_px = job_.height_px;
+  result.time_s = time_s;
+  result.view = planned.view;
+  result.request = planned.request;
+  result.outputs = planned.outputs;
+  result.readbacks = std::move(run.readbacks);
+  result.pre_exposure = planned.upload.constants.pre_exposure;
+  result.plan_hash = plan_hash(planned.graph.plan);
+  result.left_out = planned.graph.plan.left_out;
+  result.plan = std::move(planned.graph.plan);
+  result.hashes = std::move(run.hashes);
+  result.notes = std::move(planned.notes);
+  result.warnings = uploaded.warnings;
+  if (!left_out_.empty()) result.warnings.push_back(left_out_);
+  if (planned.light_losses >= 0) report_losses(result, planned.light_losses, planned.light_grid.shape.knobs.cap);
+  return result;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted,
+                                                 const RunSettings& settings) {
+  if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
+  auto session = std::make_unique<DeviceSession>(job, wanted, settings);
+  if (auto opened = session->open(); !opened) return std::unexpected(opened.error());
+  return session;
+}
+
+}  // namespace candela

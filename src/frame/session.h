@@ -1,0 +1,65 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "gpu/frame_runner.h"
+#include "graph/plan.h"
+#include "frame/job.h"
+#include "frame/plan_frame.h"
+#include "scene/survey.h"
+
+namespace candela {
+
+// CPU milliseconds of one frame or of the start, by stage name: load, decode, upload, animate, plan, compile, warm_up
+// (when timed), record, wait, read_back, encode. GPU milliseconds by pass when timed.
+struct Timings {
+  std::vector<std::pair<std::string, double>> cpu_ms;
+  std::vector<gpu::PassTime> gpu_ms;
+  double frame_gpu_ms = 0;
+  // Spans for the Chrome trace: name, start and length in microseconds since the process began, lane ("cpu", "encode",
+  // "gpu").
+  struct Span {
+    std::string name, lane;
+    double start_us, length_us;
+  };
+  std::vector<Span> spans;
+  void add(std::string stage, double milliseconds);
+  double total(std::string_view stage) const;
+};
+double process_clock_us();  // microseconds since the process began
+
+// A rendered frame before encoding. The pixel data is in mapped device memory, kept alive by the shared pointers.
+struct FrameResult {
+  int width_px = 0, height_px = 0;
+  double time_s = 0;
+  View view;
+  FrameRequest request;
+  std::vector<OutputImage> outputs;                         // what each readback holds
+  std::map<int, std::shared_ptr<gpu::Readback>> readbacks;  // by OutputImage::resource
+  double pre_exposure = 1;                                  // linear outputs are divided by it when encoded
+  Hash128 plan_hash;
+  FramePlan plan;
+  std::vector<LeftOut> left_out;
+  Timings timings;
+  std::vector<gpu::PassHash> hashes;  // when asked for
+  std::vector<std::string> notes;
+  std::vector<std::string> warnings;  // textures that could not be decoded, by the first frame that needs them
+};
+
+// A device with a scene on it. Opening loads and uploads what does not change with time; frames are then independent.
+class Session {
+ public:
+  static Expected<std::unique_ptr<Session>> open(const Job& job, const WantedOutputs& wanted,
+                                                 const RunSettings& settings);
+  virtual ~Session() = default;
+  virtual Expected<FrameResult> render(double time_s, bool hash_outputs = false) = 0;  // GpuError becomes an Error here
+  virtual const Scene& scene() const = 0;
+  virtual const gpu::Device& device() const = 0;
+  virtual const Timings& opening() const = 0;  // load, decode, upload
+  virtual Hash128 scene_content() const = 0;   // of all files read
+};
+
+}  // namespace candela

@@ -1,0 +1,12 @@
+#pragma once
+#include <set>
+
+#include "gltf/document.h"
+#include "scene/scene.h"
+
+namespace candela::gltf {
+// The JSON pointers that KHR_animation_pointer channels of the file drive.
+std::set<std::string> animated_pointers(const Document& document);
+// Fills scene.animations; everything that is driven must be there already.
+void import_animations(Document& document, Scene& scene);
+}  // namespace candela::gltf

@@ -1,0 +1,266 @@
+#include "gltf/document.h"
+
+#include <charconv>
+
+#include "base/files.h"
+#include "gltf/meshopt.h"
+#include "gltf/uri.h"
+#include "gltf/validate/validate.h"
+
+namespace candela::gltf {
+namespace {
+
+// What tinygltf is given: the core members that it reads well. Extensions and extras go (it recurses into them without
+// a limit), as do buffers and images (it would read files and decode pixels) and animations (it drops channels without
+// a node).
+Json core_only(const Json& value, int depth) {
+  constexpr int deepest = 12;  // core glTF needs 8 levels
+  if (depth > deepest) return nullptr;
+  if (value.is_object()) {
+    Json out = Json::object();
+    for (const auto& [key, item] : value.items())
+      if (key != "extensions" && key != "extras") out[key] = core_only(item, depth + 1);
+    return out;
+  }
+  if (value.is_array()) {
+    Json out = Json::array();
+    for (const Json& item : value) out.push_back(core_only(item, depth + 1));
+    return out;
+  }
+  return value;
+}
+
+// tinygltf refuses index accessors without a buffer view, which Draco files have; they get one past the last.
+void parse_core(Document& document) {
+  Json core = Json::object();
+  for (const char* key : {"asset", "accessors", "bufferViews", "meshes", "nodes", "scenes", "scene", "materials",
+                          "textures", "samplers", "skins", "cameras"})
+    if (const Json* value = member(document.json, key)) core[key] = core_only(*value, 1);
+  Json& views = core["bufferViews"];
+  if (!views.is_array()) views = Json::array();
+  document.missing_view = int(views.size());
+  views.push_back({{"buffer", 0}, {"byteLength", 1}});
+  if (core.contains("accessors"))
+    for (Json& accessor : core["accessors"])
+      if (accessor.is_object() && !accessor.contains("bufferView")) accessor["bufferView"] = document.missing_view;
+
+  const std::string text = core.dump();
+  tinygltf::TinyGLTF parser;
+  std::string error, warning;
+  const bool parsed =
+      parser.LoadASCIIFromString(&document.model, &error, &warning, text.data(), unsigned(text.size()), "", 0);
+  while (!error.empty() && std::isspace(static_cast<unsigned char>(error.back()))) error.pop_back();
+  if (!parsed) document.refuse("/", "the structure could not be read: {}", error);
+  for (size_t i = 0; i < document.model.meshes.size(); ++i)
+    if (document.model.meshes[i].primitives.size() !=
+        document.json["meshes"][i].value("primitives", Json::array()).size())
+      document.refuse(fmt::format("/meshes/{}/primitives", i), "a primitive could not be read: {}", error);
+}
+
+// Versions: a 2.x file is readable unless it says that it needs a later minor version (glTF 2.0 section 3.2).
+void check_version(const Document& document) {
+  const tinygltf::Asset& asset = document.model.asset;
+  int major = 0, minor = 0;
+  if (std::sscanf(asset.version.c_str(), "%d.%d", &major, &minor) != 2 || major != 2)
+    document.refuse("/asset/version", "glTF version '{}' is not 2.x (UNKNOWN_ASSET_MAJOR_VERSION)", asset.version);
+  if (asset.minVersion.empty()) return;
+  if (std::sscanf(asset.minVersion.c_str(), "%d.%d", &major, &minor) != 2 || major != 2 || minor > 0)
+    document.refuse("/asset/minVersion", "the file needs glTF {}; this program reads 2.0 (UNKNOWN_ASSET_MINOR_VERSION)",
+                    asset.minVersion);
+}
+
+// "light 'Torch': " for a path into the lights: what the validation found is told by number and by name.
+std::string light_named_by(const Json& json, const std::string& path) {
+  constexpr std::string_view lights = "/extensions/KHR_lights_punctual/lights/";
+  size_t index = 0;
+  if (!path.starts_with(lights) ||
+      std::from_chars(path.data() + lights.size(), path.data() + path.size(), index).ec != std::errc())
+    return {};
+  const Json::json_pointer pointer(std::string(lights) + std::to_string(index) + "/name");
+  return json.contains(pointer) && json[pointer].is_string()
+             ? fmt::format("light '{}': ", json[pointer].get_ref<const std::string&>())
+             : std::string();
+}
+
+void validate(Document& document, const GltfParts& parts, std::vector<Finding>& findings) {
+  std::vector<Finding> more = validate_gltf(document.json, parts);
+  findings.insert(findings.end(), more.begin(), more.end());
+  for (const Finding& finding : findings)
+    if (finding.fatal)
+      document.refuse(finding.path, "{}{} ({})", light_named_by(document.json, finding.path), finding.message,
+                      finding.code);
+  for (const Finding& finding : findings) {
+    document.warn(finding.path, "{}{} ({})", light_named_by(document.json, finding.path), finding.message,
+                  finding.code);
+    document.finding_codes.insert(finding.code);
+  }
+}
+
+}  // namespace
+
+void Document::charge(size_t count, size_t size, const std::string& path) {
+  // Draco and meshopt pack a vertex into about a byte and flat normals triple the vertices: 256 is far from honest
+  // files.
+  const size_t most = (size_t(64) << 20) + 256 * bytes_read;
+  if (size != 0 && count > (most - bytes_expanded) / size)
+    refuse(path, "{} elements of {} bytes are out of proportion to the {} bytes of the file", count, size, bytes_read);
+  bytes_expanded += count * size;
+}
+
+void read_buffers(Document& document) {
+  const Json* buffers = member(document.json, "buffers");
+  if (!buffers) return;
+  for (size_t i = 0; i < buffers->size(); ++i) {
+    const Json& buffer = (*buffers)[i];
+    const std::string path = fmt::format("/buffers/{}", i);
+    const double wanted = number(document, buffer, "byteLength", 0, path);
+    std::span<const std::byte> bytes;
+    if (buffer.contains("uri")) {
+      document.storage.push_back(read_uri(document, text(document, buffer, "uri", "", path), path + "/uri"));
+      bytes = document.storage.back();
+    } else if (i == 0 && document.has_binary) {
+      bytes = document.binary;
+    } else {
+      document.buffers.emplace_back();  // an error only for what reads it
+      continue;
+    }
+    if (!(wanted <= double(bytes.size())))
+      document.refuse(path + "/byteLength", "byteLength is {:.0f} but there are {} bytes (BUFFER_BYTE_LENGTH_MISMATCH)",
+                      wanted, bytes.size());
+    document.buffers.push_back(bytes.first(size_t(wanted)));
+  }
+}
+
+Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder) {
+  Document document;
+  document.name = name;
+  document.folder = folder;
+  document.bytes_read = bytes.size();
+  std::vector<Finding> findings;
+  const Expected<GltfParts> parts = split_gltf(bytes, name, findings);
+  if (!parts) throw Failure{parts.error()};
+  Expected<Json> json = parse_gltf_json(parts->json, name);
+  if (!json) throw Failure{json.error()};
+  document.json = std::move(*json);
+  validate(document, *parts, findings);
+  parse_core(document);
+  check_version(document);
+  document.binary = parts->binary;
+  document.has_binary = parts->has_binary;
+  document.decompressed.resize(document.model.bufferViews.size());
+  return document;
+}
+
+std::vector<std::byte> read_uri(Document& document, const std::string& uri, const std::string& path) {
+  if (is_data_uri(uri)) {
+    std::optional<std::vector<std::byte>> bytes = decode_data_uri(uri);
+    if (!bytes) document.refuse(path, "the data URI is not valid base64 (INVALID_URI)");
+    return std::move(*bytes);  // already counted: its text is part of the file
+  }
+  if (has_scheme(uri))
+    document.refuse(path, "'{}' is not a relative path; only files beside the scene and data URIs are read", uri);
+  const std::optional<std::string> relative = percent_decoded(uri);
+  if (!relative || relative->empty() || relative->find('\0') != std::string::npos)
+    document.refuse(path, "'{}' is not a valid URI (INVALID_URI)", uri);
+  const std::filesystem::path file = document.folder / *relative;
+  std::error_code error;
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+    document.refuse(path, "{} is not a regular file (IO_ERROR)", file.string());
+  Expected<std::vector<std::byte>> bytes = read_file(file);
+  if (!bytes) document.refuse(path, "{} (IO_ERROR)", bytes.error().text());
+  if (std::find(document.files.begin(), document.files.end(), file.string()) == document.files.end()) {
+    document.files.push_back(file.string());
+    document.bytes_read += bytes->size();
+  } else {
+    document.charge(bytes->size(), 1, path);  // read again: a copy that no bytes on disk pay for
+  }
+  return std::move(*bytes);
+}
+
+std::span<const std::byte> view_bytes(Document& document, int view, const std::string& path) {
+  if (view < 0 || view >= document.missing_view)
+    document.refuse(path, "there is no buffer view {} (UNRESOLVED_REFERENCE)", view);
+  std::optional<std::vector<std::byte>>& decompressed = document.decompressed[size_t(view)];
+  if (decompressed) return *decompressed;
+  const std::string view_path = fmt::format("/bufferViews/{}", view);
+  if (const Json* meshopt = extension(document.json["bufferViews"][size_t(view)], "EXT_meshopt_compression")) {
+    decompressed = decompress_view(document, *meshopt, view_path + "/extensions/EXT_meshopt_compression");
+    return *decompressed;
+  }
+  const tinygltf::BufferView& v = document.model.bufferViews[size_t(view)];
+  if (v.buffer < 0 || size_t(v.buffer) >= document.buffers.size())
+    document.refuse(view_path + "/buffer", "there is no buffer {} (UNRESOLVED_REFERENCE)", v.buffer);
+  const std::span<const std::byte> buffer = document.buffers[size_t(v.buffer)];
+  if (buffer.empty())
+    document.refuse(fmt::format("/buffers/{}", v.buffer), "the buffer has no bytes: neither a uri nor a binary chunk");
+  if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
+    document.refuse(view_path, "bytes {} to {} lie outside buffer {} of {} bytes (BUFFER_VIEW_TOO_LONG)", v.byteOffset,
+                    double(v.byteOffset) + double(v.byteLength), v.buffer, buffer.size());
+  return buffer.subspan(v.byteOffset, v.byteLength);
+}
+
+const Json* member(const Json& object, const char* name) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(name);
+  return found == object.end() ? nullptr : &*found;
+}
+
+const Json* extension(const Json& object, const char* name) {
+  const Json* extensions = member(object, "extensions");
+  const Json* found = extensions ? member(*extensions, name) : nullptr;
+  return found && found->is_object() ? found : nullptr;
+}
+
+std::string named(const std::string& path, const Json& object) {
+  const Json* name = member(object, "name");
+  return name && name->is_string() ? fmt::format("{} '{}'", path, name->get_ref<const std::string&>()) : path;
+}
+
+double number(const Document& document, const Json& object, const char* key, double otherwise,
+              const std::string& path) {
+  const Json* value = member(object, key);
+  if (!value) return otherwise;
+  if (!value->is_number()) document.refuse(path + "/" + key, "a number is wanted (TYPE_MISMATCH)");
+  return value->get<double>();
+}
+
+int index_of(const Document& document, const Json& object, const char* key, size_t limit, const std::string& path) {
+  const Json* value = member(object, key);
+  if (!value) return -1;
+  if (!value->is_number_integer()) document.refuse(path + "/" + key, "an index is wanted (TYPE_MISMATCH)");
+  if (value->is_number_unsigned() ? value->get<uint64_t>() >= limit
+                                  : value->get<int64_t>() < 0 || uint64_t(value->get<int64_t>()) >= limit)
+    document.refuse(path + "/" + key, "there is no element {} (UNRESOLVED_REFERENCE)", value->dump());
+  return value->get<int>();
+}
+
+bool boolean(const Document& document, const Json& object, const char* key, bool otherwise, const std::string& path) {
+  const Json* value = member(object, key);
+  if (!value) return otherwise;
+  if (!value->is_boolean()) document.refuse(path + "/" + key, "true or false is wanted (TYPE_MISMATCH)");
+  return value->get<bool>();
+}
+
+std::string text(const Document& document, const Json& object, const char* key, const std::string& otherwise,
+                 const std::string& path) {
+  const Json* value = member(object, key);
+  if (!value) return otherwise;
+  if (!value->is_string()) document.refuse(path + "/" + key, "a string is wanted (TYPE_MISMATCH)");
+  return value->get<std::string>();
+}
+
+std::vector<double> numbers(const Document& document, const Json& object, const char* key, size_t count,
+                            const std::string& path) {
+  const Json* value = member(object, key);
+  if (!value) return {};
+  bool right = value->is_array() && value->size() == count;
+  std::vector<double> out;
+  for (size_t i = 0; right && i < count; ++i) {
+    right = (*value)[i].is_number();
+    if (right) out.push_back((*value)[i].get<double>());
+  }
+  if (!right) document.refuse(path + "/" + key, "{} numbers are wanted (TYPE_MISMATCH)", count);
+  return out;
+}
+
+}  // namespace candela::gltf

@@ -1,0 +1,149 @@
+#include "gltf/pointers.h"
+
+#include <charconv>
+
+namespace candela::gltf {
+namespace {
+
+using enum TargetPath;
+
+std::optional<size_t> number_in(std::string_view text) {
+  size_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+// Splits "/materials/3/rest" into the index and "rest" when it begins with `array`.
+struct Indexed {
+  size_t index;
+  std::string_view rest;
+};
+std::optional<Indexed> in_array(std::string_view pointer, std::string_view array) {
+  if (!pointer.starts_with(array)) return std::nullopt;
+  pointer.remove_prefix(array.size());
+  const size_t slash = pointer.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const std::optional<size_t> index = number_in(pointer.substr(0, slash));
+  return index ? std::optional(Indexed{*index, pointer.substr(slash + 1)}) : std::nullopt;
+}
+
+struct Property {
+  std::string_view pointer;
+  TargetPath path;
+  int components;
+};
+
+constexpr Property node_properties[] = {
+    {"translation", node_translation, 3},
+    {"rotation", node_rotation, 4},
+    {"scale", node_scale, 3},
+    {"extensions/KHR_node_visibility/visible", node_visible, 1},
+};
+constexpr Property material_properties[] = {
+    {"pbrMetallicRoughness/baseColorFactor", material_base_color, 4},
+    {"pbrMetallicRoughness/metallicFactor", material_metallic, 1},
+    {"pbrMetallicRoughness/roughnessFactor", material_roughness, 1},
+    {"emissiveFactor", material_emissive, 3},
+    {"alphaCutoff", material_alpha_cutoff, 1},
+    {"normalTexture/scale", material_normal_scale, 1},
+    {"occlusionTexture/strength", material_occlusion_strength, 1},
+    {"extensions/KHR_materials_emissive_strength/emissiveStrength", material_emissive_strength, 1},
+    {"extensions/KHR_materials_ior/ior", material_ior, 1},
+    {"extensions/KHR_materials_specular/specularFactor", material_specular, 1},
+    {"extensions/KHR_materials_specular/specularColorFactor", material_specular_color, 3},
+};
+constexpr Property light_properties[] = {
+    {"color", light_color, 3},
+    {"intensity", light_intensity, 1},
+    {"range", light_range, 1},
+    {"spot/innerConeAngle", light_inner_cone, 1},
+    {"spot/outerConeAngle", light_outer_cone, 1},
+};
+constexpr Property perspective_properties[] = {
+    {"perspective/yfov", camera_yfov, 1},
+    {"perspective/aspectRatio", camera_aspect, 1},
+    {"perspective/znear", camera_near, 1},
+    {"perspective/zfar", camera_far, 1},
+};
+constexpr Property orthographic_properties[] = {
+    {"orthographic/xmag", camera_xmag, 1},
+    {"orthographic/ymag", camera_ymag, 1},
+    {"orthographic/znear", camera_near, 1},
+    {"orthographic/zfar", camera_far, 1},
+};
+constexpr Property transform_properties[] = {
+    {"offset", texture_offset, 2},
+    {"rotation", texture_rotation, 1},
+    {"scale", texture_scale, 2},
+};
+
+// The property itself or, with a further index, one component of it.
+std::optional<PointerTarget> found_in(std::span<const Property> properties, std::string_view rest, size_t object) {
+  for (const Property& p : properties) {
+    if (rest == p.pointer) return PointerTarget{p.path, int(object), -1, p.components};
+    if (p.components < 2 || p.path == node_rotation || !rest.starts_with(p.pointer) ||
+        rest.size() < p.pointer.size() + 2 || rest[p.pointer.size()] != '/')
+      continue;
+    const std::optional<size_t> component = number_in(rest.substr(p.pointer.size() + 1));
+    if (component && *component < size_t(p.components)) return PointerTarget{p.path, int(object), int(*component), 1};
+  }
+  return std::nullopt;
+}
+
+// Which slot of the imported material a texture of the file went to: occlusion may have been joined with
+// metallic-roughness.
+std::optional<TextureSlotName> slot_named(const Material& material, std::string_view texture) {
+  if (texture == "pbrMetallicRoughness/baseColorTexture") return TextureSlotName::base_color;
+  if (texture == "pbrMetallicRoughness/metallicRoughnessTexture") return TextureSlotName::orm;
+  if (texture == "normalTexture") return TextureSlotName::normal;
+  if (texture == "occlusionTexture")
+    return material.occlusion_texture ? TextureSlotName::occlusion : TextureSlotName::orm;
+  if (texture == "emissiveTexture") return TextureSlotName::emissive;
+  if (texture == "extensions/KHR_materials_specular/specularTexture") return TextureSlotName::specular;
+  if (texture == "extensions/KHR_materials_specular/specularColorTexture") return TextureSlotName::specular_color;
+  return std::nullopt;
+}
+
+std::optional<PointerTarget> texture_target(const Material& material, std::string_view rest, size_t object) {
+  constexpr std::string_view middle = "/extensions/KHR_texture_transform/";
+  const size_t at = rest.find(middle);
+  if (at == std::string_view::npos) return std::nullopt;
+  const std::optional<TextureSlotName> slot = slot_named(material, rest.substr(0, at));
+  std::optional<PointerTarget> target;
+  for (const Property& p : transform_properties)
+    if (rest.substr(at + middle.size()) == p.pointer && slot)
+      target = PointerTarget{p.path, int(object), int(*slot), p.components};
+  return target;
+}
+
+std::optional<PointerTarget> node_target(const Scene& scene, const Indexed& node) {
+  if (node.index >= scene.nodes.size()) return std::nullopt;
+  if (!node.rest.starts_with("weights")) return found_in(node_properties, node.rest, node.index);
+  const int mesh = scene.nodes[node.index].mesh;
+  const size_t targets = mesh < 0 ? 0 : scene.meshes[size_t(mesh)].default_weights.size();
+  if (targets == 0) return std::nullopt;
+  if (node.rest == "weights") return PointerTarget{node_weights, int(node.index), -1, int(targets)};
+  const std::optional<size_t> one = node.rest.starts_with("weights/") ? number_in(node.rest.substr(8)) : std::nullopt;
+  return one && *one < targets ? std::optional(PointerTarget{node_weights, int(node.index), int(*one), 1})
+                               : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<PointerTarget> pointer_target(const Scene& scene, std::string_view pointer) {
+  if (const auto node = in_array(pointer, "/nodes/")) return node_target(scene, *node);
+  if (const auto material = in_array(pointer, "/materials/")) {
+    if (material->index >= scene.materials.size()) return std::nullopt;
+    if (const auto target = found_in(material_properties, material->rest, material->index)) return target;
+    return texture_target(scene.materials[material->index], material->rest, material->index);
+  }
+  if (const auto light = in_array(pointer, "/extensions/KHR_lights_punctual/lights/"))
+    return light->index < scene.lights.size() ? found_in(light_properties, light->rest, light->index) : std::nullopt;
+  if (const auto camera = in_array(pointer, "/cameras/"); camera && camera->index < scene.cameras.size()) {
+    if (scene.cameras[camera->index].perspective) return found_in(perspective_properties, camera->rest, camera->index);
+    return found_in(orthographic_properties, camera->rest, camera->index);
+  }
+  return std::nullopt;
+}
+
+}  // namespace candela::gltf

@@ -1,0 +1,36 @@
+#pragma once
+#include <array>
+
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+
+namespace candela {
+
+// The layers beside beauty, in the order of shaders/layers.frag's outputs.
+enum class Layer : uint32_t { depth, normal, albedo, object_id, material_id, emission, direct };
+inline constexpr uint32_t layer_count = 7;
+std::span<const std::string_view> layer_name_table();
+
+// Depth (metres along the view axis), world normal, base colour, ids, emission and direct light of the nearest opaque
+// or masked surface, one sample at the pixel's centre: averaged ids and depths would name surfaces that do not exist.
+// Blended surfaces do not appear. Background: depth 1e10, ids 0xffffffff, everything else 0.
+struct Layers {
+  static constexpr std::string_view name = "layers";
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    CellLists lists;       // empty: every light for every pixel
+    std::array<bool, layer_count> wanted{};
+  };
+  struct Out {
+    std::array<ImageHandle, layer_count> images;  // empty where not wanted
+    ImageHandle depth;                            // its own depth buffer
+    RunPipelines pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -1,0 +1,29 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+
+namespace candela {
+
+// How light lists fare at each pixel, as counts: lights listed; of them, those that give exactly nothing there (out of range or
+// cone); and lights that give something and are not listed, which is 0 or a defect. Of the nearest opaque or masked surface, at
+// the pixel's centre. Walks every light for every pixel: for looking, not for frames that are timed.
+struct LightHeat {
+  static constexpr std::string_view name = "light_heat";
+  static constexpr std::array<std::string_view, 3> layers = {"heatmap.lights", "heatmap.waste", "heatmap.missed"};
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    CellLists lists;        // empty: every light for every pixel
+  };
+  struct Out {
+    std::array<ImageHandle, 3> counts;
+    ImageHandle depth;  // its own depth buffer
+    RunPipelines pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -1,0 +1,31 @@
+#include "passes/geometry/depth_prepass.h"
+
+namespace candela {
+
+Need DepthPrepass::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+}
+
+DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) const {
+  Out out;
+  RunPipelineChoice choice;
+  choice.desc.vertex_shader = "depth_prepass.vert";
+  choice.desc.depth_format = depth_format;
+  choice.desc.samples = in.scene.samples;
+  choice.desc.depth_test = choice.desc.depth_write = true;
+  choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+  choice.masked_fragment = "depth_prepass.frag";
+  out.pipelines = declare_runs(
+      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  ImageDesc desc{"depth", depth_format, in.scene.width_px, in.scene.height_px, in.scene.samples};
+  out.depth = builder.write(builder.create(desc), Access::depth_attachment);
+  return out;
+}
+
+void DepthPrepass::record(CommandList& commands, const In& in, const Out& out) const {
+  commands.begin_rendering({}, out.depth);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines);
+  commands.end_rendering();
+}
+
+}  // namespace candela

@@ -1,0 +1,26 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+
+namespace candela {
+
+// Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float (TECHNIQUES 1.1), so
+// that shading runs once for each visible fragment. Masked surfaces drop what their mask cuts away, at the pixel's
+// shading point.
+struct DepthPrepass {
+  static constexpr std::string_view name = "depth_prepass";
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+  };
+  struct Out {
+    ImageHandle depth;
+    RunPipelines pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

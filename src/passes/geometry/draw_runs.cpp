@@ -1,0 +1,80 @@
+#include "passes/geometry/draw_runs.h"
+
+#include "passes/geometry/features.h"
+#include "shared/cull.h"
+#include "shared/draw.h"
+
+namespace candela {
+namespace {
+VkPrimitiveTopology vulkan_topology(Topology t) {
+  return t == Topology::triangles ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
+         : t == Topology::lines   ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST
+                                  : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
+}
+}  // namespace
+
+RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                          const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice) {
+  builder.read(scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b :
+       {scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
+    builder.read(b, Access::graphics_read, "the scene");
+  builder.read(scene.indices, Access::index_read, "the scene's indices");
+  builder.read(draws.commands, Access::indirect_read, "draw commands");
+  builder.read(draws.counts, Access::indirect_read, "draw counts");
+  builder.read_optional(deformed, Access::vertex_read);
+  RunPipelines pipelines;
+  for (const DrawRun& run : *scene.runs) {
+    if (!accepts(run)) {
+      pipelines.by_run.push_back({});
+      continue;
+    }
+    GraphicsPipelineDesc desc = choice.desc;
+    desc.topology = vulkan_topology(run.topology);
+    const bool masked = run.alpha == AlphaMode::mask;
+    if (masked && !choice.masked_fragment.empty()) desc.fragment_shader = choice.masked_fragment;
+    desc.constants = run_constants(scene.features, desc, masked, run.unlit);
+    pipelines.by_run.push_back(builder.pipeline(desc));
+  }
+  return pipelines;
+}
+
+void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists) {
+  for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
+    builder.read_optional(b, Access::fragment_read);
+}
+
+ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
+  if (!color) {
+    ImageDesc desc{"color", color_format, scene.width_px, scene.height_px, scene.samples};
+    desc.covered = true;
+    color = builder.create(desc);
+  }
+  return builder.write(color, Access::color_attachment);
+}
+
+void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                 const RunPipelines& pipelines, const CellLists* lists) {
+  commands.bind_index_buffer(scene.indices);
+  shared::DrawPush push{};
+  push.deformed = deformed ? commands.address(deformed) : 0;
+  if (lists && scene.lights) {
+    // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
+    const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : scene.lights); };
+    push.lights = commands.address(scene.lights);
+    push.light_cells = address(lists->cells);
+    push.light_entries = address(lists->entries);
+    push.light_tiles = address(lists->tiles);
+  }
+  for (size_t r = 0; r < scene.runs->size(); ++r) {
+    if (!pipelines.by_run[r]) continue;
+    const DrawRun& run = (*scene.runs)[r];
+    commands.bind(pipelines.by_run[r]);
+    commands.push(push);
+    commands.set_cull(run.cull_back, run.mirrored);
+    commands.draw_indexed_indirect_count(draws.commands, uint64_t(run.first) * sizeof(shared::DrawCommand),
+                                         draws.counts, r * sizeof(uint32_t), run.count);
+  }
+}
+
+}  // namespace candela

@@ -1,0 +1,70 @@
+#include "passes/geometry/features.h"
+
+namespace candela {
+namespace {
+SpecConstant constant(Feature f) {
+  static const char* const names[] = {"HAS_BASE_TEXTURE",
+                                      "HAS_ORM_TEXTURE",
+                                      "HAS_OCCLUSION_TEXTURE",
+                                      "HAS_NORMAL_TEXTURE",
+                                      "HAS_EMISSIVE_TEXTURE",
+                                      "HAS_SPECULAR_TEXTURE",
+                                      "HAS_VERTEX_COLOR",
+                                      "HAS_UV1",
+                                      "HAS_TEXTURE_TRANSFORM",
+                                      "HAS_LIGHTS",
+                                      "HAS_AMBIENT",
+                                      "IS_MASKED",
+                                      "IS_UNLIT",
+                                      "HAS_TEXTURES"};
+  return {uint32_t(f), names[uint32_t(f)], 1};
+}
+bool concerns_base_color(const SpecConstant& c) {
+  switch (Feature(c.id)) {
+    case Feature::base_texture:
+    case Feature::vertex_color:
+    case Feature::uv1:
+    case Feature::texture_transform:
+    case Feature::textures:
+      return true;
+    default:
+      return false;
+  }
+}
+}  // namespace
+
+std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) {
+  std::vector<SpecConstant> list;
+  const auto add = [&](bool present, Feature f) {
+    if (present) list.push_back(constant(f));
+  };
+  add(facts.any_base_texture, Feature::base_texture);
+  add(facts.any_orm_texture, Feature::orm_texture);
+  add(facts.any_occlusion_texture, Feature::occlusion_texture);
+  add(facts.any_normal_texture, Feature::normal_texture);
+  add(facts.any_emissive_texture, Feature::emissive_texture);
+  add(facts.any_specular_texture, Feature::specular_texture);
+  add(facts.any_vertex_color, Feature::vertex_color);
+  add(facts.any_uv1, Feature::uv1);
+  add(facts.any_texture_transform, Feature::texture_transform);
+  add(facts.lights() > 0, Feature::lights);
+  add(ambient, Feature::ambient);
+  add(facts.any_base_texture || facts.any_orm_texture || facts.any_occlusion_texture || facts.any_normal_texture ||
+          facts.any_emissive_texture || facts.any_specular_texture,
+      Feature::textures);
+  return list;
+}
+
+std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,
+                                        bool masked, bool unlit) {
+  if (desc.fragment_shader.empty()) return {};
+  const bool base_only = unlit || desc.color_formats.empty();
+  std::vector<SpecConstant> list = desc.constants;
+  for (const SpecConstant& c : scene)
+    if (!base_only || concerns_base_color(c)) list.push_back(c);
+  if (masked) list.push_back(constant(Feature::is_masked));
+  if (unlit && !desc.color_formats.empty()) list.push_back(constant(Feature::is_unlit));
+  return list;
+}
+
+}  // namespace candela

@@ -1,0 +1,51 @@
+#include "passes/lights/light_assign.h"
+
+#include "shared/lights.h"
+
+namespace candela {
+
+Need LightAssign::needed(const SceneFacts&, const FrameRequest&) const {
+  return needed_if(grid.reason.empty(), grid.reason);
+}
+
+LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})
+    builder.read(b, Access::compute_read, "the scene's lights");
+  if (grid.tiled) builder.read(in.tiles, Access::compute_read, "tile depths");
+  const auto zeroed = [&](const char* buffer, uint64_t words) {
+    return builder.write(builder.create(BufferDesc{.name = buffer, .size_bytes = words * 4, .zeroed = true}),
+                         Access::compute_write);
+  };
+  Out out;
+  if (grid.compact) {
+    out.lists = zeroed("light.counts", grid.cells);
+    out.sums = zeroed("light.sums", grid.cells / shared::light_scan_cells + 1);
+    out.hits = zeroed("light.hits", grid.most_chunks * uint64_t(shared::light_chunk_cells) / 32 + 1);
+  } else {
+    out.lists = zeroed("light.masks", uint64_t(grid.cells) * grid.words);
+  }
+  ComputePipelineDesc desc{"light_assign.comp", {{0, "TEST", uint32_t(grid.knobs.test)}}};
+  if (grid.compact) desc.constants.push_back({1, "COMPACT", 1});
+  if (grid.tiled) desc.constants.push_back({2, "TILED", 1});
+  if (grid.tiled && grid.knobs.mask) desc.constants.push_back({3, "MASK", 1});
+  out.pipeline = builder.pipeline(desc);
+  return out;
+}
+
+void LightAssign::record(CommandList& commands, const In& in, const Out& out) const {
+  commands.bind(out.pipeline);
+  shared::LightAssignPush push{};
+  push.bounds = commands.address(in.scene.light_bounds);
+  push.chunks = commands.address(in.scene.light_chunks);
+  push.tiles = grid.tiled ? commands.address(in.tiles) : 0;
+  push.lists = commands.address(out.lists);
+  push.sums = grid.compact ? commands.address(out.sums) : 0;
+  push.hits = grid.compact ? commands.address(out.hits) : 0;
+  push.chunk_count = grid.chunks;
+  commands.push(push);
+  const glm::uvec2 threads = shared::light_threads(uint64_t(grid.chunks) * shared::light_chunk_cells);
+  commands.dispatch(threads.x, threads.y);
+}
+
+}  // namespace candela

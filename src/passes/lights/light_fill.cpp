@@ -1,0 +1,43 @@
+#include "passes/lights/light_fill.h"
+
+#include "shared/lights.h"
+
+namespace candela {
+
+Need LightFill::needed(const SceneFacts&, const FrameRequest&) const {
+  return needed_if(grid.compact, grid.reason.empty() ? "the light lists are bitmasks" : grid.reason);
+}
+
+LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})
+    builder.read(b, Access::compute_read, "the scene's lights");
+  builder.read(in.offsets, Access::compute_read, "where lists begin");
+  builder.read(in.hits, Access::compute_read, "lights of cells");
+  Out out;
+  out.unsorted = builder.write(
+      builder.create(BufferDesc{.name = "light.unsorted", .size_bytes = grid.most_entries * 4, .unordered = true}),
+      Access::compute_write);
+  out.cursors = builder.write(
+      builder.create(BufferDesc{.name = "light.cursors", .size_bytes = uint64_t(grid.cells) * 4, .zeroed = true}),
+      Access::compute_write);
+  out.pipeline = builder.pipeline(ComputePipelineDesc{"light_fill.comp", {}});
+  return out;
+}
+
+void LightFill::record(CommandList& commands, const In& in, const Out& out) const {
+  commands.bind(out.pipeline);
+  shared::LightFillPush push{};
+  push.bounds = commands.address(in.scene.light_bounds);
+  push.chunks = commands.address(in.scene.light_chunks);
+  push.hits = commands.address(in.hits);
+  push.offsets = commands.address(in.offsets);
+  push.cursors = commands.address(out.cursors);
+  push.entries = commands.address(out.unsorted);
+  push.chunk_count = grid.chunks;
+  commands.push(push);
+  const glm::uvec2 threads = shared::light_threads(uint64_t(grid.chunks) * shared::light_chunk_cells);
+  commands.dispatch(threads.x, threads.y);
+}
+
+}  // namespace candela

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "graph/handle.h"
+#include "passes/lights/light_knobs.h"
+
+namespace candela {
+
+// The shape of a frame's light lists, decided before the graph is built (frame/light_grid.h).
+struct LightGridShape {
+  std::string reason;         // why there are no lists: every pixel walks every light. Empty: there are
+  bool tiled = false;         // tiles bounded by the depth pre-pass, with columns behind them; otherwise clusters
+  bool compact = false;       // otherwise bitmasks
+  uint32_t tile_px = 0, tiles_x = 0, tiles_y = 0;
+  uint32_t cells = 0, words = 0, chunks = 0, most_chunks = 0;
+  uint64_t most_entries = 0;  // sum over lights of the cells that each can touch: compact lists never need more
+  LightKnobs knobs;
+};
+
+// What shading passes walk (shaders/lib/light_list.glsl). Empty handles: no lists.
+struct CellLists {
+  BufferHandle cells;    // bitmasks of all cells, or where each cell's entries begin
+  BufferHandle entries;  // compact: light indices, ascending inside a cell
+  BufferHandle tiles;    // tiled: depths
+};
+
+}  // namespace candela

@@ -1,0 +1,40 @@
+#include "passes/post/tonemap.h"
+
+#include "shared/draw.h"
+
+namespace candela {
+
+std::span<const std::string_view> tone_curve_names() {
+  static constexpr std::string_view names[] = {"none", "agx", "reinhard", "aces", "neutral", "rec709"};
+  return names;
+}
+
+Need Tonemap::needed(const SceneFacts&, const FrameRequest& request) const {
+  if (!request.want_display) return {false, "no display output (PNG, video) is wanted"};
+  return needed_if(request.view == "beauty", "display output shows a layer (--view)");
+}
+
+Tonemap::Out Tonemap::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.color, Access::sampled_compute, "color");
+  Out out;
+  const VkFormat format = in.bits == 8 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_UNORM;
+  out.display = builder.write(builder.create(ImageDesc{"display", format, in.width_px, in.height_px}),
+                              Access::storage_image_write);
+  out.pipeline = builder.pipeline(ComputePipelineDesc{"tonemap.comp", {{0, "CURVE", uint32_t(in.curve)}}});
+  return out;
+}
+
+void Tonemap::record(CommandList& commands, const In& in, const Out& out) const {
+  commands.bind(out.pipeline);
+  shared::TonemapPush push{};
+  push.source = commands.sampled(in.color);
+  push.target = commands.storage(out.display);
+  push.size_px = {in.width_px, in.height_px};
+  push.exposure = in.exposure;
+  push.dither_levels = in.dither && in.bits == 8 ? 255u : 0u;
+  push.seed = in.seed;
+  commands.push(push);
+  commands.dispatch(in.width_px, in.height_px);
+}
+
+}  // namespace candela

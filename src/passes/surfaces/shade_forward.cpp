@@ -1,0 +1,35 @@
+#include "passes/surfaces/shade_forward.h"
+
+namespace candela {
+
+Need ShadeForward::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.lit_items > 0, "the scene has no opaque or masked surface that takes light");
+}
+
+ShadeForward::Out ShadeForward::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.depth, Access::depth_test, "depth");
+  declare_lights(builder, in.scene, in.lists);
+  RunPipelineChoice choice;
+  choice.desc.vertex_shader = "draw.vert";
+  choice.desc.fragment_shader = "shade_forward.frag";
+  choice.desc.color_formats = {color_format};
+  choice.desc.depth_format = depth_format;
+  choice.desc.samples = in.scene.samples;
+  choice.desc.depth_test = true;
+  choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
+  Out out;
+  out.pipelines = declare_runs(
+      builder, in.scene, in.draws, in.deformed,
+      [](const DrawRun& r) { return r.alpha != AlphaMode::blend && !r.unlit; }, choice);
+  out.color = write_color(builder, in.scene, in.color);
+  return out;
+}
+
+void ShadeForward::record(CommandList& commands, const In& in, const Out& out) const {
+  const CommandList::Attachment color{out.color};
+  commands.begin_rendering({&color, 1}, in.depth);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, &in.lists);
+  commands.end_rendering();
+}
+
+}  // namespace candela

@@ -1,8 +1,0 @@
-#pragma once
-#include "scene/gltf_document.h"
-#include "scene/scene.h"
-
-namespace candela::gltf {
-// Fills scene.meshes from the document. Materials must be there already: a normal texture asks for tangents.
-void import_meshes(Document& document, Scene& scene);
-}  // namespace candela::gltf

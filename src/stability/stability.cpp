@@ -1,0 +1,307 @@
+#include "stability/stability.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "base/files.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "bench/scene_store.h"
+#include "bench/shared_renderer.h"
+#include "stability/fog_picture.h"
+#include "stability/measure.h"
+#include "image/io.h"
+#include "render/outputs.h"
+#include "render/reference_frame.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A picture with what was said when it was made.
+struct Shot {
+  Beauty beauty;
+  double pre_exposure = 1;
+  std::optional<DisplayImage> display;
+  std::vector<std::string> warnings;
+};
+
+class StabilityRun {
+ public:
+  StabilityRun(const StabilityOptions& options, const RunSettings& settings, const std::function<bool()>& stop)
+      : options_(options), settings_(settings), stop_(stop) {
+    techniques_ = options.techniques.empty() ? technique_names() : options.techniques;
+  }
+  Expected<StabilityReport> run();
+
+ private:
+  bool wanted(const StabilityRecipe& recipe) const;
+  Expected<void> check_scene(const StabilityRecipe& recipe);
+  Expected<void> check_fog(const StabilityRecipe& recipe, const StabilityScene& scene, Job job);
+  Expected<void> write_files(const StabilityScene& scene);
+  Expected<Shot> shot(Job job, double time_s, bool display);
+  Expected<std::optional<TruePicture>> plain_truth(const StabilityScene& scene);
+  void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain, StabilityRow& row) const;
+  void judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const;
+  void refuse(const StabilityScene& scene, const Error& error, StabilityRow& row) const;
+  Expected<void> keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot) const;
+  void add(StabilityRow row);
+  std::string path(const char* name) const { return (store_.folder() / name).string(); }
+  std::string without_folder(std::string text) const;  // whose name says nothing, and differs from run to run
+
+  const StabilityOptions& options_;
+  RunSettings settings_;
+  const std::function<bool()>& stop_;
+  std::vector<std::string> techniques_;
+  SceneStore store_;
+  std::unique_ptr<SharedRenderer> renderer_;
+  StabilityReport report_;
+};
+
+bool StabilityRun::wanted(const StabilityRecipe& recipe) const {
+  const auto& families = options_.families;
+  if (!families.empty() && std::find(families.begin(), families.end(), recipe.family) == families.end()) return false;
+  const std::string name = recipe.family + "/" + recipe.name;
+  return options_.only.empty() || std::any_of(options_.only.begin(), options_.only.end(),
+                                              [&](const std::string& part) { return name.find(part) != std::string::npos; });
+}
+
+Expected<void> StabilityRun::write_files(const StabilityScene& scene) {
+  std::error_code ignored;
+  fs::create_directories(store_.folder(), ignored);
+  const auto write = [&](const char* name, const std::vector<std::byte>& bytes) -> Expected<void> {
+    return bytes.empty() ? Expected<void>() : write_file_atomically(path(name), std::span<const std::byte>(bytes));
+  };
+  if (auto done = write("scene.glb", scene.file); !done) return done;
+  if (auto done = write("plain.glb", scene.plain); !done) return done;
+  if (scene.sky)
+    if (auto done = write_exr(path("sky.exr"), *scene.sky, ExrCompression::zip); !done) return done;
+  if (scene.plain_sky)
+    if (auto done = write_exr(path("plain-sky.exr"), *scene.plain_sky, ExrCompression::zip); !done) return done;
+  return {};
+}
+
+Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display) {
+  auto frame = renderer_->frame(job, {.linear = true, .display = display, .display_bits = 16}, time_s);
+  if (!frame) return std::unexpected(frame.error());
+  auto beauty = beauty_of(*frame);
+  if (!beauty) return fail(ErrorKind::device, "", "the frame has no linear picture");
+  Shot made{std::move(*beauty), frame->pre_exposure, {}, renderer_->warnings()};
+  made.warnings.insert(made.warnings.end(), frame->warnings.begin(), frame->warnings.end());
+  if (display) {
+    job.png_bits = 16;
+    made.display = display_image(*frame, job);
+  }
+  return made;
+}
+
+Expected<std::optional<TruePicture>> StabilityRun::plain_truth(const StabilityScene& scene) {
+  if (scene.plain.empty()) return std::nullopt;
+  Job job = scene.plain_job.value_or(scene.job);
+  const std::string sky = scene.plain_sky ? path("plain-sky.exr") : scene.sky ? path("sky.exr") : "";
+  job.sky = sky;
+  job.technique = techniques_.front();
+  if (auto loaded = renderer_->load(path("plain.glb"), sky); !loaded) return std::unexpected(loaded.error());
+  const auto made = shot(job, scene.plain_time_s, false);
+  if (!made) return std::unexpected(made.error());
+  return picture_truth(made->beauty, made->pre_exposure);
+}
+
+void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain,
+                           StabilityRow& row) const {
+  const PixelCounts counts = count_pixels(shot.beauty, shot.pre_exposure);
+  row.pixels = uint64_t(shot.beauty.width_px) * uint64_t(shot.beauty.height_px);
+  row.nonfinite = counts.nonfinite;
+  row.clamped = counts.beyond_half;
+  if (counts.nonfinite > 0)
+    row.faults.push_back(fmt::format("{} pixels are not finite, the first at {}, {}", counts.nonfinite, counts.first_x, counts.first_y));
+  row.may_be_beyond = uint64_t(std::ceil(scene.stray_share * double(row.pixels)));
+  row.bound = scene.bound, row.plain_bound = scene.plain_bound, row.energy_bound = scene.energy_bound;
+  const auto against = [&](const TruePicture& truth, const char* name, double bound, double& largest) {
+    const TruthError e = picture_error(shot.beauty, shot.pre_exposure, truth, bound);
+    row.truth += (row.truth.empty() ? "" : " and ") + std::string(name);
+    largest = e.max_relative;
+    row.beyond = std::max(row.beyond, e.beyond);
+    if (std::abs(e.energy) >= std::abs(row.energy)) row.energy = e.energy;
+    if (e.max_relative > 0) row.worst += fmt::format("{}{}: {}, {}", row.worst.empty() ? "" : "; ", name, e.worst_x, e.worst_y);
+    if (e.beyond > row.may_be_beyond)
+      row.faults.push_back(fmt::format("{} pixels differ from the {} by more than {}, the worst by {:.3g} at {}, {}", e.beyond, name, bound,
+                                       e.max_relative, e.worst_x, e.worst_y));
+    // Pixels that may be beyond their bound are edges; where there are more, all light counts.
+    const double off = e.beyond > row.may_be_beyond ? e.energy : e.energy_beyond;
+    if (!(std::abs(off) <= scene.energy_bound)) row.faults.push_back(fmt::format("{:+.3g} of the {}'s energy", off, name));
+  };
+  if (traced) against(*traced, scene.known ? "closed form" : "reference", scene.bound, row.max_relative);
+  if (plain) against(*plain, "plain scene", scene.plain_bound, row.plain_relative);
+  if (scene.black) {
+    row.truth += (row.truth.empty() ? "" : " and ") + std::string("black");
+    if (!counts.black) row.faults.push_back("light where there is none");
+  }
+  if (shot.display && scene.display) {
+    Job job = scene.job;
+    row.display_error = display_error(*shot.display, shot.beauty, shot.pre_exposure, job);
+    if (!(row.display_error <= display_bound))
+      row.faults.push_back(fmt::format("the display picture is {:.3g} off its curve", row.display_error));
+  }
+}
+
+std::string StabilityRun::without_folder(std::string text) const {
+  const std::string folder = store_.folder().string() + "/";
+  for (size_t at; (at = text.find(folder)) != std::string::npos;) text.erase(at, folder.size());
+  return text;
+}
+
+void StabilityRun::judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const {
+  for (const std::string& warning : shot.warnings) row.warnings.push_back(without_folder(warning));
+  if (scene.refused) row.faults.push_back("is drawn, and should be refused");
+  if (scene.warns && row.warnings.empty()) row.faults.push_back("nothing warned of it");
+  if (scene.clamps && row.clamped == 0) row.faults.push_back("no value is beyond half");
+  if (row.differing > 0) row.faults.push_back(fmt::format("{} pixels are not {}'s", row.differing, techniques_.front()));
+}
+
+void StabilityRun::refuse(const StabilityScene& scene, const Error& error, StabilityRow& row) const {
+  row.error = without_folder(error.text());
+  row.truth = "refused";
+  if (!scene.refused) row.faults.push_back("no picture: " + row.error);
+  // The caller must be able to act on it.
+  if (scene.refused && error.kind != ErrorKind::input && error.kind != ErrorKind::usage)
+    row.faults.push_back(fmt::format("refused with exit code {}", int(error.kind)));
+}
+
+void StabilityRun::add(StabilityRow row) {
+  report_.faulty_rows += !row.faults.empty();
+  report_.nonfinite += row.nonfinite;
+  for (const std::string& fault : row.faults) log::warning("{}/{}, {}: {}", row.family, row.scene, row.technique, fault);
+  report_.rows.push_back(std::move(row));
+}
+
+Expected<void> StabilityRun::keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot) const {
+  std::string name = recipe.family + "-" + recipe.name;
+  for (char& c : name)
+    if (!std::isalnum(uint8_t(c)) && c != '-' && c != '+' && c != '.') c = '_';
+  std::error_code ignored;
+  fs::create_directories(options_.pictures, ignored);
+  if (auto kept = write_file_atomically(fs::path(options_.pictures) / (name + ".glb"), std::span<const std::byte>(scene.file)); !kept) return kept;
+  return write_png(fs::path(options_.pictures) / (name + ".png"), *shot.display, {});
+}
+
+Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
+  const Hash128 name = hash128(recipe.family + "/" + recipe.name);
+  StabilityInput input{Rng(options_.seed ^ std::stoull(name.hex().substr(0, 16), nullptr, 16)), options_.large};
+  const StabilityScene scene = recipe.make(input);
+  if (auto written = write_files(scene); !written) return written;
+  StabilityRow empty;
+  empty.family = recipe.family, empty.scene = recipe.name, empty.what = recipe.what;
+
+  Job job = scene.job;
+  job.scene = path("scene.glb");
+  job.sky = scene.sky ? path("sky.exr") : "";
+  job.settings.insert(job.settings.end(), options_.settings.begin(), options_.settings.end());
+  if (!scene.look.empty()) return check_fog(recipe, scene, job);
+  const auto plain = plain_truth(scene);
+  if (!plain) return std::unexpected(Error{plain.error().kind, "the plain scene: " + plain.error().text(), recipe.name});
+  std::optional<TruePicture> traced;
+  const bool keep = !options_.pictures.empty();
+  auto loaded = renderer_->load(job.scene, job.sky);
+  std::optional<Shot> first;
+  for (const std::string& technique : techniques_) {
+    StabilityRow row = empty;
+    row.technique = technique;
+    job.technique = technique;
+    const auto start = Clock::now();
+    auto made = loaded ? shot(job, scene.time_s, scene.display || keep) : std::unexpected(loaded.error());
+    row.wall_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (!made) {
+      refuse(scene, made.error(), row);
+      add(std::move(row));
+      if (!loaded) break;  // one row says it for all techniques
+      continue;
+    }
+    if (scene.reference && !scene.refused && !traced) {
+      auto picture = traced_picture(job, scene.time_s, std::ldexp(1.0, -int(renderer_->device().subpixel_bits)));
+      if (picture)
+        traced = std::move(*picture);
+      else
+        row.faults.push_back("the reference: " + picture.error().text());
+    }
+    if (scene.paths && !first) {
+      const auto bad = nonfinite_paths(job, scene.time_s);
+      if (!bad || *bad > 0)
+        row.faults.push_back("paths: " + (bad ? fmt::format("{} pixels are not finite", *bad) : bad.error().text()));
+    }
+    measure(scene, *made, traced ? &*traced : nullptr, *plain ? &**plain : nullptr, row);
+    // Textures are loaded for the first technique alone.
+    if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
+    if (first)
+      row.differing = difference(first->beauty, made->beauty).differing;
+    judge(scene, *made, row);
+    if (!first && keep)
+      if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
+    if (!first) first = std::move(*made);
+    add(std::move(row));
+  }
+  ++report_.scenes;
+  return {};
+}
+
+Expected<void> StabilityRun::check_fog(const StabilityRecipe& recipe, const StabilityScene& scene, Job job) {
+  job.look = path("look.json");
+  const auto text = std::as_bytes(std::span(scene.look));
+  if (auto written = write_file_atomically(job.look, text); !written) return written;
+  for (const reference::Mode mode : {reference::Mode::direct, reference::Mode::path}) {
+    StabilityRow row;
+    row.family = recipe.family, row.scene = recipe.name, row.what = recipe.what;
+    row.technique = "reference " + std::string(name_of(mode));
+    const auto start = Clock::now();
+    const auto picture = fog_picture(job, mode, scene.known);
+    row.wall_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (!picture) {
+      refuse(scene, picture.error(), row);
+      add(std::move(row));
+      break;
+    }
+    StabilityScene judged = scene;
+    // Single pixels are noise: their sum is judged.
+    if (mode == reference::Mode::path) judged.bound = 1e9, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
+    Shot made{picture->beauty, 1, {}, {}};
+    if (!options_.pictures.empty()) made.display = picture->display;
+    measure(judged, made, picture->known ? &*picture->known : nullptr, nullptr, row);
+    judge(judged, made, row);
+    if (mode == reference::Mode::direct && made.display)
+      if (auto kept = keep_picture(recipe, scene, made); !kept) return kept;
+    add(std::move(row));
+  }
+  ++report_.scenes;
+  return {};
+}
+
+Expected<StabilityReport> StabilityRun::run() {
+  const auto start = Clock::now();
+  auto renderer = SharedRenderer::open(settings_);
+  if (!renderer) return std::unexpected(renderer.error());
+  renderer_ = std::move(*renderer);
+  report_.device = renderer_->device().name, report_.driver = renderer_->device().driver;
+  report_.seed = options_.seed, report_.large = options_.large;
+  for (const StabilityRecipe& recipe : stability_recipes(options_.sizes)) {
+    if (!wanted(recipe)) continue;
+    if (stop_ && stop_()) {
+      report_.stopped = true;
+      break;
+    }
+    log::info("{}/{}", recipe.family, recipe.name);
+    if (auto checked = check_scene(recipe); !checked) return std::unexpected(checked.error());
+  }
+  report_.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  return std::move(report_);
+}
+
+}  // namespace
+
+Expected<StabilityReport> check_stability(const StabilityOptions& options, const RunSettings& settings,
+                                          const std::function<bool()>& stop) {
+  return StabilityRun(options, settings, stop).run();
+}
+
+}  // namespace candela

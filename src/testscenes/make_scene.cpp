@@ -1,0 +1,126 @@
+#include "testscenes/make_scene.h"
+
+#include <span>
+
+#include "base/files.h"
+#include "math/transforms.h"
+#include "testscenes/table.h"
+#include "testscenes/procedural_textures.h"
+
+namespace candela {
+
+namespace {
+
+struct SceneEntry {
+  std::string_view name, description;
+  void (*make)(GlbWriter&, SceneOptions&);
+  int most_lights = 0;  // 0: a fixed set
+};
+
+// A node for each light is 160 bytes of JSON; scenes that write CANDELA_light_instances go further.
+constexpr int most_light_nodes = 100000, most_light_instances = 1 << 20;
+
+constexpr SceneEntry table[] = {
+    {"animated", "turning, bouncing and orbiting objects on a tiled plaza with lanterns and a moving camera",
+     make_animated, most_light_nodes},
+    {"alpha", "opaque, masked and blended layers", make_alpha},
+    {"animation-pointer", "animated light intensity, base colour and field of view (KHR_animation_pointer)",
+     make_animation_pointer},
+    {"emissive-strength", "emissive panels of rising strength (KHR_materials_emissive_strength)",
+     make_emissive_strength},
+    {"far-world", "near-world, moved by a million metres", make_far_world},
+    {"instanced", "a field of 500 instances of one mesh (EXT_mesh_gpu_instancing)", make_instanced},
+    {"light-field", "a few surfaces near and far under lights that are hard to bound, all from the seed",
+     make_light_field, most_light_nodes},
+    {"lights-stacked", "all lights over the same few tiles: along the view axis and in one place", make_lights_stacked,
+     most_light_instances},
+    {"morph", "a cube with two morph targets and animated weights", make_morph},
+    {"near-world", "a few objects around the origin; the yardstick of far-world", make_near_world},
+    {"normal-mapped", "normal maps without tangents, straight and mirrored", make_normal_mapped},
+    {"orthographic", "boxes under an orthographic camera", make_orthographic},
+    {"primitive-modes", "all primitive modes, with vertex colours", make_primitive_modes},
+    {"skinned", "a bending tube with three joints", make_skinned},
+    {"spheres", "metallic by roughness, under directional, point and spot lights", make_spheres},
+    {"street", "a city at night that grows with its lights: street lamps, cars, windows and signs", make_street,
+     most_light_instances},
+    {"texture-transform", "KHR_texture_transform, wrap modes, filters and the second UV set", make_texture_transform},
+    {"unlit-box", "a textured unlit box (KHR_materials_unlit)", make_unlit_box},
+};
+
+const SceneEntry* find(std::string_view name) {
+  for (const SceneEntry& entry : table)
+    if (entry.name == name) return &entry;
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string_view> scene_names() {
+  std::vector<std::string_view> names;
+  for (const SceneEntry& entry : table) names.push_back(entry.name);
+  return names;
+}
+
+std::string_view scene_description(std::string_view name) {
+  const SceneEntry* entry = find(name);
+  return entry ? entry->description : std::string_view{};
+}
+
+Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint64_t seed, int lights) {
+  const SceneEntry* entry = find(name);
+  if (!entry) {
+    std::string names;
+    for (const SceneEntry& other : table) names += fmt::format("{}{}", names.empty() ? "" : ", ", other.name);
+    return fail(ErrorKind::usage, "", "no scene is named '{}'; there are: {}", name, names);
+  }
+  if (lights != 0 && entry->most_lights == 0)
+    return fail(ErrorKind::usage, "", "the scene '{}' has a fixed set of lights: leave out --lights", name);
+  if (lights < 0 || lights > entry->most_lights)
+    return fail(ErrorKind::usage, "", "the scene '{}' takes 0 to {} lights, not {}", name, entry->most_lights, lights);
+  GlbWriter writer;
+  SceneOptions options{Rng(seed), lights};
+  entry->make(writer, options);
+  return writer.bytes();
+}
+
+Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, const std::filesystem::path& out) {
+  auto bytes = make_scene_bytes(name, seed, lights);
+  if (!bytes) return std::unexpected(bytes.error());
+  return write_file_atomically(out, std::span<const std::byte>(*bytes));
+}
+
+json pbr(glm::dvec4 base_color, double metallic, double roughness) {
+  return {{"pbrMetallicRoughness",
+           {{"baseColorFactor", vector_json({base_color.x, base_color.y, base_color.z, base_color.w})},
+            {"metallicFactor", number(metallic)},
+            {"roughnessFactor", number(roughness)}}}};
+}
+
+json pbr_textured(int base_color_texture, double metallic, double roughness) {
+  json out = pbr(glm::dvec4(1), metallic, roughness);
+  out["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", base_color_texture}};
+  return out;
+}
+
+glm::dquat rotation_about(glm::dvec3 axis, double angle_rad) { return glm::angleAxis(angle_rad, glm::normalize(axis)); }
+
+void add_sun(GlbWriter& out, glm::dvec3 from, glm::dvec3 color, double lux) {
+  const int light = out.light({{"type", "directional"}, {"color", vector_json(color)}, {"intensity", number(lux)}});
+  const glm::dquat rotation = glm::quat_cast(glm::dmat3(look_at_pose(from, {0, 0, 0})));
+  out.node("sun",
+           {{"rotation", quaternion_json(rotation)}, {"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
+}
+
+void add_point_light(GlbWriter& out, glm::dvec3 at, glm::dvec3 color, double candela) {
+  const int light = out.light({{"type", "point"}, {"color", vector_json(color)}, {"intensity", number(candela)}});
+  out.node("lamp", {{"translation", vector_json(at)}, {"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
+}
+
+std::vector<std::byte> checker_png(int size, int cells, glm::dvec3 dark, glm::dvec3 light) {
+  return png_from(size, size, 3, [=](double u, double v) {
+    const bool odd = (int(u * cells) + int(v * cells)) % 2 != 0;
+    return glm::dvec4(odd ? dark : light, 1);
+  });
+}
+
+}  // namespace candela

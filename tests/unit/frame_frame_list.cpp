@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include "render/frame_names.h"
+#include "frame/job.h"
+
+namespace candela {
+namespace {
+
+using Frames = std::vector<int64_t>;
+
+TEST(FrameList, ReadsWhatTheFieldWrites) {
+  EXPECT_EQ(parse_frame_list("7").value(), (Frames{7}));
+  EXPECT_EQ(parse_frame_list("0-4").value(), (Frames{0, 1, 2, 3, 4}));
+  EXPECT_EQ(parse_frame_list("1-10x4").value(), (Frames{1, 5, 9}));
+  EXPECT_EQ(parse_frame_list("1-9x4").value(), (Frames{1, 5, 9}));
+  EXPECT_EQ(parse_frame_list("2,4,10-12").value(), (Frames{2, 4, 10, 11, 12}));
+  EXPECT_EQ(parse_frame_list("2, 4").value(), (Frames{2, 4}));
+  EXPECT_EQ(parse_frame_list("-5--2").value(), (Frames{-5, -4, -3, -2}));
+  EXPECT_EQ(parse_frame_list("-2-1").value(), (Frames{-2, -1, 0, 1}));
+  EXPECT_EQ(parse_frame_list("3-1").value(), (Frames{3, 2, 1}));
+}
+
+TEST(FrameList, KeepsTheOrderWrittenWithoutDuplicates) {
+  EXPECT_EQ(parse_frame_list("9,1-3,2,9").value(), (Frames{9, 1, 2, 3}));
+}
+
+TEST(FrameList, RefusesSlips) {
+  for (const char* text : {"", ",", "1,", "a", "1-", "1-x", "1-5x", "1-5x0", "1-5x-1", "1 to 5", "1.5", "1-5-9",
+                           "0-99999999999", "99999999999999999999"}) {
+    const auto frames = parse_frame_list(text);
+    ASSERT_FALSE(frames) << text;
+    EXPECT_EQ(frames.error().kind, ErrorKind::usage) << text;
+  }
+}
+
+TEST(FrameList, EndsOfTheNumberRange) {
+  EXPECT_EQ(parse_frame_list("9223372036854775806-9223372036854775807").value(), (Frames{INT64_MAX - 1, INT64_MAX}));
+  EXPECT_FALSE(parse_frame_list("-9223372036854775808-9223372036854775807"));
+}
+
+TEST(FrameRate, ReadsFractionsDecimalsAndBroadcastRates) {
+  const auto expect = [](const char* text, int64_t numerator, int64_t denominator) {
+    const auto rate = parse_frame_rate(text);
+    ASSERT_TRUE(rate) << text;
+    EXPECT_EQ(rate->numerator, numerator) << text;
+    EXPECT_EQ(rate->denominator, denominator) << text;
+    EXPECT_EQ(parse_frame_rate(rate->text())->numerator, numerator) << text;
+  };
+  expect("24", 24, 1);
+  expect("24000/1001", 24000, 1001);
+  expect("23.976", 24000, 1001);
+  expect("29.97", 30000, 1001);
+  expect("12.5", 25, 2);
+  expect("50/2", 25, 1);
+  for (const char* text :
+       {"", "0", "-24", "24/0", "24/", "1e3", "24.", "nan", "24fps", "1/2/3", "99999999999999999999"})
+    EXPECT_FALSE(parse_frame_rate(text)) << text;
+}
+
+TEST(FrameRate, TimeIsTheExactQuotient) {
+  EXPECT_EQ(FrameRate({24000, 1001}).seconds(24000), 1001.0);
+  EXPECT_EQ(FrameRate{}.seconds(12), 0.5);
+  EXPECT_EQ(FrameRate{}.seconds(-12), -0.5);
+}
+
+TEST(FramePattern, NumbersWithPercentAndHashes) {
+  EXPECT_EQ(parse_pattern("a/%04d.exr")->name(7), "a/0007.exr");
+  EXPECT_EQ(parse_pattern("a/%04d.exr")->name(12345), "a/12345.exr");
+  EXPECT_EQ(parse_pattern("a/####.exr")->name(7), "a/0007.exr");
+  EXPECT_EQ(parse_pattern("a/%d.exr")->name(7), "a/7.exr");
+  EXPECT_EQ(parse_pattern("a/%03d.exr")->name(-7), "a/-007.exr");
+  EXPECT_EQ(parse_pattern("100%%.exr")->name(7), "100%.exr");
+  EXPECT_FALSE(parse_pattern("plain.exr")->numbered);
+  for (const char* text : {"%04d-%04d.exr", "##-##.exr", "%s.exr", "%4d.exr", "%", "%0", "%099d.exr"})
+    EXPECT_FALSE(parse_pattern(text)) << text;
+}
+
+TEST(Shard, EveryFrameBelongsToExactlyOne) {
+  const Frames all = parse_frame_list("0-22,100-140x7").value();
+  for (const int count : {1, 2, 3, 7, 40}) {
+    std::map<int64_t, int> seen;
+    size_t largest = 0, smallest = all.size();
+    for (int index = 1; index <= count; ++index) {
+      const Frames mine = shard_of(all, {index, count});
+      largest = std::max(largest, mine.size()), smallest = std::min(smallest, mine.size());
+      for (const int64_t frame : mine) ++seen[frame];
+    }
+    EXPECT_EQ(seen.size(), all.size());
+    for (const auto& [frame, times] : seen) EXPECT_EQ(times, 1) << frame;
+    EXPECT_LE(largest - smallest, 1u);
+  }
+  for (const char* text : {"", "0/3", "4/3", "1", "1/", "/3", "1/0", "1/3x", "-1/3"})
+    EXPECT_FALSE(parse_shard(text)) << text;
+}
+
+TEST(OutputFormat, FollowsTheEnding) {
+  EXPECT_EQ(output_format("a.EXR").value(), OutputFormat::exr);
+  EXPECT_EQ(output_format("b.x/a.png").value(), OutputFormat::png);
+  for (const char* text : {"a.jpg", "a", "exr", ".exr", "a.exr/"}) EXPECT_FALSE(output_format(text)) << text;
+}
+
+}  // namespace
+}  // namespace candela

@@ -1,0 +1,162 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "frame/job.h"
+#include "frame/timings.h"
+
+namespace candela {
+namespace {
+
+Job rich_job() {
+  Job job;
+  job.scene = "a \"quoted\" name.glb";
+  job.animation = "Walk";
+  job.camera = {.eye = glm::dvec3(1.1, -2, 1e6 + 0.1), .target = glm::dvec3(0), .yfov_deg = 33.3, .camera = {}};
+  job.width_px = 33, job.height_px = 17, job.samples = 1;
+  job.quality = "exact";
+  job.settings = {{"cull", "enabled", "0"}, {"a", "b", "-1.5"}};
+  job.sky = "sky.hdr";
+  job.look = "look.json";
+  job.exposure_ev = 0.1f;
+  job.tonemap = "neutral";
+  job.layers = {"depth", "normal"};
+  job.background = "0.1,0.2,0.3";
+  job.seed = UINT64_MAX;
+  job.exr_float = true, job.exr_compression = ExrCompression::piz, job.png_bits = 16, job.dither = false;
+  job.timings_in_metadata = true, job.allow_nonfinite = true, job.view = "heatmap.waste";
+  return job;
+}
+
+TEST(JobJson, RoundTripsEveryMember) {
+  for (const Job& job : {Job{}, rich_job()}) {
+    const std::string text = job_json(job);
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+    const auto again = job_from_json(text);
+    ASSERT_TRUE(again) << again.error().text();
+    EXPECT_EQ(job_json(*again), text);
+  }
+  const Job again = *job_from_json(job_json(rich_job()));
+  EXPECT_EQ(again.camera.eye->z, 1e6 + 0.1);
+  EXPECT_EQ(again.exposure_ev, 0.1f);
+  EXPECT_EQ(again.seed, UINT64_MAX);
+  EXPECT_EQ(again.settings.size(), 2u);
+}
+
+// Each member changes the text: a member that is forgotten here would make two jobs look like one to --resume.
+TEST(JobJson, TellsApartJobsThatDifferInOneMember) {
+  std::set<std::string> texts;
+  const auto add = [&](auto change) {
+    Job job;
+    change(job);
+    EXPECT_TRUE(texts.insert(job_json(job)).second) << job_json(job);
+  };
+  add([](Job&) {});
+  add([](Job& j) { j.scene = "x"; });
+  add([](Job& j) { j.animation = "x"; });
+  add([](Job& j) { j.camera.camera = "x"; });
+  add([](Job& j) { j.camera.eye = glm::dvec3(1); });
+  add([](Job& j) { j.camera.target = glm::dvec3(1); });
+  add([](Job& j) { j.camera.yfov_deg = 1; });
+  add([](Job& j) { j.width_px = 1; });
+  add([](Job& j) { j.height_px = 1; });
+  add([](Job& j) { j.samples = 1; });
+  add([](Job& j) { j.technique = "x"; });
+  add([](Job& j) { j.quality = "x"; });
+  add([](Job& j) { j.settings = {{"a", "b", "c"}}; });
+  add([](Job& j) { j.sky = "x"; });
+  add([](Job& j) { j.look = "x"; });
+  add([](Job& j) { j.exposure_ev = 1; });
+  add([](Job& j) { j.tonemap = "x"; });
+  add([](Job& j) { j.view = "x"; });
+  add([](Job& j) { j.layers = {"x"}; });
+  add([](Job& j) { j.background = "x"; });
+  add([](Job& j) { j.seed = 1; });
+  add([](Job& j) { j.exr_float = true; });
+  add([](Job& j) { j.exr_compression = ExrCompression::none; });
+  add([](Job& j) { j.png_bits = 16; });
+  add([](Job& j) { j.dither = false; });
+  add([](Job& j) { j.timings_in_metadata = true; });
+  add([](Job& j) { j.allow_nonfinite = true; });
+}
+
+TEST(JobJson, NamesWhatIsWrong) {
+  const auto message = [](const char* text) {
+    const auto job = job_from_json(text);
+    return job ? std::string() : job.error().text();
+  };
+  EXPECT_NE(message(R"({"tonemapp": "agx"})").find("did you mean 'tonemap'"), std::string::npos);
+  EXPECT_NE(message(R"({"size": "12by13"})").find("/size"), std::string::npos);
+  for (const char* text :
+       {"[]", "{", R"({"samples": "4"})", R"({"samples": 4.5})", R"({"eye": [1, 2]})", R"({"seed": -1})",
+        R"({"dither": 1})", R"({"set": ["a"]})", R"({"layers": "depth"})", R"({"exr-type": "double"})",
+        R"({"exr-compression": "lz4"})", R"({"png-bits": 99999999999})"})
+    EXPECT_FALSE(message(text).empty()) << text;
+}
+
+TEST(FrameIdentity, DependsOnWhatDecidesThePicture) {
+  const Hash128 content{1, 2};
+  const Hash128 base = frame_identity(Job{}, content, "device", 0.5);
+  Job other;
+  other.seed = 1;
+  EXPECT_NE(frame_identity(other, content, "device", 0.5), base);
+  EXPECT_NE(frame_identity(Job{}, Hash128{1, 3}, "device", 0.5), base);
+  EXPECT_NE(frame_identity(Job{}, content, "device 2", 0.5), base);
+  EXPECT_NE(frame_identity(Job{}, content, "device", std::nextafter(0.5, 1.0)), base);
+  Job moved;
+  moved.scene = "elsewhere/scene.glb";
+  EXPECT_EQ(frame_identity(moved, content, "device", 0.5), base);
+}
+
+TEST(CheckJob, SuggestsTheNearestName) {
+  Job job;
+  job.tonemap = "agxx";
+  EXPECT_NE(check_job(job).error().message.find("did you mean 'agx'"), std::string::npos);
+  job = {};
+  job.layers = {"dpeth"};
+  EXPECT_NE(check_job(job).error().message.find("did you mean 'depth'"), std::string::npos);
+  job = {};
+  job.technique = "raytrace";
+  EXPECT_NE(check_job(job).error().message.find("brute-force"), std::string::npos);
+  EXPECT_TRUE(check_job(Job{}));
+}
+
+TEST(CheckJob, RefusesValuesOutOfRange) {
+  const auto refused = [](auto change) {
+    Job job;
+    change(job);
+    const auto checked = check_job(job);
+    return !checked && checked.error().kind == ErrorKind::usage;
+  };
+  EXPECT_TRUE(refused([](Job& j) { j.width_px = 0; }));
+  EXPECT_TRUE(refused([](Job& j) { j.height_px = 20000; }));
+  EXPECT_TRUE(refused([](Job& j) { j.samples = 3; }));
+  EXPECT_TRUE(refused([](Job& j) { j.png_bits = 12; }));
+  EXPECT_TRUE(refused([](Job& j) { j.exposure_ev = NAN; }));
+  EXPECT_TRUE(refused([](Job& j) { j.camera.eye = glm::dvec3(0); }));
+  EXPECT_TRUE(refused([](Job& j) { j.camera.yfov_deg = 180; }));
+  EXPECT_TRUE(refused([](Job& j) { j.background = "1,2"; }));
+  EXPECT_TRUE(refused([](Job& j) { j.background = "1,2,nan"; }));
+  EXPECT_TRUE(refused([](Job& j) { j.settings = {{"nopass", "x", "1"}}; }));
+}
+
+TEST(Trace, HasALaneForEachOfItsNames) {
+  const std::vector<Timings::Span> spans = {{"load", "cpu", 10, 5}, {"shade", "gpu", 20, 3}, {"encode", "cpu", 30, 4}};
+  const auto j = nlohmann::json::parse(trace_json(spans));
+  int lanes = 0, complete = 0;
+  for (const auto& event : j["traceEvents"]) (event["ph"] == "M" ? lanes : complete)++;
+  EXPECT_EQ(lanes, 2);
+  EXPECT_EQ(complete, 3);
+}
+
+TEST(TimingSums, AddUpByStage) {
+  Timings timings;
+  timings.add("load", 1);
+  timings.add("wait", 2);
+  timings.add("load", 3);
+  EXPECT_EQ(timings.total("load"), 4);
+  EXPECT_EQ(timings.cpu_ms.size(), 2u);
+}
+
+}  // namespace
+}  // namespace candela

@@ -1,0 +1,165 @@
+#include <gtest/gtest.h>
+
+#include "frame/plan_frame.h"
+#include "gltf/gltf.h"
+#include "testscenes/make_scene.h"
+#include "gltf_builder.h"
+
+namespace candela {
+namespace {
+
+Scene generated(const std::string& name) {
+  const auto bytes = make_scene_bytes(name, 1, 0);
+  EXPECT_TRUE(bytes) << bytes.error().text();
+  auto scene = load_gltf_from_memory(*bytes, name + ".glb", "");
+  EXPECT_TRUE(scene) << scene.error().text();
+  return std::move(*scene);
+}
+
+Job small_job(int samples = 4) {
+  Job job;
+  job.width_px = 64;
+  job.height_px = 36;
+  job.samples = samples;
+  return job;
+}
+
+PlannedFrame plan(const Scene& scene, const Job& job = small_job(), const WantedOutputs& wanted = {}) {
+  auto planned = plan_frame(job, scene, wanted, 0);
+  EXPECT_TRUE(planned) << planned.error().text();
+  return planned ? std::move(*planned) : PlannedFrame{};
+}
+
+std::vector<std::string> kept(const PlannedFrame& frame) {
+  std::vector<std::string> names;
+  for (const PlanPass& pass : frame.graph.plan.passes) names.push_back(pass.name);
+  return names;
+}
+bool has(const PlannedFrame& frame, const std::string& pass) {
+  const auto names = kept(frame);
+  return std::find(names.begin(), names.end(), pass) != names.end();
+}
+std::string reason(const PlannedFrame& frame, const std::string& pass) {
+  for (const LeftOut& left : frame.graph.plan.left_out)
+    if (left.pass == pass) return left.reason;
+  return {};
+}
+std::vector<std::string> outputs(const PlannedFrame& frame) {
+  std::vector<std::string> names;
+  for (const OutputImage& o : frame.outputs) names.push_back(o.layer);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+}  // namespace
+
+TEST(Plan, AnUnlitBoxTakesNoLightAndNoSky) {
+  const PlannedFrame frame = plan(generated("unlit-box"));
+  EXPECT_EQ(kept(frame), (Names{"cull", "cull_compact", "depth_prepass", "shade_unlit", "background", "resolve", "readback"}));
+  for (const char* pass : {"shade_forward", "sky", "transparent", "deform", "layers", "tonemap"})
+    EXPECT_FALSE(reason(frame, pass).empty()) << pass;
+  EXPECT_EQ(reason(frame, "shade_forward"), "the scene has no opaque or masked surface that takes light");
+}
+
+// Every pass of the table either runs or is left out for a reason that says something, in every scene.
+TEST(Plan, EveryPassRunsOrSaysWhyNot) {
+  for (const std::string_view name : scene_names()) {
+    const Scene scene = generated(std::string(name));
+    for (const int samples : {1, 4})
+      for (const bool display : {false, true}) {
+        const PlannedFrame frame = plan(scene, small_job(samples), {.linear = !display, .display = display});
+        for (const std::string& pass : pass_names())
+          EXPECT_NE(has(frame, pass), !reason(frame, pass).empty()) << name << " " << pass;
+        for (const LeftOut& left : frame.graph.plan.left_out) EXPECT_FALSE(left.reason.empty()) << left.pass;
+      }
+  }
+}
+
+TEST(Plan, WhatIsNotWrittenIsNotReadBack) {
+  const Scene scene = generated("spheres");
+  const PlannedFrame png = plan(scene, small_job(), {.linear = false, .display = true});
+  EXPECT_EQ(outputs(png), Names{"display"});
+  EXPECT_TRUE(has(png, "tonemap"));
+  const PlannedFrame exr = plan(scene, small_job(), {.linear = true, .display = false});
+  EXPECT_EQ(outputs(exr), Names{"beauty"});
+  EXPECT_FALSE(has(exr, "tonemap"));
+  EXPECT_FALSE(reason(exr, "tonemap").empty());
+  EXPECT_NE(plan_hash(png.graph.plan), plan_hash(exr.graph.plan));
+}
+
+// Layers go into EXR alone; only those asked for have memory.
+TEST(Plan, LayersAreMadeForLinearOutputsOnly) {
+  Job job = small_job();
+  job.layers = {"depth", "object_id"};
+  const Scene scene = generated("spheres");
+  EXPECT_EQ(outputs(plan(scene, job)), (Names{"beauty", "depth", "object_id"}));
+  EXPECT_EQ(outputs(plan(scene, job, {.linear = false, .display = true})), Names{"display"});
+  const PlannedFrame without = plan(scene);
+  for (const PlanResource& r : without.graph.plan.resources)
+    EXPECT_TRUE(r.first_pass < 0 || r.name().rfind("layers.", 0) != 0) << r.name();
+}
+
+TEST(Plan, OneSampleNeedsNoResolve) {
+  const Scene scene = generated("spheres");
+  const PlannedFrame one = plan(scene, small_job(1)), four = plan(scene, small_job(4));
+  EXPECT_FALSE(has(one, "resolve"));
+  EXPECT_TRUE(has(four, "resolve"));
+  EXPECT_LT(transient_bytes(one.graph.plan), transient_bytes(four.graph.plan));
+}
+
+TEST(Plan, OnlyBlendedSurfacesPlanATransparentPass) {
+  EXPECT_FALSE(has(plan(generated("spheres")), "transparent"));
+  EXPECT_TRUE(has(plan(generated("alpha")), "transparent"));
+}
+
+TEST(Plan, OnlyDeformedSurfacesPlanDeform) {
+  EXPECT_FALSE(has(plan(generated("spheres")), "deform"));
+  EXPECT_TRUE(has(plan(generated("skinned")), "deform"));
+  EXPECT_TRUE(has(plan(generated("morph")), "deform"));
+}
+
+TEST(Plan, AnEmptySceneClearsAndNothingElse) {
+  test::GltfBuilder b;
+  b.json["nodes"] = {{{"name", "nothing"}}};
+  const auto scene = b.load();
+  ASSERT_TRUE(scene) << scene.error().text();
+  const PlannedFrame frame = plan(*scene, small_job(1));
+  EXPECT_EQ(kept(frame), (Names{"background", "readback"}));
+  EXPECT_FALSE(frame.notes.empty());
+  EXPECT_EQ(kept(plan(*scene, small_job(4))), (Names{"background", "resolve", "readback"}));
+}
+
+// The neutral light comes when nothing else lights the scene, says so, and needs something that it can light.
+TEST(Plan, TheNeutralLightIsSaidAndOnlyWhereItIsSeen) {
+  test::GltfBuilder b;
+  test::Json& p = b.primitive({{"POSITION", b.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                               {"NORMAL", b.accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1})}});
+  p["mode"] = 4;
+  const auto scene = b.load();
+  ASSERT_TRUE(scene) << scene.error().text();
+  const PlannedFrame lit = plan(*scene);
+  EXPECT_TRUE(lit.request.neutral_light);
+  EXPECT_TRUE(test::mentions(lit.notes, "neutral light"));
+  EXPECT_FALSE(plan(generated("unlit-box")).request.neutral_light);
+  EXPECT_FALSE(plan(generated("spheres")).request.neutral_light);
+}
+
+// A lamp that is dark at this time is a dark lamp, not a file without light: no flash in the middle of a fade.
+TEST(Plan, ADarkLightDoesNotBringTheNeutralOne) {
+  Scene scene = generated("spheres");
+  for (Light& light : scene.lights) light.intensity = 0;
+  const PlannedFrame dark = plan(scene);
+  EXPECT_EQ(dark.facts.lights(), 0u);
+  EXPECT_FALSE(dark.request.neutral_light);
+}
+
+TEST(Plan, TheSameJobGivesTheSamePlan) {
+  const Scene scene = generated("alpha");
+  EXPECT_EQ(plan_hash(plan(scene).graph.plan), plan_hash(plan(scene).graph.plan));
+  Job other = small_job();
+  other.width_px = 65;
+  EXPECT_NE(plan_hash(plan(scene).graph.plan), plan_hash(plan(scene, other).graph.plan));
+}
+
+}  // namespace candela

@@ -10,7 +10,8 @@ void main() {
   const CullGroup group = CullGroupsRef(pc.groups).g[g];
   if (gl_LocalInvocationIndex == 0u) survivors = 0u;
   barrier();
-  if (gl_LocalInvocationIndex < group.item_count && item_survives(group.first_item + gl_LocalInvocationIndex)) atomicAdd(survivors, 1u);
+  if (gl_LocalInvocationIndex < group.item_count &&
+      item_survives(group.first_item + gl_LocalInvocationIndex)) atomicAdd(survivors, 1u);
   barrier();
   if (gl_LocalInvocationIndex == 0u) CountsRef(pc.survivors).n[g] = survivors;
 }

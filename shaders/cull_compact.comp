@@ -1,6 +1,7 @@
 #version 460
-// Writes the surviving items' draw commands without gaps, in item order: the place of a command is the number of survivors
-// before it, summed from the counts of `cull` and a prefix sum inside the group. No atomics, so every run gives the same order.
+// Writes the surviving items' draw commands without gaps, in item order: the place of a command is the number of
+// survivors before it, summed from the counts of `cull` and a prefix sum inside the group. No atomics, so every run
+// gives the same order.
 #include "lib/cull.glsl"
 
 shared uint prefix[cull_group_size];
@@ -36,7 +37,8 @@ void main() {
   if (survives) {
     const uint index = group.first_item + t;
     const Item item = ItemsRef(frame.items).i[index];
-    DrawCommandsRef(pc.commands).d[run_first_item + before + prefix[t] - 1u] = DrawCommand(item.index_count, 1u, item.first_index, 0, index);
+    DrawCommandsRef(pc.commands).d[run_first_item + before + prefix[t] - 1u] = DrawCommand(item.index_count, 1u,
+        item.first_index, 0, index);
   }
   if (t == 0u && group.is_last != 0u) CountsRef(pc.counts).n[group.run] = before + prefix[cull_group_size - 1u];
 }

@@ -1,6 +1,6 @@
 #version 460
-// Morph targets, then linear blend skinning of one section's vertices, as glTF orders them. Skinned vertices come out in
-// relative space (the joint matrices hold the camera's offset, composed in double), morphed ones in mesh space.
+// Morph targets, then linear blend skinning of one section's vertices, as glTF orders them. Skinned vertices come out
+// in relative space (the joint matrices hold the camera's offset, composed in double), morphed ones in mesh space.
 #include "shared/deform.h"
 layout(push_constant, scalar) uniform Push { DeformPush pc; };
 #include "lib/bindless.glsl"
@@ -26,7 +26,8 @@ mat4 blended_joints(uint64_t vertices, DeformJob job, uint vertex) {
   for (int set = 0; set < 2; ++set) {
     const uint joints_at = set == 0 ? job.joints0 : job.joints1, weights_at = set == 0 ? job.weights0 : job.weights1;
     if (joints_at == absent) continue;
-    const uint low = WordsRef(vertices).w[joints_at + 2u * vertex], high = WordsRef(vertices).w[joints_at + 2u * vertex + 1u];
+    const uint low = WordsRef(vertices).w[joints_at + 2u * vertex],
+        high = WordsRef(vertices).w[joints_at + 2u * vertex + 1u];
     const uvec4 j = uvec4(low & 0xffffu, low >> 16, high & 0xffffu, high >> 16);
     FloatsRef weights = FloatsRef(vertices);
     for (int i = 0; i < 4; ++i) {
@@ -67,7 +68,8 @@ void deform_vertex(DeformJob job, uint v) {
   if (job.normal != absent) store3(job.out_normal + 3u * v, normal);
   if (job.tangent != absent) {
     store3(job.out_tangent + 4u * v, tangent);
-    DeformedRef(pc.deformed).f[job.out_tangent + 4u * v + 3u] = handedness * FloatsRef(vertices).f[job.tangent + 4u * v + 3u];
+    DeformedRef(pc.deformed).f[job.out_tangent + 4u * v + 3u] = handedness * FloatsRef(vertices).f[job.tangent +
+        4u * v + 3u];
   }
 }
 

@@ -1,6 +1,6 @@
 #version 460
-// Every sample of a multisampled image as 32-bit words, for hashing: such an image cannot be copied to a buffer. A pixel's
-// samples follow one another, and each is as many words as its format has channels.
+// Every sample of a multisampled image as 32-bit words, for hashing: such an image cannot be copied to a buffer. A
+// pixel's samples follow one another, and each is as many words as its format has channels.
 #include "shared/hash.h"
 layout(push_constant, scalar) uniform Push { HashSamplesPush pc; };
 #include "lib/bindless.glsl"

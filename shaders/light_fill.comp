@@ -1,5 +1,6 @@
 #version 460
-// Puts every light that light_assign found into its cells' lists, in the order in which threads arrive; light_sort orders them.
+// Puts every light that light_assign found into its cells' lists, in the order in which threads arrive; light_sort
+// orders them.
 #include "shared/scene.h"
 layout(push_constant, scalar) uniform Push { LightFillPush pc; };
 #include "lib/frame.glsl"

@@ -1,5 +1,6 @@
 #version 460
-// How the light lists fare at the nearest opaque or masked surface: every light against the point's own list, walked beside.
+// How the light lists fare at the nearest opaque or masked surface: every light against the point's own list, walked
+// beside.
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"

@@ -1,5 +1,6 @@
 #version 460
-// Where each cell's list begins: the sum of the counts before it (exclusive prefix sum; Hillis and Steele 1986 inside a group).
+// Where each cell's list begins: the sum of the counts before it (exclusive prefix sum; Hillis and Steele 1986 inside a
+// group).
 #include "shared/lights.h"
 layout(push_constant, scalar) uniform Push { LightScanPush pc; };
 layout(local_size_x = 256) in;

@@ -1,6 +1,7 @@
 #version 460
-// Brings each cell's list into light order, so that the same frame gives the same bytes: one thread a short list (insertion), the
-// whole group a long one (bitonic network of Batcher 1968, in the form whose comparisons all point one way, which takes any length).
+// Brings each cell's list into light order, so that the same frame gives the same bytes: one thread a short list
+// (insertion), the whole group a long one (bitonic network of Batcher 1968, in the form whose comparisons all point one
+// way, which takes any length).
 #include "shared/lights.h"
 layout(push_constant, scalar) uniform Push { LightSortPush pc; };
 layout(local_size_x = 64) in;

@@ -12,7 +12,9 @@ void main() {
   const uvec2 p = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(p, pc.size_px))) return;
   precise vec4 sum = vec4(0.0);
-  // Each by its share, which for a power of two is exact: the sum of bright samples may be no float where their mean is.
-  for (int s = 0; s < SAMPLES; ++s) sum += texelFetch(pass_multisampled_images[pc.source], ivec2(p), s) * (1.0 / float(SAMPLES));
+  // Each by its share, which for a power of two is exact: the sum of bright samples may be no float where their mean
+  // is.
+  for (int s = 0; s < SAMPLES; ++s) sum += texelFetch(pass_multisampled_images[pc.source], ivec2(p),
+      s) * (1.0 / float(SAMPLES));
   imageStore(storage_images[pc.target], ivec2(p), sum);
 }

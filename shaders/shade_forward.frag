@@ -1,6 +1,6 @@
 #version 460
-// Metallic-roughness shading under the lights of the fragment's list, or all of them. The list is walked in ascending order and
-// summed without contraction, so that a culled list gives the same bits (TECHNIQUES 6.1).
+// Metallic-roughness shading under the lights of the fragment's list, or all of them. The list is walked in ascending
+// order and summed without contraction, so that a culled list gives the same bits (TECHNIQUES 6.1).
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
@@ -20,8 +20,8 @@ void main() {
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
-  // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples that passed
-  // the depth test may lie in a hole, and the kept sample would be nobody's.
+  // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples
+  // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);

@@ -1,6 +1,6 @@
 #version 460
-// Equirectangular environment where nothing was drawn. The level of detail follows the direction's derivative, which has no
-// jump where longitude wraps.
+// Equirectangular environment where nothing was drawn. The level of detail follows the direction's derivative, which
+// has no jump where longitude wraps.
 #include "lib/bindless.glsl"
 #include "lib/frame.glsl"
 
@@ -13,10 +13,12 @@ void main() {
   if (frame.perspective != 0u)
     direction += in_ndc.x * frame.tan_half.x * frame.camera_right - in_ndc.y * frame.tan_half.y * frame.camera_up;
   direction = normalize(direction);
-  // The middle of the image is +X, and u grows towards +Z, as three.js places an environment (scene/environment.h agrees).
+  // The middle of the image is +X, and u grows towards +Z, as three.js places an environment (scene/environment.h
+  // agrees).
   const vec2 uv = vec2(atan(direction.z, direction.x) / (2.0 * PI) + 0.5, acos(clamp(direction.y, -1.0, 1.0)) / PI);
   const float step = max(length(dFdx(direction)), length(dFdy(direction)));
   const float lod = log2(max(step * frame.sky_size_px.x / (2.0 * PI), 1e-6));
-  const vec3 radiance = textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv, max(lod, 0.0)).rgb;
+  const vec3 radiance = textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv,
+      max(lod, 0.0)).rgb;
   out_radiance = vec4(radiance * frame.pre_exposure, 1.0);
 }

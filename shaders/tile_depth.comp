@@ -1,6 +1,6 @@
 #version 460
-// Nearest and farthest depth of each 16x16 tile over all samples of its pixels, and which of the 32 slices between them hold a
-// surface (Harada 2012). Sky does not count.
+// Nearest and farthest depth of each 16x16 tile over all samples of its pixels, and which of the 32 slices between them
+// hold a surface (Harada 2012). Sky does not count.
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared/scene.h"
 layout(push_constant, scalar) uniform Push { TileDepthPush pc; };
@@ -13,7 +13,8 @@ layout(constant_id = 0) const int SAMPLES = 1;
 shared uint nearest, farthest, slices;
 
 float sample_depth(ivec2 p, int s) {
-  return SAMPLES > 1 ? texelFetch(pass_multisampled_images[pc.depth], p, s).r : texelFetch(pass_images[pc.depth], p, 0).r;
+  return SAMPLES > 1 ? texelFetch(pass_multisampled_images[pc.depth], p, s).r
+      : texelFetch(pass_images[pc.depth], p, 0).r;
 }
 // Metres in front of the camera. Perspective: depth = near/z. Orthographic: depth = z_scale * -z_view + z_bias.
 float depth_m(float d) {
@@ -52,8 +53,8 @@ void main() {
   TileDepth tile = TileDepth(0.0, 0.0, 0u);
   const bool seen = nearest <= farthest;
   if (seen) {
-    // A point is shaded at a depth that differs from the pre-pass's by rounding and, where its pixel is partly covered, by more:
-    // this only makes lists serve more of them (lib/light_list.glsl checks).
+    // A point is shaded at a depth that differs from the pre-pass's by rounding and, where its pixel is partly covered,
+    // by more: this only makes lists serve more of them (lib/light_list.glsl checks).
     tile.z_near = uintBitsToFloat(nearest) * (1.0 - 1.0 / 1024.0);
     tile.z_far = min(uintBitsToFloat(farthest) * (1.0 + 1.0 / 1024.0), 3e38);
     uint mask = 0u;

@@ -1,5 +1,6 @@
 #version 460
-// Linear premultiplied radiance to display values: exposure, tone curve, sRGB encoding, dither; alpha comes out straight.
+// Linear premultiplied radiance to display values: exposure, tone curve, sRGB encoding, dither; alpha comes out
+// straight.
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { TonemapPush pc; };
 #include "shared/types.h"
@@ -36,8 +37,8 @@ void main() {
   if (CURVE == 5) c = rec709_luminance(c);
   c = srgb_encode(clamp(c, 0.0, 1.0));
   if (pc.dither_levels > 0u) {
-    // Triangular noise of two code values' width; within half a code value of black and white uniform noise of one, which
-    // rounding takes without clipping and so without bias. Black and white themselves stay.
+    // Triangular noise of two code values' width; within half a code value of black and white uniform noise of one,
+    // which rounding takes without clipping and so without bias. Black and white themselves stay.
     const vec3 a = unit(pcg3d(uvec3(p, pc.seed))), b = unit(pcg3d(uvec3(p, pc.seed ^ 0x9e3779b9u)));
     const vec3 room = min(c, 1.0 - c) * float(pc.dither_levels);
     const vec3 noise = mix(a - b, a - 0.5, lessThan(room, vec3(0.5))) * vec3(greaterThan(room, vec3(0.0)));

@@ -16,8 +16,8 @@
 
 #include "base/rng.h"
 #include "base/statistics.h"
-#include "reference/accel.h"
 #include "gltf/gltf.h"
+#include "reference/accel.h"
 #include "scene/view.h"
 
 using namespace candela;

@@ -16,9 +16,9 @@
 #include <numbers>
 
 #include "filament_scene.h"
-#include "image/io.h"
 #include "frame/job.h"
 #include "gltf/gltf.h"
+#include "image/io.h"
 
 // Filament's side of the comparison: candela's scene, camera and lights through Filament's renderer. No shadows,
 // ambient occlusion, bloom, fog, dithering or FXAA; linear tone mapping and sRGB encoding; Filament's own choices

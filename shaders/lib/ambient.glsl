@@ -1,9 +1,10 @@
-// Ambient light from the environment's (or the neutral default's) spherical harmonics up to l = 2 (Ramamoorthi and Hanrahan
-// 2001). Wrong by construction: reflections are as blurred as diffuse light is, until prefiltered maps come.
+// Ambient light from the environment's (or the neutral default's) spherical harmonics up to l = 2 (Ramamoorthi and
+// Hanrahan 2001). Wrong by construction: reflections are as blurred as diffuse light is, until prefiltered maps come.
 vec3 ambient_radiance(vec3 n) {
   const vec4 sh[9] = frame.ambient_sh;
-  vec3 e = sh[0].rgb * 0.282095 + sh[1].rgb * (0.488603 * n.y) + sh[2].rgb * (0.488603 * n.z) + sh[3].rgb * (0.488603 * n.x) +
-           sh[4].rgb * (1.092548 * n.x * n.y) + sh[5].rgb * (1.092548 * n.y * n.z) + sh[6].rgb * (0.315392 * (3.0 * n.z * n.z - 1.0)) +
+  vec3 e = sh[0].rgb * 0.282095 + sh[1].rgb * (0.488603 * n.y) + sh[2].rgb * (0.488603 * n.z) +
+           sh[3].rgb * (0.488603 * n.x) + sh[4].rgb * (1.092548 * n.x * n.y) + sh[5].rgb * (1.092548 * n.y * n.z) +
+           sh[6].rgb * (0.315392 * (3.0 * n.z * n.z - 1.0)) +
            sh[7].rgb * (1.092548 * n.x * n.z) + sh[8].rgb * (0.546274 * (n.x * n.x - n.y * n.y));
   return max(e, vec3(0.0));
 }

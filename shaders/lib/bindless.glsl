@@ -1,6 +1,6 @@
-// Set 0: the scene's textures and all samplers, one bindless array each: sampler2D(textures[t], samplers[s]), nonuniformEXT where
-// an index can differ inside a draw. Set 1: the images of the graph that the running pass declared, and no others, so that the
-// validation layer sees what a pass really touches.
+// Set 0: the scene's textures and all samplers, one bindless array each: sampler2D(textures[t], samplers[s]),
+// nonuniformEXT where an index can differ inside a draw. Set 1: the images of the graph that the running pass declared,
+// and no others, so that the validation layer sees what a pass really touches.
 #extension GL_EXT_nonuniform_qualifier : require
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_shader_image_load_formatted : require

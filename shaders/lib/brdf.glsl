@@ -1,11 +1,12 @@
-// Metallic-roughness BRDF of glTF 2.0, appendix B: GGX (Walter et al. 2007), height-correlated Smith (Heitz 2014), Schlick.
+// Metallic-roughness BRDF of glTF 2.0, appendix B: GGX (Walter et al. 2007), height-correlated Smith (Heitz 2014),
+// Schlick.
 const float PI = 3.14159265358979323846;
 
 // alpha below this overflows D at its peak in 32-bit float arithmetic (TECHNIQUES 9.1: perceptual roughness 0.045).
 const float MIN_PERCEPTUAL_ROUGHNESS = 0.045;
 
-// What all lights of a shaded point share. The mix of the dielectric and the metal is linear in both Fresnel terms, and what a
-// dielectric's strongest channel reflects is the Fresnel term of its strongest f0.
+// What all lights of a shaded point share. The mix of the dielectric and the metal is linear in both Fresnel terms, and
+// what a dielectric's strongest channel reflects is the Fresnel term of its strongest f0.
 struct BrdfTerms {
   vec3 normal, to_viewer;
   float n_v, smith_v;     // cosine, and the square root of the Smith term that holds it
@@ -32,8 +33,8 @@ BrdfTerms brdf_terms(Surface s, vec3 v) {
   return b;
 }
 
-// D V for the half vector h of any length but zero: with 1 - (n.h)^2 taken as |n x h|^2, which does not cancel near the peak, and
-// one division for all.
+// D V for the half vector h of any length but zero: with 1 - (n.h)^2 taken as |n x h|^2, which does not cancel near the
+// peak, and one division for all.
 float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
   const vec3 nxh = cross(b.normal, h);
   const float a = dot(b.normal, h) * b.alpha;

@@ -1,4 +1,5 @@
-// Frustum test of one item's box (TECHNIQUES 2.1). Written so that NaN and infinite bounds are kept, and rounding never culls.
+// Frustum test of one item's box (TECHNIQUES 2.1). Written so that NaN and infinite bounds are kept, and rounding never
+// culls.
 #include "lib/frame.glsl"
 #include "shared/cull.h"
 layout(push_constant, scalar) uniform Push { CullPush pc; };

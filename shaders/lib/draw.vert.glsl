@@ -1,5 +1,5 @@
-// The vertex shader of every pass that shades the scene. Varyings are centroid: never extrapolated off the triangle, so that a
-// partly covered pixel shades a point of the surface (TECHNIQUES 3.1).
+// The vertex shader of every pass that shades the scene. Varyings are centroid: never extrapolated off the triangle, so
+// that a partly covered pixel shades a point of the surface (TECHNIQUES 3.1).
 invariant gl_Position;
 layout(location = 0) out flat uvec2 out_ids;  // material, object
 layout(location = 1) centroid out vec3 out_position;
@@ -20,7 +20,8 @@ void main() {
   gl_Position = clip_position(out_position);
   gl_PointSize = 1.0;
   if (IS_UNLIT == 0) {
-    out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0)) : vec3(0.0);
+    out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0))
+        : vec3(0.0);
     if (HAS_NORMAL_TEXTURE != 0) {
       out_tangent = vec4(0.0);
       if (g.tangent != absent) {

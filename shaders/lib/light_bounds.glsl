@@ -1,7 +1,7 @@
-// Whether a light can touch a cell of the light grid. Every test errs towards yes: volumes are inflated (frame/light_grid.cpp) and
-// comparisons give way by SLACK of the distances involved (the range is inflated by far more than its own rounding), so that rounding
-// never loses a light; NaN counts as yes.
-// Space: view, x right, y up, z forward. Needs `frame`, lib/light_cells.glsl.
+// Whether a light can touch a cell of the light grid. Every test errs towards yes: volumes are inflated
+// (frame/light_grid.cpp) and comparisons give way by SLACK of the distances involved (the range is inflated by far more
+// than its own rounding), so that rounding never loses a light; NaN counts as yes. Space: view, x right, y up, z
+// forward. Needs `frame`, lib/light_cells.glsl.
 
 // Rounding of a sum of a few products, as a share of the largest term.
 const float SLACK = 4e-6;
@@ -23,8 +23,10 @@ Slab cell_slab(LightBounds b, uvec2 first_tile, uvec2 last_tile, vec2 depths) {
 
 // Field's standard: the range's ball against the slab's box in view space (Harada 2012). Cones are not looked at.
 bool test_aabb(LightBounds b, Slab s) {
-  const vec2 at_near = frame.perspective != 0u ? vec2(s.z_near) : vec2(1.0), at_far = frame.perspective != 0u ? vec2(s.z_far) : vec2(1.0);
-  const vec3 low = vec3(min(s.low * at_near, s.low * at_far), s.z_near), high = vec3(max(s.high * at_near, s.high * at_far), s.z_far);
+  const vec2 at_near = frame.perspective != 0u ? vec2(s.z_near) : vec2(1.0),
+      at_far = frame.perspective != 0u ? vec2(s.z_far) : vec2(1.0);
+  const vec3 low = vec3(min(s.low * at_near, s.low * at_far), s.z_near),
+      high = vec3(max(s.high * at_near, s.high * at_far), s.z_far);
   const vec3 d = max(max(low - b.position, b.position - high), vec3(0.0));
   const float reach = b.radius + SLACK * length(b.position);
   return !(dot(d, d) > reach * reach);
@@ -35,7 +37,8 @@ bool test_cone_sphere(LightBounds b, Slab s) {
   const float f_near = frame.perspective != 0u ? s.z_near : 1.0, f_far = frame.perspective != 0u ? s.z_far : 1.0;
   const vec3 low_near = vec3(s.low * f_near, s.z_near), high_near = vec3(s.high * f_near, s.z_near);
   const vec3 low_far = vec3(s.low * f_far, s.z_far), high_far = vec3(s.high * f_far, s.z_far);
-  const vec3 low = min(min(low_near, high_near), min(low_far, high_far)), high = max(max(low_near, high_near), max(low_far, high_far));
+  const vec3 low = min(min(low_near, high_near), min(low_far, high_far)),
+      high = max(max(low_near, high_near), max(low_far, high_far));
   const vec3 c = 0.5 * (low + high);
   const float r = 0.5 * length(high - low);
   const vec3 v = c - b.position;
@@ -44,10 +47,12 @@ bool test_cone_sphere(LightBounds b, Slab s) {
   if (b.cos_outer == -2.0) return true;
   const float along = dot(v, b.direction);
   const float across = length(v - along * b.direction);
-  return !(b.cos_outer * across - b.sin_outer * along > r + slack || along > r + b.radius + slack || along < -r - slack);
+  return !(b.cos_outer * across - b.sin_outer * along > r + slack || along > r + b.radius + slack ||
+      along < -r - slack);
 }
 
-// The capsule round a slab (TECHNIQUES 6.3): balls whose centres run from a to a + length u and whose radii grow by kappa a metre.
+// The capsule round a slab (TECHNIQUES 6.3): balls whose centres run from a to a + length u and whose radii grow by
+// kappa a metre.
 struct Capsule {
   vec3 a, u;
   float length_m, radius, kappa;
@@ -74,8 +79,9 @@ Capsule slab_capsule(Slab s) {
   return c;
 }
 
-// The part of the axis whose balls touch the light's ball; empty when x > y. The foot of the perpendicular is at y0, its distance m;
-// |q + y u|^2 <= (R + r(y))^2 is a quadratic in t = y - y0 whose discriminant has factors, so nothing cancels.
+// The part of the axis whose balls touch the light's ball; empty when x > y. The foot of the perpendicular is at y0,
+// its distance m; |q + y u|^2 <= (R + r(y))^2 is a quadratic in t = y - y0 whose discriminant has factors, so nothing
+// cancels.
 vec2 ball_interval(LightBounds b, Capsule c, vec3 q, float slack) {
   const float y0 = -dot(q, c.u);
   const float m = length(q + y0 * c.u);
@@ -89,8 +95,8 @@ vec2 ball_interval(LightBounds b, Capsule c, vec3 q, float slack) {
   return vec2(max(t.x, 0.0), min(t.y, c.length_m));
 }
 
-// Least of G(y) = cos * across - sin * along - r(y) over an interval: the distance of a ball to the infinite cone's mantle. G is
-// convex for half angles up to 90 degrees, so its stationary point clamped to the interval is the minimum.
+// Least of G(y) = cos * across - sin * along - r(y) over an interval: the distance of a ball to the infinite cone's
+// mantle. G is convex for half angles up to 90 degrees, so its stationary point clamped to the interval is the minimum.
 bool cone_touches(LightBounds b, Capsule c, vec3 q, vec2 interval, float slack) {
   const float alpha = dot(c.u, b.direction);
   const vec3 v = c.u - alpha * b.direction;
@@ -118,7 +124,8 @@ vec2 in_front_of_apex(LightBounds b, Capsule c, vec3 q, vec2 interval, float sla
   if (abs(slope) < 1e-6) return interval;
   const float zero = -at / slope;
   const float tolerance = 1e-5 * abs(zero);  // of the quotient
-  return slope > 0.0 ? vec2(max(interval.x, zero - tolerance), interval.y) : vec2(interval.x, min(interval.y, zero + tolerance));
+  return slope > 0.0 ? vec2(max(interval.x, zero - tolerance), interval.y)
+      : vec2(interval.x, min(interval.y, zero + tolerance));
 }
 
 // Ball and cone each against the whole capsule (TECHNIQUES 6.4).
@@ -147,7 +154,8 @@ bool test_capsule_joint(LightBounds b, Slab s) {
   return b.cos_outer <= 1e-3 || cone_touches(b, c, q, interval, slack);
 }
 
-const int TEST_AABB = 0, TEST_CONE_SPHERE = 1, TEST_CAPSULE = 2, TEST_CAPSULE_JOINT = 3;  // passes/lights/light_assign.h
+// passes/lights/light_assign.h
+const int TEST_AABB = 0, TEST_CONE_SPHERE = 1, TEST_CAPSULE = 2, TEST_CAPSULE_JOINT = 3;
 
 bool light_touches(int test, LightBounds b, Slab s) {
   if (s.z_near > s.z_far) return false;

@@ -20,6 +20,7 @@ bool chunk_cell(uint thread, out ChunkCell c) {
   if (i >= count.x * count.y * count.z) return false;
   c.place = first + uvec3(i % count.x, i / count.x % count.y, i / (count.x * count.y));
   const uvec2 tiles = frame.grid.tiles;
-  c.cell = c.column ? tiles.x * tiles.y + c.place.x + frame.grid.columns.x * c.place.y : c.place.x + tiles.x * (c.place.y + tiles.y * c.place.z);
+  c.cell = c.column ? tiles.x * tiles.y + c.place.x + frame.grid.columns.x * c.place.y : c.place.x +
+      tiles.x * (c.place.y + tiles.y * c.place.z);
   return true;
 }

@@ -1,6 +1,7 @@
-// The lights of a shaded point, in ascending order whatever the list: sums come out bit for bit as if every light were walked, for
-// a light outside its range or cone gives exactly zero (TECHNIQUES 6.1). All lanes of a subgroup walk the union of their lists, so a
-// light's data is loaded once for all. Needs lib/light_cells.glsl and the addresses pc.light_cells, pc.light_entries, pc.light_tiles.
+// The lights of a shaded point, in ascending order whatever the list: sums come out bit for bit as if every light were
+// walked, for a light outside its range or cone gives exactly zero (TECHNIQUES 6.1). All lanes of a subgroup walk the
+// union of their lists, so a light's data is loaded once for all. Needs lib/light_cells.glsl and the addresses
+// pc.light_cells, pc.light_entries, pc.light_tiles.
 
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
@@ -35,7 +36,8 @@ struct LightWalk {
 };
 
 // A word of the lights of every cell. The place is valid even where there are none: lanes may load ahead of a branch.
-uint global_word(LightWalk w, uint place) { return ConstUintsRef(w.globals).u[min(place, max(w.global_count, 1u) - 1u)]; }
+uint global_word(LightWalk w, uint place) { return ConstUintsRef(w.globals).u[min(place,
+    max(w.global_count, 1u) - 1u)]; }
 
 LightWalk begin_lights(vec3 relative) {
   LightWalk w;
@@ -77,7 +79,8 @@ bool next_light(inout LightWalk w) {
       if (left < 32u) w.mine &= (1u << left) - 1u;
       ++w.cursor;
     }
-    // llvmpipe runs lanes that no sample covers with an empty union: findLSB's -1 would have them load light -1, and crash.
+    // llvmpipe runs lanes that no sample covers with an empty union: findLSB's -1 would have them load light -1, and
+    // crash.
     w.light = 32u * (w.cursor - 1u) + uint(max(findLSB(w.mine), 0));
     w.mine &= w.mine - 1u;
     return true;

@@ -23,7 +23,8 @@ vec2 texture_uv(TextureRef r, Varyings v) {
   return vec2(dot(r.u_row, vec3(uv, 1.0)), dot(r.v_row, vec3(uv, 1.0)));
 }
 vec4 sample_texture(TextureRef r, Varyings v) {
-  return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)], samplers[nonuniformEXT(r.sampler_index)])), texture_uv(r, v));
+  return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
+      samplers[nonuniformEXT(r.sampler_index)])), texture_uv(r, v));
 }
 
 // Base colour with alpha: all that the depth pre-pass and unlit surfaces need.
@@ -47,8 +48,8 @@ vec3 surface_emission(Material m, Varyings v) {
   return e;
 }
 
-// Normal, bitangent frame as MikkTSpace wants it: interpolated vectors are not normalised before the combination. facing is -1
-// on back faces, where the whole frame turns over (glTF 2.0, 3.9.6).
+// Normal, bitangent frame as MikkTSpace wants it: interpolated vectors are not normalised before the combination.
+// facing is -1 on back faces, where the whole frame turns over (glTF 2.0, 3.9.6).
 vec3 surface_normal(Material m, Varyings v, float facing, vec3 to_viewer) {
   vec3 n = v.normal;
   if (HAS_NORMAL_TEXTURE != 0 && m.normal_texture.texture != absent && dot(v.tangent.xyz, v.tangent.xyz) > 0.0) {

@@ -8,7 +8,8 @@ vec3 rec709_luminance(vec3 c) { return c / (1.0 + dot(c, vec3(0.2126, 0.7152, 0.
 // ACES RRT and ODT, fit by Stephen Hill, with the exposure convention of three.js (input over 0.6).
 vec3 aces_hill(vec3 c) {
   const mat3 into = transpose(mat3(0.59719, 0.35458, 0.04823, 0.07600, 0.90834, 0.01566, 0.02840, 0.13383, 0.83777));
-  const mat3 out_of = transpose(mat3(1.60475, -0.53108, -0.07367, -0.10208, 1.10813, -0.00605, -0.00327, -0.07276, 1.07602));
+  const mat3 out_of = transpose(mat3(1.60475, -0.53108, -0.07367, -0.10208, 1.10813, -0.00605, -0.00327, -0.07276,
+      1.07602));
   const vec3 v = into * (c / 0.6);
   // Above this the quotient has reached its limit; larger values would overflow to infinity over infinity.
   const vec3 x = min(v, vec3(1e6));
@@ -27,8 +28,8 @@ vec3 khronos_neutral(vec3 c) {
   return mix(c * (compressed / peak), vec3(compressed), g);
 }
 
-// AgX (Troy Sobotka), Rec.709-primaries variant with the matrices of Benjamin Wrensch's "Minimal AgX implementation" (2023) and
-// the analytic sigmoid of the configuration instead of a polynomial fit.
+// AgX (Troy Sobotka), Rec.709-primaries variant with the matrices of Benjamin Wrensch's "Minimal AgX implementation"
+// (2023) and the analytic sigmoid of the configuration instead of a polynomial fit.
 float agx_sigmoid(float x) {
   const float pivot_x = 10.0 / 16.5, pivot_y = 0.5, slope = 2.0;
   const bool toe = x < pivot_x;
@@ -40,9 +41,11 @@ float agx_sigmoid(float x) {
   return pivot_y + (toe ? -y : y);
 }
 vec3 agx(vec3 c) {
-  const mat3 inset = mat3(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992, 0.878468636469772, 0.0784336,
+  const mat3 inset = mat3(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992,
+      0.878468636469772, 0.0784336,
                           0.0792237451477643, 0.0791661274605434, 0.879142973793104);
-  const mat3 outset = mat3(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368, 1.15190312990417,
+  const mat3 outset = mat3(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368,
+      1.15190312990417,
                            -0.0980434501171241, -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
   const float lowest_ev = -12.47393, highest_ev = 4.026069;
   const vec3 v = clamp((log2(max(inset * c, vec3(1e-10))) - lowest_ev) / (highest_ev - lowest_ev), 0.0, 1.0);

@@ -7,9 +7,9 @@ SHARED_BEGIN
 // One workgroup's share of a draw run: up to cull_group_size consecutive items of one run.
 struct CullGroup {
   uint first_item, item_count;
-  uint run;             // whose count this group adds to
-  uint first_group;     // of the run: the groups from here to before this one give the offset
-  uint is_last;         // of its run: writes the run's draw count
+  uint run;          // whose count this group adds to
+  uint first_group;  // of the run: the groups from here to before this one give the offset
+  uint is_last;      // of its run: writes the run's draw count
 };
 // As VkDrawIndexedIndirectCommand.
 struct DrawCommand {
@@ -19,7 +19,7 @@ struct DrawCommand {
 };
 struct CullPush {
   uint64_t groups, survivors, commands, counts;
-  uint culling;         // 0: everything is kept
+  uint culling;  // 0: everything is kept
   uint group_count;
 };
 

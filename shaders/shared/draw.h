@@ -2,18 +2,18 @@
 #define CANDELA_SHARED_DRAW_H
 #include "shared/types.h"
 SHARED_BEGIN
-struct DrawPush {       // every pass that draws the scene
+struct DrawPush {  // every pass that draws the scene
   uint64_t deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
 };
 struct BackgroundPush {
-  vec4 color;           // premultiplied, pre-exposed
+  vec4 color;  // premultiplied, pre-exposed
 };
 struct TonemapPush {
   uint source, target;  // bindless
   uvec2 size_px;
-  float exposure;       // what is left to apply after pre-exposure
-  uint dither_levels;   // 255, 65535, or 0 for none
+  float exposure;      // what is left to apply after pre-exposure
+  uint dither_levels;  // 255, 65535, or 0 for none
   uint seed;
 };
 struct ResolvePush {

@@ -4,57 +4,58 @@
 
 SHARED_BEGIN
 
-// Where a shaded point finds its lights. The screen is cut into square tiles, and each tile either into depth slices (clusters) or
-// to the depths that the depth pre-pass found (tiled). Cells are numbered x + tiles.x * (y + tiles.y * slice); in a tiled grid the
-// columns of every depth, column_tiles by column_tiles tiles each, follow after the tiles.
+// Where a shaded point finds its lights. The screen is cut into square tiles, and each tile either into depth slices
+// (clusters) or to the depths that the depth pre-pass found (tiled). Cells are numbered x + tiles.x * (y + tiles.y *
+// slice); in a tiled grid the columns of every depth, column_tiles by column_tiles tiles each, follow after the tiles.
 struct LightGrid {
-  uint mode;             // light_mode_*
-  uint tiled;            // 1: tiles bounded by the depth pre-pass; 0: clusters
+  uint mode;   // light_mode_*
+  uint tiled;  // 1: tiles bounded by the depth pre-pass; 0: clusters
   uint tile_px;
   uvec2 tiles, columns;
   uint slices;
-  uint slice_shift;      // slice of depth z: (floatBitsToUint(z) >> slice_shift) - slice_base, kept inside the grid
+  uint slice_shift;  // slice of depth z: (floatBitsToUint(z) >> slice_shift) - slice_base, kept inside the grid
   int slice_base;
-  uint words;            // of one cell's bitmask
-  uint cap;              // entries of a cell that are walked; 0: all
-  uint global_count;     // lights of every cell: words of a mask, or ascending indices
-  vec2 px_scale;         // pixel = size/2 + px_scale * (x, -y)/z, or without the division for an orthographic camera
-  float margin_px;       // by which every tile is widened against rounding
-  float margin_z;        // the same for slices, a share of the depth
+  uint words;         // of one cell's bitmask
+  uint cap;           // entries of a cell that are walked; 0: all
+  uint global_count;  // lights of every cell: words of a mask, or ascending indices
+  vec2 px_scale;      // pixel = size/2 + px_scale * (x, -y)/z, or without the division for an orthographic camera
+  float margin_px;    // by which every tile is widened against rounding
+  float margin_z;     // the same for slices, a share of the depth
   uint64_t globals;
 };
 
-// What assignment knows of a light that does not reach everywhere: view space (x right, y up, z forward), inflated against rounding.
+// What assignment knows of a light that does not reach everywhere: view space (x right, y up, z forward), inflated
+// against rounding.
 struct LightBounds {
   vec3 position;
   float radius;
-  vec3 direction;        // unit
+  vec3 direction;              // unit
   float cos_outer, sin_outer;  // of the inflated half angle; cos_outer -2: no cone
-  float z_low, z_high;   // depths that the light can reach
-  uint light;            // its place in the frame's lights
-  uvec3 first, last;     // tiles and slice that it can touch, inclusive
+  float z_low, z_high;         // depths that the light can reach
+  uint light;                  // its place in the frame's lights
+  uvec3 first, last;           // tiles and slice that it can touch, inclusive
 };
 
 // Up to light_chunk_cells consecutive cells of one light's box of cells, x first.
 struct LightChunk {
   uint bounds, first;
-  uint column;           // 1: of the columns instead of the tiles
+  uint column;  // 1: of the columns instead of the tiles
 };
 
 // A tile's depths, from all samples of its pixels.
 struct TileDepth {
-  float z_near, z_far;   // widened
-  uint mask;             // which of the 32 slices between them hold a surface; 0: no surface
+  float z_near, z_far;  // widened
+  uint mask;            // which of the 32 slices between them hold a surface; 0: no surface
 };
 
 struct TileDepthPush {
   uint64_t tiles;
-  uint depth;            // place in the pass's images
+  uint depth;  // place in the pass's images
 };
 struct LightAssignPush {
   uint64_t bounds, chunks, tiles;
-  uint64_t lists;        // bitmasks, or counts of cells
-  uint64_t sums, hits;   // compact lists: counts of light_scan_cells cells, and a bit a thread
+  uint64_t lists;       // bitmasks, or counts of cells
+  uint64_t sums, hits;  // compact lists: counts of light_scan_cells cells, and a bit a thread
   uint chunk_count;
 };
 struct LightScanPush {

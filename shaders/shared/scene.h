@@ -17,8 +17,8 @@ struct Transform {
   vec4 row0, row1, row2;
 };
 
-// Where a section's vertices lie, in 4-byte words from FrameConstants.vertices; the first three from the deformed buffer instead
-// when flags has geometry_deformed. Positions, normals: 3 words a vertex; tangents, colours: 4; UVs: 2.
+// Where a section's vertices lie, in 4-byte words from FrameConstants.vertices; the first three from the deformed
+// buffer instead when flags has geometry_deformed. Positions, normals: 3 words a vertex; tangents, colours: 4; UVs: 2.
 struct Geometry {
   uint position, normal, tangent, uv0, uv1, color;
   uint flags;
@@ -26,45 +26,46 @@ struct Geometry {
 
 // One draw item, as culled and drawn.
 struct Item {
-  vec3 bounds_centre;   // relative space
+  vec3 bounds_centre;  // relative space
   uint transform;
-  vec3 bounds_extent;   // half sizes; infinite: never culled
+  vec3 bounds_extent;  // half sizes; infinite: never culled
   uint geometry;
   uint first_index, index_count;
   uint material;
-  uint object_id;       // glTF node index
+  uint object_id;  // glTF node index
 };
 
 struct TextureRef {
-  uint texture;         // bindless index, or absent
+  uint texture;  // bindless index, or absent
   uint sampler_index;
   uint uv_set;
-  vec3 u_row, v_row;    // uv' = (dot(u_row, (uv,1)), dot(v_row, (uv,1)))
+  vec3 u_row, v_row;  // uv' = (dot(u_row, (uv,1)), dot(v_row, (uv,1)))
 };
 
 struct Material {
   vec4 base_color;
-  vec3 emissive;        // factor * strength
+  vec3 emissive;  // factor * strength
   float alpha_cutoff;
   float metallic, roughness, normal_scale, occlusion_strength;
   float specular;
-  float ior_f0;         // ((ior - 1) / (ior + 1))^2
+  float ior_f0;  // ((ior - 1) / (ior + 1))^2
   uint flags;
-  uint id;              // glTF material index, absent for the default material
+  uint id;  // glTF material index, absent for the default material
   vec3 specular_color;
-  TextureRef base_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture, specular_color_texture;
+  TextureRef base_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture,
+      specular_color_texture;
 };
 
-// A punctual light in relative space. Spot factor (KHR_lights_punctual): saturate(spot_offset - e2 * spot_scale)^2, where e2 is the
-// squared distance of the two unit vectors, 2 (1 - cos): a narrow cone loses every digit in its cosines.
-// Read in 64-bit words, in the order in which lib/light_eval.glsl can tell that a light gives nothing.
+// A punctual light in relative space. Spot factor (KHR_lights_punctual): saturate(spot_offset - e2 * spot_scale)^2,
+// where e2 is the squared distance of the two unit vectors, 2 (1 - cos): a narrow cone loses every digit in its
+// cosines. Read in 64-bit words, in the order in which lib/light_eval.glsl can tell that a light gives nothing.
 struct Light {
   vec3 position;
   float inverse_range;  // 0: no range
   vec3 direction;       // unit, the way the light shines
   uint type;
   float spot_scale, spot_offset;
-  vec3 intensity;       // cd or lux, times colour
+  vec3 intensity;  // cd or lux, times colour
   float unused[3];
 };
 
@@ -72,10 +73,10 @@ struct Light {
 struct FrameConstants {
   uint64_t vertices, transforms, geometries, items, materials;
   mat4 clip_from_relative;
-  vec4 planes[5];       // relative space, inside is dot(n, p) + w >= 0
-  vec4 ambient_sh[9];   // radiance projected on spherical harmonics, cosine-convolved, divided by pi
+  vec4 planes[5];      // relative space, inside is dot(n, p) + w >= 0
+  vec4 ambient_sh[9];  // radiance projected on spherical harmonics, cosine-convolved, divided by pi
   vec3 camera_right, camera_up, camera_back;  // unit axes, relative space
-  vec2 tan_half;        // perspective: tangents of the half angles; orthographic: half sizes in metres
+  vec2 tan_half;  // perspective: tangents of the half angles; orthographic: half sizes in metres
   uvec2 size_px;
   uint light_count, item_count;
   uint perspective;
@@ -90,12 +91,21 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 enum : uint { geometry_deformed = 1u };
-enum : uint { material_masked = 1u, material_double_sided = 2u, material_unlit = 4u, material_orm_occlusion = 8u, material_orm_metallic_roughness = 16u, material_blended = 32u };
+enum : uint {
+  material_masked = 1u,
+  material_double_sided = 2u,
+  material_unlit = 4u,
+  material_orm_occlusion = 8u,
+  material_orm_metallic_roughness = 16u,
+  material_blended = 32u
+};
 enum : uint { light_directional = 0, light_point = 1, light_spot = 2 };
 static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) == 48 && sizeof(TextureRef) == 36);
 static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture) == 76);
-static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 && offsetof(Light, intensity) == 40);
-static_assert(offsetof(FrameConstants, pre_exposure) == 408 && offsetof(FrameConstants, grid) == 416 && sizeof(FrameConstants) == 496);
+static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
+              offsetof(Light, intensity) == 40);
+static_assert(offsetof(FrameConstants, pre_exposure) == 408 && offsetof(FrameConstants, grid) == 416 &&
+              sizeof(FrameConstants) == 496);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

@@ -1,5 +1,5 @@
-// Included by C++ and GLSL alike: maps GLSL's types to GLM in namespace candela::shared. Scalar block layout on both sides, so the
-// GLSL bytes are the C++ bytes and no padding members are needed. Rules: no bool; 64-bit members first.
+// Included by C++ and GLSL alike: maps GLSL's types to GLM in namespace candela::shared. Scalar block layout on both
+// sides, so the GLSL bytes are the C++ bytes and no padding members are needed. Rules: no bool; 64-bit members first.
 #ifndef CANDELA_SHARED_TYPES_H
 #define CANDELA_SHARED_TYPES_H
 

@@ -8,10 +8,19 @@
 namespace candela {
 
 // The value is the exit code of the program (DESIGN section 10, 11).
-enum class ErrorKind : int { comparison = 1, usage = 2, input = 3, device = 4, output = 5, out_of_memory = 6, nonfinite = 7 };
+enum class ErrorKind : int {
+  comparison = 1,
+  usage = 2,
+  input = 3,
+  device = 4,
+  output = 5,
+  out_of_memory = 6,
+  nonfinite = 7
+};
 
-// An error that the caller can act on. message: one line that says what is wrong and what to do next. place: file and, where
-// there is one, the JSON path inside it ("scene.gltf: /materials/3/pbrMetallicRoughness/roughnessFactor"); may be empty.
+// An error that the caller can act on. message: one line that says what is wrong and what to do next. place: file and,
+// where there is one, the JSON path inside it ("scene.gltf: /materials/3/pbrMetallicRoughness/roughnessFactor"); may be
+// empty.
 struct Error {
   ErrorKind kind = ErrorKind::input;
   std::string message;

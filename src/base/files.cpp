@@ -53,8 +53,8 @@ Expected<void> write_atomically(const fs::path& path, const std::function<Expect
     return fail(ErrorKind::output, path.string(), "is there and is no regular file; nothing is written over it");
   static std::atomic<unsigned> counter{0};
   // The ending is kept last, because image libraries choose the format by it.
-  const fs::path temporary =
-      path.parent_path() / fmt::format(".{}.{}.{}.tmp{}", path.stem().string(), getpid(), counter++, path.extension().string());
+  const fs::path temporary = path.parent_path() / fmt::format(".{}.{}.{}.tmp{}", path.stem().string(), getpid(),
+                                                              counter++, path.extension().string());
   const auto remove_temporary = [&] {
     std::error_code ignored;
     fs::remove(temporary, ignored);
@@ -111,10 +111,14 @@ Expected<void> write_file_atomically(const fs::path& path, std::string_view text
 
 fs::path cache_folder() {
   fs::path folder;
-  if (const char* own = std::getenv("CANDELA_CACHE_DIR"); own && *own) folder = own;
-  else if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) folder = fs::path(xdg) / "candela";
-  else if (const char* home = std::getenv("HOME"); home && *home) folder = fs::path(home) / ".cache" / "candela";
-  else return {};
+  if (const char* own = std::getenv("CANDELA_CACHE_DIR"); own && *own)
+    folder = own;
+  else if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg)
+    folder = fs::path(xdg) / "candela";
+  else if (const char* home = std::getenv("HOME"); home && *home)
+    folder = fs::path(home) / ".cache" / "candela";
+  else
+    return {};
   std::error_code failed;
   fs::create_directories(folder, failed);
   return failed ? fs::path{} : folder;

@@ -13,13 +13,15 @@ namespace candela {
 // The whole file. Errors (input): absent, a folder, unreadable; the message names the system's reason.
 Expected<std::vector<std::byte>> read_file(const std::filesystem::path& path);
 
-// Calls write(temporary path in the same folder), flushes to disk, then renames over `path`: a reader sees the old file or
-// the new one, never a part. On any failure the temporary file is removed and the error has kind output.
-Expected<void> write_atomically(const std::filesystem::path& path, const std::function<Expected<void>(const std::filesystem::path&)>& write);
+// Calls write(temporary path in the same folder), flushes to disk, then renames over `path`: a reader sees the old file
+// or the new one, never a part. On any failure the temporary file is removed and the error has kind output.
+Expected<void> write_atomically(const std::filesystem::path& path,
+                                const std::function<Expected<void>(const std::filesystem::path&)>& write);
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
-// $CANDELA_CACHE_DIR, else $XDG_CACHE_HOME/candela, else ~/.cache/candela; empty when none can be made (then nothing is cached).
+// $CANDELA_CACHE_DIR, else $XDG_CACHE_HOME/candela, else ~/.cache/candela; empty when none can be made (then nothing is
+// cached).
 std::filesystem::path cache_folder();
 
 // The folder that holds the running program: its modules (candela_oiio.so, ...) lie there.

@@ -7,8 +7,8 @@
 
 namespace candela {
 
-// A 128-bit content hash (MurmurHash3 x64_128 by Austin Appleby, public domain algorithm; not cryptographic). Used as the key
-// of caches and as the identity of jobs, plans and frames.
+// A 128-bit content hash (MurmurHash3 x64_128 by Austin Appleby, public domain algorithm; not cryptographic). Used as
+// the key of caches and as the identity of jobs, plans and frames.
 struct Hash128 {
   uint64_t lo = 0, hi = 0;
   bool operator==(const Hash128&) const = default;
@@ -16,6 +16,8 @@ struct Hash128 {
   std::string hex() const;  // 32 digits
 };
 Hash128 hash128(std::span<const std::byte> bytes, uint64_t seed = 0);
-inline Hash128 hash128(std::string_view text, uint64_t seed = 0) { return hash128(std::as_bytes(std::span(text.data(), text.size())), seed); }
+inline Hash128 hash128(std::string_view text, uint64_t seed = 0) {
+  return hash128(std::as_bytes(std::span(text.data(), text.size())), seed);
+}
 
 }  // namespace candela

@@ -23,9 +23,9 @@ void write(Level level, std::string_view line) {
 
 namespace candela {
 void check_failed(std::string_view expression, std::string_view detail, std::source_location where) {
-  std::fprintf(stderr, "candela: internal error: %.*s is false%s%.*s (%s:%u, %s)\n", int(expression.size()), expression.data(),
-               detail.empty() ? "" : ": ", int(detail.size()), detail.data(), where.file_name(), unsigned(where.line()),
-               where.function_name());
+  std::fprintf(stderr, "candela: internal error: %.*s is false%s%.*s (%s:%u, %s)\n", int(expression.size()),
+               expression.data(), detail.empty() ? "" : ": ", int(detail.size()), detail.data(), where.file_name(),
+               unsigned(where.line()), where.function_name());
   std::abort();
 }
 }  // namespace candela

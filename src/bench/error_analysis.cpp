@@ -51,8 +51,8 @@ void judge_times(KnobStudy& study) {
   study.advised = best->text;
 }
 
-// A tenth of what is wrong anyway is not seen: the cheapest value whose own error stays below it is the one worth its time; among values
-// whose times are not known to differ, the one with less error.
+// A tenth of what is wrong anyway is not seen: the cheapest value whose own error stays below it is the one worth its
+// time; among values whose times are not known to differ, the one with less error.
 void judge_values(KnobStudy& study, std::optional<double> model_relmse) {
   const auto& values = study.values;
   if (study.kind == "time") return judge_times(study);
@@ -66,7 +66,9 @@ void judge_values(KnobStudy& study, std::optional<double> model_relmse) {
     const bool hidden = model_relmse ? v.relmse <= 0.1 * *model_relmse : v.relmse == 0;
     if (!v.dominated) v.verdict = hidden ? "its error is hidden under the technique's own" : "its error shows";
     if (!hidden) continue;
-    if (!best || surely_quicker(v.ms_ci, best->ms_ci) || (!surely_quicker(best->ms_ci, v.ms_ci) && v.relmse < best->relmse)) best = &v;
+    if (!best || surely_quicker(v.ms_ci, best->ms_ci) ||
+        (!surely_quicker(best->ms_ci, v.ms_ci) && v.relmse < best->relmse))
+      best = &v;
   }
   if (best) study.advised = best->text;
 }
@@ -106,10 +108,12 @@ std::optional<double> error_of(const BenchRow& row, const std::string& reference
   return found != error->metrics.end() && std::isfinite(found->second) ? std::optional(found->second) : std::nullopt;
 }
 
-std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric) {
+std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference,
+                                     const std::string& metric) {
   std::vector<ErrorPoint> points;
   for (const BenchRow* row : rows)
-    if (const auto error = error_of(*row, reference, metric)) points.push_back({row, median_ms(*row), *error, median_interval(row->gpu.ms)});
+    if (const auto error = error_of(*row, reference, metric))
+      points.push_back({row, median_ms(*row), *error, median_interval(row->gpu.ms)});
   for (ErrorPoint& p : points)
     p.dominated = std::any_of(points.begin(), points.end(), [&](const ErrorPoint& q) {
       return q.ms <= p.ms && q.error <= p.error && (q.ms < p.ms || q.error < p.error);
@@ -117,7 +121,8 @@ std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, cons
   return points;
 }
 
-const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric, double most) {
+const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric,
+                         double most) {
   const ErrorPoint* best = nullptr;
   const auto points = error_points(rows, reference, metric);
   for (const ErrorPoint& p : points)
@@ -134,13 +139,16 @@ const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::strin
   return best->row;
 }
 
-std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric, double most) {
+std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference,
+                              const std::string& metric, double most) {
   const BenchRow* row = cheapest(rows, reference, metric, most);
   if (!row) return fmt::format("no setting has {} below {} against {}", metric, most, reference);
   const double error = *error_of(*row, reference, metric);
   const Interval ci = median_interval(row->gpu.ms);
-  std::string text = fmt::format("for {} below {} against {} the cheapest setting is {}: {:.3g} ms on the GPU (95 % CI {:.3g} to {:.3g}), {} {:.3g}",
-                                 metric, most, reference, error_setting(*row), median_ms(*row), ci.low, ci.high, metric, error);
+  std::string text = fmt::format(
+      "for {} below {} against {} the cheapest setting is {}: {:.3g} ms on the GPU (95 % CI {:.3g} to {:.3g}), {} "
+      "{:.3g}",
+      metric, most, reference, error_setting(*row), median_ms(*row), ci.low, ci.high, metric, error);
   if (const auto& noise = error_against(*row, reference)->noise; noise && metric == "relmse" && error <= noise->relmse)
     text += fmt::format(", which is below the reference's own noise of {:.3g}", noise->relmse);
   return text;
@@ -167,8 +175,12 @@ std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows) {
   const auto add = [&](const BenchRow& row, const KnobPoint& point) {
     const auto relmse = error_of(row, exact_reference, "relmse"), rmse = error_of(row, exact_reference, "rmse");
     if (!relmse || !rmse) return;
-    auto found = std::find_if(studies.begin(), studies.end(), [&](const KnobStudy& s) { return s.knob == point.knob && s.technique == row.technique; });
-    KnobStudy& study = found == studies.end() ? studies.emplace_back(KnobStudy{point.knob, row.technique, point.kind, point.passes, {}, {}, 0, {}}) : *found;
+    auto found = std::find_if(studies.begin(), studies.end(),
+                              [&](const KnobStudy& s) { return s.knob == point.knob && s.technique == row.technique; });
+    KnobStudy& study =
+        found == studies.end()
+            ? studies.emplace_back(KnobStudy{point.knob, row.technique, point.kind, point.passes, {}, {}, 0, {}})
+            : *found;
     KnobStudy::Value value{.row = &row, .text = point.value, .relmse = *relmse, .rmse = *rmse};
     std::from_chars(value.text.data(), value.text.data() + value.text.size(), value.value);
     value.ms = median_ms(row), value.ms_ci = median_interval(row.gpu.ms);
@@ -222,10 +234,13 @@ std::vector<NoiseVerdict> noise_verdicts(std::span<const BenchRow* const> rows) 
     }
     if (!any) continue;
     verdict.enough = verdict.floor <= 0.1 * verdict.smallest;
-    verdict.sentence = fmt::format("{} was traced with {} samples a pixel: its noise makes a relmse of {:.3g}; the smallest error against it is {:.3g}, {}",
-                                   reference, verdict.spp, verdict.floor, verdict.smallest,
-                                   verdict.enough ? "at least ten times as much"
-                                                  : "less than ten times as much: take more samples (--reference-spp) before small differences against it are believed");
+    verdict.sentence = fmt::format(
+        "{} was traced with {} samples a pixel: its noise makes a relmse of {:.3g}; the smallest error against it is "
+        "{:.3g}, {}",
+        reference, verdict.spp, verdict.floor, verdict.smallest,
+        verdict.enough ? "at least ten times as much"
+                       : "less than ten times as much: take more samples (--reference-spp) before small differences "
+                         "against it are believed");
     verdicts.push_back(std::move(verdict));
   }
   return verdicts;
@@ -236,7 +251,8 @@ std::vector<std::string> error_defects(std::span<const BenchRow* const> rows) {
   for (const BenchRow* row : rows) {
     if (row->suite == "whole" || row->knobs.empty() || row->knobs.front().kind != "time") continue;
     if (const auto differing = error_of(*row, exact_reference, "differing"); differing && *differing > 0)
-      defects.push_back(fmt::format("{}, {}: {} must change nothing but time, and {:.0f} pixels differ", error_place(*row), row->technique,
+      defects.push_back(fmt::format("{}, {}: {} must change nothing but time, and {:.0f} pixels differ",
+                                    error_place(*row), row->technique,
                                     row->knobs.front().knob + "=" + row->knobs.front().value, *differing));
   }
   return defects;

@@ -25,26 +25,31 @@ struct ErrorPoint {
   Interval ms_ci;            // 95 % of the median
   bool dominated = false;    // another is no slower and no worse, and better in one of them
 };
-std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric);
+std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference,
+                                     const std::string& metric);
 
-// The cheapest row whose error is no more than `most`; among equals the more exact, or a quality rather than one knob of it.
-const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric, double most);
+// The cheapest row whose error is no more than `most`; among equals the more exact, or a quality rather than one knob
+// of it.
+const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric,
+                         double most);
 // "for relmse below 0.01 against direct the cheapest setting is ...", or that none reaches it.
-std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric, double most);
+std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference,
+                              const std::string& metric, double most);
 
 // Samples of the time of some passes together; empty where the row has none of them.
 std::vector<double> passes_ms(const BenchRow& row, const std::vector<std::string>& passes);
 // Bytes of what the row's memory calls so; 0 when it says nothing.
 uint64_t memory_of(const BenchRow& row, std::string_view name);
 
-// One knob of one technique along its values, at one place. Errors are relmse and rmse against the technique's exact picture.
+// One knob of one technique along its values, at one place. Errors are relmse and rmse against the technique's exact
+// picture.
 struct KnobStudy {
   struct Value {
     const BenchRow* row = nullptr;
     std::string text;
     double value = 0, ms = 0, relmse = 0, rmse = 0;
     Interval ms_ci;
-    double passes_ms = 0;    // of the passes that the knob belongs to
+    double passes_ms = 0;  // of the passes that the knob belongs to
     Interval passes_ci;
     bool dominated = false;  // another value is quicker beyond doubt and no worse
     std::string verdict;     // whether it is worth its time, and why
@@ -52,7 +57,8 @@ struct KnobStudy {
   std::string knob, technique, kind;  // kind: what it trades, error or time
   std::vector<std::string> passes;
   std::vector<Value> values;  // the exact one last
-  // rmse = factor * value^exponent over the values that have an error; the knob's order of convergence where it has three or more.
+  // rmse = factor * value^exponent over the values that have an error; the knob's order of convergence where it has
+  // three or more.
   PowerFit fit;
   double r_squared = 0;
   std::string advised;  // the value worth its time; empty where none is, or the knob changes nothing
@@ -60,8 +66,8 @@ struct KnobStudy {
 // rows: of one place.
 std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows);
 
-// A technique's error at a quality, and what it is made of: the model's is that of the same technique at its exact end, the sampling's is the
-// distance from there. They need not add up: errors may cancel. All are relmse.
+// A technique's error at a quality, and what it is made of: the model's is that of the same technique at its exact end,
+// the sampling's is the distance from there. They need not add up: errors may cancel. All are relmse.
 struct TotalError {
   const BenchRow* row = nullptr;
   std::string reference;
@@ -79,7 +85,8 @@ struct NoiseVerdict {
 };
 std::vector<NoiseVerdict> noise_verdicts(std::span<const BenchRow* const> rows);
 
-// Rows whose knob may change nothing but time, and which differ from the technique's exact picture: each is a defect of the program.
+// Rows whose knob may change nothing but time, and which differ from the technique's exact picture: each is a defect of
+// the program.
 std::vector<std::string> error_defects(std::span<const BenchRow* const> rows);
 
 }  // namespace candela

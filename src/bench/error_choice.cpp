@@ -18,40 +18,46 @@ struct Candidate {
 
 Expected<SettingChoice> choice_of(const Candidate& candidate, const std::string& file) {
   const auto job = job_from_json(candidate.row->job);
-  if (!job) return fail(ErrorKind::input, file, "the row of {} holds no job: {}", error_setting(*candidate.row), job.error().message);
-  return SettingChoice{job->technique,  job->quality,           job->settings,
-                       job->samples,    candidate.ms,           candidate.error,
-                       candidate.ms_ci, error_setting(*candidate.row)};
+  if (!job)
+    return fail(ErrorKind::input, file, "the row of {} holds no job: {}", error_setting(*candidate.row),
+                job.error().message);
+  return SettingChoice{job->technique, job->quality,    job->settings,   job->samples,
+                       candidate.ms,   candidate.error, candidate.ms_ci, error_setting(*candidate.row)};
 }
 
 // Those rows that are about the place, or why there are none.
-Expected<std::vector<const BenchRow*>> rows_of_place(const std::vector<BenchRow>& rows, const BudgetPlace& place, const ErrorBudget& budget,
-                                                     const std::string& file) {
+Expected<std::vector<const BenchRow*>> rows_of_place(const std::vector<BenchRow>& rows, const BudgetPlace& place,
+                                                     const ErrorBudget& budget, const std::string& file) {
   std::vector<const BenchRow*> left;
   for (const BenchRow& row : rows)
     if (error_of(row, budget.reference, budget.metric)) left.push_back(&row);
   if (left.empty())
-    return fail(ErrorKind::input, file, "holds no {} against {}; candela bench --error makes such a file", budget.metric, budget.reference);
+    return fail(ErrorKind::input, file, "holds no {} against {}; candela bench --error makes such a file",
+                budget.metric, budget.reference);
   // Keeps what `fits`; names what there is instead, and why that does not help.
   const auto narrow = [&](auto&& fits, auto&& name_of, const std::string& wanted, const char* why) -> Expected<void> {
     std::set<std::string> there;
     for (const BenchRow* row : left) there.insert(name_of(*row));
     std::erase_if(left, [&](const BenchRow* row) { return !fits(*row); });
     if (!left.empty()) return {};
-    return fail(ErrorKind::input, file, "was not measured {} but {}: {}", wanted, joined(std::vector<std::string>(there.begin(), there.end())), why);
+    return fail(ErrorKind::input, file, "was not measured {} but {}: {}", wanted,
+                joined(std::vector<std::string>(there.begin(), there.end())), why);
   };
-  if (auto some = narrow([&](const BenchRow& row) { return row.scene_content == place.scene_content; },
-                         [](const BenchRow& row) { return "with " + row.scene; }, "with the content of " + place.scene,
-                         "neither times nor errors carry over from scene to scene; run candela bench --error on this one");
+  if (auto some =
+          narrow([&](const BenchRow& row) { return row.scene_content == place.scene_content; },
+                 [](const BenchRow& row) { return "with " + row.scene; }, "with the content of " + place.scene,
+                 "neither times nor errors carry over from scene to scene; run candela bench --error on this one");
       !some)
     return std::unexpected(some.error());
-  if (auto some = narrow([&](const BenchRow& row) { return row.width_px == place.width_px && row.height_px == place.height_px; },
-                         [](const BenchRow& row) { return fmt::format("at {}x{}", row.width_px, row.height_px); },
-                         fmt::format("at {}x{}", place.width_px, place.height_px), "times do not carry over from size to size");
+  if (auto some = narrow(
+          [&](const BenchRow& row) { return row.width_px == place.width_px && row.height_px == place.height_px; },
+          [](const BenchRow& row) { return fmt::format("at {}x{}", row.width_px, row.height_px); },
+          fmt::format("at {}x{}", place.width_px, place.height_px), "times do not carry over from size to size");
       !some)
     return std::unexpected(some.error());
-  if (auto some = narrow([&](const BenchRow& row) { return row.device == place.device; }, [](const BenchRow& row) { return "on " + row.device; },
-                         "on " + place.device, "times do not carry over from device to device");
+  if (auto some = narrow([&](const BenchRow& row) { return row.device == place.device; },
+                         [](const BenchRow& row) { return "on " + row.device; }, "on " + place.device,
+                         "times do not carry over from device to device");
       !some)
     return std::unexpected(some.error());
   return left;
@@ -60,10 +66,12 @@ Expected<std::vector<const BenchRow*>> rows_of_place(const std::vector<BenchRow>
 }  // namespace
 
 Expected<void> parse_error_budget(const std::string& text, ErrorBudget& budget) {
-  static const std::vector<std::string> metrics = {"max", "mae", "rmse", "relmse", "relmse-trimmed", "p50", "p90", "p99", "p99.9", "flip", "hdr-flip", "differing"};
+  static const std::vector<std::string> metrics = {"max", "mae", "rmse",  "relmse", "relmse-trimmed", "p50",
+                                                   "p90", "p99", "p99.9", "flip",   "hdr-flip",       "differing"};
   const size_t equals = text.find('=');
   if (equals == std::string::npos)
-    return fail(ErrorKind::usage, "--error-budget", "'{}' is not of the form METRIC=VALUE, for example relMSE=0.01", text);
+    return fail(ErrorKind::usage, "--error-budget", "'{}' is not of the form METRIC=VALUE, for example relMSE=0.01",
+                text);
   std::string metric = text.substr(0, equals);
   std::transform(metric.begin(), metric.end(), metric.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end())
@@ -78,8 +86,8 @@ Expected<void> parse_error_budget(const std::string& text, ErrorBudget& budget) 
   return {};
 }
 
-Expected<SettingChoice> choose_setting(const std::vector<BenchRow>& all, const BudgetPlace& place, const ErrorBudget& budget,
-                                       const std::string& file) {
+Expected<SettingChoice> choose_setting(const std::vector<BenchRow>& all, const BudgetPlace& place,
+                                       const ErrorBudget& budget, const std::string& file) {
   const auto rows = rows_of_place(all, place, budget, file);
   if (!rows) return std::unexpected(rows.error());
   std::map<std::string, Candidate> settings;
@@ -97,18 +105,23 @@ Expected<SettingChoice> choose_setting(const std::vector<BenchRow>& all, const B
   const Candidate *best = nullptr, *nearest = nullptr;
   for (const auto& [name, c] : settings) {
     if (c.places.size() != places.size()) continue;
-    const auto order = [&](const Candidate& x) { return budget.time_ms ? std::pair(x.error, x.ms) : std::pair(x.ms, x.error); };
+    const auto order = [&](const Candidate& x) {
+      return budget.time_ms ? std::pair(x.error, x.ms) : std::pair(x.ms, x.error);
+    };
     const auto need = [&](const Candidate& x) { return budget.time_ms ? x.ms_ci.high : x.error; };
     if (!nearest || need(c) < need(*nearest)) nearest = &c;
     if (need(c) <= (budget.time_ms ? *budget.time_ms : *budget.error) && (!best || order(c) < order(*best))) best = &c;
   }
   if (!nearest) return fail(ErrorKind::input, file, "no setting was measured with every camera and at every time");
   if (!best && budget.time_ms)
-    return fail(ErrorKind::usage, "--time-budget", "no setting is sure to take {} ms or less; the quickest, {}, takes {:.3g} ms (95 % CI {:.3g} to {:.3g})",
-                *budget.time_ms, error_setting(*nearest->row), nearest->ms, nearest->ms_ci.low, nearest->ms_ci.high);
+    return fail(
+        ErrorKind::usage, "--time-budget",
+        "no setting is sure to take {} ms or less; the quickest, {}, takes {:.3g} ms (95 % CI {:.3g} to {:.3g})",
+        *budget.time_ms, error_setting(*nearest->row), nearest->ms, nearest->ms_ci.low, nearest->ms_ci.high);
   if (!best)
-    return fail(ErrorKind::usage, "--error-budget", "no setting has {} of {} or less against {}; the best, {}, has {:.3g}", budget.metric,
-                *budget.error, budget.reference, error_setting(*nearest->row), nearest->error);
+    return fail(ErrorKind::usage, "--error-budget",
+                "no setting has {} of {} or less against {}; the best, {}, has {:.3g}", budget.metric, *budget.error,
+                budget.reference, error_setting(*nearest->row), nearest->error);
   return choice_of(*best, file);
 }
 

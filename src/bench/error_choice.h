@@ -11,7 +11,8 @@ namespace candela {
 
 // What a render may cost or get wrong; one of the two is given.
 struct ErrorBudget {
-  // On the GPU: the most exact setting within it. A setting is within when the upper end of the 95 % confidence interval of its median is.
+  // On the GPU: the most exact setting within it. A setting is within when the upper end of the 95 % confidence
+  // interval of its median is.
   std::optional<double> time_ms;
   std::string metric = "relmse";  // by which settings are ordered
   std::optional<double> error;    // the cheapest setting that is no worse
@@ -35,9 +36,10 @@ struct SettingChoice {
   Interval ms_ci;            // of that ms
   std::string text;          // for readers
 };
-// Of the rows of a sweep at the place given. Where it has several cameras or times a setting counts by its worst, and only where all have
-// it. Errors: no rows of the reference, scene, size or device (input), no setting within the budget (usage), with what the best would need.
-Expected<SettingChoice> choose_setting(const std::vector<BenchRow>& rows, const BudgetPlace& place, const ErrorBudget& budget,
-                                       const std::string& file);
+// Of the rows of a sweep at the place given. Where it has several cameras or times a setting counts by its worst, and
+// only where all have it. Errors: no rows of the reference, scene, size or device (input), no setting within the budget
+// (usage), with what the best would need.
+Expected<SettingChoice> choose_setting(const std::vector<BenchRow>& rows, const BudgetPlace& place,
+                                       const ErrorBudget& budget, const std::string& file);
 
 }  // namespace candela

@@ -4,10 +4,10 @@
 
 #include "base/log.h"
 #include "bench/error_walk.h"
+#include "bench/picture.h"
 #include "metrics/compare.h"
 #include "metrics/flip.h"
 #include "metrics/heatmap.h"
-#include "bench/picture.h"
 #include "render/outputs.h"
 
 namespace candela {
@@ -17,7 +17,8 @@ constexpr int strip_px = 960;
 
 std::vector<std::byte> strip_of(const FloatImage& truth, const FloatImage& image, const Comparison& c) {
   if (c.flip_map.empty()) return {};
-  return thumbnail_png(side_by_side(display_planes(truth, Encoding::linear), display_planes(image, Encoding::linear), c.flip_map, c.width, c.height),
+  return thumbnail_png(side_by_side(display_planes(truth, Encoding::linear), display_planes(image, Encoding::linear),
+                                    c.flip_map, c.width, c.height),
                        strip_px);
 }
 
@@ -42,10 +43,14 @@ class Judge {
     row.knobs = planned.knobs;
     row.lists_note = "not counted in sweeps of errors";
     NonFinite nonfinite;
-    const FloatImage image = linear_image(frame, planned.configuration.job, session, std::nullopt, FrameRate{}, nonfinite);
-    if (planned.suite == "whole" && row.quality == "exact") exact_[row.technique] = {.name = exact_reference, .image = image};
+    const FloatImage image =
+        linear_image(frame, planned.configuration.job, session, std::nullopt, FrameRate{}, nonfinite);
+    if (planned.suite == "whole" && row.quality == "exact")
+      exact_[row.technique] = {.name = exact_reference, .image = image};
     const auto own = exact_.find(row.technique);
-    compare_with(own == exact_.end() ? Truth{.name = exact_reference, .failed = "quality exact was not rendered"} : own->second, image, row);
+    compare_with(
+        own == exact_.end() ? Truth{.name = exact_reference, .failed = "quality exact was not rendered"} : own->second,
+        image, row);
     for (const Truth& truth : truths_) compare_with(truth, image, row);
   }
 
@@ -57,10 +62,11 @@ class Judge {
       error.metrics = c.metrics;
       error.noise = c.noise;
       error.note = c.refusal;
-      // Errors of a knob are seen against the exact picture, those of a whole technique against what it approximates. Where there is
-      // nothing to see there is no strip.
+      // Errors of a knob are seen against the exact picture, those of a whole technique against what it approximates.
+      // Where there is nothing to see there is no strip.
       const bool differs = c.metrics.contains("differing") && c.metrics["differing"] > 0;
-      if (differs && truth.name == (row.suite == "whole" ? open_reference_name : exact_reference)) row.strip = strip_of(truth.image, image, c);
+      if (differs && truth.name == (row.suite == "whole" ? open_reference_name : exact_reference))
+        row.strip = strip_of(truth.image, image, c);
     }
     row.errors.push_back(std::move(error));
   }
@@ -71,8 +77,8 @@ class Judge {
   std::map<std::string, Truth> exact_;  // by technique
 };
 
-Expected<BenchRun> run_place(const SweepPlace& place, const ErrorSweepOptions& o, double budget_s, SceneStore& store, const RunSettings& settings,
-                             const std::function<bool()>& stop) {
+Expected<BenchRun> run_place(const SweepPlace& place, const ErrorSweepOptions& o, double budget_s, SceneStore& store,
+                             const RunSettings& settings, const std::function<bool()>& stop) {
   std::map<std::string, Suite> suites;
   std::vector<RunItem> items;
   for (const SweepRow& row : place.rows) {
@@ -91,14 +97,16 @@ Expected<BenchRun> run_place(const SweepPlace& place, const ErrorSweepOptions& o
     }
   }
   Judge judge(place, std::move(truths), o.exposures);
-  return run_items(items, budget_s, settings, stop, [&](size_t item, BenchRow& row, const FrameResult& frame, const Session& session) {
-    judge.see(item, row, frame, session);
-  });
+  return run_items(items, budget_s, settings, stop,
+                   [&](size_t item, BenchRow& row, const FrameResult& frame, const Session& session) {
+                     judge.see(item, row, frame, session);
+                   });
 }
 
 }  // namespace
 
-Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSettings& settings, const std::function<bool()>& stop) {
+Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSettings& settings,
+                                   const std::function<bool()>& stop) {
   SceneStore store;
   const auto places = sweep_places(options.base, store);
   if (!places) return std::unexpected(places.error());
@@ -109,7 +117,8 @@ Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSe
     for (const std::string& note : place.notes) log::info("{}", note);
     all.notes.insert(all.notes.end(), place.notes.begin(), place.notes.end());
     std::move(run->rows.begin(), run->rows.end(), std::back_inserter(all.rows));
-    for (const std::string& note : run->notes) all.notes.push_back(place.rows.front().configuration.scene.label + ": " + note);
+    for (const std::string& note : run->notes)
+      all.notes.push_back(place.rows.front().configuration.scene.label + ": " + note);
     all.wall_s += run->wall_s;
   }
   return all;

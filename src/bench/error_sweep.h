@@ -6,8 +6,8 @@
 
 namespace candela {
 
-// Error against time: every knob along its ladder with all else at its exact end, whose errors are the knob's own, and every technique
-// at every quality as a whole (error_walk.h).
+// Error against time: every knob along its ladder with all else at its exact end, whose errors are the knob's own, and
+// every technique at every quality as a whole (error_walk.h).
 struct ErrorSweepOptions {
   Suite base;  // scenes, lights, sizes, times, techniques and sampling; its knobs and qualities are not asked
   TruthLimits truth;
@@ -15,6 +15,7 @@ struct ErrorSweepOptions {
 };
 
 // Rows of all places, each with an error against each reference; those of one place are measured in interleaved rounds.
-Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSettings& settings, const std::function<bool()>& stop);
+Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSettings& settings,
+                                   const std::function<bool()>& stop);
 
 }  // namespace candela

@@ -2,8 +2,8 @@
 
 #include "base/files.h"
 #include "base/log.h"
-#include "render/reference_frame.h"
 #include "frame/session.h"
+#include "render/reference_frame.h"
 
 namespace candela {
 namespace {
@@ -25,7 +25,8 @@ fs::path film_file(const Hash128& identity) {
   if (cache.empty() || !program_content()) return {};
   std::error_code failed;
   fs::create_directories(cache / "references", failed);
-  return failed ? fs::path() : cache / "references" / (hash128(identity.hex() + program_content()->hex()).hex() + ".film");
+  return failed ? fs::path()
+                : cache / "references" / (hash128(identity.hex() + program_content()->hex()).hex() + ".film");
 }
 
 // What a film goes on from, and where it is kept.
@@ -46,7 +47,8 @@ KeptFilm kept_film(const Hash128& identity, const Job& job, uint64_t most_spp) {
   return kept;
 }
 
-void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const TruthLimits& limits, const std::function<bool()>& stop) {
+void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const TruthLimits& limits,
+           const std::function<bool()>& stop) {
   reference::TraceSettings settings;
   settings.mode = truth.name == "path" ? reference::Mode::path : reference::Mode::direct;
   settings.visibility = truth.name != open_reference_name;
@@ -59,17 +61,19 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const Trut
   const auto save = [&] {
     saved_us = process_clock_us();
     if (file.empty() || film.samples() == kept) return;
-    if (auto saved = film.save(file, identity); !saved) log::warning("the reference is not kept: {}", saved.error().text());
+    if (auto saved = film.save(file, identity); !saved)
+      log::warning("the reference is not kept: {}", saved.error().text());
   };
   if (kept < limits.spp)
     reference::refine(
-        film, integrator, {.spp = limits.spp, .seconds = limits.seconds}, [&](const reference::Progress&) { return !stop || !stop(); },
+        film, integrator, {.spp = limits.spp, .seconds = limits.seconds},
+        [&](const reference::Progress&) { return !stop || !stop(); },
         [&] {
           if (process_clock_us() - saved_us > save_every_us) save();
         });
   save();
-  log::info("reference {}: {} samples a pixel ({} of them kept before), relative standard error {:.3g} %", truth.name, film.samples(), kept,
-            film.relative_error() * 100);
+  log::info("reference {}: {} samples a pixel ({} of them kept before), relative standard error {:.3g} %", truth.name,
+            film.samples(), kept, film.relative_error() * 100);
   truth.spp = film.samples();
   if (truth.spp == 0)
     truth.failed = "stopped before its first sample";
@@ -81,14 +85,16 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const Trut
 
 std::vector<std::string> error_reference_names() { return {exact_reference, open_reference_name, "direct", "path"}; }
 
-std::vector<Truth> traced_truths(const Job& job, double time_s, const TruthLimits& limits, const std::function<bool()>& stop) {
+std::vector<Truth> traced_truths(const Job& job, double time_s, const TruthLimits& limits,
+                                 const std::function<bool()>& stop) {
   std::vector<Truth> truths;
   for (const std::string& name : error_reference_names())
     if (name != exact_reference) truths.push_back({.name = name});
   auto frame = open_reference(job, time_s, {});
   for (Truth& truth : truths) {
     // The last: paths go through what the others take as opaque.
-    if (truth.name == "path" && frame && has_transmission((*frame)->scene)) frame = open_reference(job, time_s, {}, reference::Mode::path);
+    if (truth.name == "path" && frame && has_transmission((*frame)->scene))
+      frame = open_reference(job, time_s, {}, reference::Mode::path);
     if (frame)
       trace(truth, **frame, job, limits, stop);
     else

@@ -11,8 +11,8 @@ namespace candela {
 namespace {
 
 std::string place_of(const Configuration& c) {
-  return fmt::format("{}\n{}\n{}\n{}x{}\n{:a}\n{}", c.scene.label, c.seed, c.lights.value_or(-1), c.job.width_px, c.job.height_px, c.time_s,
-                     c.scene.camera.camera);
+  return fmt::format("{}\n{}\n{}\n{}x{}\n{:a}\n{}", c.scene.label, c.seed, c.lights.value_or(-1), c.job.width_px,
+                     c.job.height_px, c.time_s, c.scene.camera.camera);
 }
 
 template <class T>
@@ -25,7 +25,8 @@ Hash128 work_of(const PlannedFrame& f, const Job& job) {
   std::string work = plan_hash(f.graph.plan).hex();
   work += frame_knobs(job)->cull_enabled ? "culled " : "all ";
   work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
-  for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds), bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
+  for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
+                                       bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
     work += fmt::format("{} ", bytes.size()), work += bytes;
   return hash128(work);
 }
@@ -45,15 +46,16 @@ class Walker {
       }
       const auto planned = plan(exact.job, exact.time_s);
       if (!planned) {
-        place.notes.push_back(fmt::format("{} with {}: no knob was walked: {}", exact.scene.label, exact.job.technique, planned.error().text()));
+        place.notes.push_back(fmt::format("{} with {}: no knob was walked: {}", exact.scene.label, exact.job.technique,
+                                          planned.error().text()));
         continue;
       }
       std::vector<std::string> same;
       for (const KnobRow& knob : knob_rows("exact"))
         if (knob.kind != "look" && knob.walk.size() > 1) walk_knob(place, i, knob, *planned, same);
       if (!same.empty())
-        place.notes.push_back(fmt::format("{} with {}: the same work as at another value, and not measured again: {}", exact.scene.label,
-                                          exact.job.technique, joined(same)));
+        place.notes.push_back(fmt::format("{} with {}: the same work as at another value, and not measured again: {}",
+                                          exact.scene.label, exact.job.technique, joined(same)));
     }
   }
 
@@ -76,7 +78,8 @@ class Walker {
     return plan_frame(job, PlanContext{scene_, layout_}, {.linear = true, .display = whole_.output == "both"}, time_s);
   }
 
-  void walk_knob(SweepPlace& place, size_t exact_row, const KnobRow& knob, const PlannedFrame& exact, std::vector<std::string>& same) const {
+  void walk_knob(SweepPlace& place, size_t exact_row, const KnobRow& knob, const PlannedFrame& exact,
+                 std::vector<std::string>& same) const {
     const std::string name = knob.pass + "." + knob.knob;
     std::vector<std::string> kept;
     for (const PlanPass& pass : exact.graph.plan.passes)

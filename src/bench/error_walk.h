@@ -14,15 +14,17 @@ struct SweepRow {
   Configuration configuration;
   std::vector<KnobPoint> knobs;  // of which it is a point
 };
-// A scene with its lights, size, camera and time: its rows share references. Of each technique the exact end comes first.
+// A scene with its lights, size, camera and time: its rows share references. Of each technique the exact end comes
+// first.
 struct SweepPlace {
   std::vector<SweepRow> rows;
   std::vector<std::string> notes;  // what is not measured, for it would be the same work again
 };
 
-// Every technique at every quality, and every knob that trades error or time along its walk, with every technique whose plan has one of the
-// knob's passes, all else at its exact end. Values that plan the same frame, to the last pipeline, constant and light box, are measured once.
-// Scenes are loaded to be planned; one that cannot be has no knobs walked, and fails when it is measured. Errors (usage): of the suite.
+// Every technique at every quality, and every knob that trades error or time along its walk, with every technique whose
+// plan has one of the knob's passes, all else at its exact end. Values that plan the same frame, to the last pipeline,
+// constant and light box, are measured once. Scenes are loaded to be planned; one that cannot be has no knobs walked,
+// and fails when it is measured. Errors (usage): of the suite.
 Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& store);
 
 }  // namespace candela

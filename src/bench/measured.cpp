@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "base/hash.h"
-#include "render/outputs.h"
 #include "frame/timings.h"
+#include "render/outputs.h"
 #include "scene/frame_data.h"
 
 namespace candela {
@@ -128,7 +128,8 @@ Expected<void> Measured::warm_up() {
   return {};
 }
 
-Expected<void> Measured::open(const std::string& scene_file, const std::function<void(const FrameResult&, const Session&)>& seen) {
+Expected<void> Measured::open(const std::string& scene_file,
+                              const std::function<void(const FrameResult&, const Session&)>& seen) {
   if (auto opened = open_session(scene_file); !opened) return opened;
   {
     // The first frame compiles; the picture is checked on it.

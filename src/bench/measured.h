@@ -20,7 +20,8 @@ class Measured {
 
   // Loads, renders until warm, and fills what of the row is no sample.
   // `seen` gets the first frame, whose picture is every frame's.
-  Expected<void> open(const std::string& scene_file, const std::function<void(const FrameResult&, const Session&)>& seen = {});
+  Expected<void> open(const std::string& scene_file,
+                      const std::function<void(const FrameResult&, const Session&)>& seen = {});
   void close();
   Expected<void> sample(const std::string& scene_file);  // opens when closed
   void fail_with(const Error& error);

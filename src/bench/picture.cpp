@@ -6,8 +6,8 @@
 
 #include "base/check.h"
 #include "base/statistics.h"
-#include "image/png_write.h"
 #include "frame/plan_frame.h"
+#include "image/png_write.h"
 
 namespace candela {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "bench/row.h"
-#include "image/image.h"
 #include "frame/session.h"
+#include "image/image.h"
 
 namespace candela {
 

@@ -37,11 +37,11 @@ struct PictureCheck {
 // How far the picture is from one that is truer (error_sweep.h says which there are).
 struct PictureError {
   std::string reference;
-  std::map<std::string, double> metrics;  // names as in metrics/compare.h; empty where it was not compared
-  std::string note;                       // why not
-  std::optional<NoiseFloor> noise;        // of the reference
-  std::optional<ExposureRange> exposures; // of hdr-flip: the same for all rows of a place
-  uint64_t spp = 0;                       // of a traced reference
+  std::map<std::string, double> metrics;   // names as in metrics/compare.h; empty where it was not compared
+  std::string note;                        // why not
+  std::optional<NoiseFloor> noise;         // of the reference
+  std::optional<ExposureRange> exposures;  // of hdr-flip: the same for all rows of a place
+  uint64_t spp = 0;                        // of a traced reference
 };
 
 // A knob's value that the row is measured at, all else being exact: a point of that knob's study.

@@ -21,7 +21,8 @@ struct Item {
 
 class SuiteRun {
  public:
-  SuiteRun(const std::vector<Suite>& suites, std::vector<Item> items, const RunSettings& settings, const std::function<bool()>& stop)
+  SuiteRun(const std::vector<Suite>& suites, std::vector<Item> items, const RunSettings& settings,
+           const std::function<bool()>& stop)
       : settings_(settings), stop_(stop), items_(std::move(items)) {
     // The run's budget is the sum of the suites'; one suite without a budget makes it endless.
     bool endless = false;
@@ -32,8 +33,8 @@ class SuiteRun {
     if (endless) budget_s_ = 0;
   }
 
-  SuiteRun(const std::vector<RunItem>& items, double budget_s, const RunSettings& settings, const std::function<bool()>& stop,
-           const SeeFirstFrame& seen)
+  SuiteRun(const std::vector<RunItem>& items, double budget_s, const RunSettings& settings,
+           const std::function<bool()>& stop, const SeeFirstFrame& seen)
       : settings_(settings), stop_(stop), budget_s_(budget_s), seen_(seen) {
     for (const RunItem& item : items) items_.push_back({item.suite, item.configuration, {}});
   }
@@ -175,9 +176,10 @@ void SuiteRun::open_one(size_t i) {
   }
   log::info("{}", row_title(measured.row));
   const auto file = store_.file_of(item.configuration);
-  const auto opened = file ? measured.open(*file, [&](const FrameResult& frame, const Session& session) {
-    if (seen_) seen_(i, measured.row, frame, session);
-  })
+  const auto opened = file ? measured.open(*file,
+                                           [&](const FrameResult& frame, const Session& session) {
+                                             if (seen_) seen_(i, measured.row, frame, session);
+                                           })
                            : std::unexpected(file.error());
   if (!opened) {
     log::error("{}: {}", row_title(measured.row), opened.error().text());

@@ -16,8 +16,8 @@ struct BenchRun {
   double wall_s = 0;
 };
 
-// Rows of configurations that were chosen one by one, in their order. Pictures are compared by `seen`, which gets each one's first frame
-// and its row; they are not checked against a technique's, and lists of lights are not counted.
+// Rows of configurations that were chosen one by one, in their order. Pictures are compared by `seen`, which gets each
+// one's first frame and its row; they are not checked against a technique's, and lists of lights are not counted.
 struct RunItem {
   const Suite* suite = nullptr;  // its name and what a timed frame leaves; the first one's sampling holds for all
   Configuration configuration;

@@ -1,9 +1,9 @@
 #include "bench/shared_renderer.h"
 
 #include "base/files.h"
-#include "image/environment_file.h"
 #include "frame/device_samples.h"
 #include "gltf/gltf.h"
+#include "image/environment_file.h"
 
 namespace candela {
 namespace {
@@ -65,7 +65,8 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
 }
 
 Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs& wanted, double time_s) {
-  if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine) return std::unexpected(fine.error());
+  if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine)
+    return std::unexpected(fine.error());
   auto planned = plan_frame(job, PlanContext{scene_, layout_, environment_ ? &*environment_ : nullptr}, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {

@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "bench/picture.h"
-#include "gpu/frame_runner.h"
 #include "frame/gpu_scene.h"
 #include "frame/plan_frame.h"
+#include "gpu/frame_runner.h"
 
 namespace candela {
 

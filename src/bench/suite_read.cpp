@@ -203,7 +203,8 @@ Expected<Suite> read_suite(const fs::path& file, const fs::path& assets) {
   // Names and values that no job takes stand in the file, not on the command line.
   if (const auto all = configurations(*suite); !all) {
     const std::string& place = all.error().place;
-    return fail(all.error().kind, file.string() + ": " + (place.starts_with("--") ? place.substr(2) : place), "{}", all.error().message);
+    return fail(all.error().kind, file.string() + ": " + (place.starts_with("--") ? place.substr(2) : place), "{}",
+                all.error().message);
   }
   return suite;
 }

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "math/bounds.h"
 #include "bvh/options.h"
 #include "bvh/raw_vector.h"
+#include "math/bounds.h"
 
 namespace candela {
 

@@ -169,4 +169,6 @@ inline uint32_t less_equal(F8 x, F8 y) { return less_equal(x.a, y.a).bits() | le
 
 #endif
 
+// clang-format off
 }  // namespace candela::inline CANDELA_SIMD_NAME
+// clang-format on

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/hash.h"
-#include "math/bounds.h"
 #include "bvh/build.h"
 #include "bvh/wide_node.h"
+#include "math/bounds.h"
 
 namespace candela {
 

@@ -95,10 +95,13 @@ std::string error_sentences(const BenchRun& run) {
   for (const ErrorPlace& place : error_places(run)) {
     text += "\n" + place.name + "\n";
     for (const char* reference : {open_reference_name, "path"})
-      for (const double bound : error_bounds) text += "  " + cheapest_sentence(place.rows, reference, "relmse", bound) + "\n";
+      for (const double bound : error_bounds)
+        text += "  " + cheapest_sentence(place.rows, reference, "relmse", bound) + "\n";
     for (const KnobStudy& study : knob_studies(place.rows))
-      text += study.advised.empty() ? fmt::format("  {}, {}: {}\n", study.technique, study.knob, study.values.empty() ? "" : study.values.front().verdict)
-                                    : fmt::format("  {}, {}: {} is worth its time\n", study.technique, study.knob, study.advised);
+      text += study.advised.empty()
+                  ? fmt::format("  {}, {}: {}\n", study.technique, study.knob,
+                                study.values.empty() ? "" : study.values.front().verdict)
+                  : fmt::format("  {}, {}: {} is worth its time\n", study.technique, study.knob, study.advised);
     for (const NoiseVerdict& verdict : noise_verdicts(place.rows)) text += "  " + verdict.sentence + "\n";
   }
   return text;

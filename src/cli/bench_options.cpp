@@ -1,9 +1,9 @@
 #include "cli/bench_options.h"
 
 #include "base/text.h"
-#include "stability/stability.h"
 #include "cli/job_options.h"
 #include "frame/plan_frame.h"
+#include "stability/stability.h"
 
 namespace candela::cli {
 namespace fs = std::filesystem;
@@ -125,7 +125,8 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("what", o.what, "Suite files (.json), scenes (.gltf, .glb), or generated scenes by name")
       ->type_name("SUITE.json|SCENE");
   command
-      .add_option("--suite", o.suite, "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
+      .add_option("--suite", o.suite,
+                  "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
                   "extreme scenes and measures them against the truth")
       ->type_name("NAME");
   command.add_option("--techniques", o.techniques, "Separated by commas; all by default")->type_name("LIST");
@@ -172,23 +173,32 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command.add_flag("--error", o.error,
-                   "Error against time: every knob along its ladder, and every technique at every quality, against exact and traced pictures");
-  command.add_option("--reference-spp", o.reference_spp, "With --error: samples a pixel of the traced references; 64 by default")
+                   "Error against time: every knob along its ladder, and every technique at every quality, against "
+                   "exact and traced pictures");
+  command
+      .add_option("--reference-spp", o.reference_spp,
+                  "With --error: samples a pixel of the traced references; 64 by default")
       ->transform(whole_number<uint64_t>())
       ->check(CLI::PositiveNumber)
       ->type_name("N");
-  command.add_option("--reference-seconds", o.reference_s, "With --error: longest time for one traced reference; 0: none")
+  command
+      .add_option("--reference-seconds", o.reference_s, "With --error: longest time for one traced reference; 0: none")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
-  command.add_option("--hdr-flip", o.hdr_flip, "With --error: exposures of hdr-flip; auto takes them from each place's reference")
+  command
+      .add_option("--hdr-flip", o.hdr_flip,
+                  "With --error: exposures of hdr-flip; auto takes them from each place's reference")
       ->type_name("auto|START,STOP,COUNT");
   command.add_option("--count", o.count, "With --suite exactness: number of light fields")
       ->transform(whole_number<int>())
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
-  command.add_option("--only", o.only, "With --suite stability, or a suite file of it: scenes whose family/name holds one of these")
+  command
+      .add_option("--only", o.only,
+                  "With --suite stability, or a suite file of it: scenes whose family/name holds one of these")
       ->type_name("LIST");
-  command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG and the .glb of each scene")->type_name("DIR");
+  command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG and the .glb of each scene")
+      ->type_name("DIR");
   command.add_flag("--large", o.large, "With --suite stability: ten million triangles in a pixel, 8192x8192 pixels");
   command.add_option("--assets", o.assets, "Folder of scenes named assets:...; by default ../shared/assets")
       ->type_name("DIR");
@@ -230,11 +240,14 @@ Expected<void> check_options(const BenchOptions& o) {
     return fail(ErrorKind::usage, "--only", "--only, --pictures and --large go with --suite stability");
   if (o.suite == "stability" && !(o.lights + o.sizes + o.samples + o.qualities + o.times + o.frames + o.camera).empty())
     return fail(ErrorKind::usage, "--suite", "the scenes of stability choose their own lights, sizes and times");
-  if (o.error && modes > 0) return fail(ErrorKind::usage, "--error", "takes scenes or suite files, not --suite, --compare or --from");
+  if (o.error && modes > 0)
+    return fail(ErrorKind::usage, "--error", "takes scenes or suite files, not --suite, --compare or --from");
   if (!o.error && (o.reference_spp || o.reference_s > 0 || o.hdr_flip != "auto"))
-    return fail(ErrorKind::usage, "--reference-spp", "--reference-spp, --reference-seconds and --hdr-flip go with --error");
+    return fail(ErrorKind::usage, "--reference-spp",
+                "--reference-spp, --reference-seconds and --hdr-flip go with --error");
   if (o.error && (!o.settings.empty() || !o.qualities.empty() || !o.samples.empty()))
-    return fail(ErrorKind::usage, "--error", "walks knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
+    return fail(ErrorKind::usage, "--error",
+                "walks knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
   if (!o.report.empty() && (!o.suite.empty() || !o.compare.empty()))
     return fail(ErrorKind::usage, "--report", "reports are of measurements");
   if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())
@@ -243,10 +256,12 @@ Expected<void> check_options(const BenchOptions& o) {
 }
 
 Expected<void> take_stability_file(BenchOptions& o) {
-  const auto found = std::find_if(o.what.begin(), o.what.end(), [](const std::string& text) { return is_suite(text) && names_built_in_suite(text); });
+  const auto found = std::find_if(o.what.begin(), o.what.end(),
+                                  [](const std::string& text) { return is_suite(text) && names_built_in_suite(text); });
   if (found == o.what.end()) return {};
   if (o.what.size() > 1 || !o.suite.empty() || o.error)
-    return fail(ErrorKind::usage, *found, "chooses scenes of --suite stability: it takes no other suite, scene or --error beside");
+    return fail(ErrorKind::usage, *found,
+                "chooses scenes of --suite stability: it takes no other suite, scene or --error beside");
   o.stability_file = *found;
   o.suite = "stability";
   o.what.clear();

@@ -4,12 +4,12 @@
 
 #include "base/log.h"
 #include "base/text.h"
-#include "stability/stability.h"
 #include "cli/command.h"
 #include "cli/result.h"
 #include "cli/signals.h"
-#include "render/frame_names.h"
 #include "frame/plan_frame.h"
+#include "render/frame_names.h"
+#include "stability/stability.h"
 
 namespace candela::cli {
 namespace {
@@ -68,30 +68,35 @@ bool same_picture(const StabilityRow& a, const StabilityRow& b) {
 }
 
 std::string rows_text(const StabilityReport& report) {
-  std::vector<std::vector<std::string>> table = {
-      {"SCENE", "TECHNIQUE", "NOT FINITE", "ERROR", "BOUND", "BEYOND", "PLAIN", "ENERGY", "CLAMPED", "WARNS", "RESULT"}};
+  std::vector<std::vector<std::string>> table = {{"SCENE", "TECHNIQUE", "NOT FINITE", "ERROR", "BOUND", "BEYOND",
+                                                  "PLAIN", "ENERGY", "CLAMPED", "WARNS", "RESULT"}};
   std::string faults;
   for (size_t i = 0; i < report.rows.size();) {
     const StabilityRow& row = report.rows[i];
     size_t end = i + 1;  // techniques of the same bits are one line
     while (end < report.rows.size() && same_picture(row, report.rows[end])) ++end;
-    const bool has_plain = row.truth.find("plain") != std::string::npos, traced = row.truth.find("reference") != std::string::npos || row.truth.find("closed form") != std::string::npos;
+    const bool has_plain = row.truth.find("plain") != std::string::npos,
+               traced = row.truth.find("reference") != std::string::npos ||
+                        row.truth.find("closed form") != std::string::npos;
     const bool drawn = row.error.empty();
     table.push_back({row.family + ": " + row.scene, end - i > 1 ? fmt::format("{} alike", end - i) : row.technique,
-                     drawn ? fmt::format("{}", row.nonfinite) : "", traced ? fmt::format("{:.2g}", row.max_relative) : "",
+                     drawn ? fmt::format("{}", row.nonfinite) : "",
+                     traced ? fmt::format("{:.2g}", row.max_relative) : "",
                      traced ? fmt::format("{:g}", row.bound) : "",
                      drawn && row.beyond > 0 ? fmt::format("{} of {}", row.beyond, row.may_be_beyond) : "",
                      has_plain ? fmt::format("{:.2g}", row.plain_relative) : "",
-                     traced || has_plain ? fmt::format("{:+.1e}", row.energy) : "", drawn ? fmt::format("{}", row.clamped) : "",
-                     drawn ? fmt::format("{}", row.warnings.size()) : "",
-                     !row.faults.empty() ? "WRONG" : drawn ? "right" : "refused"});
+                     traced || has_plain ? fmt::format("{:+.1e}", row.energy) : "",
+                     drawn ? fmt::format("{}", row.clamped) : "", drawn ? fmt::format("{}", row.warnings.size()) : "",
+                     !row.faults.empty() ? "WRONG"
+                     : drawn             ? "right"
+                                         : "refused"});
     for (const std::string& fault : row.faults)
       faults += fmt::format("{}: {}, {}: {}\n", row.family, row.scene, end - i > 1 ? "all" : row.technique, fault);
     i = end;
   }
   return table_text(table) + faults +
-         fmt::format("{} scenes, {} pictures in {:.1f} s on {}: {} pixels not finite, {} rows wrong\n", report.scenes, report.rows.size(),
-                     report.wall_s, report.device, report.nonfinite, report.faulty_rows);
+         fmt::format("{} scenes, {} pictures in {:.1f} s on {}: {} pixels not finite, {} rows wrong\n", report.scenes,
+                     report.rows.size(), report.wall_s, report.device, report.nonfinite, report.faulty_rows);
 }
 
 }  // namespace
@@ -123,8 +128,8 @@ Expected<int> run_stability(const BenchOptions& o) {
   if (!report) return std::unexpected(report.error());
   if (report->stopped) log::warning("stopped before the end");
   if (!o.json.empty())
-    if (auto written = write_text_output(
-            o.json, report_json(*report).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    if (auto written =
+            write_text_output(o.json, report_json(*report).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
         !written)
       return std::unexpected(written.error());
   if (o.json != "-")

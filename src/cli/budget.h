@@ -14,8 +14,10 @@ struct BudgetOptions {
 };
 void add_budget_options(CLI::App& command, BudgetOptions& options);
 
-// nullopt where no budget is given. job: what is to be rendered but for what a budget chooses; device: as DeviceOptions::which. Errors: options
-// that say the same otherwise, a scene or device that cannot be found, and those of choose_setting().
-Expected<std::optional<SettingChoice>> choice_within(const CLI::App& command, const BudgetOptions& options, const Job& job, const std::string& device);
+// nullopt where no budget is given. job: what is to be rendered but for what a budget chooses; device: as
+// DeviceOptions::which. Errors: options that say the same otherwise, a scene or device that cannot be found, and those
+// of choose_setting().
+Expected<std::optional<SettingChoice>> choice_within(const CLI::App& command, const BudgetOptions& options,
+                                                     const Job& job, const std::string& device);
 
 }  // namespace candela::cli

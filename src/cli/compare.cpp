@@ -28,16 +28,19 @@ constexpr const char* needs_colour = "there is no flip of images without colour,
 
 std::string broken_limit(const LimitVerdict& v) {
   const std::string where = v.region.empty() ? "" : " of region " + v.region;
-  if (!std::isnan(v.measured)) return fmt::format("{}{} is {:.6g}, the limit is {}", v.limit.metric, where, v.measured, v.limit.value);
+  if (!std::isnan(v.measured))
+    return fmt::format("{}{} is {:.6g}, the limit is {}", v.limit.metric, where, v.measured, v.limit.value);
   return fmt::format("{}{} has a limit and was not measured: {}", v.limit.metric, where,
-                     v.limit.metric == "hdr-flip" ? "it is of scene-linear colour (EXR, HDR), and not with --hdr-flip off"
-                                                  : "it is of the channels R, G and B, or Y, and there are none");
+                     v.limit.metric == "hdr-flip"
+                         ? "it is of scene-linear colour (EXR, HDR), and not with --hdr-flip off"
+                         : "it is of the channels R, G and B, or Y, and there are none");
 }
 
 using Rows = std::vector<std::vector<std::string>>;
 
-void add_metrics(Rows& rows, const std::string& where, const std::map<std::string, double>& metrics, const Place& max_at,
-                 const std::optional<NoiseFloor>& noise, const std::vector<LimitVerdict>& verdicts) {
+void add_metrics(Rows& rows, const std::string& where, const std::map<std::string, double>& metrics,
+                 const Place& max_at, const std::optional<NoiseFloor>& noise,
+                 const std::vector<LimitVerdict>& verdicts) {
   for (const auto& [metric, value] : metrics) {
     std::string limit, note;
     for (const LimitVerdict& v : verdicts)
@@ -53,16 +56,17 @@ void add_metrics(Rows& rows, const std::string& where, const std::map<std::strin
 }
 
 std::string comparison_table(const Comparison& c, const std::vector<LimitVerdict>& verdicts) {
-  std::string text = fmt::format("non-finite pixels: {} in the reference, {} in the test image\n", c.nonfinite_reference, c.nonfinite_test);
+  std::string text = fmt::format("non-finite pixels: {} in the reference, {} in the test image\n",
+                                 c.nonfinite_reference, c.nonfinite_test);
   if (!c.refusal.empty()) return text;
   Rows rows = {{"METRIC", "VALUE", "LIMIT", "NOTE"}};
   add_metrics(rows, "", c.metrics, c.max_at, c.noise, verdicts);
   text += table_text(rows);
-  text += fmt::format("relmse: epsilon {}; relmse-trimmed: without the {} % of the pixels where it is largest\n", relmse_epsilon,
-                      trimmed_share * 100);
+  text += fmt::format("relmse: epsilon {}; relmse-trimmed: without the {} % of the pixels where it is largest\n",
+                      relmse_epsilon, trimmed_share * 100);
   if (c.exposures)
-    text += fmt::format("hdr-flip: {} exposures from {:.6g} to {:.6g} stops, ACES curve\n", c.exposures->count, c.exposures->start,
-                        c.exposures->stop);
+    text += fmt::format("hdr-flip: {} exposures from {:.6g} to {:.6g} stops, ACES curve\n", c.exposures->count,
+                        c.exposures->start, c.exposures->stop);
   for (const RegionResult& region : c.regions) {
     rows = {{"REGION " + region.region.text(), "VALUE", "LIMIT", "NOTE"}};
     add_metrics(rows, region.region.text(), region.metrics, region.max_at, region.noise, verdicts);
@@ -72,7 +76,8 @@ std::string comparison_table(const Comparison& c, const std::vector<LimitVerdict
     rows = {{"LAYER", "METRIC", "VALUE", "NOTE"}};
     for (const LayerResult& layer : c.layers)
       for (const auto& [metric, value] : layer.metrics)
-        rows.push_back({layer.name, metric, fmt::format("{:.6g}", value), metric == "max" || metric.ends_with("-max") ? place_text(layer.max_at) : ""});
+        rows.push_back({layer.name, metric, fmt::format("{:.6g}", value),
+                        metric == "max" || metric.ends_with("-max") ? place_text(layer.max_at) : ""});
     text += "\n" + table_text(rows);
   }
   return text;
@@ -98,7 +103,8 @@ Expected<CompareOptions> options_of(const CompareCommand& o) {
 Expected<void> write_heatmap(const std::string& file, const Comparison& comparison) {
   if (file.empty()) return {};
   if (comparison.flip_map.empty()) {
-    log::warning("{} is not written: {}", file, comparison.refusal.empty() ? needs_colour : "the images cannot be compared");
+    log::warning("{} is not written: {}", file,
+                 comparison.refusal.empty() ? needs_colour : "the images cannot be compared");
     return {};
   }
   return write_png(file, heatmap(comparison.flip_map, comparison.width, comparison.height));
@@ -125,7 +131,8 @@ Expected<int> run_compare(const CompareCommand& o) {
   if (!comparison) return std::unexpected(comparison.error());
   const std::vector<LimitVerdict> verdicts = judge_limits(*comparison, limits);
   if (!comparison->refusal.empty()) log::error("{}", comparison->refusal);
-  for (const auto& [layers, file] : {std::pair(&comparison->only_in_reference, &o.a), std::pair(&comparison->only_in_test, &o.b)})
+  for (const auto& [layers, file] :
+       {std::pair(&comparison->only_in_reference, &o.a), std::pair(&comparison->only_in_test, &o.b)})
     if (!layers->empty()) log::error("only {} has {}", *file, joined(*layers));
   for (const LimitVerdict& v : verdicts)
     if (!v.pass && comparison->refusal.empty()) log::error("{}", broken_limit(v));
@@ -144,17 +151,21 @@ void add_compare(CLI::App& app, Action& action) {
   command->add_option("a", o->a, "Reference")->type_name("A");
   command->add_option("b", o->b, "Image under test")->type_name("B");
   command
-      ->add_option("--limit", o->limits,
-                   "Exit 1 beyond it, in the whole image or in a region: max, mae, rmse, relmse, relmse-trimmed, p50, p90, p99, "
-                   "p99.9, psnr, ssim, flip, hdr-flip or differing; may be given again")
+      ->add_option(
+          "--limit", o->limits,
+          "Exit 1 beyond it, in the whole image or in a region: max, mae, rmse, relmse, relmse-trimmed, p50, p90, p99, "
+          "p99.9, psnr, ssim, flip, hdr-flip or differing; may be given again")
       ->allow_extra_args(false)
       ->type_name("METRIC=VALUE");
-  command->add_option("--region", o->regions, "Measure this part too, in pixels from the upper left corner; may be given again")
+  command
+      ->add_option("--region", o->regions,
+                   "Measure this part too, in pixels from the upper left corner; may be given again")
       ->allow_extra_args(false)
       ->type_name("X,Y,W,H");
   command
       ->add_option("--hdr-flip", o->hdr_flip,
-                   "Exposures of hdr-flip in stops: auto takes them from the reference; fix them where several results are compared; or off")
+                   "Exposures of hdr-flip in stops: auto takes them from the reference; fix them where several results "
+                   "are compared; or off")
       ->capture_default_str()
       ->type_name("auto|off|START,STOP,COUNT");
   command->add_option("--heatmap", o->heatmap, "FLIP of every pixel as colours")->type_name("FILE.png");

@@ -1,9 +1,9 @@
 #include "cli/golden_run.h"
 
 #include "base/log.h"
+#include "frame/timings.h"
 #include "metrics/heatmap.h"
 #include "render/outputs.h"
-#include "frame/timings.h"
 
 namespace candela::cli {
 namespace fs = std::filesystem;

@@ -28,7 +28,8 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
 }
 
 void add_layer_options(CLI::App& command, JobOptions& o) {
-  command.add_option("--view", o.view, "What PNG and video show: beauty, or heatmap.lights, .waste, .missed in colours")
+  command
+      .add_option("--view", o.view, "What PNG and video show: beauty, or heatmap.lights, .waste, .missed in colours")
       ->capture_default_str()
       ->type_name("NAME");
   command.add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas (candela list layers)")

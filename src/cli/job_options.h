@@ -14,8 +14,8 @@ namespace candela::cli {
 // an option's name, help and default stand.
 struct JobOptions {
   std::string scene, animation = "all", camera, eye, target, size = "1280x720", technique = "clustered",
-                     quality = "high", sky, look, tonemap = "agx", view = "beauty", layers, background = "transparent", exr_type = "half",
-                     exr_compression = "zip", fps = "24", device, shader_folder, config;
+                     quality = "high", sky, look, tonemap = "agx", view = "beauty", layers, background = "transparent",
+                     exr_type = "half", exr_compression = "zip", fps = "24", device, shader_folder, config;
   std::vector<std::string> settings;
   double yfov_deg = 0;
   bool has_yfov = false;
@@ -53,7 +53,8 @@ CLI::Validator whole_number() {
 // The reference takes what says which picture is meant and how it is written, but not how the GPU makes it.
 enum class Renderer { gpu, reference };
 void add_job_options(CLI::App& command, JobOptions& options, Renderer renderer = Renderer::gpu);
-void add_run_options(CLI::App& command, JobOptions& options, Renderer renderer = Renderer::gpu);  // device, validation, log
+void add_run_options(CLI::App& command, JobOptions& options,
+                     Renderer renderer = Renderer::gpu);  // device, validation, log
 void add_moment_options(CLI::App& command, MomentOptions& moment);
 
 // Fills options that the command line left out from --config FILE. Unknown names are errors. Call after parsing.

@@ -3,9 +3,9 @@
 
 #include "base/text.h"
 #include "cli/command.h"
-#include "gpu/device.h"
 #include "frame/plan_frame.h"
 #include "frame/timings.h"
+#include "gpu/device.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::cli {
@@ -51,7 +51,8 @@ Expected<int> list_devices_table(const ListOptions& o) {
 
 Expected<int> list_knobs(const ListOptions& o) {
   Json j = Json::array();
-  std::vector<std::vector<std::string>> rows = {{"KNOB", "VALUE", "UNIT", "RANGE", "LADDER", "TRADES", "SWEPT", "WHAT"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"KNOB", "VALUE", "UNIT", "RANGE", "LADDER", "TRADES", "SWEPT", "WHAT"}};
   for (const KnobRow& k : knob_rows(o.quality)) {
     j.push_back({{"pass", k.pass},
                  {"knob", k.knob},
@@ -63,7 +64,8 @@ Expected<int> list_knobs(const ListOptions& o) {
                  {"swept", k.walk},
                  {"passes", k.passes},
                  {"trades", k.trades}});
-    rows.push_back({k.pass + "." + k.knob, k.value_now, k.unit, k.range, k.ladder, k.kind, joined(k.walk, " "), k.trades});
+    rows.push_back(
+        {k.pass + "." + k.knob, k.value_now, k.unit, k.range, k.ladder, k.kind, joined(k.walk, " "), k.trades});
   }
   return done(o.json ? print_json(j) : print(table_text(rows)));
 }

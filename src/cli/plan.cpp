@@ -5,10 +5,10 @@
 #include "cli/command.h"
 #include "cli/job_options.h"
 #include "cli/scene_notes.h"
-#include "render/frame_names.h"
 #include "frame/job_look.h"
 #include "frame/plan_frame.h"
 #include "gltf/gltf.h"
+#include "render/frame_names.h"
 
 namespace candela::cli {
 namespace {

@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "base/log.h"
 #include "base/text.h"
@@ -11,11 +11,11 @@
 #include "cli/output_paths.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
+#include "frame/timings.h"
 #include "reference/display.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/reference_frame.h"
-#include "frame/timings.h"
 
 namespace candela::cli {
 namespace {
@@ -47,7 +47,8 @@ struct ReferencePlan {
 };
 
 template <class T>
-Expected<T> choice(const char* option, const std::string& given, const std::vector<std::pair<std::string, T>>& choices) {
+Expected<T> choice(const char* option, const std::string& given,
+                   const std::vector<std::pair<std::string, T>>& choices) {
   std::vector<std::string> names;
   for (const auto& [name, value] : choices) {
     if (name == given) return value;
@@ -65,30 +66,39 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
       {{"sobol", SamplerKind::sobol}, {"jittered", SamplerKind::jittered}, {"uniform", SamplerKind::uniform}});
   if (!sampler) return std::unexpected(sampler.error());
   const auto bvh = choice<BvhBuilder>(
-      "--bvh", o.bvh, {{"equal-counts", BvhBuilder::equal_counts}, {"sah", BvhBuilder::sah}, {"sbvh", BvhBuilder::sbvh}});
+      "--bvh", o.bvh,
+      {{"equal-counts", BvhBuilder::equal_counts}, {"sah", BvhBuilder::sah}, {"sbvh", BvhBuilder::sbvh}});
   if (!bvh) return std::unexpected(bvh.error());
   const auto visibility = choice<bool>("--visibility", o.visibility, {{"on", true}, {"off", false}});
   if (!visibility) return std::unexpected(visibility.error());
-  const auto ambient =
-      choice<Ambient>("--ambient", o.ambient, {{"traced", Ambient::traced}, {"occlusion", Ambient::occlusion}, {"off", Ambient::off}});
+  const auto ambient = choice<Ambient>(
+      "--ambient", o.ambient, {{"traced", Ambient::traced}, {"occlusion", Ambient::occlusion}, {"off", Ambient::off}});
   if (!ambient) return std::unexpected(ambient.error());
   const auto range = [](const char* option, double value) -> Expected<void> {
-    if (!(value >= 0) || !std::isfinite(value)) return fail(ErrorKind::usage, option, "{} is not a number of at least 0", value);
+    if (!(value >= 0) || !std::isfinite(value))
+      return fail(ErrorKind::usage, option, "{} is not a number of at least 0", value);
     return {};
   };
-  for (const auto& [option, value] : {std::pair("--seconds", o.seconds), {"--noise", o.noise}, {"--ambient-distance", o.ambient_distance_m}})
+  for (const auto& [option, value] :
+       {std::pair("--seconds", o.seconds), {"--noise", o.noise}, {"--ambient-distance", o.ambient_distance_m}})
     if (auto good = range(option, value); !good) return good;
   if (o.bounces < 0) return fail(ErrorKind::usage, "--bounces", "{} is below 0", o.bounces);
   if (o.threads < 0) return fail(ErrorKind::usage, "--threads", "{} is below 0", o.threads);
   if (o.spp > 1u << 30) return fail(ErrorKind::usage, "--spp", "{} is above {}", o.spp, 1u << 30);
-  if (o.resume && o.state.empty()) return fail(ErrorKind::usage, "--resume", "needs --state FILE, which an earlier run wrote");
+  if (o.resume && o.state.empty())
+    return fail(ErrorKind::usage, "--resume", "needs --state FILE, which an earlier run wrote");
   if (*mode == Mode::path)
-    for (const auto& [option, given] : {std::pair("--visibility", !*visibility), {"--ambient", *ambient != Ambient::traced}, {"--ambient-distance", o.ambient_distance_m > 0}})
+    for (const auto& [option, given] : {std::pair("--visibility", !*visibility),
+                                        {"--ambient", *ambient != Ambient::traced},
+                                        {"--ambient-distance", o.ambient_distance_m > 0}})
       if (given) return fail(ErrorKind::usage, option, "belongs to --mode direct; path follows all light as it goes");
   if (*mode == Mode::direct && o.bounces > 0) return fail(ErrorKind::usage, "--bounces", "belongs to --mode path");
   if (o.fog_steps) {
-    if (*mode == Mode::path) return fail(ErrorKind::usage, "--fog-steps", "belongs to --mode direct; path follows light through fog as it goes");
-    if (o.job.look.empty()) return fail(ErrorKind::usage, "--fog-steps", "needs --look FILE, which says what the fog is");
+    if (*mode == Mode::path)
+      return fail(ErrorKind::usage, "--fog-steps",
+                  "belongs to --mode direct; path follows light through fog as it goes");
+    if (o.job.look.empty())
+      return fail(ErrorKind::usage, "--fog-steps", "needs --look FILE, which says what the fog is");
     if (*o.fog_steps < 1 || *o.fog_steps > most_fog_steps)
       return fail(ErrorKind::usage, "--fog-steps", "{} is outside 1 to {}", *o.fog_steps, most_fog_steps);
   }
@@ -96,8 +106,8 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
   plan.stop = {o.spp, o.seconds, o.noise};
   if (o.spp == 0 && o.seconds == 0 && o.noise == 0) plan.stop.spp = default_spp;
   if (*sampler != SamplerKind::sobol && plan.stop.spp == 0)
-    return fail(ErrorKind::usage, "--spp", "the sampler {} cuts the pixel into as many cells as there are samples: give their number",
-                o.sampler);
+    return fail(ErrorKind::usage, "--spp",
+                "the sampler {} cuts the pixel into as many cells as there are samples: give their number", o.sampler);
   plan.settings.mode = *mode;
   plan.settings.sampler = {*sampler, int(std::max<uint64_t>(plan.stop.spp, 1)), plan.job.seed};
   plan.settings.visibility = *visibility;
@@ -155,7 +165,8 @@ class TraceProgress {
     const double step_s = terminal_ ? 0.1 : 5;
     if (p.seconds - last_s_ < step_s) return;
     last_s_ = p.seconds;
-    std::string line = p.of_samples > 0 ? fmt::format("{}/{} spp", p.samples, p.of_samples) : fmt::format("{} spp", p.samples);
+    std::string line =
+        p.of_samples > 0 ? fmt::format("{}/{} spp", p.samples, p.of_samples) : fmt::format("{} spp", p.samples);
     line += fmt::format(", {:.0f} s", p.seconds);
     if (p.relative_error > 0) line += fmt::format(", noise {:.3g} %", p.relative_error * 100);
     const std::string whole = terminal_ ? "\r" + line + "\x1b[K" : line + "\n";
@@ -173,30 +184,37 @@ Expected<void> check_finite(const reference::Film& film, const Job& job) {
   for (size_t i = 0; i < film.pixels(); ++i) {
     const glm::dvec4 m = film.mean(i);
     // As files hold it: what floats cannot hold is as bad as what doubles cannot.
-    if (std::isfinite(float(m.x)) && std::isfinite(float(m.y)) && std::isfinite(float(m.z)) && std::isfinite(float(m.w))) continue;
+    if (std::isfinite(float(m.x)) && std::isfinite(float(m.y)) && std::isfinite(float(m.z)) &&
+        std::isfinite(float(m.w)))
+      continue;
     if (count++ == 0) first = i;
   }
   if (count == 0 || job.allow_nonfinite) return {};
-  return fail(ErrorKind::nonfinite, "", "{} pixels are not finite, the first at x {}, y {} of layer beauty; nothing was written", count,
+  return fail(ErrorKind::nonfinite, "",
+              "{} pixels are not finite, the first at x {}, y {} of layer beauty; nothing was written", count,
               first % size_t(film.width()), first / size_t(film.width()));
 }
 
-Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame, const reference::Film& film) {
+Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
+                            const reference::Film& film) {
   if (auto finite = check_finite(film, plan.job); !finite) return finite;
   const std::string settings = settings_json(plan.settings, plan.accel);
   const uint64_t noise = plan.job.seed ^ std::bit_cast<uint64_t>(frame.time_s);
   for (const fs::path& path : plan.paths) {
     Expected<void> written;
     if (*output_format(path) == OutputFormat::exr) {
-      written = write_exr(path, reference_image(film, frame, plan.job, settings, plan.layers, plan.moment.frame, plan.moment.rate),
-                          plan.job.exr_compression);
+      written = write_exr(
+          path, reference_image(film, frame, plan.job, settings, plan.layers, plan.moment.frame, plan.moment.rate),
+          plan.job.exr_compression);
     } else {
-      reference::DisplaySettings display{.curve = plan.job.tonemap, .exposure_ev = plan.job.exposure_ev, .bits = plan.job.png_bits};
+      reference::DisplaySettings display{
+          .curve = plan.job.tonemap, .exposure_ev = plan.job.exposure_ev, .bits = plan.job.png_bits};
       display.dither = plan.job.dither;
       display.alpha = plan.job.background == "transparent" && plan.job.sky.empty();
       display.seed = uint32_t(noise ^ (noise >> 32));
-      const DisplayImage image = o.view == "beauty" ? reference::display_image(film, display)
-                                                    : count_view(reference_counts(film, frame, o.view), film.width(), film.height());
+      const DisplayImage image = o.view == "beauty"
+                                     ? reference::display_image(film, display)
+                                     : count_view(reference_counts(film, frame, o.view), film.width(), film.height());
       written = write_png(path, image, {{"candela:reference", settings}});
     }
     if (!written) return written;
@@ -221,9 +239,11 @@ Json result_json(const ReferencePlan& plan, const ReferenceFrame& frame, const r
   j["relative_error"] = has_halves ? Json(film.relative_error()) : Json(nullptr);
   j["trace_s"] = trace_s;
   const AccelStatistics& a = frame.world->accel().statistics();
-  j["bvh"] = {{"triangles", a.triangles}, {"references", a.references}, {"nodes", a.nodes}, {"instances", a.instances},
-              {"bytes", a.bytes},         {"sah_cost", a.sah_cost},     {"build_ms", a.build_ms}};
-  j["lights"] = {{"punctual", frame.world->punctual_lights().size()}, {"emissive_triangles", frame.world->emissive().size()}};
+  j["bvh"] = {{"triangles", a.triangles}, {"references", a.references}, {"nodes", a.nodes},
+              {"instances", a.instances}, {"bytes", a.bytes},           {"sah_cost", a.sah_cost},
+              {"build_ms", a.build_ms}};
+  j["lights"] = {{"punctual", frame.world->punctual_lights().size()},
+                 {"emissive_triangles", frame.world->emissive().size()}};
   j["outputs"] = Json::array();
   for (const fs::path& path : plan.paths) j["outputs"].push_back(path.string());
   return j;
@@ -236,7 +256,7 @@ struct Traced {
 };
 
 Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
-                                const std::atomic<int>& interrupted) {
+                       const std::atomic<int>& interrupted) {
   const Hash128 identity = film_identity(plan.job, frame, plan.settings, plan.accel);
   const bool with_fog = frame.world->medium() != nullptr;
   reference::Film film(plan.job.width_px, plan.job.height_px, with_fog);
@@ -297,11 +317,13 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
     return 0;  // the signal ends the program
   }
   const double trace_s = (process_clock_us() - start_us) / 1e6;
-  const std::string noise = film.samples() > 1 ? fmt::format(", relative standard error {:.3g} %", film.relative_error() * 100) : "";
+  const std::string noise =
+      film.samples() > 1 ? fmt::format(", relative standard error {:.3g} %", film.relative_error() * 100) : "";
   log::info("{} {} a pixel in {:.1f} s{}", film.samples(), film.samples() == 1 ? "sample" : "samples", trace_s, noise);
   if (auto written = write_images(*plan, o, **frame, film); !written) return std::unexpected(written.error());
   if (o.job.json)
-    if (auto printed = print_json(result_json(*plan, **frame, film, trace_s)); !printed) return std::unexpected(printed.error());
+    if (auto printed = print_json(result_json(*plan, **frame, film, trace_s)); !printed)
+      return std::unexpected(printed.error());
   if (!traced->saved) return std::unexpected(traced->saved.error());
   return 0;
 }
@@ -313,10 +335,12 @@ void add_trace_options(CLI::App& command, ReferenceOptions& o) {
   command.add_option("--spp", o.spp, "Samples a pixel; 64 where no limit is given")
       ->transform(whole_number<uint64_t>())
       ->type_name("N");
-  command.add_option("--seconds", o.seconds, "Stop after this time; the number of samples then depends on the machine")->type_name("S");
+  command.add_option("--seconds", o.seconds, "Stop after this time; the number of samples then depends on the machine")
+      ->type_name("S");
   command
       .add_option("--noise", o.noise,
-                  "Stop when the relative standard error (of two halves of the samples, root mean square over the pixels) is no larger; 0.01: 1 %")
+                  "Stop when the relative standard error (of two halves of the samples, root mean square over the "
+                  "pixels) is no larger; 0.01: 1 %")
       ->type_name("SHARE");
   command.add_option("--sampler", o.sampler, "sobol (Owen-scrambled), jittered, or uniform: a grid, x4, x8, x16")
       ->capture_default_str()
@@ -324,29 +348,40 @@ void add_trace_options(CLI::App& command, ReferenceOptions& o) {
   command.add_option("--bvh", o.bvh, "How the acceleration structure is built: equal-counts, sah or sbvh")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--visibility", o.visibility, "direct: off lets light through everything")->capture_default_str()->type_name("on|off");
+  command.add_option("--visibility", o.visibility, "direct: off lets light through everything")
+      ->capture_default_str()
+      ->type_name("on|off");
   command
       .add_option("--ambient", o.ambient,
                   "direct: the sky traced; its raster form times cosine-weighted occlusion; or off")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--ambient-distance", o.ambient_distance_m, "direct: farther surfaces do not hide the sky; 0: all do")
+  command
+      .add_option("--ambient-distance", o.ambient_distance_m, "direct: farther surfaces do not hide the sky; 0: all do")
       ->capture_default_str()
       ->type_name("METRES");
-  command.add_option("--bounces", o.bounces, "path: most bounces; 0: as Russian roulette decides")->capture_default_str()->type_name("N");
+  command.add_option("--bounces", o.bounces, "path: most bounces; 0: as Russian roulette decides")
+      ->capture_default_str()
+      ->type_name("N");
   command
       .add_option_function<int>(
           "--fog-steps", [&o](int value) { o.fog_steps = value; },
-          fmt::format("direct: points on a ray at which a light's way through fog is followed, {} where nothing is given; the mean is right for any",
+          fmt::format("direct: points on a ray at which a light's way through fog is followed, {} where nothing is "
+                      "given; the mean is right for any",
                       reference::TraceSettings{}.fog_steps))
       ->type_name("N");
   command.add_option("--threads", o.threads, "Threads; 0: all. Changes no byte")->capture_default_str()->type_name("N");
   command.add_option("--state", o.state, "Sums of the samples, written at the end and every minute")->type_name("FILE");
-  command.add_flag("--resume", o.resume, "Go on from --state where it exists; the image is that of a run without a break");
-  command.add_option("--layers", o.layers, fmt::format("EXR layers beside beauty: {}; or none", fmt::join(reference_layer_names(), ", ")))
+  command.add_flag("--resume", o.resume,
+                   "Go on from --state where it exists; the image is that of a run without a break");
+  command
+      .add_option("--layers", o.layers,
+                  fmt::format("EXR layers beside beauty: {}; or none", fmt::join(reference_layer_names(), ", ")))
       ->capture_default_str()
       ->type_name("LIST");
-  command.add_option("--view", o.view, "What PNG shows: beauty, heatmap.traversal or heatmap.leaves")->capture_default_str()->type_name("NAME");
+  command.add_option("--view", o.view, "What PNG shows: beauty, heatmap.traversal or heatmap.leaves")
+      ->capture_default_str()
+      ->type_name("NAME");
 }
 
 }  // namespace

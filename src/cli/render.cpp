@@ -9,9 +9,9 @@
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
+#include "frame/timings.h"
 #include "render/frame_names.h"
 #include "render/outputs.h"
-#include "frame/timings.h"
 
 namespace candela::cli {
 namespace {
@@ -45,8 +45,8 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
     job->technique = choice->technique, job->quality = choice->quality;
     job->settings = choice->settings, job->samples = choice->samples;
     if (auto fine = check_job(*job); !fine) return std::unexpected(fine.error());
-    log::info("chosen: {}; measured {:.3g} ms (95 % CI {:.3g} to {:.3g}), error {:.3g}", choice->text, choice->ms, choice->ms_ci.low, choice->ms_ci.high,
-              choice->error);
+    log::info("chosen: {}; measured {:.3g} ms (95 % CI {:.3g} to {:.3g}), error {:.3g}", choice->text, choice->ms,
+              choice->ms_ci.low, choice->ms_ci.high, choice->error);
   }
   const auto moment = moment_of(o.job, o.moment);
   if (!moment) return std::unexpected(moment.error());
@@ -173,7 +173,8 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
     }
   }
   // What writing warns of is not the scene's fault, which --strict is about.
-  if (auto noted = note_frame(*frame, (*session)->scene(), false, warnings); !noted) return std::unexpected(noted.error());
+  if (auto noted = note_frame(*frame, (*session)->scene(), false, warnings); !noted)
+    return std::unexpected(noted.error());
   for (const fs::path& path : plan->paths) log::info("wrote {}", path.string());
   if (auto reported = write_reports(o, *plan, *frame, **session, warnings); !reported)
     return std::unexpected(reported.error());

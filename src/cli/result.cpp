@@ -6,8 +6,8 @@
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/scene_notes.h"
-#include "render/frame_names.h"
 #include "frame/timings.h"
+#include "render/frame_names.h"
 
 namespace candela::cli {
 

@@ -1,13 +1,15 @@
 #include "frame/device_samples.h"
 
 #include "base/text.h"
+#include "frame/frame_knobs.h"
 #include "gpu/sample_counts.h"
 #include "passes/scene_inputs.h"
-#include "frame/frame_knobs.h"
 
 namespace candela {
 
-std::vector<int> device_samples(const gpu::Device& device) { return gpu::sample_counts(device, color_format, depth_format); }
+std::vector<int> device_samples(const gpu::Device& device) {
+  return gpu::sample_counts(device, color_format, depth_format);
+}
 
 Expected<void> check_samples(const Job& job, const std::vector<int>& possible, const std::string& device) {
   const auto knobs = frame_knobs(job);
@@ -15,7 +17,8 @@ Expected<void> check_samples(const Job& job, const std::vector<int>& possible, c
   if (std::find(possible.begin(), possible.end(), knobs->samples) != possible.end()) return {};
   std::vector<std::string> names;
   for (const int n : possible) names.push_back(fmt::format("{}", n));
-  return fail(ErrorKind::device, "--samples", "{} has no {} samples a pixel; it has {}", device, knobs->samples, joined(names));
+  return fail(ErrorKind::device, "--samples", "{} has no {} samples a pixel; it has {}", device, knobs->samples,
+              joined(names));
 }
 
 }  // namespace candela

@@ -2,16 +2,17 @@
 #include <vector>
 
 #include "base/error.h"
-#include "gpu/device.h"
 #include "frame/job.h"
+#include "gpu/device.h"
 
 namespace candela {
 
-// Samples a pixel that the device can draw the scene's colour and depth with, in ascending order. Vulkan promises 1 and 4.
+// Samples a pixel that the device can draw the scene's colour and depth with, in ascending order. Vulkan promises 1
+// and 4.
 std::vector<int> device_samples(const gpu::Device& device);
 
-// An error (device) where the job wants another number: drawn with a count that it lacks, a device may leave samples out, and light
-// with them, and say nothing.
+// An error (device) where the job wants another number: drawn with a count that it lacks, a device may leave samples
+// out, and light with them, and say nothing.
 Expected<void> check_samples(const Job& job, const std::vector<int>& possible, const std::string& device);
 
 }  // namespace candela

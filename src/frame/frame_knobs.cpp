@@ -4,26 +4,26 @@
 #include <charconv>
 
 #include "base/text.h"
-#include "passes/sky/background.h"
+#include "frame/plan_frame.h"
+#include "passes/debug/layers.h"
+#include "passes/debug/light_heat.h"
 #include "passes/geometry/cull.h"
 #include "passes/geometry/cull_compact.h"
 #include "passes/geometry/deform.h"
 #include "passes/geometry/depth_prepass.h"
-#include "passes/debug/layers.h"
 #include "passes/lights/light_assign.h"
 #include "passes/lights/light_fill.h"
-#include "passes/debug/light_heat.h"
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
+#include "passes/lights/tile_depth.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
+#include "passes/post/tonemap.h"
+#include "passes/sky/background.h"
+#include "passes/sky/sky.h"
 #include "passes/surfaces/shade_forward.h"
 #include "passes/surfaces/shade_unlit.h"
-#include "passes/sky/sky.h"
-#include "passes/lights/tile_depth.h"
-#include "passes/post/tonemap.h"
 #include "passes/surfaces/transparent.h"
-#include "frame/plan_frame.h"
 
 namespace candela {
 namespace {
@@ -52,8 +52,8 @@ void set(const Knob<K>& knob, K& knobs, double value) {
              knob.member);
 }
 
-// draft takes the first rung of every ladder, exact the last; ladders of four and more have a rung for normal and one for high,
-// shorter ones give high the last.
+// draft takes the first rung of every ladder, exact the last; ladders of four and more have a rung for normal and one
+// for high, shorter ones give high the last.
 double rung(const std::vector<double>& ladder, const std::string& quality) {
   if (quality == "draft") return ladder.front();
   if (quality == "normal" && ladder.size() > 2) return ladder[(ladder.size() - 1) / 2];
@@ -93,7 +93,8 @@ Expected<FrameKnobValues> frame_knobs(const Job& job) {
     for_each_knob(all, [&](std::string_view pass, const auto& knob, auto& knobs) {
       if (pass != s.pass || knob.name != s.knob) return;
       known = true;
-      const auto value = knob.choices.empty() ? parse_value(s, knob.lowest, knob.highest) : parse_choice(s, knob.choices);
+      const auto value =
+          knob.choices.empty() ? parse_value(s, knob.lowest, knob.highest) : parse_choice(s, knob.choices);
       if (value && pass == Resolve::name && knob.name == "samples" && job.samples != 0 && *value != job.samples)
         outcome = fail(ErrorKind::usage, "--set", "resolve.samples={} contradicts --samples {}", s.value, job.samples);
       else if (!value)
@@ -118,18 +119,23 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
   std::vector<KnobRow> rows;
   for_each_knob(all, [&](std::string_view pass, const auto& knob, auto& knobs) {
     set(knob, knobs, rung(knob.ladder, quality));
-    const auto text = [&](double v) { return knob.choices.empty() ? fmt::format("{}", v) : std::string(knob.choices[size_t(v)]); };
+    const auto text = [&](double v) {
+      return knob.choices.empty() ? fmt::format("{}", v) : std::string(knob.choices[size_t(v)]);
+    };
     std::vector<std::string> ladder;
     for (const double v : knob.ladder) ladder.push_back(text(v));
     KnobRow row{.pass = std::string(pass),
                 .knob = std::string(knob.name),
                 .value_now = text(get(knob, knobs)),
                 .unit = std::string(knob.unit),
-                .range = knob.choices.empty() ? fmt::format("{}..{}", knob.lowest, knob.highest)
-                                              : joined(std::vector<std::string>(knob.choices.begin(), knob.choices.end()), "|"),
+                .range = knob.choices.empty()
+                             ? fmt::format("{}..{}", knob.lowest, knob.highest)
+                             : joined(std::vector<std::string>(knob.choices.begin(), knob.choices.end()), "|"),
                 .ladder = joined(ladder, " "),
                 .trades = std::string(knob.trades),
-                .kind = knob.kind == Trades::error ? "error" : knob.kind == Trades::time ? "time" : "look"};
+                .kind = knob.kind == Trades::error  ? "error"
+                        : knob.kind == Trades::time ? "time"
+                                                    : "look"};
     for (const double v : knob.walk.empty() ? knob.ladder : knob.walk) row.walk.push_back(text(v));
     for (const std::string_view p : knob.passes) row.passes.emplace_back(p);
     if (row.passes.empty()) row.passes.emplace_back(pass);
@@ -140,9 +146,10 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
 
 std::vector<std::string> pass_names() {
   std::vector<std::string> names;
-  for (const std::string_view n :
-       {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, TileDepth::name, LightAssign::name, LightScan::name, LightFill::name, LightSort::name, ShadeForward::name,
-        ShadeUnlit::name, Sky::name, Background::name, Transparent::name, Layers::name, LightHeat::name, Resolve::name, Tonemap::name, Readback::name})
+  for (const std::string_view n : {Cull::name, CullCompact::name, Deform::name, DepthPrepass::name, TileDepth::name,
+                                   LightAssign::name, LightScan::name, LightFill::name, LightSort::name,
+                                   ShadeForward::name, ShadeUnlit::name, Sky::name, Background::name, Transparent::name,
+                                   Layers::name, LightHeat::name, Resolve::name, Tonemap::name, Readback::name})
     names.emplace_back(n);
   return names;
 }

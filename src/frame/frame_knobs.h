@@ -1,7 +1,7 @@
 #pragma once
 #include "base/error.h"
-#include "passes/lights/light_knobs.h"
 #include "frame/job.h"
+#include "passes/lights/light_knobs.h"
 
 namespace candela {
 

@@ -35,7 +35,8 @@ void add_deformation(const Scene& scene, const Deformation& d, const SectionLayo
        d.joint_count, d.first_weight, g.position, g.normal, g.tangent});
 }
 
-// Farther off than floats can square, a light shines as one nearer by in the same direction does that is weaker by the square.
+// Farther off than floats can square, a light shines as one nearer by in the same direction does that is weaker by the
+// square.
 LightItem brought_nearer(LightItem l) {
   constexpr double farthest_m = 1e15;
   const double distance = glm::length(glm::dvec3(l.position));
@@ -59,8 +60,8 @@ shared::Light shared_light(const LightItem& given) {
              : l.type == LightType::point     ? shared::light_point
                                               : shared::light_spot;
   out.inverse_range = std::isfinite(l.range_m) ? std::min(1.0f / l.range_m, std::numeric_limits<float>::max()) : 0.0f;
-  // KHR_lights_punctual's recommended spot angle attenuation, (cos - cos outer) / (cos inner - cos outer), with 1 - cos for each
-  // cosine: those of a narrow cone are all 1 as floats.
+  // KHR_lights_punctual's recommended spot angle attenuation, (cos - cos outer) / (cos inner - cos outer), with 1 - cos
+  // for each cosine: those of a narrow cone are all 1 as floats.
   const double inner = one_minus_cosine(double(l.inner_cone_rad)), outer = one_minus_cosine(double(l.outer_cone_rad));
   const double scale = 1.0 / std::max(0.001, outer - inner);
   out.spot_scale = float(scale / 2);

@@ -13,8 +13,8 @@
 
 namespace candela {
 
-// The part of an exposure that is in the linear pictures: enough to keep bright light within a half's range, little enough that
-// nothing leaves a float's. Tone mapping applies the rest.
+// The part of an exposure that is in the linear pictures: enough to keep bright light within a half's range, little
+// enough that nothing leaves a float's. Tone mapping applies the rest.
 inline float pre_exposure_ev(float exposure_ev) { return std::clamp(exposure_ev, -20.0f, 20.0f); }
 
 // What the CPU makes anew for every frame, in the layout of shaders/shared. Pure; device addresses and texture indices

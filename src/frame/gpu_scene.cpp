@@ -40,14 +40,14 @@ VkSamplerCreateInfo sampler_info(const Sampler& s) {
   return info;
 }
 
-// Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when they do not
-// fit.
+// Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when
+// they do not fit.
 void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void* data, size_t size, size_t room) {
   const size_t least = std::max(size, room);
   if (!buffer || buffer.size() < least)
     buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least),
-                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                         gpu::Buffer::Memory::upload, gpu::Device::Purpose::frame, name);
+                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Buffer::Memory::upload,
+                         gpu::Device::Purpose::frame, name);
   if (size) std::memcpy(buffer.mapped(), data, size);
 }
 
@@ -185,7 +185,8 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   put(frame.imports.light_bounds, light_bounds_, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
   put(frame.imports.light_chunks, light_chunks_, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
   c.grid.globals = put(frame.imports.light_globals, light_globals_, "frame.light_globals", grid.globals);
-  // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be valid.
+  // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be
+  // valid.
   if (c.grid.globals == 0) c.grid.globals = lights;
   put(frame.imports.cull_groups, groups_, "frame.cull_groups", u.groups);
   put(frame.imports.deform_jobs, jobs_, "frame.deform_jobs", u.deform_jobs);

@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "frame/plan_frame.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
 #include "gpu/resources.h"
 #include "image/io.h"
-#include "frame/plan_frame.h"
 
 namespace candela {
 
@@ -45,15 +45,15 @@ class GpuScene {
   const Scene& scene_;
   const GeometryLayout& layout_;
   gpu::Buffer vertices_, indices_;
-  gpu::Buffer constants_, items_, transforms_, geometries_, materials_, lights_, light_bounds_, light_chunks_, light_globals_,
-      groups_, jobs_, joints_, weights_;
+  gpu::Buffer constants_, items_, transforms_, geometries_, materials_, lights_, light_bounds_, light_chunks_,
+      light_globals_, groups_, jobs_, joints_, weights_;
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;  // absent: could not be decoded
   };
   std::map<TextureKey, LoadedTexture> textures_;
   std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another
-  std::vector<uint32_t> samplers_;  // bindless index of each Scene::samplers
+  std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers
   gpu::Texture environment_;
   uint32_t environment_index_ = shared::absent, environment_sampler_ = 0;
   glm::vec2 environment_size_{0};

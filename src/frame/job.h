@@ -19,39 +19,41 @@ struct FrameRate {
   std::string text() const;
 };
 Expected<FrameRate> parse_frame_rate(const std::string& text);
-// Inclusive, as the field writes them: "0-249", "1-100x5", "2,4,10-20", "-5--1". In the order written, without duplicates.
+// Inclusive, as the field writes them: "0-249", "1-100x5", "2,4,10-20", "-5--1". In the order written, without
+// duplicates.
 Expected<std::vector<int64_t>> parse_frame_list(const std::string& text);
 
-// Everything that decides a picture, as a plain value. Written into EXR metadata as JSON, so that any frame can be made again.
+// Everything that decides a picture, as a plain value. Written into EXR metadata as JSON, so that any frame can be made
+// again.
 struct Job {
   std::string scene;
-  std::string animation = "all";     // "all", "none", an index or a name
+  std::string animation = "all";  // "all", "none", an index or a name
   CameraRequest camera;
   int width_px = 1280, height_px = 720;
-  int samples = 0;                   // MSAA samples 1, 2, 4 or 8; 0: as the quality says
+  int samples = 0;  // MSAA samples 1, 2, 4 or 8; 0: as the quality says
   std::string technique = "clustered";
-  std::string quality = "high";      // draft, normal, high, exact: rungs of every knob's ladder
-  std::vector<KnobSetting> settings; // --set PASS.KNOB=VALUE, over the quality
-  std::string sky;                   // equirectangular .hdr or .exr
-  std::string look;                  // look file: fog
+  std::string quality = "high";       // draft, normal, high, exact: rungs of every knob's ladder
+  std::vector<KnobSetting> settings;  // --set PASS.KNOB=VALUE, over the quality
+  std::string sky;                    // equirectangular .hdr or .exr
+  std::string look;                   // look file: fog
   float exposure_ev = 0;
-  std::string tonemap = "agx";       // agx, none, reinhard, aces, neutral, rec709
-  std::vector<std::string> layers;   // beside beauty
-  std::string view = "beauty";       // what PNG and video show: beauty, or a heatmap layer in colours with a legend
+  std::string tonemap = "agx";      // agx, none, reinhard, aces, neutral, rec709
+  std::vector<std::string> layers;  // beside beauty
+  std::string view = "beauty";      // what PNG and video show: beauty, or a heatmap layer in colours with a legend
   std::string background = "transparent";  // or "R,G,B" linear, used where there is no sky
   uint64_t seed = 0;
   // Encoding.
-  bool exr_float = false;            // beauty as float instead of half
+  bool exr_float = false;  // beauty as float instead of half
   ExrCompression exr_compression = ExrCompression::zip;
   int png_bits = 8;
   bool dither = true;
   bool timings_in_metadata = false;
   bool allow_nonfinite = false;
 };
-std::string job_json(const Job& job);            // stable order; one line
+std::string job_json(const Job& job);  // stable order; one line
 Expected<Job> job_from_json(const std::string& text);
-Expected<std::pair<int, int>> parse_size(const std::string& text);      // "1280x720"
-Expected<KnobSetting> parse_knob_setting(const std::string& text);      // "PASS.KNOB=VALUE"
+Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720"
+Expected<KnobSetting> parse_knob_setting(const std::string& text);  // "PASS.KNOB=VALUE"
 // Names and ranges: an unknown technique, layer or knob is an error that lists the names and suggests the nearest.
 Expected<void> check_job(const Job& job);
 // Identity of a frame's picture: the job, the scene's and the sky's content, the device and the version.
@@ -59,7 +61,7 @@ Hash128 frame_identity(const Job& job, const Hash128& scene_content, const std::
 
 // How the run is made; none of it changes a pixel.
 struct RunSettings {
-  std::string device;                // as DeviceOptions::which
+  std::string device;  // as DeviceOptions::which
   bool validate = false;
   std::string shader_folder;
   bool timed = false;

@@ -24,8 +24,8 @@ struct Ball {
   double radius;
 };
 
-// x/z over the part of a ball in front of the camera, or x itself for an orthographic one. The tangents to a circle at angle phi
-// from the axis lie at phi +- alpha, sin alpha = radius/distance.
+// x/z over the part of a ball in front of the camera, or x itself for an orthographic one. The tangents to a circle at
+// angle phi from the axis lie at phi +- alpha, sin alpha = radius/distance.
 Range projected(double x, double z, double radius, bool perspective) {
   if (!perspective) return {x - radius, x + radius};
   const double distance2 = x * x + z * z, t2 = distance2 - radius * radius;
@@ -237,8 +237,9 @@ shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameC
   return bounds;
 }
 
-LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights, const shared::FrameConstants& constants,
-                          double farthest_m, double reach_m, const LightKnobs& knobs) {
+LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights,
+                          const shared::FrameConstants& constants, double farthest_m, double reach_m,
+                          const LightKnobs& knobs) {
   LightGrid out;
   out.shape.knobs = knobs;
   out.shape.reason = refusal(kind, lights, knobs, reach_m, constants.perspective != 0);
@@ -258,7 +259,8 @@ LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& ligh
     const auto asked = LightList(knobs.list);
     bool use_compact = asked == LightList::compact || knobs.cap > 0;
     if (asked == LightList::automatic && knobs.cap == 0)
-      use_compact = lights.size() > most_bitmask_lights ? compact <= std::max(bitmask, budget) : bitmask > compact && bitmask > budget;
+      use_compact = lights.size() > most_bitmask_lights ? compact <= std::max(bitmask, budget)
+                                                        : bitmask > compact && bitmask > budget;
     const uint64_t bytes = use_compact ? compact : bitmask;
     const bool coarsest = grid.constants().tiles == glm::uvec2(1);
     if (bytes > budget && !coarsest && kind == LightGridKind::clusters) continue;
@@ -268,8 +270,8 @@ LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& ligh
       return out;
     }
     if (tile_px != uint32_t(knobs.tile_px) && kind == LightGridKind::clusters)
-      out.note = fmt::format("light lists take tiles of {} px instead of {} to stay below {} MiB (lights.memory_mb)", tile_px,
-                             knobs.tile_px, knobs.memory_mb);
+      out.note = fmt::format("light lists take tiles of {} px instead of {} to stay below {} MiB (lights.memory_mb)",
+                             tile_px, knobs.tile_px, knobs.memory_mb);
     shared::LightGrid& g = out.constants = grid.constants();
     g.mode = use_compact ? shared::light_mode_compact : shared::light_mode_bitmask;
     g.words = uint32_t(words);
@@ -282,7 +284,8 @@ LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& ligh
     g.global_count = uint32_t(out.globals.size());
     for (uint32_t column = 0; column <= g.tiled; ++column)
       for (uint32_t b = 0; b < boxes.bounds.size(); ++b)
-        for (uint64_t first = 0; first < grid.cells_of(boxes.bounds[b], column != 0); first += shared::light_chunk_cells)
+        for (uint64_t first = 0; first < grid.cells_of(boxes.bounds[b], column != 0);
+             first += shared::light_chunk_cells)
           out.chunks.push_back({b, uint32_t(first), column});
     out.bounds = std::move(boxes.bounds);
     LightGridShape& s = out.shape;

@@ -10,27 +10,30 @@
 
 namespace candela {
 
-// A frame's light grid: its shape, and each light's box of cells. Cells only decide where a list is kept; which lights a cell lists
-// is the GPU's work. Boxes are conservative (TECHNIQUES 6.1): lights are inflated, tiles widened by what rounding can do to a
-// shaded point's place, and a light whose box would be unbounded is one of every cell.
+// A frame's light grid: its shape, and each light's box of cells. Cells only decide where a list is kept; which lights
+// a cell lists is the GPU's work. Boxes are conservative (TECHNIQUES 6.1): lights are inflated, tiles widened by what
+// rounding can do to a shaded point's place, and a light whose box would be unbounded is one of every cell.
 struct LightGrid {
   shared::LightGrid constants{};
   std::vector<shared::LightBounds> bounds;  // lights that reach some cells but not all, in light order
   std::vector<shared::LightChunk> chunks;
-  std::vector<uint32_t> globals;            // lights of every cell: words of a mask, or ascending indices
+  std::vector<uint32_t> globals;  // lights of every cell: words of a mask, or ascending indices
   LightGridShape shape;
-  std::string note;                         // for the user; empty mostly
+  std::string note;  // for the user; empty mostly
 };
 
-// lights: as they are uploaded. constants: the frame's, for the camera's axes as the GPU has them. farthest_m: depth beyond which
-// nothing is drawn, infinity when unknown. reach_m: the largest distance of anything drawn from the camera, likewise.
-LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights, const shared::FrameConstants& constants,
-                          double farthest_m, double reach_m, const LightKnobs& knobs);
+// lights: as they are uploaded. constants: the frame's, for the camera's axes as the GPU has them. farthest_m: depth
+// beyond which nothing is drawn, infinity when unknown. reach_m: the largest distance of anything drawn from the
+// camera, likewise.
+LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights,
+                          const shared::FrameConstants& constants, double farthest_m, double reach_m,
+                          const LightKnobs& knobs);
 
 // What the GPU's tests get for one light with a range, whatever the grid. For tests.
 shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameConstants& constants);
 
-// Gives every point and spot light without range the range at which it falls to floor_lux; 0 leaves them. Returns how many got one.
+// Gives every point and spot light without range the range at which it falls to floor_lux; 0 leaves them. Returns how
+// many got one.
 uint32_t apply_light_floor(std::vector<LightItem>& lights, float floor_lux);
 
 }  // namespace candela

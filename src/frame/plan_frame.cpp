@@ -5,13 +5,13 @@
 #include <chrono>
 #include <cmath>
 
-#include "passes/geometry/features.h"
+#include "frame/frame_knobs.h"
 #include "passes/debug/layers.h"
 #include "passes/debug/light_heat.h"
+#include "passes/geometry/features.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
 #include "passes/post/tonemap.h"
-#include "frame/frame_knobs.h"
 #include "scene/neutral_light.h"
 #include "techniques/technique.h"
 
@@ -66,7 +66,8 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
     const glm::dvec3 centre(item.bounds_relative.centre()), half(item.bounds_relative.extent());
     const double depth = glm::dot(centre, forward) + glm::dot(half, glm::abs(forward));
     const double reach = glm::length(centre) + glm::length(half);
-    if (!std::isfinite(depth + reach)) return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    if (!std::isfinite(depth + reach))
+      return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     extent.farthest_m = std::max(extent.farthest_m, depth);
     extent.reach_m = std::max(extent.reach_m, reach);
   }
@@ -184,9 +185,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   }
   const uint32_t bounded = apply_light_floor(f.data.lights, knobs->lights.floor_lux);
   if (bounded > 0)
-    f.notes.push_back(fmt::format("{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)",
-                                  bounded, bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they",
-                                  knobs->lights.floor_lux));
+    f.notes.push_back(fmt::format(
+        "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
+        bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", knobs->lights.floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data);
   const AmbientSh ambient = context.environment       ? *context.environment
                             : f.request.neutral_light ? neutral_ambient()
@@ -195,8 +196,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.animate_ms = ms_since(start);
 
   start = Clock::now();
-  const auto technique =
-      std::find_if(techniques().begin(), techniques().end(), [&](const Technique& t) { return t.name == job.technique; });
+  const auto technique = std::find_if(techniques().begin(), techniques().end(),
+                                      [&](const Technique& t) { return t.name == job.technique; });
   const DrawnExtent extent = drawn_extent(f.data, f.view);
   f.light_grid = make_light_grid(technique->light_grid, f.data.lights, f.upload.constants, extent.farthest_m,
                                  extent.reach_m, knobs->lights);

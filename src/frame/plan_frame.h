@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "graph/builder.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
 #include "frame/light_grid.h"
+#include "graph/builder.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
 #include "scene/geometry_layout.h"
@@ -27,7 +27,8 @@ struct OutputImage {
 // Buffers that the scene upload fills, by the plan's resource number; -1: not in the plan.
 struct ImportedResources {
   int constants = -1, vertices = -1, indices = -1, items = -1, transforms = -1, geometries = -1, materials = -1,
-      lights = -1, light_bounds = -1, light_chunks = -1, light_globals = -1, cull_groups = -1, deform_jobs = -1, joints = -1, weights = -1;
+      lights = -1, light_bounds = -1, light_chunks = -1, light_globals = -1, cull_groups = -1, deform_jobs = -1,
+      joints = -1, weights = -1;
 };
 
 // Everything about one frame short of the GPU: pure, so `candela plan` needs no device.
@@ -72,9 +73,9 @@ std::vector<std::string> tonemap_names();
 std::vector<std::string> view_names();
 struct KnobRow {
   std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names
-  std::string kind;                                                 // what it trades: error, time or look
-  std::vector<std::string> walk;                                    // values that a sweep of errors measures, the exact one last
-  std::vector<std::string> passes;                                  // whose work it changes
+  std::string kind;                                                // what it trades: error, time or look
+  std::vector<std::string> walk;    // values that a sweep of errors measures, the exact one last
+  std::vector<std::string> passes;  // whose work it changes
 };
 std::vector<KnobRow> knob_rows(const std::string& quality);
 

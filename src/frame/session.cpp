@@ -25,9 +25,9 @@ void report_losses(FrameResult& result, int buffer, int cap) {
   uint32_t lost[3] = {};
   std::memcpy(lost, found->second->bytes().data(), sizeof lost);
   if (lost[0] > 0)
-    result.warnings.push_back(
-        fmt::format("lights.cap={}: {} lights of {} cells are LOST (the longest list has {}); the picture lacks their light", cap,
-                    lost[0], lost[1], lost[2]));
+    result.warnings.push_back(fmt::format(
+        "lights.cap={}: {} lights of {} cells are LOST (the longest list has {}); the picture lacks their light", cap,
+        lost[0], lost[1], lost[2]));
 }
 
 class DeviceSession : public Session {
@@ -125,11 +125,11 @@ Expected<FrameResult> DeviceSession::render(double time_s, bool hash_outputs) {
   try {
     auto result = render_planned(*planned, time_s, hash_outputs);
     if (result) {
-      result->timings.spans.insert(result->timings.spans.begin(),
-                                   {{"animate", "cpu", start, planned->animate_ms * 1000},
-                                    {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
-                                    {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000,
-                                     planned->plan_ms * 1000}});
+      result->timings.spans.insert(
+          result->timings.spans.begin(),
+          {{"animate", "cpu", start, planned->animate_ms * 1000},
+           {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
+           {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->plan_ms * 1000}});
       if (settings_.validate)
         if (const auto messages = device_->validation_messages(); !messages.empty())
           return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "gpu/frame_runner.h"
-#include "graph/plan.h"
 #include "frame/job.h"
 #include "frame/plan_frame.h"
+#include "gpu/frame_runner.h"
+#include "graph/plan.h"
 #include "scene/survey.h"
 
 namespace candela {

@@ -134,9 +134,9 @@ std::vector<ExtensionUse> survey_extensions(Document& document, LoadFor purpose)
     use.required = std::find(required.begin(), required.end(), name) != required.end();
     use.users = users[name];
     if (use.required && use.support == Support::ignored)
-      document.refuse(
-          "/extensionsRequired", "the file requires {}, which {} ({}); it is used by {}", name,
-          use.traced ? "only 'reference --mode path' draws" : "this program does not have", use.consequence, use.users.empty() ? "no object of the file" : fmt::format("{}", fmt::join(use.users, ", ")));
+      document.refuse("/extensionsRequired", "the file requires {}, which {} ({}); it is used by {}", name,
+                      use.traced ? "only 'reference --mode path' draws" : "this program does not have", use.consequence,
+                      use.users.empty() ? "no object of the file" : fmt::format("{}", fmt::join(use.users, ", ")));
     out.push_back(std::move(use));
   }
   return out;

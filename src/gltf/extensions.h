@@ -1,6 +1,6 @@
 #pragma once
-#include "gltf/gltf.h"
 #include "gltf/document.h"
+#include "gltf/gltf.h"
 
 namespace candela::gltf {
 // One line for each extension that the file uses, with what uses it. Refuses the file when it requires one that is

@@ -3,13 +3,13 @@
 #include <fmt/ranges.h>
 
 #include "base/files.h"
-#include "scene/deformation_bounds.h"
 #include "gltf/animation.h"
 #include "gltf/extensions.h"
 #include "gltf/lights.h"
 #include "gltf/materials.h"
 #include "gltf/meshes.h"
 #include "gltf/nodes.h"
+#include "scene/deformation_bounds.h"
 
 namespace candela {
 namespace {

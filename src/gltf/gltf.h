@@ -8,8 +8,9 @@
 
 namespace candela {
 
-// What is going to be made of a scene. path_tracing: light goes through surfaces and bodies (KHR_materials_transmission, _volume,
-// _dispersion), so these extensions are supported and their textures read; raster techniques draw such surfaces opaque.
+// What is going to be made of a scene. path_tracing: light goes through surfaces and bodies
+// (KHR_materials_transmission, _volume, _dispersion), so these extensions are supported and their textures read; raster
+// techniques draw such surfaces opaque.
 enum class LoadFor : uint8_t { raster, path_tracing };
 
 // Loads .gltf (files, base64) or .glb. Everything is checked before it is used: every index, every byte range, every

@@ -105,7 +105,8 @@ struct Importer {
     read_transmission(json, path, material);
   }
 
-  // Ranges are the validation's. A thickness texture is for techniques that have no other way to know how thick a body is.
+  // Ranges are the validation's. A thickness texture is for techniques that have no other way to know how thick a body
+  // is.
   void read_transmission(const Json& json, const std::string& path, Material& material) {
     if (const Json* e = extension(json, "KHR_materials_transmission")) {
       const std::string where = path + "/extensions/KHR_materials_transmission";
@@ -116,11 +117,13 @@ struct Importer {
       const std::string where = path + "/extensions/KHR_materials_volume";
       material.thickness_m = factor(document, *e, "thicknessFactor", 0, no_limit, where);
       if (e->contains("attenuationDistance"))
-        material.attenuation_distance_m = std::max(factor(document, *e, "attenuationDistance", 1, no_limit, where), std::numeric_limits<float>::min());
+        material.attenuation_distance_m = std::max(factor(document, *e, "attenuationDistance", 1, no_limit, where),
+                                                   std::numeric_limits<float>::min());
       material.attenuation_color = color_factor(document, *e, "attenuationColor", glm::vec3(1), 1, where);
     }
     if (const Json* e = extension(json, "KHR_materials_dispersion"))
-      material.dispersion = factor(document, *e, "dispersion", 0, no_limit, path + "/extensions/KHR_materials_dispersion");
+      material.dispersion =
+          factor(document, *e, "dispersion", 0, no_limit, path + "/extensions/KHR_materials_dispersion");
   }
 
   Material read(const Json& json, const std::string& path) {

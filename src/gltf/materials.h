@@ -1,8 +1,8 @@
 #pragma once
 #include <set>
 
-#include "gltf/gltf.h"
 #include "gltf/document.h"
+#include "gltf/gltf.h"
 
 namespace candela::gltf {
 // Fills scene.samplers, materials and images; only images that a material uses are read. `pointers`: every JSON pointer

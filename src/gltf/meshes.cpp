@@ -3,9 +3,9 @@
 #include <numeric>
 
 #include "gltf/draco.h"
+#include "gltf/mikktspace.h"
 #include "gltf/topology.h"
 #include "gltf/vertices.h"
-#include "gltf/mikktspace.h"
 
 namespace candela::gltf {
 namespace {

@@ -9,15 +9,16 @@
 
 namespace candela {
 
-// What a pass records into. It gives a resource only if the pass declared it (else it stops and names both); it owns no memory
-// and places no barrier. Images and buffers reach shaders by bindless index and by device address, in push constants.
+// What a pass records into. It gives a resource only if the pass declared it (else it stops and names both); it owns no
+// memory and places no barrier. Images and buffers reach shaders by bindless index and by device address, in push
+// constants.
 class CommandList {
  public:
   virtual ~CommandList() = default;
 
   // Places in the pass's own descriptor set (shaders/lib/bindless.glsl, set 1), for the access the pass declared.
-  virtual uint32_t sampled(ImageHandle image) = 0;   // pass_images, pass_multisampled_images, pass_uint_images
-  virtual uint32_t storage(ImageHandle image) = 0;   // storage_images
+  virtual uint32_t sampled(ImageHandle image) = 0;  // pass_images, pass_multisampled_images, pass_uint_images
+  virtual uint32_t storage(ImageHandle image) = 0;  // storage_images
   virtual uint64_t address(BufferHandle buffer) = 0;
   virtual glm::uvec2 size(ImageHandle image) = 0;
 
@@ -33,10 +34,11 @@ class CommandList {
   virtual void dispatch(uint32_t threads_x, uint32_t threads_y = 1, uint32_t threads_z = 1) = 0;
 
   struct Attachment {
-    ImageHandle image;        // version written by this pass; version 1 clears, later ones load
-    ImageHandle resolve{};    // optional
+    ImageHandle image;      // version written by this pass; version 1 clears, later ones load
+    ImageHandle resolve{};  // optional
   };
-  virtual void begin_rendering(std::span<const Attachment> colors, ImageHandle depth) = 0;  // viewport and scissor: whole image
+  virtual void begin_rendering(std::span<const Attachment> colors,
+                               ImageHandle depth) = 0;  // viewport and scissor: whole image
   virtual void end_rendering() = 0;
   // cull: none, or back faces; mirrored: front faces are clockwise (negative determinant).
   virtual void set_cull(bool cull_back, bool mirrored) = 0;

@@ -125,7 +125,7 @@ VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const 
   VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
   info.imageView = frame_.physical.image(use.resource).view;
   info.imageLayout = image_layout(use.access, desc.format);
-  info.loadOp = !use.writes || use.version != 1         ? VK_ATTACHMENT_LOAD_OP_LOAD
+  info.loadOp = !use.writes || use.version != 1  ? VK_ATTACHMENT_LOAD_OP_LOAD
                 : desc.covered && !frame_.hashed ? VK_ATTACHMENT_LOAD_OP_DONT_CARE
                                                  : VK_ATTACHMENT_LOAD_OP_CLEAR;
   info.storeOp = use.writes ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_NONE;

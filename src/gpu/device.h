@@ -12,33 +12,35 @@
 
 namespace candela::gpu {
 
-// A Vulkan call failed in the middle of a frame; only the top can act. Caught once per frame or sweep row. out_of_memory tells
-// exit code 6 from 4.
+// A Vulkan call failed in the middle of a frame; only the top can act. Caught once per frame or sweep row.
+// out_of_memory tells exit code 6 from 4.
 class GpuError : public std::runtime_error {
  public:
   GpuError(VkResult result, const std::string& what);
   VkResult result;
-  bool out_of_memory() const { return result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY; }
+  bool out_of_memory() const {
+    return result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
+  }
 };
 void vk_check(VkResult result, const char* call);  // throws GpuError
 #define VK_CHECK(call) ::candela::gpu::vk_check((call), #call)
 
 struct DeviceInfo {
-  int index = 0;               // in list_devices order
-  std::string name, driver;    // "llvmpipe (LLVM 15.0.6, 256 bits)", "llvmpipe Mesa 25.0.7"
-  std::string type;            // "cpu", "integrated", "discrete", "virtual", "other"
-  std::string uuid;            // 32 hex digits
-  std::string device_class;    // goldens and reports group by it: "lavapipe", "nvidia", ... (driver family, lower case)
+  int index = 0;             // in list_devices order
+  std::string name, driver;  // "llvmpipe (LLVM 15.0.6, 256 bits)", "llvmpipe Mesa 25.0.7"
+  std::string type;          // "cpu", "integrated", "discrete", "virtual", "other"
+  std::string uuid;          // 32 hex digits
+  std::string device_class;  // goldens and reports group by it: "lavapipe", "nvidia", ... (driver family, lower case)
   uint32_t api_major = 0, api_minor = 0, subgroup_size = 0;
   uint32_t subpixel_bits = 0;  // corners of triangles are rounded to 2^-bits of a pixel before they are drawn
   uint64_t memory_bytes = 0;
   bool is_cpu = false;
-  std::string unusable;        // empty, or what it lacks and what to install
+  std::string unusable;  // empty, or what it lacks and what to install
 };
 
 struct DeviceOptions {
-  std::string which;           // "": the best GPU, else the CPU device. "cpu", "gpu", an index, a UUID, part of a name: or fail
-  bool validate = false;       // Khronos validation layer with synchronization checks; its absence is an error
+  std::string which;  // "": the best GPU, else the CPU device. "cpu", "gpu", an index, a UUID, part of a name: or fail
+  bool validate = false;  // Khronos validation layer with synchronization checks; its absence is an error
 };
 
 Expected<std::vector<DeviceInfo>> list_devices();
@@ -46,8 +48,8 @@ Expected<std::vector<DeviceInfo>> list_devices();
 // The Vulkan instance, device and its one graphics+compute queue. No window, no surface.
 class Device {
  public:
-  // Errors (device): no Vulkan, nothing that matches (lists what there is), a feature missing (names it and the fix: lavapipe
-  // before Mesa 23 has no descriptor indexing).
+  // Errors (device): no Vulkan, nothing that matches (lists what there is), a feature missing (names it and the fix:
+  // lavapipe before Mesa 23 has no descriptor indexing).
   static Expected<std::unique_ptr<Device>> open(const DeviceOptions& options);
   ~Device();
   Device(const Device&) = delete;
@@ -61,7 +63,8 @@ class Device {
   uint32_t queue_family() const { return queue_family_; }
   double timestamp_period_ns() const { return timestamp_period_ns_; }
   uint64_t timestamp_mask() const { return timestamp_mask_; }  // 0: the queue has no timestamps
-  // Messages of the validation layer so far (warnings and errors), each once. Any message fails a test or a --validate job.
+  // Messages of the validation layer so far (warnings and errors), each once. Any message fails a test or a --validate
+  // job.
   std::vector<std::string> validation_messages() const;
 
   // For the messages of the validation layer and for debuggers; without validation they do nothing.
@@ -70,10 +73,13 @@ class Device {
   void end_label(VkCommandBuffer commands) const;
 
   // Memory in use now and at its highest, by purpose (for --timings).
-  struct MemoryUse { uint64_t scene = 0, frame = 0, readback = 0, staging = 0, peak = 0; };
+  struct MemoryUse {
+    uint64_t scene = 0, frame = 0, readback = 0, staging = 0, peak = 0;
+  };
   MemoryUse memory_use() const;
   enum class Purpose { scene, frame, readback, staging };
-  VkDeviceMemory allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred, Purpose purpose);
+  VkDeviceMemory allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
+                          VkMemoryPropertyFlags preferred, Purpose purpose);
   void release(VkDeviceMemory memory);
 
  private:

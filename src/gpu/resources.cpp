@@ -12,10 +12,11 @@ MemoryFlags memory_flags(Buffer::Memory memory) {
   switch (memory) {
     case Buffer::Memory::device:
       return {0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
-    // Every device has a type that is host-visible and coherent; written front to back, so caching does not matter; shaders read it in
-    // place, so the device's own memory is preferred.
+    // Every device has a type that is host-visible and coherent; written front to back, so caching does not matter;
+    // shaders read it in place, so the device's own memory is preferred.
     case Buffer::Memory::upload:
-      return {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+      return {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+              VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
     // Reading uncached memory is slower by an order of magnitude.
     default:
       return {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, VK_MEMORY_PROPERTY_HOST_CACHED_BIT};

@@ -10,9 +10,14 @@ namespace candela::gpu {
 // A buffer with its memory. Device buffers have an address; host ones are mapped for their whole life.
 class Buffer {
  public:
-  enum class Memory { device, upload, host_read };  // upload: host-visible, written by the CPU, read by the GPU in place
+  enum class Memory {
+    device,
+    upload,
+    host_read
+  };  // upload: host-visible, written by the CPU, read by the GPU in place
   Buffer() = default;
-  Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Memory memory, Device::Purpose purpose, const char* name);
+  Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Memory memory, Device::Purpose purpose,
+         const char* name);
   ~Buffer();
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
@@ -20,7 +25,8 @@ class Buffer {
   uint64_t size() const { return size_; }
   uint64_t address() const { return address_; }
   std::byte* mapped() const { return mapped_; }
-  void invalidate() const;  // host_read: makes what the device wrote visible to the CPU; after the wait, before the read
+  void invalidate()
+      const;  // host_read: makes what the device wrote visible to the CPU; after the wait, before the read
   explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
 
  private:

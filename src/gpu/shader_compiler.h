@@ -8,12 +8,13 @@
 
 namespace candela::gpu {
 
-// GLSL to SPIR-V by glslang as a library. Sources are embedded; a shader folder replaces them (--shader-dir, watch). The
-// result is cached on disk under a hash of everything that went in: the source with all its includes, the stage, the
-// compiler's version. A damaged cache file is made again. Thread-safe.
+// GLSL to SPIR-V by glslang as a library. Sources are embedded; a shader folder replaces them (--shader-dir, watch).
+// The result is cached on disk under a hash of everything that went in: the source with all its includes, the stage,
+// the compiler's version. A damaged cache file is made again. Thread-safe.
 class ShaderCompiler {
  public:
-  explicit ShaderCompiler(std::filesystem::path shader_folder = {}, std::filesystem::path cache = {});  // empty: embedded, no cache
+  explicit ShaderCompiler(std::filesystem::path shader_folder = {},
+                          std::filesystem::path cache = {});  // empty: embedded, no cache
   struct Result {
     std::vector<uint32_t> spirv;
     bool from_cache = false;

@@ -9,27 +9,28 @@ namespace candela {
 
 enum class Access : uint8_t {
   // images
-  color_attachment,        // written; cleared by its first writer (ImageDesc::covered: not even that), loaded (and blended) by later ones
-  depth_attachment,        // tested and written
-  depth_test,              // tested only (EQUAL after a pre-pass); may be shared with sampling
-  resolve_attachment,      // written by the end of a multisampled rendering
+  color_attachment,    // written; cleared by its first writer (ImageDesc::covered: not even that), loaded (and blended)
+                       // by later ones
+  depth_attachment,    // tested and written
+  depth_test,          // tested only (EQUAL after a pre-pass); may be shared with sampling
+  resolve_attachment,  // written by the end of a multisampled rendering
   sampled_fragment,
   sampled_compute,
-  storage_image_write,     // compute
+  storage_image_write,  // compute
   storage_image_read_write,
-  transfer_source,         // images and buffers
+  transfer_source,  // images and buffers
   transfer_destination,
   // buffers
-  vertex_read,             // storage buffer read in the vertex shader (vertices are pulled)
+  vertex_read,  // storage buffer read in the vertex shader (vertices are pulled)
   fragment_read,
-  graphics_read,           // vertex and fragment shader
-  uniform_read,            // the one block of uniforms that all shaders of the pass read (lib/frame.glsl)
+  graphics_read,  // vertex and fragment shader
+  uniform_read,   // the one block of uniforms that all shaders of the pass read (lib/frame.glsl)
   compute_read,
-  compute_write,           // and read: a storage buffer written by compute
-  fragment_write,          // integer atomics from fragment shaders (counters)
+  compute_write,   // and read: a storage buffer written by compute
+  fragment_write,  // integer atomics from fragment shaders (counters)
   index_read,
   indirect_read,
-  host_read,               // after the frame, by the CPU
+  host_read,  // after the frame, by the CPU
 };
 constexpr int access_count = int(Access::host_read) + 1;
 
@@ -44,8 +45,9 @@ struct AccessInfo {
 };
 const AccessInfo& access_info(Access access);
 
-// The layout an image of this format has under an access; barriers, attachments and descriptors must all agree on it. As in
-// the table, except that a depth image is sampled in the layout that depth_test uses, so one pass can test and sample it.
+// The layout an image of this format has under an access; barriers, attachments and descriptors must all agree on it.
+// As in the table, except that a depth image is sampled in the layout that depth_test uses, so one pass can test and
+// sample it.
 VkImageLayout image_layout(Access access, VkFormat format);
 bool is_depth_format(VkFormat format);
 

@@ -14,9 +14,9 @@ class CommandList;  // gpu/command_list.h; the graph only passes it on
 
 using RecordFunction = std::function<void(CommandList&)>;
 
-// Collects declarations; compile_graph turns them into a plan. Wrong use (a stale handle, a write of an imported resource, a
-// use outside a pass, an access that does not fit an image or a buffer) is a defect of ours: it throws GraphError, which
-// names pass and resource (tests refuse on purpose; in the program it ends as an internal error).
+// Collects declarations; compile_graph turns them into a plan. Wrong use (a stale handle, a write of an imported
+// resource, a use outside a pass, an access that does not fit an image or a buffer) is a defect of ours: it throws
+// GraphError, which names pass and resource (tests refuse on purpose; in the program it ends as an internal error).
 class GraphError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -28,10 +28,10 @@ class GraphBuilder {
 
   // Opens a pass; every declaration up to end_pass belongs to it.
   void begin_pass(std::string name, Queue queue = Queue::main);
-  ImageHandle create(ImageDesc desc);    // version 0: nothing in it yet; must be written before it is read
+  ImageHandle create(ImageDesc desc);  // version 0: nothing in it yet; must be written before it is read
   BufferHandle create(BufferDesc desc);
-  // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns. A zeroed
-  // buffer may be read at version 0. host_read is no access of a pass: sink() stands for it.
+  // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns. A
+  // zeroed buffer may be read at version 0. host_read is no access of a pass: sink() stands for it.
   void read(ImageHandle image, Access access, std::string_view what);
   void read(BufferHandle buffer, Access access, std::string_view what);
   // The same for an optional input: returns false for an empty handle, and nothing is declared.
@@ -46,8 +46,8 @@ class GraphBuilder {
   bool end_pass(RecordFunction record);
 
   void leave_out(std::string pass, std::string reason);
-  // Marks what the frame is for: these keep their producers alive. Buffers with memory host_read, usually. An empty handle is
-  // no sink: what it stood for was left out.
+  // Marks what the frame is for: these keep their producers alive. Buffers with memory host_read, usually. An empty
+  // handle is no sink: what it stood for was left out.
   void sink(BufferHandle buffer);
   void sink(ImageHandle image);
 
@@ -61,9 +61,9 @@ class GraphBuilder {
   struct Resource {
     std::variant<ImageDesc, BufferDesc> desc;
     bool imported = false;
-    int version = 0;          // newest
-    int creator = -1;         // declared pass that made it
-    int left_out = -1;        // into left_out(): made by a pass that was left out; its handles are refused, the place stays
+    int version = 0;    // newest
+    int creator = -1;   // declared pass that made it
+    int left_out = -1;  // into left_out(): made by a pass that was left out; its handles are refused, the place stays
     const std::string& name() const {
       return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
     }
@@ -107,9 +107,10 @@ struct CompiledGraph {
   std::vector<RecordFunction> record;  // parallel to plan.passes
 };
 
-// validate, prune (reference counts from the sinks; dropped passes are listed as "nobody reads NAME"), order (declaration
-// order, which is topological), make physical (usage unions, lifetimes), alias (interval colouring, size-sorted first fit),
-// barriers. Throws GraphError for a graph that cannot be right (read of a version nobody made, cycle).
+// validate, prune (reference counts from the sinks; dropped passes are listed as "nobody reads NAME"), order
+// (declaration order, which is topological), make physical (usage unions, lifetimes), alias (interval colouring,
+// size-sorted first fit), barriers. Throws GraphError for a graph that cannot be right (read of a version nobody made,
+// cycle).
 CompiledGraph compile_graph(const GraphBuilder& builder);
 
 // The named steps, for tests. prune says which declared passes stay; the others fill in more of the plan.

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
-// What a pass asks of the compiler: shader files below shaders/, with preprocessor definitions where an interface differs
-// ("layers.frag#DEPTH=0#NORMAL=1"; everything else is a specialization constant). Plain values, part of the plan, hashed and printed. One pipeline layout serves all: the
-// bindless set and 128 bytes of push constants.
+// What a pass asks of the compiler: shader files below shaders/, with preprocessor definitions where an interface
+// differs
+// ("layers.frag#DEPTH=0#NORMAL=1"; everything else is a specialization constant). Plain values, part of the plan,
+// hashed and printed. One pipeline layout serves all: the bindless set and 128 bytes of push constants.
 namespace candela {
 
 struct SpecConstant {
@@ -39,8 +40,9 @@ struct GraphicsPipelineDesc {
   bool operator==(const GraphicsPipelineDesc&) const = default;
 };
 
-// Place in the list of the pass that declared it: the executor binds plan.pipelines[plan.passes[i].pipelines[index]]. So a pass
-// can only bind what it declared, and pruning and merging never invalidate a handle that a recording closure holds.
+// Place in the list of the pass that declared it: the executor binds plan.pipelines[plan.passes[i].pipelines[index]].
+// So a pass can only bind what it declared, and pruning and merging never invalidate a handle that a recording closure
+// holds.
 struct PipelineHandle {
   int index = -1;
   explicit operator bool() const { return index >= 0; }

@@ -17,8 +17,8 @@ struct ImageDesc {
   VkFormat format = VK_FORMAT_UNDEFINED;
   uint32_t width_px = 0, height_px = 0, samples = 1;
   std::array<float, 4> clear{0, 0, 0, 0};  // colour, or depth in [0]; integers as floats
-  // The passes that write it cover every texel between them before anything reads it: the first finds what was there, and does not
-  // clear. While outputs are hashed it does, for a hash may not see what the next pass covers.
+  // The passes that write it cover every texel between them before anything reads it: the first finds what was there,
+  // and does not clear. While outputs are hashed it does, for a hash may not see what the next pass covers.
   bool covered = false;
 };
 enum class BufferMemory : uint8_t { device, host_read };
@@ -26,14 +26,14 @@ struct BufferDesc {
   std::string name;
   uint64_t size_bytes = 0;
   BufferMemory memory = BufferMemory::device;
-  bool zeroed = false;  // filled with zeros before the frame's first use (counters)
+  bool zeroed = false;     // filled with zeros before the frame's first use (counters)
   bool unordered = false;  // scratch whose order depends on how threads arrive; what is made of it does not. Not hashed
 };
 
 struct PlanUse {
   int resource = -1;
   Access access{};
-  int version = 0;     // version read, or version made by a write
+  int version = 0;  // version read, or version made by a write
   bool writes = false;
   bool operator==(const PlanUse&) const = default;
 };
@@ -44,8 +44,8 @@ struct ImageBarrier {
   VkAccessFlags2 source_access = 0, destination_access = 0;
   VkImageLayout old_layout = VK_IMAGE_LAYOUT_UNDEFINED, new_layout = VK_IMAGE_LAYOUT_UNDEFINED;
 };
-// At most one vkCmdPipelineBarrier2 a pass: one memory barrier for all buffers and same-layout images, and image barriers
-// where a layout changes or aliased memory is taken over.
+// At most one vkCmdPipelineBarrier2 a pass: one memory barrier for all buffers and same-layout images, and image
+// barriers where a layout changes or aliased memory is taken over.
 struct PassBarriers {
   VkPipelineStageFlags2 source_stages = 0, destination_stages = 0;
   VkAccessFlags2 source_access = 0, destination_access = 0;
@@ -57,10 +57,10 @@ enum class Queue : uint8_t { main, compute };
 struct PlanPass {
   std::string name;
   Queue queue = Queue::main;
-  int declared = -1;              // index in declaration order: finds the recording closure
+  int declared = -1;  // index in declaration order: finds the recording closure
   std::vector<PlanUse> uses;
-  std::vector<int> pipelines;     // into FramePlan::pipelines
-  PassBarriers barriers;          // before the pass
+  std::vector<int> pipelines;  // into FramePlan::pipelines
+  PassBarriers barriers;       // before the pass
 };
 
 enum class Lifetime : uint8_t { scene, frame, readback };  // imported, transient, read by the host
@@ -68,7 +68,7 @@ struct PlanResource {
   std::variant<ImageDesc, BufferDesc> desc;
   bool imported = false;
   Lifetime lifetime = Lifetime::frame;
-  VkImageUsageFlags image_usage = 0;    // unions over kept passes: pruning narrows usage too
+  VkImageUsageFlags image_usage = 0;  // unions over kept passes: pruning narrows usage too
   VkBufferUsageFlags buffer_usage = 0;
   int first_pass = -1, last_pass = -1;  // positions in FramePlan::passes; -1: unused, owns nothing
   int block = -1;                       // transient images share memory blocks where lifetimes are disjoint
@@ -91,16 +91,16 @@ struct FramePlan {
   std::vector<PlanResource> resources;  // by handle.resource; unused ones keep their place
   std::vector<PipelineDesc> pipelines;  // without duplicates, only of kept passes
   std::vector<LeftOut> left_out;
-  std::vector<uint64_t> block_bytes;    // estimate for each memory block
-  PassBarriers final_barriers;          // after the last pass: host reads
+  std::vector<uint64_t> block_bytes;  // estimate for each memory block
+  PassBarriers final_barriers;        // after the last pass: host reads
 };
 
-uint64_t transient_bytes(const FramePlan& plan);          // with aliasing
+uint64_t transient_bytes(const FramePlan& plan);  // with aliasing
 uint64_t transient_bytes_unaliased(const FramePlan& plan);
-Hash128 plan_hash(const FramePlan& plan);                 // of passes, uses, pipelines, sizes: what timings depend on
-std::string plan_text(const FramePlan& plan);             // what runs, what was left out and why, each image's memory
+Hash128 plan_hash(const FramePlan& plan);      // of passes, uses, pipelines, sizes: what timings depend on
+std::string plan_text(const FramePlan& plan);  // what runs, what was left out and why, each image's memory
 std::string plan_json(const FramePlan& plan);
-std::string plan_dot(const FramePlan& plan);              // Graphviz; left-out passes dimmed
-uint32_t format_bytes(VkFormat format);                   // of one texel; CHECKs on a format the project does not use
+std::string plan_dot(const FramePlan& plan);  // Graphviz; left-out passes dimmed
+uint32_t format_bytes(VkFormat format);       // of one texel; CHECKs on a format the project does not use
 
 }  // namespace candela

@@ -11,7 +11,9 @@ class Table {
       : rows_{std::move(heading)}, right_aligned_(right_aligned) {}
   void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   bool empty() const { return rows_.size() == 1; }
-  bool has(const std::vector<std::string>& cells) const { return std::find(rows_.begin(), rows_.end(), cells) != rows_.end(); }
+  bool has(const std::vector<std::string>& cells) const {
+    return std::find(rows_.begin(), rows_.end(), cells) != rows_.end();
+  }
 
   std::string text() const {
     std::vector<size_t> width(rows_[0].size(), 0);

@@ -160,8 +160,8 @@ Expected<DecodedImage> decode_hdr(std::span<const std::byte> bytes, const std::s
   if (width > max_side || height > max_side)
     return fail(ErrorKind::input, place, "{}x{} pixels are more than {} on a side", width, height, max_side);
   const auto data = bytes.subspan(head->pixels_at);
-  // Run lengths hold at most 127 pixels in 8 bytes, so 16 pixels a byte is the rule for sizes out of proportion. (The repeats
-  // of 1985 could hold more in a picture of a single colour.)
+  // Run lengths hold at most 127 pixels in 8 bytes, so 16 pixels a byte is the rule for sizes out of proportion. (The
+  // repeats of 1985 could hold more in a picture of a single colour.)
   if (uint64_t(width) * uint64_t(height) / 16 > data.size())
     return fail(ErrorKind::input, place, "{}x{} pixels cannot be held by {} bytes: the file is truncated", width,
                 height, bytes.size());

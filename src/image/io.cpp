@@ -131,13 +131,16 @@ void make_usable(DecodedImage& image, const std::string& place, std::vector<std:
     negative += has_negative;
   }
   if (nonfinite)
-    warnings.push_back(fmt::format("{}: {} texels are not finite; infinity is taken as 65504, the rest as 0", place, nonfinite));
-  if (negative) warnings.push_back(fmt::format("{}: {} texels are negative; those values are taken as 0", place, negative));
+    warnings.push_back(
+        fmt::format("{}: {} texels are not finite; infinity is taken as 65504, the rest as 0", place, nonfinite));
+  if (negative)
+    warnings.push_back(fmt::format("{}: {} texels are negative; those values are taken as 0", place, negative));
 }
 
 }  // namespace
 
-Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image, const std::vector<PngText>& texts) {
+Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image,
+                         const std::vector<PngText>& texts) {
   auto encoded = encode_png(image, path.string());
   if (!encoded) return std::unexpected(encoded.error());
   std::vector<std::byte> file = std::move(*encoded);

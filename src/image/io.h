@@ -13,13 +13,14 @@ namespace candela {
 enum class ExrCompression { none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab };
 Expected<ExrCompression> exr_compression_from_name(std::string_view name);
 
-// Atomic (temporary name, fsync, rename). Bytes depend on the image alone: no date, no host. Finite values beyond half's
-// range are stored as its largest. Errors: output.
+// Atomic (temporary name, fsync, rename). Bytes depend on the image alone: no date, no host. Finite values beyond
+// half's range are stored as its largest. Errors: output.
 Expected<void> write_exr(const std::filesystem::path& path, const FloatImage& image,
                          ExrCompression compression = ExrCompression::zip);
 // texts: keyword and text of tEXt chunks (png_text.h).
 using PngText = std::pair<std::string, std::string>;
-Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image, const std::vector<PngText>& texts = {});
+Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image,
+                         const std::vector<PngText>& texts = {});
 
 // Any format, to float; 8- and 16-bit files give code values / max in [0,1], not decoded. Errors: input, names the
 // file.

@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// Real spherical harmonics up to l = 2 of unit d, Y00, Y1-1, Y10, Y11, Y2-2 ... Y22 (Ramamoorthi and Hanrahan, "An Efficient
-// Representation for Irradiance Environment Maps", 2001).
+// Real spherical harmonics up to l = 2 of unit d, Y00, Y1-1, Y10, Y11, Y2-2 ... Y22 (Ramamoorthi and Hanrahan, "An
+// Efficient Representation for Irradiance Environment Maps", 2001).
 inline std::array<double, 9> sh_basis(glm::dvec3 d) {
   return {0.282095,
           0.488603 * d.y,

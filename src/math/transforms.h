@@ -3,7 +3,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
-// Spaces: local (mesh) -> world (double) -> relative (world axes, origin at the camera, float) -> view (looks down -Z, +Y up)
+// Spaces: local (mesh) -> world (double) -> relative (world axes, origin at the camera, float) -> view (looks down -Z,
+// +Y up)
 // -> clip (Vulkan: y down, depth reversed). A matrix is named target_from_source.
 namespace candela {
 

@@ -151,12 +151,14 @@ struct Numbers {
   NumericResult result;
   std::optional<NoiseFloor> noise;
 };
-// noise_scale: NoiseMap::scale of the whole image, for a part of it too; negative: the reference does not know its noise.
+// noise_scale: NoiseMap::scale of the whole image, for a part of it too; negative: the reference does not know its
+// noise.
 Numbers numbers_of(const FloatImage& reference, const FloatImage& test, double noise_scale) {
   Numbers numbers;
   const std::vector<ChannelPair> channels = numeric_channels(reference, test);
   if (!channels.empty()) numbers.result = numeric_metrics(channels, reference.width, reference.height);
-  numbers.result.metrics["differing"] = differing_pixels(all_channels(reference, test), reference.width, reference.height);
+  numbers.result.metrics["differing"] =
+      differing_pixels(all_channels(reference, test), reference.width, reference.height);
   if (noise_scale >= 0)
     if (auto map = noise_map(reference)) {
       map->scale = noise_scale;
@@ -169,18 +171,23 @@ struct Maps {
   Plane flip, hdr_flip;
 };
 
-RegionResult compare_region(const FloatImage& reference, const FloatImage& test, const CompareOptions& options, const Region& region,
-                            const Maps& maps, double noise_scale) {
+RegionResult compare_region(const FloatImage& reference, const FloatImage& test, const CompareOptions& options,
+                            const Region& region, const Maps& maps, double noise_scale) {
   const FloatImage a = crop(reference, region), b = crop(test, region);
   Numbers numbers = numbers_of(a, b, noise_scale);
-  RegionResult result{.region = region, .metrics = std::move(numbers.result.metrics), .max_at = numbers.result.max_at, .noise = numbers.noise};
+  RegionResult result{.region = region,
+                      .metrics = std::move(numbers.result.metrics),
+                      .max_at = numbers.result.max_at,
+                      .noise = numbers.noise};
   result.max_at.x += region.x, result.max_at.y += region.y;
   const auto shown_a = display_planes(a, options.encoding), shown_b = display_planes(b, options.encoding);
   if (shown_a.empty()) return result;
   result.metrics["psnr"] = psnr(shown_a, shown_b, a.width, a.height);
   if (options.perceptual) result.metrics["ssim"] = ssim(shown_a, shown_b, a.width, a.height);
   // Of the whole image's map: what lies beside a region is seen with it.
-  const auto mean_within = [&](const Plane& map) { return flip_mean(crop(map, reference.width, region), a.width, a.height); };
+  const auto mean_within = [&](const Plane& map) {
+    return flip_mean(crop(map, reference.width, region), a.width, a.height);
+  };
   if (!maps.flip.empty()) result.metrics["flip"] = mean_within(maps.flip);
   if (!maps.hdr_flip.empty()) result.metrics["hdr-flip"] = mean_within(maps.hdr_flip);
   return result;
@@ -236,7 +243,8 @@ namespace {
 std::vector<std::string> layers_alone(const FloatImage& from, const FloatImage& other) {
   std::set<std::string> alone;
   for (const Channel& channel : from.channels)
-    if (const std::string layer = layer_of(channel); !layer.empty() && layer != "variance" && !other.find(channel.name)) alone.insert(layer);
+    if (const std::string layer = layer_of(channel); !layer.empty() && layer != "variance" && !other.find(channel.name))
+      alone.insert(layer);
   return {alone.begin(), alone.end()};
 }
 

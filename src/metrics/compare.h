@@ -71,7 +71,8 @@ struct CompareOptions {
 Comparison compare(const FloatImage& reference, const FloatImage& test, const CompareOptions& options);
 
 // Reads both; EXR and Radiance HDR are linear, everything else display-encoded (options.encoding is not asked); one of
-// each is a refusal. Layers that one file alone has are a refusal, and named. Errors: a file that cannot be read (input).
+// each is a refusal. Layers that one file alone has are a refusal, and named. Errors: a file that cannot be read
+// (input).
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                                    CompareOptions options = {});
 

@@ -11,12 +11,13 @@
 namespace candela {
 namespace {
 
-// (a x^2 + b x) / (c x^2 + d x + e): Krzysztof Narkowicz's fit of ACES, with the factor 0.6 on x that takes its exposure back.
+// (a x^2 + b x) / (c x^2 + d x + e): Krzysztof Narkowicz's fit of ACES, with the factor 0.6 on x that takes its
+// exposure back.
 constexpr double a = 2.51 * 0.36, b = 0.03 * 0.6, c = 2.43 * 0.36, d = 0.59 * 0.6, e = 0.14;
 constexpr double shown_at = 0.85;  // what the range brings the brightest and the median pixel to
 
-// Radiance below zero goes through the curve as the authors' program lets it (it comes out bright, as of its absolute value): else
-// pictures that a filter with negative lobes has resampled would have another result than theirs.
+// Radiance below zero goes through the curve as the authors' program lets it (it comes out bright, as of its absolute
+// value): else pictures that a filter with negative lobes has resampled would have another result than theirs.
 float tone_mapped(float radiance, double factor) {
   if (std::isnan(radiance)) return 0;
   const double x = std::clamp(double(radiance) * factor, -1e100, 1e100);  // an infinity would be infinity over infinity
@@ -44,10 +45,11 @@ std::vector<Plane> exposed(const std::vector<Plane>& linear, int width, int heig
 
 Expected<ExposureRange> parse_exposure_range(std::string_view text) {
   const auto bad = [&] {
-    return fail(ErrorKind::usage, {},
-                "exposures \"{}\" are not of the form START,STOP,COUNT, for example -4,4,9: stops within -64 and 64, START "
-                "no more than STOP, 1 to 256 of them",
-                text);
+    return fail(
+        ErrorKind::usage, {},
+        "exposures \"{}\" are not of the form START,STOP,COUNT, for example -4,4,9: stops within -64 and 64, START "
+        "no more than STOP, 1 to 256 of them",
+        text);
   };
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != 3) return bad();
@@ -66,7 +68,8 @@ ExposureRange automatic_exposures(const std::vector<Plane>& linear_reference) {
   CHECK(linear_reference.size() == 3);
   std::vector<double> luminances;
   for (size_t i = 0; i < linear_reference[0].size(); ++i) {
-    const double y = 0.2126 * linear_reference[0][i] + 0.7152 * linear_reference[1][i] + 0.0722 * linear_reference[2][i];
+    const double y =
+        0.2126 * linear_reference[0][i] + 0.7152 * linear_reference[1][i] + 0.0722 * linear_reference[2][i];
     if (std::isfinite(y)) luminances.push_back(y);
   }
   const auto median_of = [](std::vector<double>& values) {
@@ -89,12 +92,13 @@ ExposureRange automatic_exposures(const std::vector<Plane>& linear_reference) {
   return range;
 }
 
-Plane hdr_flip_map(const std::vector<Plane>& linear_reference, const std::vector<Plane>& linear_test, int width, int height,
-                   const ExposureRange& range) {
+Plane hdr_flip_map(const std::vector<Plane>& linear_reference, const std::vector<Plane>& linear_test, int width,
+                   int height, const ExposureRange& range) {
   CHECK(range.count >= 1 && linear_reference.size() == 3 && linear_test.size() == 3);
   Plane largest(linear_reference[0].size(), 0.0f);
   for (int i = 0; i < range.count; ++i) {
-    const double stops = range.count == 1 ? range.start : range.start + (range.stop - range.start) * i / (range.count - 1);
+    const double stops =
+        range.count == 1 ? range.start : range.start + (range.stop - range.start) * i / (range.count - 1);
     const Plane map = flip_map_of_linear(exposed(linear_reference, width, height, stops),
                                          exposed(linear_test, width, height, stops), width, height);
     for (size_t p = 0; p < map.size(); ++p) largest[p] = std::max(largest[p], map[p]);

@@ -24,7 +24,8 @@ void compare_depth(const ChannelPair& z, int width, LayerResult& result) {
   double largest = 0, one_sided = 0;
   for (size_t i = 0; i < z.first->f.size(); ++i) {
     const double a = z.first->f[i], b = z.second->f[i];
-    const bool surface_a = std::isfinite(a) && a < background_depth_m, surface_b = std::isfinite(b) && b < background_depth_m;
+    const bool surface_a = std::isfinite(a) && a < background_depth_m,
+               surface_b = std::isfinite(b) && b < background_depth_m;
     if (surface_a != surface_b) one_sided += 1;
     if (!surface_a || !surface_b) continue;
     const double error = a == b ? 0 : std::abs(b - a) / std::max(std::abs(a), 1e-12);
@@ -72,9 +73,14 @@ LayerResult compare_layer(const std::string& name, const std::vector<ChannelPair
   else if (name == "normal" && channels.size() == 3)
     result.kind = Kind::normals;
   switch (result.kind) {
-    case Kind::ids: break;
-    case Kind::depth: compare_depth(channels[0], width, result); break;
-    case Kind::normals: compare_normals(channels, width, result); break;
+    case Kind::ids:
+      break;
+    case Kind::depth:
+      compare_depth(channels[0], width, result);
+      break;
+    case Kind::normals:
+      compare_normals(channels, width, result);
+      break;
     case Kind::values: {
       NumericResult numbers = numeric_metrics(channels, width, height);
       result.metrics = std::move(numbers.metrics);

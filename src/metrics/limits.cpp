@@ -7,8 +7,9 @@
 namespace candela {
 namespace {
 
-constexpr std::array<std::string_view, 14> metric_names = {"max",  "mae",  "rmse", "relmse",   "relmse-trimmed", "p50",      "p90",
-                                                           "p99",  "p99.9", "psnr", "ssim",    "flip",           "hdr-flip", "differing"};
+constexpr std::array<std::string_view, 14> metric_names = {"max",  "mae",  "rmse",     "relmse",   "relmse-trimmed",
+                                                           "p50",  "p90",  "p99",      "p99.9",    "psnr",
+                                                           "ssim", "flip", "hdr-flip", "differing"};
 bool is_lower_bound(std::string_view metric) { return metric == "psnr" || metric == "ssim"; }
 
 }  // namespace
@@ -95,8 +96,9 @@ std::string comparison_json(const Comparison& comparison, std::span<const LimitV
   json["trimmed_share"] = trimmed_share;
   add_place(json, comparison.max_at);
   if (comparison.exposures)
-    json["hdr_flip_exposures"] = {
-        {"start", comparison.exposures->start}, {"stop", comparison.exposures->stop}, {"count", comparison.exposures->count}};
+    json["hdr_flip_exposures"] = {{"start", comparison.exposures->start},
+                                  {"stop", comparison.exposures->stop},
+                                  {"count", comparison.exposures->count}};
   add_noise(json, comparison.noise, comparison.metrics);
   for (const LimitVerdict& v : verdicts) {
     Json limit = {{"metric", v.limit.metric}, {"limit", v.limit.value}, {"pass", v.pass}};

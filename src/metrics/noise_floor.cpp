@@ -9,7 +9,8 @@ constexpr std::array<const char*, 3> colours = {"R", "G", "B"};
 
 std::optional<double> number_of(const FloatImage& image, std::string_view name) {
   for (const MetadataEntry& entry : image.metadata)
-    if (entry.name == name && entry.kind != MetadataEntry::Kind::text && entry.kind != MetadataEntry::Kind::matrix44) return entry.number;
+    if (entry.name == name && entry.kind != MetadataEntry::Kind::text && entry.kind != MetadataEntry::Kind::matrix44)
+      return entry.number;
   return {};
 }
 

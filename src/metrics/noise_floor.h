@@ -5,16 +5,17 @@
 
 namespace candela {
 
-// What the reference's own noise alone makes of rmse and relmse: the perfect image would be this far from it. A difference below it
-// says nothing about the image under test.
+// What the reference's own noise alone makes of rmse and relmse: the perfect image would be this far from it. A
+// difference below it says nothing about the image under test.
 struct NoiseFloor {
   double rmse = 0, relmse = 0;
 };
 
-// Expected squared errors of a pixel's mean: channels variance.R .G .B (docs/outputs.md), their mean brought to the file's candela:mse
-// where there is one, which is measured from two halves of the samples and so knows that samples of a low-discrepancy sequence are not
-// independent. nullopt without these channels, or where candela:spp says that there was one sample, of which no variance is known.
-// channels: how many the two metrics run over; alpha counts as free of noise.
+// Expected squared errors of a pixel's mean: channels variance.R .G .B (docs/outputs.md), their mean brought to the
+// file's candela:mse where there is one, which is measured from two halves of the samples and so knows that samples of
+// a low-discrepancy sequence are not independent. nullopt without these channels, or where candela:spp says that there
+// was one sample, of which no variance is known. channels: how many the two metrics run over; alpha counts as free of
+// noise.
 struct NoiseMap {
   const Channel* variance[3] = {};
   double scale = 1;

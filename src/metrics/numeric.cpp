@@ -28,7 +28,7 @@ NumericResult numeric_metrics(std::span<const ChannelPair> channels, int width, 
   CHECK(!channels.empty());
   const size_t pixels = size_t(width) * size_t(height);
   std::vector<Row> rows(static_cast<size_t>(height));
-  std::vector<float> largest(pixels, 0.0f);  // of each pixel, over its channels
+  std::vector<float> largest(pixels, 0.0f);   // of each pixel, over its channels
   std::vector<double> relative(pixels, 0.0);  // as well; squares of large floats are beyond them
   sum_rows(height, [&](int y) {
     Row& row = rows[size_t(y)];
@@ -59,13 +59,15 @@ NumericResult numeric_metrics(std::span<const ChannelPair> channels, int width, 
                     {"rmse", std::sqrt(all.square / count)},
                     {"relmse", all.relative / count}};
   std::sort(largest.begin(), largest.end());
-  for (const auto& [name, fraction] : {std::pair("p50", 0.5), std::pair("p90", 0.9), std::pair("p99", 0.99), std::pair("p99.9", 0.999)})
+  for (const auto& [name, fraction] :
+       {std::pair("p50", 0.5), std::pair("p90", 0.9), std::pair("p99", 0.99), std::pair("p99.9", 0.999)})
     result.metrics[name] = sorted_percentile(largest, fraction);
   // Rounded down: a picture of fewer than a thousand pixels is not trimmed.
   std::sort(relative.begin(), relative.end());
   const size_t kept = pixels - size_t(trimmed_share * double(pixels));
   const double rest = std::accumulate(relative.begin(), relative.begin() + std::ptrdiff_t(kept), 0.0);
-  result.metrics["relmse-trimmed"] = kept == pixels ? result.metrics["relmse"] : rest / (double(channels.size()) * double(kept));
+  result.metrics["relmse-trimmed"] =
+      kept == pixels ? result.metrics["relmse"] : rest / (double(channels.size()) * double(kept));
   return result;
 }
 

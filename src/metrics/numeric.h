@@ -12,16 +12,17 @@ namespace candela {
 using ChannelPair = std::pair<const Channel*, const Channel*>;
 
 inline constexpr double relmse_epsilon = 0.01;  // added to the square of the reference in relmse
-inline constexpr double trimmed_share = 0.001;  // of the pixels, those with the largest error, which relmse-trimmed leaves out
+inline constexpr double trimmed_share =
+    0.001;  // of the pixels, those with the largest error, which relmse-trimmed leaves out
 
 struct Place {
   int x = 0, y = 0;
   std::string channel;  // empty: no pixel differs
 };
 
-// Differences of values as they are: max, mae, rmse, relmse, relmse-trimmed, and p50, p90, p99, p99.9 (compare.h says what they
-// are). Sums are in double and in a fixed order. Places that are not finite in the reference (and then equal in the test image, or
-// the pair would have been refused) count as no difference.
+// Differences of values as they are: max, mae, rmse, relmse, relmse-trimmed, and p50, p90, p99, p99.9 (compare.h says
+// what they are). Sums are in double and in a fixed order. Places that are not finite in the reference (and then equal
+// in the test image, or the pair would have been refused) count as no difference.
 struct NumericResult {
   std::map<std::string, double> metrics;
   Place max_at;

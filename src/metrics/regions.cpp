@@ -30,7 +30,8 @@ Expected<Region> parse_region(std::string_view text) {
     fine = parsed.ec == std::errc() && parsed.ptr == parts[i].data() + parts[i].size() && values[i] >= (i < 2 ? 0 : 1);
   }
   if (!fine)
-    return fail(ErrorKind::usage, {}, "region \"{}\" is not of the form X,Y,WIDTH,HEIGHT in whole pixels, for example 0,0,64,64", text);
+    return fail(ErrorKind::usage, {},
+                "region \"{}\" is not of the form X,Y,WIDTH,HEIGHT in whole pixels, for example 0,0,64,64", text);
   return Region{values[0], values[1], values[2], values[3]};
 }
 
@@ -42,7 +43,8 @@ Expected<void> check_region(const Region& r, int width, int height) {
 FloatImage crop(const FloatImage& image, const Region& region) {
   FloatImage result{.width = region.width, .height = region.height};
   for (const Channel& channel : image.channels)
-    result.channels.push_back({channel.name, channel.type, cropped(channel.f, image.width, region), cropped(channel.u, image.width, region)});
+    result.channels.push_back(
+        {channel.name, channel.type, cropped(channel.f, image.width, region), cropped(channel.u, image.width, region)});
   return result;
 }
 

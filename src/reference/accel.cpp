@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "reference/accel_trees.h"
 #include "bvh/triangle.h"
+#include "reference/accel_trees.h"
 
 namespace candela {
 namespace {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "math/bounds.h"
 #include "bvh/options.h"
-#include "reference/deform.h"
 #include "bvh/ray.h"
+#include "math/bounds.h"
+#include "reference/deform.h"
 #include "scene/frame_data.h"
 #include "scene/pose.h"
 #include "scene/scene.h"

@@ -1,10 +1,10 @@
 #pragma once
 #include <vector>
 
-#include "reference/accel.h"
 #include "bvh/build.h"
 #include "bvh/trace.h"
 #include "bvh/wide_tree.h"
+#include "reference/accel.h"
 
 namespace candela {
 

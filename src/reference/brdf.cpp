@@ -47,7 +47,8 @@ glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   const double grazing = std::pow(std::clamp(1 - glm::dot(v, h), 0.0, 1.0), 5);
   const glm::dvec3 f_dielectric = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * grazing;
   const glm::dvec3 f_metal = s.base_color + (1.0 - s.base_color) * grazing;
-  // Light that the specular layer of any channel takes does not reach the base (KHR_materials_specular: one number, so that hue stays).
+  // Light that the specular layer of any channel takes does not reach the base (KHR_materials_specular: one number, so
+  // that hue stays).
   const glm::dvec3 dielectric = s.base_color / pi * (1 - largest(f_dielectric)) + specular * f_dielectric;
   return glm::mix(dielectric, specular * f_metal, s.metallic) * n_l;
 }

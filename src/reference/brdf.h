@@ -1,15 +1,15 @@
 #pragma once
 #include <glm/glm.hpp>
 
-// The metallic-roughness BRDF of glTF 2.0, appendix B, in double, written from the specification (TECHNIQUES 9.1) and not from the
-// shaders: an error in either shows as a difference.
+// The metallic-roughness BRDF of glTF 2.0, appendix B, in double, written from the specification (TECHNIQUES 9.1) and
+// not from the shaders: an error in either shows as a difference.
 namespace candela::reference {
 
-// Perceptual roughness below this counts as this, in every path: 32-bit floats overflow otherwise (TECHNIQUES 9.1). Thus no lobe is
-// a mirror, and every lobe has a density.
+// Perceptual roughness below this counts as this, in every path: 32-bit floats overflow otherwise (TECHNIQUES 9.1).
+// Thus no lobe is a mirror, and every lobe has a density.
 inline constexpr double least_roughness = 0.045;
 
-struct Glass;     // bsdf.h
+struct Glass;    // bsdf.h
 class Interior;  // interior.h
 
 struct Surface {
@@ -21,8 +21,8 @@ struct Surface {
   glm::dvec3 emission{0};
   glm::dvec3 dielectric_f0{0.04};
   double dielectric_f90 = 1;
-  double coverage = 1;      // 1 opaque, 0 a hole (glTF 3.9.4)
-  bool unlit = false;       // base_color is what it shows
+  double coverage = 1;  // 1 opaque, 0 a hole (glTF 3.9.4)
+  bool unlit = false;   // base_color is what it shows
   // Where light goes through (paths alone; the functions below know nothing of it).
   const Glass* glass = nullptr;  // null: opaque
   double transmission = 0;       // share of the base's light
@@ -34,13 +34,14 @@ struct Surface {
 // f(l, v) (n.l), 1/sr; 0 for light from below the shading normal. l and v are unit and point away from the surface.
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 
-// Choosing a light direction by the BRDF: the cosine lobe, or visible GGX normals (Heitz, "Sampling the GGX Distribution of Visible
-// Normals", 2018), with a probability by the lobes' estimated albedos. The density is of the whole mixture.
+// Choosing a light direction by the BRDF: the cosine lobe, or visible GGX normals (Heitz, "Sampling the GGX
+// Distribution of Visible Normals", 2018), with a probability by the lobes' estimated albedos. The density is of the
+// whole mixture.
 glm::dvec3 sample_brdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u);
 double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);  // 1/sr
 
-// Directional albedo of the specular lobe per f0 and f90: the split sum's analytic fit that the raster techniques use (Karis,
-// "Physically Based Shading on Mobile", 2014).
+// Directional albedo of the specular lobe per f0 and f90: the split sum's analytic fit that the raster techniques use
+// (Karis, "Physically Based Shading on Mobile", 2014).
 glm::dvec2 specular_scale_bias(double roughness, double n_v);
 
 double luminance(glm::dvec3 rec709);

@@ -97,7 +97,8 @@ glm::dvec3 refracted(glm::dvec3 v, glm::dvec3 h, double eta) {
   return glm::normalize(across - std::sqrt(std::max(1 - glm::dot(across, across), 0.0)) * h);
 }
 
-// Mirrors and windows under an interpolated normal may point to the wrong side of the triangle; then its own normal counts.
+// Mirrors and windows under an interpolated normal may point to the wrong side of the triangle; then its own normal
+// counts.
 BsdfSample mirrored(const Surface& s, glm::dvec3 v) {
   BsdfSample out;
   out.l = 2 * glm::dot(v, s.normal) * s.normal - v;
@@ -190,11 +191,14 @@ double fresnel(double cosine, double eta) {
   const double sin2 = (1 - cosine * cosine) / (eta * eta);
   if (sin2 >= 1) return 1;
   const double behind = std::sqrt(1 - sin2);
-  const double s = (cosine - eta * behind) / (cosine + eta * behind), p = (eta * cosine - behind) / (eta * cosine + behind);
+  const double s = (cosine - eta * behind) / (cosine + eta * behind),
+               p = (eta * cosine - behind) / (eta * cosine + behind);
   return (s * s + p * p) / 2;
 }
 
-bool is_straight(const Surface& s) { return s.glass && (s.glass->body ? std::abs(s.eta - 1) < same_index : is_smooth(s)); }
+bool is_straight(const Surface& s) {
+  return s.glass && (s.glass->body ? std::abs(s.eta - 1) < same_index : is_smooth(s));
+}
 
 glm::dvec3 straight_share(const Surface& s, glm::dvec3 v) {
   return is_straight(s) ? shares_at(s, glm::dot(s.normal, v)).through : glm::dvec3(0);
@@ -217,7 +221,8 @@ glm::dvec3 evaluate_bsdf(const Surface& s, glm::dvec3 l, glm::dvec3 v, bool punc
   const Shares shares = shares_at(s, v_h);
   // D and G over 4 (n.l) (n.v), times n.l.
   const double facets = ggx_d(glm::dot(s.normal, h), alpha) * smith_v(std::abs(n_l), n_v, alpha) * std::abs(n_l);
-  if (n_l > 0) return shares.diffuse * (n_l / pi) + (punctual || !is_smooth(s) ? shares.reflected * facets : glm::dvec3(0));
+  if (n_l > 0)
+    return shares.diffuse * (n_l / pi) + (punctual || !is_smooth(s) ? shares.reflected * facets : glm::dvec3(0));
   if (!s.glass->body) return shares.through * facets;
   return shares.through * (4 * facets * v_h * facets_per_direction(s, l, v, h) / (s.eta * s.eta));
 }
@@ -232,7 +237,8 @@ double bsdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   if (is_smooth(s)) return pdf;
   const glm::dvec3 h = facet_between(s, l, v);
   if (h == glm::dvec3(0)) return pdf;
-  const double v_h = glm::dot(v, h), visible = smith_g1(n_v, alpha) * ggx_d(glm::dot(s.normal, h), alpha) / n_v;  // D_v over v.h
+  const double v_h = glm::dot(v, h),
+               visible = smith_g1(n_v, alpha) * ggx_d(glm::dot(s.normal, h), alpha) / n_v;  // D_v over v.h
   const double part = reflected_part(s, shares_at(s, v_h));
   if (n_l > 0) return pdf + choices.facets * part * visible / 4;
   return choices.facets * (1 - part) * visible * (s.glass->body ? v_h * facets_per_direction(s, l, v, h) : 0.25);

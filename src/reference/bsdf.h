@@ -3,27 +3,28 @@
 
 #include "reference/brdf.h"
 
-// Surfaces that let light through: KHR_materials_transmission with _volume, _ior, _specular and _dispersion, in double. Opaque surfaces
-// are passed on to brdf.h, so that paths need not ask which they have.
+// Surfaces that let light through: KHR_materials_transmission with _volume, _ior, _specular and _dispersion, in double.
+// Opaque surfaces are passed on to brdf.h, so that paths need not ask which they have.
 //
-// The dielectric interface has the exact Fresnel reflectance, scaled to the specular extension's values at normal and grazing
-// incidence, over GGX facets (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007). What it lets through
-// meets the base: the transmitted share goes on, tinted by the base colour, the rest is diffuse. Below least_roughness the interface is
-// a mirror and a window.
+// The dielectric interface has the exact Fresnel reflectance, scaled to the specular extension's values at normal and
+// grazing incidence, over GGX facets (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007).
+// What it lets through meets the base: the transmitted share goes on, tinted by the base colour, the rest is diffuse.
+// Below least_roughness the interface is a mirror and a window.
 namespace candela::reference {
 
 // Of a material.
 struct Glass {
-  double ior = 1.5;         // 0: reflects all, whatever the angle, and does not bend what specular still lets through
-  double dispersion = 0;    // 20 over the Abbe number
-  bool body = false;        // the surface bounds a body; else it is a sheet: light leaves in the direction it came
+  double ior = 1.5;       // 0: reflects all, whatever the angle, and does not bend what specular still lets through
+  double dispersion = 0;  // 20 over the Abbe number
+  bool body = false;      // the surface bounds a body; else it is a sheet: light leaves in the direction it came
   glm::dvec3 attenuation_color{1};
   double attenuation_distance_m = 0;  // white has attenuation_color after this way, may be infinite
 };
 // The index of refraction of red, green or blue light, of none of them (-1) the nominal one.
 double index_of_refraction(const Glass& glass, int channel);
 
-// Reflectance of a smooth dielectric for unpolarised light; eta: index behind over index before. 1 where all is reflected.
+// Reflectance of a smooth dielectric for unpolarised light; eta: index behind over index before. 1 where all is
+// reflected.
 double fresnel(double cosine, double eta);
 
 // Light goes straight through, as the surface says: a smooth sheet, or a body of the index of what is about it.
@@ -31,13 +32,14 @@ bool is_straight(const Surface& s);
 // The share of it, seen from v.
 glm::dvec3 straight_share(const Surface& s, glm::dvec3 v);
 
-// f(l, v) |n.l|, 1/sr, of all lobes that have a density. For radiance: what comes from a medium of another index is scaled by the
-// square of their ratio. punctual: mirrors show the light as a surface of least_roughness does, for nothing else can.
+// f(l, v) |n.l|, 1/sr, of all lobes that have a density. For radiance: what comes from a medium of another index is
+// scaled by the square of their ratio. punctual: mirrors show the light as a surface of least_roughness does, for
+// nothing else can.
 glm::dvec3 evaluate_bsdf(const Surface& s, glm::dvec3 l, glm::dvec3 v, bool punctual = false);
 double bsdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);  // 1/sr
 
-// Whether light in direction l, counted away from the surface, is on the same side of the triangle as of the shading normal, and that
-// side is open to light.
+// Whether light in direction l, counted away from the surface, is on the same side of the triangle as of the shading
+// normal, and that side is open to light.
 bool is_open(const Surface& s, glm::dvec3 l);
 
 struct BsdfSample {

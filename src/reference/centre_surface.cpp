@@ -16,7 +16,8 @@ std::optional<CentreSurface> centre_surface(const World& world, int x, int y, in
   CentreSurface out;
   out.item = hit->item;
   out.surface = world.surface(*hit, camera.origin, camera.direction);
-  // The direction is of length 1 along the axis, and so is the origin off it: both for perspective and orthographic views.
+  // The direction is of length 1 along the axis, and so is the origin off it: both for perspective and orthographic
+  // views.
   const glm::dvec3 back = glm::transpose(glm::dmat3(world.view().view_from_relative))[2];
   out.depth_m = -glm::dot(out.surface.position, back);
   return out;

@@ -3,8 +3,8 @@
 
 namespace candela::reference {
 
-// What the layers of raster techniques hold of a pixel (docs/outputs.md): the nearest opaque or masked surface at its centre. One ray
-// and no mean over samples: an averaged id or depth would name a surface that does not exist.
+// What the layers of raster techniques hold of a pixel (docs/outputs.md): the nearest opaque or masked surface at its
+// centre. One ray and no mean over samples: an averaged id or depth would name a surface that does not exist.
 struct CentreSurface {
   uint32_t item = 0;   // into FrameData::items
   double depth_m = 0;  // along the view axis

@@ -8,7 +8,8 @@
 namespace candela::reference {
 namespace {
 
-// Dimensions of a surface that is not opaque: a group of the sampler's four and some more for each layer of blended surfaces.
+// Dimensions of a surface that is not opaque: a group of the sampler's four and some more for each layer of blended
+// surfaces.
 constexpr uint32_t dimensions_a_layer = 8;
 constexpr int most_layers = 256;
 
@@ -61,9 +62,11 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     }
     if (s.coverage > 0) {
       stream.start(4 + uint32_t(layer) * dimensions_a_layer);
-      const glm::dvec3 radiance = s.unlit ? s.base_color : s.emission + direct_light(s, world_.accel().surface(*hit), to_viewer, stream);
+      const glm::dvec3 radiance =
+          s.unlit ? s.base_color : s.emission + direct_light(s, world_.accel().surface(*hit), to_viewer, stream);
       const double here_m = glm::dot(s.position - camera.origin, onward);
-      const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, here_m}, through, uint32_t(layer), stream, out);
+      const glm::dvec3 clear =
+          fog_before(camera.origin, onward, {before_m, here_m}, through, uint32_t(layer), stream, out);
       before_m = here_m;
       out.radiance += through * s.coverage * clear * radiance;
       out.fog_through += through * s.coverage * (clear - 1.0);
@@ -85,11 +88,14 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   return out;
 }
 
-glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {
+glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
+                                    SampleStream& stream) const {
   glm::dvec3 sum = punctual(s, point, v);
   if (!world_.sky() || settings_.ambient == Ambient::off) return sum;
-  // What the material says of its own small hollows belongs to this term, as glTF says; tracing adds what the geometry does.
-  sum += s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream) : occluded_ambient(s, point, v, stream));
+  // What the material says of its own small hollows belongs to this term, as glTF says; tracing adds what the geometry
+  // does.
+  sum += s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream)
+                                                             : occluded_ambient(s, point, v, stream));
   return sum;
 }
 
@@ -105,7 +111,8 @@ glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const Surface
   if (!settings_.visibility) return radiance;
   // Light from behind the triangle, which a shading normal may let in, is blocked by the surface itself.
   if (!is_open(s, offer.l)) return glm::dvec3(0);
-  return radiance * light_through(world_, point, offer.l, offer.distance_m, bodies_towards(s, offer.l), offer.end ? &*offer.end : nullptr);
+  return radiance * light_through(world_, point, offer.l, offer.distance_m, bodies_towards(s, offer.l),
+                                  offer.end ? &*offer.end : nullptr);
 }
 
 glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
@@ -122,7 +129,8 @@ glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& poin
   return clear * light_through(world_, point, l, distance_m, bodies_towards(s, l));
 }
 
-glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {
+glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
+                                      SampleStream& stream) const {
   glm::dvec3 sum(0);
   const glm::dvec2 for_lobe = stream.next2();
   const glm::dvec3 l = sample_brdf(s, v, stream.next(), for_lobe);
@@ -139,7 +147,8 @@ glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& poin
   return sum;
 }
 
-glm::dvec3 Integrator::occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const {
+glm::dvec3 Integrator::occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
+                                        SampleStream& stream) const {
   const glm::dvec3 ambient = harmonic_ambient(world_.ambient_sh(), s, v);
   return ambient * sky_visibility(s, point, cosine_direction(s.normal, stream.next2()));
 }

@@ -22,7 +22,8 @@ glm::dvec3 aces(glm::dvec3 c) {
          });
 }
 
-// Khronos PBR Neutral: what 4 % reflection adds is taken off, then everything above 0.76 is compressed and loses saturation.
+// Khronos PBR Neutral: what 4 % reflection adds is taken off, then everything above 0.76 is compressed and loses
+// saturation.
 glm::dvec3 neutral(glm::dvec3 c) {
   const double least = std::min({c.x, c.y, c.z});
   c -= least < 0.08 ? least - 6.25 * least * least : 0.04;
@@ -42,10 +43,11 @@ double agx_sigmoid(double x) {
   return x < pivot ? 0.5 - y : 0.5 + y;
 }
 glm::dvec3 agx(glm::dvec3 c) {
-  const glm::dmat3 inset(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992, 0.878468636469772, 0.0784336,
-                         0.0792237451477643, 0.0791661274605434, 0.879142973793104);
-  const glm::dmat3 outset(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368, 1.15190312990417,
-                          -0.0980434501171241, -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
+  const glm::dmat3 inset(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992,
+                         0.878468636469772, 0.0784336, 0.0792237451477643, 0.0791661274605434, 0.879142973793104);
+  const glm::dmat3 outset(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368,
+                          1.15190312990417, -0.0980434501171241, -0.0990297440797205, -0.0989611768448433,
+                          1.15107367264116);
   const glm::dvec3 curved = each(inset * c, [](double v) {
     constexpr double lowest = -12.47393, highest = 4.026069;
     return agx_sigmoid(std::clamp((std::log2(std::max(v, 1e-10)) - lowest) / (highest - lowest), 0.0, 1.0));
@@ -104,7 +106,8 @@ DisplayImage display_image(const Film& film, const DisplaySettings& settings) {
     const double values[4] = {c.x, c.y, c.z, alpha};
     for (int k = 0; k < image.channels; ++k) {
       std::byte* at = image.pixels.data() + (i * size_t(image.channels) + size_t(k)) * each_bytes;
-      const double code = std::isfinite(values[k]) ? std::floor(values[k] * (settings.bits == 8 ? 255 : 65535) + 0.5) : 0;
+      const double code =
+          std::isfinite(values[k]) ? std::floor(values[k] * (settings.bits == 8 ? 255 : 65535) + 0.5) : 0;
       if (settings.bits == 8) {
         *at = std::byte(uint8_t(code));
       } else {

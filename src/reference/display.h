@@ -10,8 +10,8 @@ struct DisplaySettings {
   std::string_view curve = "agx";  // none, agx, reinhard, aces, neutral, rec709
   double exposure_ev = 0;
   int bits = 8;
-  bool dither = true;              // 8 bits alone
-  bool alpha = false;              // straight alpha as a fourth channel
+  bool dither = true;  // 8 bits alone
+  bool alpha = false;  // straight alpha as a fourth channel
   uint32_t seed = 0;
 };
 

@@ -27,7 +27,10 @@ struct FileHead {
 }  // namespace
 
 Film::Film(int width_px, int height_px, bool with_fog)
-    : width_(width_px), height_(height_px), sums_(size_t(width_px) * size_t(height_px)), fog_(with_fog ? sums_.size() : 0) {}
+    : width_(width_px),
+      height_(height_px),
+      sums_(size_t(width_px) * size_t(height_px)),
+      fog_(with_fog ? sums_.size() : 0) {}
 
 glm::dvec3 Film::fog_light(size_t pixel) const {
   if (fog_.empty()) return glm::dvec3(0);
@@ -106,7 +109,8 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
           }
           pixel.value[3] += s.alpha;
           pixel.traversal += s.traversal;
-          for (int c = 0; c < 3 && !fog.empty(); ++c) fog[at].light[c] += s.fog_light[c], fog[at].through[c] += s.fog_through[c];
+          for (int c = 0; c < 3 && !fog.empty(); ++c)
+            fog[at].light[c] += s.fog_light[c], fog[at].through[c] += s.fog_through[c];
         }
       }
     const std::lock_guard lock(reporting);
@@ -133,18 +137,22 @@ Expected<void> Film::save(const std::filesystem::path& path, const Hash128& iden
   return write_file_atomically(path, bytes);
 }
 
-Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px, bool with_fog) {
+Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px,
+                          bool with_fog) {
   const auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
   FileHead head{};
   if (bytes->size() >= sizeof head) std::memcpy(&head, bytes->data(), sizeof head);
-  if (std::memcmp(head.magic, magic, 8) != 0) return fail(ErrorKind::input, path.string(), "is no state of candela reference");
+  if (std::memcmp(head.magic, magic, 8) != 0)
+    return fail(ErrorKind::input, path.string(), "is no state of candela reference");
   if (head.identity != identity || head.width != width_px || head.height != height_px)
-    return fail(ErrorKind::input, path.string(),
-                "belongs to another picture: scene, camera, size, mode, sampler and all that decides a pixel must be the same");
+    return fail(
+        ErrorKind::input, path.string(),
+        "belongs to another picture: scene, camera, size, mode, sampler and all that decides a pixel must be the same");
   Film film(width_px, height_px, with_fog);
   const std::span<const std::byte> body = std::span(*bytes).subspan(sizeof head);
-  const std::span<std::byte> sums = std::as_writable_bytes(std::span(film.sums_)), fog = std::as_writable_bytes(std::span(film.fog_));
+  const std::span<std::byte> sums = std::as_writable_bytes(std::span(film.sums_)),
+                             fog = std::as_writable_bytes(std::span(film.fog_));
   if (body.size() != sums.size() + fog.size() || hash128(body) != head.content)
     return fail(ErrorKind::input, path.string(), "is damaged; remove it to begin anew");
   std::memcpy(sums.data(), body.data(), sums.size());
@@ -154,14 +162,15 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
 }
 
 int next_batch(uint64_t samples, const Stop& stop) {
-  // Even counts, so that halves are of the same size, growing by a quarter; not so large that an interruption costs much.
+  // Even counts, so that halves are of the same size, growing by a quarter; not so large that an interruption costs
+  // much.
   uint64_t batch = std::clamp<uint64_t>(samples / 8 * 2, 2, 16);
   if (stop.spp > 0) batch = std::min(batch, stop.spp - std::min(stop.spp, samples));
   return int(batch);
 }
 
-bool refine(Film& film, const Integrator& integrator, const Stop& stop, const std::function<bool(const Progress&)>& report,
-            const std::function<void()>& after_batch) {
+bool refine(Film& film, const Integrator& integrator, const Stop& stop,
+            const std::function<bool(const Progress&)>& report, const std::function<void()>& after_batch) {
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   double error = film.relative_error();

@@ -9,8 +9,8 @@
 
 namespace candela::reference {
 
-// Sums over the samples of each pixel, in double, added in the order of the samples: any sharing of the work gives the same bytes, and
-// so does an interruption.
+// Sums over the samples of each pixel, in double, added in the order of the samples: any sharing of the work gives the
+// same bytes, and so does an interruption.
 class Film {
  public:
   Film(int width_px, int height_px, bool with_fog = false);
@@ -18,28 +18,30 @@ class Film {
   int height() const { return height_; }
   uint64_t samples() const { return samples_; }  // of every pixel
 
-  glm::dvec4 mean(size_t pixel) const;        // premultiplied radiance, alpha
-  glm::dvec3 variance(size_t pixel) const;    // of that mean: sample variance over the count; 0 for one sample
-  double traversal(size_t pixel) const;       // mean cost of the camera ray
+  glm::dvec4 mean(size_t pixel) const;      // premultiplied radiance, alpha
+  glm::dvec3 variance(size_t pixel) const;  // of that mean: sample variance over the count; 0 for one sample
+  double traversal(size_t pixel) const;     // mean cost of the camera ray
   bool has_fog() const { return !fog_.empty(); }
   glm::dvec3 fog_light(size_t pixel) const;    // mean light of fog, a part of mean(); 0 without fog
   glm::dvec3 fog_through(size_t pixel) const;  // mean transmittance; 1 without fog
   size_t pixels() const { return size_t(width_) * size_t(height_); }
 
-  // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared difference of
-  // their means, over all pixels and channels. 0 for fewer than two samples.
+  // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared
+  // difference of their means, over all pixels and channels. 0 for fewer than two samples.
   double mean_square_error() const;
-  // The same with every difference taken relative to the pixel's value, its square plus 0.01 as in relMSE, and the root of it: what
+  // The same with every difference taken relative to the pixel's value, its square plus 0.01 as in relMSE, and the root
+  // of it: what
   // --noise asks for. Its square is the floor below which a relMSE against this film says nothing.
   double relative_error() const;
 
-  // Adds samples [samples(), samples() + count) of every pixel. keep_going is asked after every tile and may stop the work: then
-  // nothing of this call counts and the answer is false.
+  // Adds samples [samples(), samples() + count) of every pixel. keep_going is asked after every tile and may stop the
+  // work: then nothing of this call counts and the answer is false.
   bool add(const Integrator& integrator, int count, const std::function<bool(double done)>& keep_going);
 
   // The file that a later run goes on from. `identity` says which picture and settings it belongs to.
   Expected<void> save(const std::filesystem::path& path, const Hash128& identity) const;
-  static Expected<Film> load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px, bool with_fog = false);
+  static Expected<Film> load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px,
+                             bool with_fog = false);
 
  private:
   struct Sums {
@@ -60,21 +62,21 @@ class Film {
 
 // How long a film is made better. Every limit may be given; the first that is reached ends the work.
 struct Stop {
-  uint64_t spp = 0;      // 0: no limit
-  double seconds = 0;    // 0: no limit; at least one batch is made
-  double noise = 0;      // 0: no limit; Film::relative_error()
+  uint64_t spp = 0;    // 0: no limit
+  double seconds = 0;  // 0: no limit; at least one batch is made
+  double noise = 0;    // 0: no limit; Film::relative_error()
 };
 struct Progress {
   uint64_t samples = 0, of_samples = 0;  // of_samples 0: not known
   double done = 0;                       // of the batch in hand
   double seconds = 0, relative_error = 0;
 };
-// Counts at which limits are looked at: they depend on the count alone, so a noise target ends at the same count on every machine
-// and after every interruption.
+// Counts at which limits are looked at: they depend on the count alone, so a noise target ends at the same count on
+// every machine and after every interruption.
 int next_batch(uint64_t samples, const Stop& stop);
-// report is called often, from one thread at a time, and returns false to stop early; the batch in hand is then given up.
-// after_batch may save. Returns whether a limit was reached.
-bool refine(Film& film, const Integrator& integrator, const Stop& stop, const std::function<bool(const Progress&)>& report,
-            const std::function<void()>& after_batch = {});
+// report is called often, from one thread at a time, and returns false to stop early; the batch in hand is then given
+// up. after_batch may save. Returns whether a limit was reached.
+bool refine(Film& film, const Integrator& integrator, const Stop& stop,
+            const std::function<bool(const Progress&)>& report, const std::function<void()>& after_batch = {});
 
 }  // namespace candela::reference

@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include "reference/equi_angular.h"
-#include "reference/integrator.h"
 #include "reference/glass_light.h"
+#include "reference/integrator.h"
 
 namespace candela::reference {
 namespace {
@@ -179,7 +179,8 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
           emissive_point(uint32_t(choice.light - points), choice.probability, position, on_triangle(on_light, i));
       if (!p) continue;
       const double f = phase(p->l);
-      offer = {radiance_of(*p) * (f * weight(p->pdf, f, Strategy::light) / p->pdf), p->l, p->distance_m, surface_of(*p)};
+      offer = {radiance_of(*p) * (f * weight(p->pdf, f, Strategy::light) / p->pdf), p->l, p->distance_m,
+               surface_of(*p)};
     }
     if (every)
       sum += arrives(offer);

@@ -2,8 +2,8 @@
 
 namespace candela::reference {
 
-glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m, const Interior* start,
-                         const SurfacePoint* target) {
+glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
+                         const Interior* start, const SurfacePoint* target) {
   if (!world.has_glass()) return glm::dvec3(transmittance(world, from, l, distance_m, target));
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return glm::dvec3(1);

@@ -7,10 +7,11 @@
 namespace candela::reference {
 
 enum class Mode : uint8_t { direct, path };
-// Where direct's ambient term comes from: the sky's radiance over the hemisphere, each direction traced; the raster techniques'
-// own ambient term times the cosine-weighted part of the hemisphere that is open; or nowhere.
+// Where direct's ambient term comes from: the sky's radiance over the hemisphere, each direction traced; the raster
+// techniques' own ambient term times the cosine-weighted part of the hemisphere that is open; or nowhere.
 enum class Ambient : uint8_t { traced, occlusion, off };
-// Which of path's two ways to meet a light counts. Both, weighted by the power heuristic (Veach 1997), or one alone for tests.
+// Which of path's two ways to meet a light counts. Both, weighted by the power heuristic (Veach 1997), or one alone for
+// tests.
 enum class Strategy : uint8_t { both, light, brdf };
 
 inline constexpr int most_fog_steps = 65536;
@@ -20,18 +21,19 @@ struct TraceSettings {
   SamplerSettings sampler;
   bool visibility = true;  // direct: light is blocked by what stands in its way
   Ambient ambient = Ambient::traced;
-  double ambient_distance_m = std::numeric_limits<double>::infinity();  // direct: what is farther off does not occlude the sky
-  double lifted = 0;       // direct: points are lit as if they stood this part of their distance above their surface
-  int most_bounces = 0;    // path: 0 as many as Russian roulette leaves
+  double ambient_distance_m =
+      std::numeric_limits<double>::infinity();  // direct: what is farther off does not occlude the sky
+  double lifted = 0;     // direct: points are lit as if they stood this part of their distance above their surface
+  int most_bounces = 0;  // path: 0 as many as Russian roulette leaves
   Strategy strategy = Strategy::both;
-  int fog_steps = 16;      // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
+  int fog_steps = 16;  // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
 };
 
 // One sample of one pixel.
 struct PixelSample {
   glm::dvec3 radiance{0};  // premultiplied by alpha
   double alpha = 0;
-  double traversal = 0;    // of the camera ray: a quarter for each node, one for each triangle tested
+  double traversal = 0;       // of the camera ray: a quarter for each node, one for each triangle tested
   glm::dvec3 fog_light{0};    // of radiance, what fog scatters or emits towards the camera
   glm::dvec3 fog_through{1};  // what fog leaves of the light of whatever lies at the end of the camera ray
 };
@@ -46,7 +48,8 @@ class Integrator {
   PixelSample sample_at(glm::dvec2 place_px, uint64_t index) const;
 
   // Radiance towards `to_viewer` of light that comes straight from its source. For tests of single points.
-  glm::dvec3 direct_light(const Surface& surface, const SurfacePoint& point, glm::dvec3 to_viewer, SampleStream& stream) const;
+  glm::dvec3 direct_light(const Surface& surface, const SurfacePoint& point, glm::dvec3 to_viewer,
+                          SampleStream& stream) const;
 
  private:
   PixelSample sample_through(glm::dvec2 place_px, SampleStream& stream) const;
@@ -75,19 +78,20 @@ class Integrator {
   Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const;
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
-  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream) const;
-  // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces in front leave
-  // `share`, and returns the transmittance from the camera to the span's end.
-  glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer, SampleStream& stream,
-                        PixelSample& out) const;
+  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
+                        SampleStream& stream) const;
+  // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces
+  // in front leave `share`, and returns the transmittance from the camera to the span's end.
+  glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
+                        SampleStream& stream, PixelSample& out) const;
   glm::dvec3 fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer, SampleStream& stream) const;
   glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, SampleStream& stream) const;
   // A point of an emissive triangle as `from` sees it; empty where it gives no light there.
   struct EmissivePoint {
-    glm::dvec3 l{0};        // unit, towards it
+    glm::dvec3 l{0};                 // unit, towards it
     double distance_m = 0, pdf = 0;  // per steradian
-    uint32_t light = 0;     // into World::emissive()
-    glm::dvec2 at{0};       // weights of the second and third corner
+    uint32_t light = 0;              // into World::emissive()
+    glm::dvec2 at{0};                // weights of the second and third corner
     bool back = false;
   };
   std::optional<EmissivePoint> emissive_point(uint32_t light, double probability, glm::dvec3 from, glm::dvec2 u) const;
@@ -96,8 +100,8 @@ class Integrator {
   double weight(double this_pdf, double other_pdf, Strategy own) const;
   static bool survives(double u, int bounce, glm::dvec3& through, double compressed = 1);  // Russian roulette
 
-  // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and all light
-  // that reaches the place where it scatters.
+  // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and
+  // all light that reaches the place where it scatters.
   struct FogStep {
     glm::dvec3 through{1};  // of the path, from here on
     glm::dvec3 clear{1};    // transmittance of the way to the next surface
@@ -105,8 +109,8 @@ class Integrator {
     glm::dvec3 position{0}, direction{0};  // where it goes on
     double density = 0;                    // of that direction
   };
-  FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce, uint32_t number, bool every, SampleStream& stream,
-                   PixelSample& out) const;
+  FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce,
+                   uint32_t number, bool every, SampleStream& stream, PixelSample& out) const;
   glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, bool every, double which, SampleStream& stream) const;
   // Each light that is chosen at a point a place of its own, as even as the first (the R2 sequence's steps).
   static glm::dvec2 on_triangle(glm::dvec2 first, size_t light);
@@ -119,8 +123,8 @@ class Integrator {
 // A sky of spherical harmonics, as they are for diffuse light, in direction n; every band times its factor.
 glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band = glm::dvec3(1));
 
-// The ambient term of the raster techniques (shaders: lib/ambient), in double: spherical harmonics up to l = 2 for diffuse light, and
-// for reflections as well.
+// The ambient term of the raster techniques (shaders: lib/ambient), in double: spherical harmonics up to l = 2 for
+// diffuse light, and for reflections as well.
 glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v);
 
 }  // namespace candela::reference

@@ -57,7 +57,9 @@ glm::dvec3 GlassWay::arrive(Surface& s, glm::dvec3 v, bool back, double distance
   return left;
 }
 
-bool GlassWay::splits(const Surface& s) const { return s.glass && s.glass->body && s.glass->dispersion > 0 && here_.channel < 0; }
+bool GlassWay::splits(const Surface& s) const {
+  return s.glass && s.glass->body && s.glass->dispersion > 0 && here_.channel < 0;
+}
 
 glm::dvec3 GlassWay::choose_channel(const Surface& s, double u) {
   if (!splits(s)) return glm::dvec3(1);

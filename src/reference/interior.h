@@ -5,16 +5,16 @@
 
 namespace candela::reference {
 
-// The bodies that a point lies in, in the order in which a path entered them. Where they overlap the one entered last counts, for
-// refraction and for absorption; leaving another changes nothing. Bodies are known by their material: surfaces that share one bound one
-// body, in whichever items they are.
+// The bodies that a point lies in, in the order in which a path entered them. Where they overlap the one entered last
+// counts, for refraction and for absorption; leaving another changes nothing. Bodies are known by their material:
+// surfaces that share one bound one body, in whichever items they are.
 class Interior {
  public:
   bool empty() const { return count_ == 0; }
   bool holds(const Glass& glass) const;
   void enter(const Glass& glass);
-  void leave(const Glass& glass);       // the last of this material, if there is any
-  double ior() const;                   // 1 in the open
+  void leave(const Glass& glass);                     // the last of this material, if there is any
+  double ior() const;                                 // 1 in the open
   glm::dvec3 transmittance(double distance_m) const;  // what is left of light after this way (Beer and Lambert)
 
   // Of the light that is followed, where a body has split its colours: red 0, green 1, blue 2; -1: all of them.
@@ -27,7 +27,9 @@ class Interior {
 };
 
 // What lies about a surface on the side of a direction.
-inline const Interior* bodies_towards(const Surface& s, glm::dvec3 l) { return glm::dot(s.geometric, l) > 0 ? s.before : s.behind; }
+inline const Interior* bodies_towards(const Surface& s, glm::dvec3 l) {
+  return glm::dot(s.geometric, l) > 0 ? s.before : s.behind;
+}
 
 // A straight way that light takes through bodies, from one surface to the next.
 class GlassWay {
@@ -35,8 +37,9 @@ class GlassWay {
   GlassWay() = default;
   explicit GlassWay(const Interior& start) : here_(start) {}
 
-  // At a surface `distance_m` from where the ray began: what is left of the light since the surface before, and what the surface needs
-  // to know of either side of it; it points to this object then. v: to where the light is followed from; back: as the hit says.
+  // At a surface `distance_m` from where the ray began: what is left of the light since the surface before, and what
+  // the surface needs to know of either side of it; it points to this object then. v: to where the light is followed
+  // from; back: as the hit says.
   glm::dvec3 arrive(Surface& s, glm::dvec3 v, bool back, double distance_m);
   // On to the end, without a surface.
   glm::dvec3 end(double distance_m) const { return here_.transmittance(distance_m - travelled_); }

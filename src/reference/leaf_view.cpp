@@ -28,14 +28,16 @@ struct PixelRange {
 PixelRange pixels_of(const Aabb& box, const View& view, int width, int height) {
   glm::dvec2 low(1e30), high(-1e30);
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec4 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z, 1);
+    const glm::dvec4 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                       corner & 4 ? box.max.z : box.min.z, 1);
     const glm::dvec4 clip = view.clip_from_relative * p;
     if (!(clip.w > 0) || (view.perspective && clip.w < view.near_m)) return {0, 0, width - 1, height - 1};
     const glm::dvec2 pixel = (glm::dvec2(clip) / clip.w * 0.5 + 0.5) * glm::dvec2(width, height);
     low = glm::min(low, pixel), high = glm::max(high, pixel);
   }
-  return {int(std::clamp(std::floor(low.x) - 1, 0.0, double(width))), int(std::clamp(std::floor(low.y) - 1, 0.0, double(height))),
-          int(std::clamp(high.x + 1, -1.0, width - 1.0)), int(std::clamp(high.y + 1, -1.0, height - 1.0))};
+  return {int(std::clamp(std::floor(low.x) - 1, 0.0, double(width))),
+          int(std::clamp(std::floor(low.y) - 1, 0.0, double(height))), int(std::clamp(high.x + 1, -1.0, width - 1.0)),
+          int(std::clamp(high.y + 1, -1.0, height - 1.0))};
 }
 
 }  // namespace
@@ -44,7 +46,8 @@ std::vector<float> leaf_counts(const World& world, int width, int height) {
   std::vector<float> counts(size_t(width) * size_t(height));
   const std::vector<LeafBox> leaves = world.accel().leaves();
   std::vector<PixelRange> ranges(leaves.size());
-  tbb::parallel_for(size_t(0), leaves.size(), [&](size_t i) { ranges[i] = pixels_of(leaves[i].box, world.view(), width, height); });
+  tbb::parallel_for(size_t(0), leaves.size(),
+                    [&](size_t i) { ranges[i] = pixels_of(leaves[i].box, world.view(), width, height); });
   tbb::parallel_for(0, height, [&](int y) {
     for (size_t i = 0; i < leaves.size(); ++i) {
       if (y < ranges[i].top || y > ranges[i].bottom) continue;

@@ -5,8 +5,8 @@
 
 namespace candela::reference {
 
-// How many leaf boxes of the acceleration structure the line of sight through each pixel's centre crosses, whatever hides them: where
-// many overlap, rays do work in vain.
+// How many leaf boxes of the acceleration structure the line of sight through each pixel's centre crosses, whatever
+// hides them: where many overlap, rays do work in vain.
 std::vector<float> leaf_counts(const World& world, int width_px, int height_px);
 
 }  // namespace candela::reference

@@ -16,7 +16,8 @@ constexpr double split_reach = 1;
 double angle_between(glm::dvec3 a, glm::dvec3 b) { return std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0)); }
 
 glm::dvec3 turned(glm::dvec3 v, glm::dvec3 unit_axis, double angle) {  // Rodrigues
-  return v * std::cos(angle) + glm::cross(unit_axis, v) * std::sin(angle) + unit_axis * glm::dot(unit_axis, v) * (1 - std::cos(angle));
+  return v * std::cos(angle) + glm::cross(unit_axis, v) * std::sin(angle) +
+         unit_axis * glm::dot(unit_axis, v) * (1 - std::cos(angle));
 }
 
 LightExtent merged(const LightExtent& a, const LightExtent& b) {
@@ -32,7 +33,8 @@ LightExtent merged(const LightExtent& a, const LightExtent& b) {
   return m;
 }
 
-// Power times the measures of space and of directions: what a node costs in the paper's surface area orientation heuristic.
+// Power times the measures of space and of directions: what a node costs in the paper's surface area orientation
+// heuristic.
 double cost(const LightExtent& e) {
   if (e.box.empty()) return 0;
   const double o = e.theta_o, w = std::min(o + e.theta_e, pi);
@@ -44,12 +46,15 @@ double cost(const LightExtent& e) {
 }
 
 // The cosine of an angle less another, held at 0 degrees.
-double cos_less(double cos_a, double sin_a, double cos_b, double sin_b) { return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b; }
+double cos_less(double cos_a, double sin_a, double cos_b, double sin_b) {
+  return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
+}
 double sin_of(double cosine) { return std::sqrt(std::max(1 - cosine * cosine, 0.0)); }
 
 }  // namespace
 
-void merge_cones(glm::dvec3 axis_a, double theta_a, glm::dvec3 axis_b, double theta_b, glm::dvec3& axis, double& theta) {
+void merge_cones(glm::dvec3 axis_a, double theta_a, glm::dvec3 axis_b, double theta_b, glm::dvec3& axis,
+                 double& theta) {
   if (theta_b > theta_a) std::swap(axis_a, axis_b), std::swap(theta_a, theta_b);
   const double between = angle_between(axis_a, axis_b);
   axis = axis_a, theta = theta_a;
@@ -98,7 +103,8 @@ LightTree::LightTree(std::vector<LightExtent> lights) : leaf_of_light_(lights.si
   build(order, 0, order.size(), lights, -1);
 }
 
-int LightTree::build(std::vector<uint32_t>& order, size_t first, size_t last, const std::vector<LightExtent>& lights, int parent) {
+int LightTree::build(std::vector<uint32_t>& order, size_t first, size_t last, const std::vector<LightExtent>& lights,
+                     int parent) {
   const int index = int(nodes_.size());
   nodes_.push_back({});
   nodes_[size_t(index)].parent = parent;
@@ -111,7 +117,8 @@ int LightTree::build(std::vector<uint32_t>& order, size_t first, size_t last, co
   Node& node = nodes_[size_t(index)];
   node.extent = whole;
   node.centre = whole.box.centre(), node.radius = glm::length(whole.box.extent());
-  node.cos_o = std::cos(whole.theta_o), node.sin_o = std::sin(whole.theta_o), node.cos_e = std::cos(std::min(whole.theta_e, pi));
+  node.cos_o = std::cos(whole.theta_o), node.sin_o = std::sin(whole.theta_o),
+  node.cos_e = std::cos(std::min(whole.theta_e, pi));
   if (last - first == 1) {
     nodes_[size_t(index)].light = order[first];
     leaf_of_light_[order[first]] = index;

@@ -8,19 +8,19 @@
 
 namespace candela::reference {
 
-// What the tree knows of a light: where it is, how strong, and which way it shines. All light leaves within theta_o + theta_e of the
-// axis; normals of the emitter lie within theta_o.
+// What the tree knows of a light: where it is, how strong, and which way it shines. All light leaves within theta_o +
+// theta_e of the axis; normals of the emitter lie within theta_o.
 struct LightExtent {
   DAabb box;
-  double power = 0;                 // any unit, the same for all
+  double power = 0;  // any unit, the same for all
   glm::dvec3 axis{0, 0, 1};
   double theta_o = 0, theta_e = 0;  // radians
   double range_m = std::numeric_limits<double>::infinity();
 };
 
-// Picks a few of many lights for a point, with probabilities near to their shares of what arrives there (Conty Estévez and Kulla,
-// "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018). A light that may reach the point has a probability above
-// 0. One that cannot - out of range, behind the surface, turned away - mostly has none.
+// Picks a few of many lights for a point, with probabilities near to their shares of what arrives there (Conty Estévez
+// and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018). A light that may reach the point
+// has a probability above 0. One that cannot - out of range, behind the surface, turned away - mostly has none.
 class LightTree {
  public:
   LightTree() = default;
@@ -30,9 +30,10 @@ class LightTree {
     uint32_t light;
     double probability;
   };
-  // A normal of zero: light counts from all sides. One light, or with `split` one of each cluster that lies away from the point: those about the point hold lights of which a
-  // common estimate says little, and are taken apart. The probability is that of being among the chosen; u in [0, 1).
-  // A normal of 0: no surface, light from every side counts.
+  // A normal of zero: light counts from all sides. One light, or with `split` one of each cluster that lies away from
+  // the point: those about the point hold lights of which a common estimate says little, and are taken apart. The
+  // probability is that of being among the chosen; u in [0, 1). A normal of 0: no surface, light from every side
+  // counts.
   void choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split, std::vector<Choice>& chosen) const;
   double probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal, bool split) const;
   bool empty() const { return nodes_.empty(); }
@@ -48,7 +49,8 @@ class LightTree {
   };
   static bool is_about(const Node& node, glm::dvec3 point);
   static double importance(const Node& node, glm::dvec3 point, glm::dvec3 normal);
-  int build(std::vector<uint32_t>& order, size_t first, size_t last, const std::vector<LightExtent>& lights, int parent);
+  int build(std::vector<uint32_t>& order, size_t first, size_t last, const std::vector<LightExtent>& lights,
+            int parent);
 
   std::vector<Node> nodes_;
   std::vector<int> leaf_of_light_;

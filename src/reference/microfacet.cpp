@@ -31,7 +31,8 @@ glm::dvec3 visible_normal(glm::dvec3 normal, glm::dvec3 v, double alpha, glm::dv
   const glm::dvec3 stretched =
       glm::normalize(glm::dvec3(alpha * glm::dot(v, x), alpha * glm::dot(v, y), glm::dot(v, normal)));
   const double across2 = stretched.x * stretched.x + stretched.y * stretched.y;
-  const glm::dvec3 t1 = across2 > 0 ? glm::dvec3(-stretched.y, stretched.x, 0) / std::sqrt(across2) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 t1 =
+      across2 > 0 ? glm::dvec3(-stretched.y, stretched.x, 0) / std::sqrt(across2) : glm::dvec3(1, 0, 0);
   const glm::dvec3 t2 = glm::cross(stretched, t1);
   const double r = std::sqrt(u.x), phi = 2 * pi * u.y, p1 = r * std::cos(phi), share = 0.5 * (1 + stretched.z);
   const double p2 = (1 - share) * std::sqrt(std::max(1 - p1 * p1, 0.0)) + share * r * std::sin(phi);

@@ -1,5 +1,5 @@
-// Full transport of light: paths from the camera, a light chosen at every surface, and both ways of meeting a light weighted
-// (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997).
+// Full transport of light: paths from the camera, a light chosen at every surface, and both ways of meeting a light
+// weighted (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997).
 #include <cmath>
 
 #include "reference/glass_light.h"
@@ -9,7 +9,8 @@ namespace candela::reference {
 namespace {
 
 constexpr int roulette_after = 4;
-constexpr int shadowed_bounces = 1;  // surfaces at which each light that is chosen gets a shadow ray: what the camera sees
+constexpr int shadowed_bounces =
+    1;  // surfaces at which each light that is chosen gets a shadow ray: what the camera sees
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic
 
@@ -27,7 +28,8 @@ double Integrator::weight(double this_pdf, double other_pdf, Strategy own) const
   return 1 / (1 + r * r);
 }
 
-std::optional<Integrator::EmissivePoint> Integrator::emissive_point(uint32_t light, double probability, glm::dvec3 from, glm::dvec2 u) const {
+std::optional<Integrator::EmissivePoint> Integrator::emissive_point(uint32_t light, double probability, glm::dvec3 from,
+                                                                    glm::dvec2 u) const {
   const EmissiveTriangle& t = world_.emissive()[light];
   const double root = std::sqrt(u.x);
   const glm::dvec2 b(root * (1 - u.y), root * u.y);
@@ -53,7 +55,8 @@ SurfacePoint Integrator::surface_of(const EmissivePoint& p) const {
 }
 
 // The light of one triangle by way of one point on it.
-Integrator::Offer Integrator::emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const {
+Integrator::Offer Integrator::emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v,
+                                             glm::dvec2 u) const {
   const auto p = emissive_point(light, probability, s.position, u);
   if (!p || !is_open(s, p->l)) return {};
   const glm::dvec3 f = evaluate_bsdf(s, p->l, v);
@@ -88,12 +91,15 @@ bool Integrator::survives(double u, int bounce, glm::dvec3& through, double comp
   return true;
 }
 
-// Every directional light, one direction of the sky, and lights of the tree: those about the point each, and some of those farther off.
-// Where not every one of them is worth a shadow ray, one is chosen by what it would give unhindered (Talbot et al., "Importance Resampling
-// for Global Illumination", 2005): lamps close to the point, which a common estimate of their cluster misses, are the ones that matter.
-glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream) const {
+// Every directional light, one direction of the sky, and lights of the tree: those about the point each, and some of
+// those farther off. Where not every one of them is worth a shadow ray, one is chosen by what it would give unhindered
+// (Talbot et al., "Importance Resampling for Global Illumination", 2005): lamps close to the point, which a common
+// estimate of their cluster misses, are the ones that matter.
+glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
+                                  SampleStream& stream) const {
   glm::dvec3 sum(0);
-  for (const uint32_t index : world_.directional()) sum += taken(punctual_offer(world_.punctual_lights()[index], s, v), s, point);
+  for (const uint32_t index : world_.directional())
+    sum += taken(punctual_offer(world_.punctual_lights()[index], s, v), s, point);
   const glm::dvec2 for_sky = stream.next2();
   if (world_.sky() && settings_.strategy != Strategy::brdf) {
     const Sky::Choice choice = world_.sky().sample(for_sky);
@@ -135,7 +141,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   Ray ray = rounded(camera);
   TraceCounts counts;
   std::optional<Hit> passed;
-  // Of the bounce that the ray comes from; the camera's first ray meets lights by itself alone, and so does one from a mirror.
+  // Of the bounce that the ray comes from; the camera's first ray meets lights by itself alone, and so does one from a
+  // mirror.
   double brdf_density = 0;
   bool from_mirror = false;
   glm::dvec3 last_normal(0), last_position(0);
@@ -149,7 +156,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   bool in_fog = false;    // the camera's ray ended there
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
-    const std::optional<Hit> hit = next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? &counts : nullptr);
+    const std::optional<Hit> hit =
+        next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? &counts : nullptr);
     Surface s = hit ? world_.surface(*hit, origin, direction) : Surface{};
     const glm::dvec3 v = -glm::normalize(direction);
     const double here_m = hit ? glm::dot(s.position - origin, -v) : endless;
@@ -176,7 +184,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     if (first) out.alpha = hit ? 1 : world_.background(direction).w;
     // Bodies of glass hold no fog.
     if (world_.medium() && !in_body) {
-      const FogStep step = fog_step(origin - v * clear_m, -v, here_m - clear_m, through, bounce, fogged++, bounce < shadowed_bounces, stream, out);
+      const FogStep step = fog_step(origin - v * clear_m, -v, here_m - clear_m, through, bounce, fogged++,
+                                    bounce < shadowed_bounces, stream, out);
       if (first) {
         seen *= step.clear;
         out.fog_through = seen;
@@ -216,8 +225,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       if (light >= 0) {
         const EmissiveTriangle& t = world_.emissive()[size_t(light)];
         const glm::dvec3 d = s.position - last_position;
-        const double probability =
-            world_.light_tree().probability(uint32_t(world_.tree_punctual().size()) + uint32_t(light), last_position, last_normal, true);
+        const double probability = world_.light_tree().probability(
+            uint32_t(world_.tree_punctual().size()) + uint32_t(light), last_position, last_normal, true);
         const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
         w = weight(brdf_density, pdf, Strategy::brdf);
       }

@@ -29,7 +29,8 @@ Arrival arriving(const PunctualLight& light, glm::dvec3 position) {
   a.distance_m = glm::length(to_light);
   if (a.distance_m > 0) a.l = to_light / a.distance_m;
   // The window of the specification's recommendation: 1 - (d/range)^4, no square.
-  const double window = std::isfinite(light.range_m) ? std::clamp(1 - std::pow(a.distance_m / light.range_m, 4), 0.0, 1.0) : 1.0;
+  const double window =
+      std::isfinite(light.range_m) ? std::clamp(1 - std::pow(a.distance_m / light.range_m, 4), 0.0, 1.0) : 1.0;
   const double held = std::max(a.distance_m, least_light_distance_m);
   double factor = window / (held * held);
   if (light.type == LightType::spot) {

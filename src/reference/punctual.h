@@ -9,8 +9,8 @@ namespace candela::reference {
 // Closer than this the inverse square of a point light is held, in every path (TECHNIQUES 9.3).
 inline constexpr double least_light_distance_m = 0.01;
 
-// A light of KHR_lights_punctual in relative space. Without a range it reaches everywhere: the floor at which the GPU ends such
-// lights (lights.floor_lux) is an approximation of its own.
+// A light of KHR_lights_punctual in relative space. Without a range it reaches everywhere: the floor at which the GPU
+// ends such lights (lights.floor_lux) is an approximation of its own.
 struct PunctualLight {
   LightType type = LightType::point;
   glm::dvec3 position{0}, direction{0, 0, -1};  // the way it shines, unit

@@ -14,7 +14,9 @@ uint32_t mixed(uint32_t x) {
   x *= 0x846ca68bu;
   return x ^ (x >> 16);
 }
-uint32_t combined(uint32_t seed, uint32_t value) { return mixed(seed ^ (mixed(value) + 0x9e3779b9u + (seed << 6) + (seed >> 2))); }
+uint32_t combined(uint32_t seed, uint32_t value) {
+  return mixed(seed ^ (mixed(value) + 0x9e3779b9u + (seed << 6) + (seed >> 2)));
+}
 
 uint32_t reversed_bits(uint32_t x) {
   x = (x << 16) | (x >> 16);
@@ -23,8 +25,8 @@ uint32_t reversed_bits(uint32_t x) {
   x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
-// Nested uniform scramble from the highest bit down: the permutation of Laine and Karras in Burley's constants, which lets each bit
-// depend on lower ones only, run on the reversed number.
+// Nested uniform scramble from the highest bit down: the permutation of Laine and Karras in Burley's constants, which
+// lets each bit depend on lower ones only, run on the reversed number.
 uint32_t owen_scrambled(uint32_t x, uint32_t seed) {
   x = reversed_bits(x);
   x += seed;
@@ -35,7 +37,8 @@ uint32_t owen_scrambled(uint32_t x, uint32_t seed) {
   return reversed_bits(x);
 }
 
-// Generator matrices of the first four Sobol dimensions, from the primitive polynomials and initial numbers of Joe and Kuo (2008).
+// Generator matrices of the first four Sobol dimensions, from the primitive polynomials and initial numbers of Joe and
+// Kuo (2008).
 struct SobolMatrices {
   uint32_t column[4][32];
   SobolMatrices() {
@@ -99,7 +102,8 @@ glm::ivec2 grid_of(int spp) {
 
 SampleStream::SampleStream(const SamplerSettings& settings, int x, int y, uint64_t sample) {
   const uint32_t half = uint32_t(sample & 1);
-  seed_ = combined(combined(combined(uint32_t(settings.seed), uint32_t(settings.seed >> 32) ^ half), uint32_t(x)), uint32_t(y));
+  seed_ = combined(combined(combined(uint32_t(settings.seed), uint32_t(settings.seed >> 32) ^ half), uint32_t(x)),
+                   uint32_t(y));
   index_ = uint32_t(sample >> 1);
   if (settings.kind == SamplerKind::sobol) {
     pixel_ = {value(0), value(1)};
@@ -108,7 +112,8 @@ SampleStream::SampleStream(const SamplerSettings& settings, int x, int y, uint64
   const glm::ivec2 grid = grid_of(settings.spp);
   const int cell = int(sample % uint64_t(settings.spp));
   glm::dvec2 within(0.5);
-  if (settings.kind == SamplerKind::jittered) within = {unit(combined(seed_, index_ * 2)), unit(combined(seed_, index_ * 2 + 1))};
+  if (settings.kind == SamplerKind::jittered)
+    within = {unit(combined(seed_, index_ * 2)), unit(combined(seed_, index_ * 2 + 1))};
   pixel_ = (glm::dvec2(cell % grid.x, cell / grid.x) + within) / glm::dvec2(grid);
 }
 

@@ -77,7 +77,8 @@ glm::dvec3 Sky::radiance(glm::dvec3 d) const {
   const double y = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi * image_height_ - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
   const double fx = x - x0, fy = y - y0;
-  return glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx), glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
+  return glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx),
+                  glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
 }
 
 double Sky::solid_angle(int row) const {
@@ -129,7 +130,8 @@ Sky::Choice Sky::sample(glm::dvec2 u) const {
   const Place row = place_of(row_end_.data(), height_, u.y);
   const Place column = place_of(column_end_.data() + size_t(row.index) * size_t(width_), width_, u.x);
   const double top = std::cos(pi * row.index / height_), bottom = std::cos(pi * (row.index + 1) / height_);
-  const double y = glm::mix(top, bottom, row.fraction), longitude = 2 * pi * ((column.index + column.fraction) / width_ - 0.5);
+  const double y = glm::mix(top, bottom, row.fraction),
+               longitude = 2 * pi * ((column.index + column.fraction) / width_ - 0.5);
   const double r = std::sqrt(std::max(1 - y * y, 0.0));
   const glm::dvec3 direction(r * std::cos(longitude), y, r * std::sin(longitude));
   return {direction, pdf(direction)};

@@ -6,20 +6,21 @@
 
 namespace candela::reference {
 
-// Light from infinitely far away: an equirectangular image, the neutral default that scenes without any light get, or nothing.
-// Directions are world axes (and so relative space's).
+// Light from infinitely far away: an equirectangular image, the neutral default that scenes without any light get, or
+// nothing. Directions are world axes (and so relative space's).
 class Sky {
  public:
-  Sky() = default;                                // black
-  explicit Sky(const DecodedImage& equirect);     // rgba32f, read bilinearly: longitude wraps, the poles do not
-  static Sky neutral();                           // radiance 0.45 + 0.25 y, as scene/environment.h defines neutral_ambient()
-  static Sky constant(glm::dvec3 radiance);       // for tests with closed forms
+  Sky() = default;                             // black
+  explicit Sky(const DecodedImage& equirect);  // rgba32f, read bilinearly: longitude wraps, the poles do not
+  static Sky neutral();                      // radiance 0.45 + 0.25 y, as scene/environment.h defines neutral_ambient()
+  static Sky constant(glm::dvec3 radiance);  // for tests with closed forms
 
   explicit operator bool() const { return kind_ != Kind::none; }
   glm::dvec3 radiance(glm::dvec3 direction) const;  // direction of unit length
 
-  // Directions by luminance: a row by its share, a column by its share of the row, uniform in solid angle within a texel (Pharr and
-  // Humphreys's piecewise-constant distribution, with densities exact per texel). pdf is per steradian.
+  // Directions by luminance: a row by its share, a column by its share of the row, uniform in solid angle within a
+  // texel (Pharr and Humphreys's piecewise-constant distribution, with densities exact per texel). pdf is per
+  // steradian.
   struct Choice {
     glm::dvec3 direction{0, 1, 0};
     double pdf = 0;
@@ -38,7 +39,7 @@ class Sky {
   glm::dvec3 constant_{0}, slope_{0};  // linear: radiance constant + slope * y
   int image_width_ = 0, image_height_ = 0;
   std::vector<glm::vec3> texels_;
-  int width_ = 0, height_ = 0;         // of the distribution
+  int width_ = 0, height_ = 0;                // of the distribution
   std::vector<double> row_end_, column_end_;  // cumulative; the last of each is exactly 1
 };
 

@@ -11,15 +11,18 @@ glm::dvec3 unit_or_zero(glm::dvec3 v) {
   return length > 0 && std::isfinite(length) ? v / length : glm::dvec3(0);
 }
 
-// The weights of the corners where the ray's line meets the triangle's plane; the hit's own where it runs along the plane.
-glm::dvec2 barycentrics_of(const std::array<glm::vec3, 3>& corner, const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) {
+// The weights of the corners where the ray's line meets the triangle's plane; the hit's own where it runs along the
+// plane.
+glm::dvec2 barycentrics_of(const std::array<glm::vec3, 3>& corner, const Hit& hit, glm::dvec3 origin,
+                           glm::dvec3 direction) {
   const glm::dvec3 p0(corner[0]), e1 = glm::dvec3(corner[1]) - p0, e2 = glm::dvec3(corner[2]) - p0;
   const glm::dvec3 across = glm::cross(direction, e2), s = origin - p0, along = glm::cross(s, e1);
   const double determinant = glm::dot(e1, across);
   const glm::dvec2 rounded(hit.u, hit.v);
   if (determinant == 0) return rounded;
   const glm::dvec2 exact = glm::dvec2(glm::dot(s, across), glm::dot(direction, along)) / determinant;
-  // The ray was rounded for the search, so at an edge its exact form may pass by the triangle: never extrapolate from that.
+  // The ray was rounded for the search, so at an edge its exact form may pass by the triangle: never extrapolate from
+  // that.
   const glm::dvec2 inside(std::clamp(exact.x, 0.0, 1.0), std::clamp(exact.y, 0.0, 1.0));
   if (!(glm::length(inside - rounded) < 1e-2)) return rounded;
   return inside.x + inside.y > 1 ? inside / (inside.x + inside.y) : inside;
@@ -30,8 +33,10 @@ glm::dvec2 barycentrics_of(const std::array<glm::vec3, 3>& corner, const Hit& hi
 World::Vertex World::vertex_at(const TracedItem& item, const std::array<uint32_t, 3>& corner, glm::dvec3 weight) const {
   const MeshSection& s = *item.section;
   Vertex v;
-  const std::vector<glm::vec3>& normals = item.deformed && !item.deformed->normal.empty() ? item.deformed->normal : s.normal;
-  const std::vector<glm::vec4>& tangents = item.deformed && !item.deformed->tangent.empty() ? item.deformed->tangent : s.tangent;
+  const std::vector<glm::vec3>& normals =
+      item.deformed && !item.deformed->normal.empty() ? item.deformed->normal : s.normal;
+  const std::vector<glm::vec4>& tangents =
+      item.deformed && !item.deformed->tangent.empty() ? item.deformed->tangent : s.tangent;
   v.uv[0] = v.uv[1] = glm::dvec2(0);
   if (!s.color.empty()) v.color = glm::dvec4(0);
   const glm::dmat3 linear(item.relative_from_local);
@@ -40,7 +45,8 @@ World::Vertex World::vertex_at(const TracedItem& item, const std::array<uint32_t
     // Unit vectors at the vertices, not normalised in between: as MikkTSpace wants it (TECHNIQUES 9.7).
     if (!normals.empty()) v.normal += weight[i] * unit_or_zero(item.normal_from_local * glm::dvec3(normals[k]));
     if (!tangents.empty())
-      v.tangent += weight[i] * glm::dvec4(unit_or_zero(linear * glm::dvec3(tangents[k])), double(tangents[k].w) * item.mirrored);
+      v.tangent +=
+          weight[i] * glm::dvec4(unit_or_zero(linear * glm::dvec3(tangents[k])), double(tangents[k].w) * item.mirrored);
     if (!s.uv0.empty()) v.uv[0] += weight[i] * glm::dvec2(s.uv0[k]);
     if (!s.uv1.empty()) v.uv[1] += weight[i] * glm::dvec2(s.uv1[k]);
     if (!s.color.empty()) v.color += weight[i] * glm::dvec4(s.color[k]);
@@ -49,7 +55,8 @@ World::Vertex World::vertex_at(const TracedItem& item, const std::array<uint32_t
 }
 
 glm::dvec4 World::fetch(const Texture* texture, const TextureSlot& slot, const Vertex& v) const {
-  return texture->sample(transformed_uv(slot, v.uv[slot.uv_set == 1 ? 1 : 0]), input_.scene.samplers[size_t(slot.sampler)]);
+  return texture->sample(transformed_uv(slot, v.uv[slot.uv_set == 1 ? 1 : 0]),
+                         input_.scene.samplers[size_t(slot.sampler)]);
 }
 
 glm::dvec4 World::base_color(const TracedMaterial& m, const Vertex& v) const {
@@ -87,7 +94,8 @@ Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) 
   return surface_at(hit.item, hit.primitive, b, hit.back, -glm::normalize(direction));
 }
 
-Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back, glm::dvec3 to_viewer) const {
+Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back,
+                          glm::dvec3 to_viewer) const {
   const TracedItem& item = items_[item_index];
   const TracedMaterial& t = *item.material;
   const Material& m = t.material;
@@ -121,7 +129,8 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
 
   glm::dvec3 n = v.normal;
   if (t.normal && glm::dot(glm::dvec3(v.tangent), glm::dvec3(v.tangent)) > 0) {
-    const glm::dvec3 map = (glm::dvec3(fetch(t.normal, m.normal_texture, v)) * 2.0 - 1.0) * glm::dvec3(m.normal_scale, m.normal_scale, 1);
+    const glm::dvec3 map =
+        (glm::dvec3(fetch(t.normal, m.normal_texture, v)) * 2.0 - 1.0) * glm::dvec3(m.normal_scale, m.normal_scale, 1);
     const glm::dvec3 tangent(v.tangent), bitangent = v.tangent.w * glm::cross(v.normal, tangent);
     n = map.x * tangent + map.y * bitangent + map.z * v.normal;
   }

@@ -63,7 +63,8 @@ glm::dvec4 Texture::sample(glm::dvec2 uv, const Sampler& sampler) const {
   if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::dvec2(0);
   const glm::dvec2 at = uv * glm::dvec2(image_.width, image_.height);
   if (sampler.mag == Filter::nearest)
-    return texel(wrapped(std::floor(at.x), image_.width, sampler.wrap_u), wrapped(std::floor(at.y), image_.height, sampler.wrap_v));
+    return texel(wrapped(std::floor(at.x), image_.width, sampler.wrap_u),
+                 wrapped(std::floor(at.y), image_.height, sampler.wrap_v));
   const glm::dvec2 low = glm::floor(at - 0.5), f = at - 0.5 - low;
   const int x0 = wrapped(low.x, image_.width, sampler.wrap_u), x1 = wrapped(low.x + 1, image_.width, sampler.wrap_u);
   const int y0 = wrapped(low.y, image_.height, sampler.wrap_v), y1 = wrapped(low.y + 1, image_.height, sampler.wrap_v);

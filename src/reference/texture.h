@@ -8,9 +8,9 @@ namespace candela::reference {
 
 // A decoded image as the sampler of a glTF texture sees it, in double.
 //
-// Level 0 alone is read, with the magnification filter of the sampler, and the mean over a pixel is left to its samples: the
-// reference is the integral that mip maps and anisotropic filters approximate, so their error is seen as such. Nearest filters show
-// steps, as they should.
+// Level 0 alone is read, with the magnification filter of the sampler, and the mean over a pixel is left to its
+// samples: the reference is the integral that mip maps and anisotropic filters approximate, so their error is seen as
+// such. Nearest filters show steps, as they should.
 class Texture {
  public:
   Texture(DecodedImage image, bool srgb) : image_(std::move(image)), srgb_(srgb) {}

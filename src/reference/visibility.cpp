@@ -8,11 +8,12 @@ namespace {
 // The end of a shadow ray is kept off what it is aimed at by some units in the last place of a float.
 constexpr float before_end = 1 - 4e-6f;
 
-// A ray along the edge that two triangles of an item share meets both, and covers it but once. (The centres of pixels lie on the
-// diagonals of squares often.)
+// A ray along the edge that two triangles of an item share meets both, and covers it but once. (The centres of pixels
+// lie on the diagonals of squares often.)
 bool is_on_edge(const Hit& h) { return std::min({h.u, h.v, 1 - h.u - h.v}) < 1e-5f; }
 bool is_same_point(const Hit& a, const Hit& b) {
-  return a.item == b.item && a.primitive != b.primitive && std::abs(a.t - b.t) <= 4e-6f * std::abs(b.t) && is_on_edge(a) && is_on_edge(b);
+  return a.item == b.item && a.primitive != b.primitive && std::abs(a.t - b.t) <= 4e-6f * std::abs(b.t) &&
+         is_on_edge(a) && is_on_edge(b);
 }
 }  // namespace
 
@@ -24,7 +25,8 @@ bool SurfaceFilter::accepts(const Hit& hit) const {
   return !world_.is_masked(hit.item) || world_.coverage(hit) > 0;
 }
 
-std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed, TraceCounts* counts) {
+std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
+                                TraceCounts* counts) {
   const SurfaceFilter filter(world, culls_backs, passed);
   Ray rest = ray;
   if (passed) rest.t_min = passed->t;
@@ -35,7 +37,8 @@ std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double dis
   Ray ray = leaving_ray(from, l);
   if (std::isfinite(distance_m)) {
     // From the point where the ray really begins to the one where it ends, both pushed off their surfaces.
-    const glm::vec3 end = target ? leaving_origin(*target, glm::vec3(-l)) : glm::vec3(glm::dvec3(from.position) + l * distance_m);
+    const glm::vec3 end =
+        target ? leaving_origin(*target, glm::vec3(-l)) : glm::vec3(glm::dvec3(from.position) + l * distance_m);
     ray.direction = end - ray.origin;
     ray.t_max = before_end;
     if (glm::dot(glm::dvec3(ray.direction), l) <= 0) return {};
@@ -43,7 +46,8 @@ std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double dis
   return ray;
 }
 
-double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target) {
+double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
+                     const SurfacePoint* target) {
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return 1;
   if (!world.has_blend()) {

@@ -3,8 +3,8 @@
 
 namespace candela::reference {
 
-// Which candidates a ray meets. Holes of alpha masks never. Backs of single-sided surfaces count for every ray but the camera's: a
-// wall is matter for light from both sides, and a rasterizer draws it from one (docs/reference.md).
+// Which candidates a ray meets. Holes of alpha masks never. Backs of single-sided surfaces count for every ray but the
+// camera's: a wall is matter for light from both sides, and a rasterizer draws it from one (docs/reference.md).
 class SurfaceFilter final : public HitFilter {
  public:
   // passed: the surfaces up to and with this hit are behind the ray already; null: none.
@@ -18,17 +18,20 @@ class SurfaceFilter final : public HitFilter {
   const Hit* passed_;
 };
 
-// The next surface along a ray; `passed` continues behind a surface that let the ray through, without an offset that could miss
-// what lies close behind it.
-std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed, TraceCounts* counts);
+// The next surface along a ray; `passed` continues behind a surface that let the ray through, without an offset that
+// could miss what lies close behind it.
+std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
+                                TraceCounts* counts);
 
-// The part of the light that comes through between `from` and a point `distance_m` off in unit direction `l` (infinity: from the
-// sky): 0 behind opaque surfaces, otherwise the product of what blended ones leave. `target`, where the light is a surface itself.
+// The part of the light that comes through between `from` and a point `distance_m` off in unit direction `l` (infinity:
+// from the sky): 0 behind opaque surfaces, otherwise the product of what blended ones leave. `target`, where the light
+// is a surface itself.
 double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
                      const SurfacePoint* target = nullptr);
 
 // The ray of it; nothing where the two are closer than what keeps it off their surfaces.
-std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target = nullptr);
+std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double distance_m,
+                              const SurfacePoint* target = nullptr);
 
 Ray rounded(const CameraRay& ray);
 Ray leaving_ray(const SurfacePoint& from, glm::dvec3 direction);

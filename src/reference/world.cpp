@@ -17,7 +17,8 @@ glm::dmat3 normal_matrix(const glm::dmat3& m) {
   return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
-// Light goes on behind any surface of glass, so that the filter must be asked about all of them: it knows which are passed.
+// Light goes on behind any surface of glass, so that the filter must be asked about all of them: it knows which are
+// passed.
 AccelOptions accel_options(const WorldInput& input) {
   AccelOptions options = input.accel;
   options.always_ask_filter |= input.glass && has_transmission(input.scene);
@@ -48,8 +49,7 @@ void World::load_materials(std::vector<std::string>& warnings) {
   for (const DrawItem& item : input_.frame.items)
     if (item.material >= 0) used[size_t(item.material)] = true;
   for (size_t m = 0; m < used.size(); ++m)
-    if (used[m])
-      add_textures(input_.pose.materials[m]);
+    if (used[m]) add_textures(input_.pose.materials[m]);
   std::vector<std::pair<const std::pair<int, bool>, std::unique_ptr<Texture>>*> list;
   for (auto& entry : textures_) list.push_back(&entry);
   std::vector<std::string> failed(list.size());
@@ -126,7 +126,9 @@ bool World::is_masked(uint32_t item) const { return items_[item].material->mater
 bool World::is_blended(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::blend; }
 bool World::is_double_sided(uint32_t item) const { return items_[item].material->material.double_sided; }
 
-bool World::bounds_body(uint32_t item) const { return items_[item].material->glass && items_[item].material->glass->body; }
+bool World::bounds_body(uint32_t item) const {
+  return items_[item].material->glass && items_[item].material->glass->body;
+}
 
 int World::emissive_of(uint32_t item, uint32_t primitive) const {
   const std::vector<int>& index = emissive_index_[item];

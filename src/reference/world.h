@@ -22,13 +22,14 @@ struct WorldInput {
   const Scene& scene;
   const Pose& pose;
   const View& view;
-  const FrameData& frame;           // its lights are the punctual lights
-  Sky sky{};                        // lights the scene
-  AmbientSh ambient_sh{};           // of that sky, for the occlusion of the raster techniques' ambient term alone
-  bool sky_visible = false;         // camera rays see it; else the background
-  glm::dvec4 background{0};         // linear, premultiplied
+  const FrameData& frame;    // its lights are the punctual lights
+  Sky sky{};                 // lights the scene
+  AmbientSh ambient_sh{};    // of that sky, for the occlusion of the raster techniques' ambient term alone
+  bool sky_visible = false;  // camera rays see it; else the background
+  glm::dvec4 background{0};  // linear, premultiplied
   AccelOptions accel{};
-  bool glass = false;               // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
+  bool glass =
+      false;  // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
   std::optional<Fog> fog{};
 };
 
@@ -68,7 +69,8 @@ class World {
   CameraRay camera_ray(glm::dvec2 pixel, int width_px, int height_px) const;
   glm::dvec4 background(glm::dvec3 direction) const;  // of a camera ray that meets nothing
 
-  // The surface at a hit of the ray (origin, direction), seen along it. The barycentrics are made anew in double from the corners.
+  // The surface at a hit of the ray (origin, direction), seen along it. The barycentrics are made anew in double from
+  // the corners.
   Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
   // The same at given barycentrics (weights of the second and third corner), seen from `to_viewer` (unit).
   Surface surface_at(uint32_t item, uint32_t primitive, glm::dvec2 barycentrics, bool back, glm::dvec3 to_viewer) const;
@@ -98,7 +100,7 @@ class World {
     const DeformedVertices* deformed = nullptr;
     const TracedMaterial* material = nullptr;
     glm::dmat4 relative_from_local{1};
-    double mirrored = 1;      // -1 where the transform turns the tangent frame over
+    double mirrored = 1;  // -1 where the transform turns the tangent frame over
     glm::dmat3 normal_from_local{1};
     bool unlit = false;
   };

@@ -47,7 +47,8 @@ void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
   for (uint32_t i = 0; i < items_.size(); ++i) {
     const TracedItem& item = items_[i];
     const Material& m = item.material->material;
-    if (item.section->topology != Topology::triangles || item.unlit || m.emissive * m.emissive_strength == glm::vec3(0)) continue;
+    if (item.section->topology != Topology::triangles || item.unlit || m.emissive * m.emissive_strength == glm::vec3(0))
+      continue;
     const uint32_t count = uint32_t(item.section->index.size() / 3);
     emissive_index_[i].assign(count, -1);
     for (uint32_t k = 0; k < count; ++k) {
@@ -60,7 +61,8 @@ void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
       if (!(twice_area > 0) || !std::isfinite(twice_area)) continue;
       t.area_m2 = twice_area / 2;
       t.normal = (input_.frame.items[i].mirrored ? -n : n) / twice_area;
-      // Mean over the triangle. Where the estimate sees no light there may still be some: paths that meet it by chance count it.
+      // Mean over the triangle. Where the estimate sees no light there may still be some: paths that meet it by chance
+      // count it.
       double mean = 0;
       constexpr int rows = 4;
       for (int a = 0; a < rows; ++a)

@@ -35,11 +35,14 @@ class Canvas {
       const auto& rows = digits[size_t(character - '0')];
       for (int j = 0; j < digit_height; ++j)
         for (int i = 0; i < digit_width; ++i)
-          if (rows[size_t(j)] >> (digit_width - 1 - i) & 1) fill(x + i * scale, y + j * scale, scale, scale, {255, 255, 255});
+          if (rows[size_t(j)] >> (digit_width - 1 - i) & 1)
+            fill(x + i * scale, y + j * scale, scale, scale, {255, 255, 255});
       x += (digit_width + 1) * scale;
     }
   }
-  static int text_width(const std::string& text, int scale) { return int(text.size()) * (digit_width + 1) * scale - scale; }
+  static int text_width(const std::string& text, int scale) {
+    return int(text.size()) * (digit_width + 1) * scale - scale;
+  }
 
  private:
   DisplayImage& image_;
@@ -65,7 +68,8 @@ DisplayImage count_view(std::span<const float> counts, int width, int height) {
   DisplayImage image = heatmap(plane, width, height);
   if (width < 96 || height < 48) return image;
   const int scale = width >= 640 && height >= 320 ? 2 : 1, bar = width / 4, thick = 4 * scale, gap = 3 * scale;
-  const std::string first = "0", last = fmt::format("{:.0f}", end), middle = end >= 2 ? fmt::format("{:.0f}", end / 2) : "";
+  const std::string first = "0", last = fmt::format("{:.0f}", end),
+                    middle = end >= 2 ? fmt::format("{:.0f}", end / 2) : "";
   const int plate_height = 3 * gap + thick + digit_height * scale, x = 2 * gap, y = height - plate_height;
   Canvas canvas(image);
   canvas.fill(0, y, bar + 4 * gap, plate_height, {40, 40, 40});

@@ -20,7 +20,8 @@ MetadataEntry number_entry(const char* name, MetadataEntry::Kind kind, double nu
   return {.name = name, .kind = kind, .number = number};
 }
 
-void add_view_metadata(FloatImage& image, const View& view, double time_s, std::optional<int64_t> frame_number, FrameRate rate) {
+void add_view_metadata(FloatImage& image, const View& view, double time_s, std::optional<int64_t> frame_number,
+                       FrameRate rate) {
   const glm::dmat4 relative = relative_from_world(view.position);
   // NDC as OpenEXR means it: (0,0) and (1,1) are the upper left and lower right corners. Clip space has y down already.
   glm::dmat4 ndc_from_clip(1.0);
@@ -31,7 +32,8 @@ void add_view_metadata(FloatImage& image, const View& view, double time_s, std::
   metadata.push_back(matrix_entry("worldToNDC", ndc_from_clip * view.clip_from_relative * relative));
   metadata.push_back(text_entry("candela:camera", view.name));
   if (frame_number) {
-    metadata.push_back(number_entry("framesPerSecond", MetadataEntry::Kind::number, double(rate.numerator) / double(rate.denominator)));
+    metadata.push_back(number_entry("framesPerSecond", MetadataEntry::Kind::number,
+                                    double(rate.numerator) / double(rate.denominator)));
     metadata.push_back(text_entry("candela:frame", fmt::format("{}", *frame_number)));
     metadata.push_back(text_entry("candela:fps", rate.text()));
   }

@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
-#include "image/image.h"
 #include "frame/job.h"
+#include "image/image.h"
 #include "scene/view.h"
 
 namespace candela {
@@ -11,6 +11,7 @@ MetadataEntry text_entry(const char* name, std::string text);
 MetadataEntry number_entry(const char* name, MetadataEntry::Kind kind, double number);
 
 // Which camera saw the picture, and when: matrices, frame and rate (absent when the job was given a time), time.
-void add_view_metadata(FloatImage& image, const View& view, double time_s, std::optional<int64_t> frame_number, FrameRate rate);
+void add_view_metadata(FloatImage& image, const View& view, double time_s, std::optional<int64_t> frame_number,
+                       FrameRate rate);
 
 }  // namespace candela

@@ -5,11 +5,11 @@
 
 #include "base/check.h"
 #include "base/files.h"
+#include "frame/timings.h"
 #include "image/png_text.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/metadata.h"
-#include "frame/timings.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -160,16 +160,20 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   image.height = frame.height_px;
   for (const OutputImage& output : frame.outputs) {
     if (output.layer == "display") continue;
-    if (job.view != "beauty" && output.layer == job.view && std::find(job.layers.begin(), job.layers.end(), job.view) == job.layers.end()) continue;
+    if (job.view != "beauty" && output.layer == job.view &&
+        std::find(job.layers.begin(), job.layers.end(), job.view) == job.layers.end())
+      continue;
     if (output.format == VK_FORMAT_R32_UINT)
       add_id_layer(image, output, readback_bytes(frame, output));
     else if (output.layer == "depth")
       add_depth_layer(image, frame, output, nonfinite);
     else
-      add_color_layer(image, frame, output, job.exr_float || output.layer.starts_with("heatmap."), nonfinite);  // counts
+      add_color_layer(image, frame, output, job.exr_float || output.layer.starts_with("heatmap."),
+                      nonfinite);  // counts
   }
   add_metadata(image, frame, job, session, frame_number, rate);
-  if (nonfinite.clamped > 0) image.metadata.push_back(text_entry("candela:clamped", fmt::format("{}", nonfinite.clamped)));
+  if (nonfinite.clamped > 0)
+    image.metadata.push_back(text_entry("candela:clamped", fmt::format("{}", nonfinite.clamped)));
   return image;
 }
 
@@ -254,8 +258,9 @@ Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& 
                   "{} pixels are not finite, the first at x {}, y {} of layer {}; nothing was written", nonfinite.count,
                   nonfinite.x, nonfinite.y, nonfinite.layer);
     if (nonfinite.clamped > 0 && any_exr)
-      frame.warnings.push_back(
-          fmt::format("{} values are beyond what half floats hold and are stored as 65504 (--exr-type float keeps them)", nonfinite.clamped));
+      frame.warnings.push_back(fmt::format(
+          "{} values are beyond what half floats hold and are stored as 65504 (--exr-type float keeps them)",
+          nonfinite.clamped));
     if (any_png) display = display_image(frame, job);
   }
   StageTimer timer(frame.timings, "encode", "encode");

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "image/image.h"
 #include "frame/session.h"
+#include "image/image.h"
 
 namespace candela {
 
@@ -18,19 +18,23 @@ struct NonFinite {
   uint64_t clamped = 0;  // finite values beyond half, which a file of halves holds as its largest
 };
 
-// The frame as a linear image with all layers and metadata (camera matrices, frame, fps, job, plan hash, device, version;
-// timings on request). Pre-exposure is removed. frame: absent when the job was given a time.
-FloatImage linear_image(const FrameResult& frame, const Job& job, const Session& session, std::optional<int64_t> frame_number, FrameRate rate, NonFinite& nonfinite);
+// The frame as a linear image with all layers and metadata (camera matrices, frame, fps, job, plan hash, device,
+// version; timings on request). Pre-exposure is removed. frame: absent when the job was given a time.
+FloatImage linear_image(const FrameResult& frame, const Job& job, const Session& session,
+                        std::optional<int64_t> frame_number, FrameRate rate, NonFinite& nonfinite);
 DisplayImage display_image(const FrameResult& frame, const Job& job);  // straight alpha
 
-// Where a frame file says which picture it holds: EXR attribute and PNG text chunk "candela:identity". Of the job, the scene's
-// content, device, version, time, frame number and rate, as 32 hex digits.
-std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number, FrameRate rate);
+// Where a frame file says which picture it holds: EXR attribute and PNG text chunk "candela:identity". Of the job, the
+// scene's content, device, version, time, frame number and rate, as 32 hex digits.
+std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
+                          FrameRate rate);
 // True when the file is whole (it decodes to its end) and holds that picture. A missing file is simply not.
 bool holds_frame(const std::filesystem::path& path, const std::string& identity);
 
-// Writes one finished frame to every path (the ending chooses EXR or PNG), each atomically; fills timings with read_back and encode.
-Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& session, std::optional<int64_t> frame_number, FrameRate rate,
+// Writes one finished frame to every path (the ending chooses EXR or PNG), each atomically; fills timings with
+// read_back and encode.
+Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& session,
+                             std::optional<int64_t> frame_number, FrameRate rate,
                              const std::vector<std::filesystem::path>& paths);
 
 }  // namespace candela

@@ -5,12 +5,12 @@
 
 #include "base/check.h"
 #include "base/text.h"
-#include "reference/leaf_view.h"
 #include "frame/content_hash.h"
 #include "frame/job_look.h"
+#include "gltf/gltf.h"
+#include "reference/leaf_view.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
-#include "gltf/gltf.h"
 #include "scene/neutral_light.h"
 
 namespace candela {
@@ -34,16 +34,21 @@ glm::dvec4 background_of(const std::string& text) {
 
 std::string_view name_of(reference::Mode mode) { return mode == reference::Mode::direct ? "direct" : "path"; }
 std::string_view name_of(reference::SamplerKind kind) {
-  return kind == reference::SamplerKind::uniform ? "uniform" : kind == reference::SamplerKind::jittered ? "jittered" : "sobol";
+  return kind == reference::SamplerKind::uniform    ? "uniform"
+         : kind == reference::SamplerKind::jittered ? "jittered"
+                                                    : "sobol";
 }
 std::string_view name_of(reference::Ambient ambient) {
-  return ambient == reference::Ambient::traced ? "traced" : ambient == reference::Ambient::occlusion ? "occlusion" : "off";
+  return ambient == reference::Ambient::traced      ? "traced"
+         : ambient == reference::Ambient::occlusion ? "occlusion"
+                                                    : "off";
 }
 std::string_view name_of(BvhBuilder builder) {
   return builder == BvhBuilder::equal_counts ? "equal-counts" : builder == BvhBuilder::sah ? "sah" : "sbvh";
 }
 
-Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel, reference::Mode mode) {
+Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel,
+                                                         reference::Mode mode) {
   if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
   auto frame = std::make_unique<ReferenceFrame>();
   const bool path = mode == reference::Mode::path;
@@ -65,8 +70,8 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   const auto animations = choose_animations(frame->scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   frame->pose = evaluate_pose(frame->scene, *animations, time_s);
-  auto view =
-      make_view(frame->scene, frame->pose, job.camera, job.width_px, job.height_px, world_bounds(frame->scene, frame->pose));
+  auto view = make_view(frame->scene, frame->pose, job.camera, job.width_px, job.height_px,
+                        world_bounds(frame->scene, frame->pose));
   if (!view) return std::unexpected(view.error());
   frame->view = std::move(*view);
   frame->data = make_frame_data(frame->scene, frame->pose, frame->view);
@@ -86,15 +91,19 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
     add_neutral_light(frame->view, frame->data);
     input.sky = reference::Sky::neutral();
     input.ambient_sh = neutral_ambient();
-    frame->notes.push_back("the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
+    frame->notes.push_back(
+        "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   }
   if (look->fog && is_endless(*look->fog))
-    frame->notes.push_back("the fog has neither falloff nor bounds: sun, sky and background lie behind all of it and give no light");
-  if (frame->data.items.empty()) frame->notes.push_back("nothing is visible at this time: the image holds the background alone");
+    frame->notes.push_back(
+        "the fog has neither falloff nor bounds: sun, sky and background lie behind all of it and give no light");
+  if (frame->data.items.empty())
+    frame->notes.push_back("nothing is visible at this time: the image holds the background alone");
   frame->world = std::make_unique<reference::World>(input, frame->warnings);
   if (const size_t skipped = frame->world->accel().statistics().skipped_items; skipped > 0)
-    frame->notes.push_back(fmt::format("{} item{} of points or lines: rays do not meet them, so they are not in the picture", skipped,
-                                       skipped == 1 ? "" : "s"));
+    frame->notes.push_back(
+        fmt::format("{} item{} of points or lines: rays do not meet them, so they are not in the picture", skipped,
+                    skipped == 1 ? "" : "s"));
   return frame;
 }
 
@@ -125,18 +134,20 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.background = job.background;
   picture.sky = job.sky.empty() ? "" : "sky";
   picture.look = job.look.empty() ? "" : "look";
-  return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(picture), settings_json(settings, accel),
-                             frame.scene_content.hex(), frame.time_s));
+  return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(picture),
+                             settings_json(settings, accel), frame.scene_content.hex(), frame.time_s));
 }
 
 std::vector<std::string> reference_layer_names() {
   std::vector<std::string> names = {"variance", "fog.L", "fog.T"};
-  for (const std::vector<std::string>& more : {surface_layer_names(), reference_view_names()}) names.insert(names.end(), more.begin(), more.end());
+  for (const std::vector<std::string>& more : {surface_layer_names(), reference_view_names()})
+    names.insert(names.end(), more.begin(), more.end());
   return names;
 }
 std::vector<std::string> reference_view_names() { return {"heatmap.traversal", "heatmap.leaves"}; }
 
-std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer) {
+std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame,
+                                    const std::string& layer) {
   if (layer == "heatmap.leaves") return reference::leaf_counts(*frame.world, film.width(), film.height());
   CHECK_MSG(layer == "heatmap.traversal", layer);
   std::vector<float> counts(film.pixels());
@@ -144,8 +155,9 @@ std::vector<float> reference_counts(const reference::Film& film, const Reference
   return counts;
 }
 
-FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job, const std::string& settings,
-                           const std::vector<std::string>& layers, std::optional<int64_t> frame_number, FrameRate rate) {
+FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
+                           const std::string& settings, const std::vector<std::string>& layers,
+                           std::optional<int64_t> frame_number, FrameRate rate) {
   FloatImage image;
   image.width = film.width(), image.height = film.height();
   const auto add = [&](std::string name, ChannelType type) -> std::vector<float>& {
@@ -162,7 +174,8 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
   }
   add_surface_layers(image, frame, layers, type);
   for (const std::string& layer : layers) {
-    if (std::find(surface_layer_names().begin(), surface_layer_names().end(), layer) != surface_layer_names().end()) continue;
+    if (std::find(surface_layer_names().begin(), surface_layer_names().end(), layer) != surface_layer_names().end())
+      continue;
     if (layer.starts_with("heatmap.")) {
       add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);
       continue;
@@ -170,7 +183,9 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
     for (int c = 0; c < 3; ++c) {
       std::vector<float>& plane = add(layer + "." + rgba[c], ChannelType::float32);
       for (size_t i = 0; i < film.pixels(); ++i)
-        plane[i] = float((layer == "variance" ? film.variance(i) : layer == "fog.L" ? film.fog_light(i) : film.fog_through(i))[c]);
+        plane[i] = float((layer == "variance" ? film.variance(i)
+                          : layer == "fog.L"  ? film.fog_light(i)
+                                              : film.fog_through(i))[c]);
     }
   }
   add_view_metadata(image, frame.view, frame.time_s, frame_number, rate);

@@ -4,14 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "frame/job.h"
 #include "image/image.h"
 #include "reference/film.h"
-#include "frame/job.h"
 
 namespace candela {
 
-// One moment of a scene, ready for the reference: the same scene, camera, lights and sky that plan_frame() gives the GPU, but for
-// the floor at which the GPU ends lights without range. Holds everything that the world points into, so it does not move.
+// One moment of a scene, ready for the reference: the same scene, camera, lights and sky that plan_frame() gives the
+// GPU, but for the floor at which the GPU ends lights without range. Holds everything that the world points into, so it
+// does not move.
 struct ReferenceFrame {
   Scene scene;
   Pose pose;
@@ -33,17 +34,21 @@ std::string_view name_of(reference::SamplerKind kind);
 std::string_view name_of(reference::Ambient ambient);
 std::string_view name_of(BvhBuilder builder);
 
-// Of all that decides the sums of a film. How they are shown and stored, and their number where the sampler does not need it, is
-// left out: those may change between a run and its resumption.
-Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings, const AccelOptions& accel);
+// Of all that decides the sums of a film. How they are shown and stored, and their number where the sampler does not
+// need it, is left out: those may change between a run and its resumption.
+Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings,
+                      const AccelOptions& accel);
 
 // Layers that the reference can write beside beauty.
 std::vector<std::string> reference_layer_names();  // variance, fog.L, fog.T, surface_layer_names(), and
-std::vector<std::string> reference_view_names();   // heatmap.traversal, heatmap.leaves: counts, which PNG can show as well
+std::vector<std::string>
+reference_view_names();  // heatmap.traversal, heatmap.leaves: counts, which PNG can show as well
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer);
 
-// The film as an image of linear radiance with layers and metadata, of the same form as linear_image() of a GPU's frame.
-FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job, const std::string& settings,
-                           const std::vector<std::string>& layers, std::optional<int64_t> frame_number, FrameRate rate);
+// The film as an image of linear radiance with layers and metadata, of the same form as linear_image() of a GPU's
+// frame.
+FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
+                           const std::string& settings, const std::vector<std::string>& layers,
+                           std::optional<int64_t> frame_number, FrameRate rate);
 
 }  // namespace candela

@@ -37,7 +37,8 @@ void add_ids(FloatImage& image, const Centres& centres, const std::string& layer
 }
 
 template <class Value>
-void add_vectors(FloatImage& image, const Centres& centres, const std::string& layer, const char* parts, ChannelType type, Value&& value) {
+void add_vectors(FloatImage& image, const Centres& centres, const std::string& layer, const char* parts,
+                 ChannelType type, Value&& value) {
   for (int part = 0; part < 3; ++part) {
     Channel channel{layer + "." + parts[part], type, {}, {}};
     for (const auto& c : centres) channel.f.push_back(c ? float(value(c->surface)[part]) : 0.0f);
@@ -52,22 +53,30 @@ const std::vector<std::string>& surface_layer_names() {
   return names;
 }
 
-void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers, ChannelType type) {
+void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers,
+                        ChannelType type) {
   using reference::CentreSurface, reference::Surface;
-  const auto wanted = [&](const std::string& name) { return std::find(layers.begin(), layers.end(), name) != layers.end(); };
+  const auto wanted = [&](const std::string& name) {
+    return std::find(layers.begin(), layers.end(), name) != layers.end();
+  };
   const std::vector<std::string>& all = surface_layer_names();
   if (std::none_of(all.begin(), all.end(), wanted)) return;
   const Centres centres = centres_of(frame, image.width, image.height);
   const auto item_of = [&](const CentreSurface& c) -> const DrawItem& { return frame.data.items[c.item]; };
   if (wanted("depth")) add_depth(image, centres);
   if (wanted("normal"))
-    add_vectors(image, centres, "normal", "XYZ", type, [](const Surface& s) { return s.unlit ? glm::dvec3(0) : s.normal; });
-  if (wanted("albedo")) add_vectors(image, centres, "albedo", "RGB", type, [](const Surface& s) { return s.base_color; });
-  if (wanted("object_id")) add_ids(image, centres, "object_id", [&](const CentreSurface& c) { return item_of(c).node; });
-  if (wanted("material_id")) add_ids(image, centres, "material_id", [&](const CentreSurface& c) { return uint32_t(item_of(c).material); });
+    add_vectors(image, centres, "normal", "XYZ", type,
+                [](const Surface& s) { return s.unlit ? glm::dvec3(0) : s.normal; });
+  if (wanted("albedo"))
+    add_vectors(image, centres, "albedo", "RGB", type, [](const Surface& s) { return s.base_color; });
+  if (wanted("object_id"))
+    add_ids(image, centres, "object_id", [&](const CentreSurface& c) { return item_of(c).node; });
+  if (wanted("material_id"))
+    add_ids(image, centres, "material_id", [&](const CentreSurface& c) { return uint32_t(item_of(c).material); });
   // What unlit surfaces show counts as emission, as it does on the GPU.
   if (wanted("emission"))
-    add_vectors(image, centres, "emission", "RGB", type, [](const Surface& s) { return s.unlit ? s.base_color : s.emission; });
+    add_vectors(image, centres, "emission", "RGB", type,
+                [](const Surface& s) { return s.unlit ? s.base_color : s.emission; });
 }
 
 }  // namespace candela

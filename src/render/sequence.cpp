@@ -149,7 +149,8 @@ class Run {
       return std::unexpected(Error{written.error().kind,
                                    fmt::format("frame {}: {}", finished.number, written.error().message),
                                    written.error().place});
-    for (size_t i = said; i < frame.warnings.size(); ++i) log::warning("frame {}: {}", finished.number, frame.warnings[i]);
+    for (size_t i = said; i < frame.warnings.size(); ++i)
+      log::warning("frame {}: {}", finished.number, frame.warnings[i]);
     if (video_)
       if (auto added = video_->add(display_image(frame, job_)); !added) return added;
     add_sums(result_.timings, std::move(frame.timings), settings_.keep_spans);  // read again after the thread has ended

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "render/frame_names.h"
 #include "frame/session.h"
+#include "render/frame_names.h"
 
 namespace candela {
 

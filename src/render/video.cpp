@@ -30,10 +30,23 @@ std::vector<std::string> arguments(const fs::path& out, const fs::path& audio, i
                                    FrameRate rate) {
   // H.264 with 4:2:0 chroma wants even sides: odd ones are repeated by a row or column. Rec.709 is said in the stream,
   // because players guess it from the height otherwise.
-  std::vector<std::string> a = {"ffmpeg",   "-hide_banner", "-nostdin", "-loglevel",
-                                "error",    "-xerror",      "-y",       "-f",       "rawvideo",
-                                "-pix_fmt", "rgb24",        "-s",       fmt::format("{}x{}", width_px, height_px),
-                                "-r",       rate.text(),    "-i",       "pipe:0"};
+  std::vector<std::string> a = {"ffmpeg",
+                                "-hide_banner",
+                                "-nostdin",
+                                "-loglevel",
+                                "error",
+                                "-xerror",
+                                "-y",
+                                "-f",
+                                "rawvideo",
+                                "-pix_fmt",
+                                "rgb24",
+                                "-s",
+                                fmt::format("{}x{}", width_px, height_px),
+                                "-r",
+                                rate.text(),
+                                "-i",
+                                "pipe:0"};
   if (!audio.empty())
     a.insert(a.end(), {"-i", audio.string(), "-map", "0:v", "-map", "1:a", "-c:a", "aac", "-b:a", "192k", "-shortest"});
   a.insert(a.end(), {"-vf",

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "image/image.h"
 #include "frame/job.h"
+#include "image/image.h"
 
 namespace candela {
 

@@ -14,12 +14,14 @@ constexpr std::string_view style =
     "h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2.2em;border-bottom:1px solid #ccc;padding-bottom:.2em}"
     "h3{font-size:1em;margin:1.6em 0 .5em}table{border-collapse:collapse;font-size:13px;margin:.5em 0}"
     "th,td{padding:.2em .7em;border-bottom:1px solid #e4e4e4;text-align:right;white-space:nowrap}"
-    "th{background:#f4f4f4;font-weight:600;white-space:normal;vertical-align:bottom}td.text,th.text{text-align:left}td.bad{color:#b00020;font-weight:600}"
+    "th{background:#f4f4f4;font-weight:600;white-space:normal;vertical-align:bottom}td.text,th.text{text-align:left}td."
+    "bad{color:#b00020;font-weight:600}"
     ".wide{overflow-x:auto}.note{color:#7a5200}.error{color:#b00020}.faint{color:#777}"
     "figure{display:inline-block;margin:.4em .8em .4em 0;vertical-align:top}figcaption{font-size:12px;color:#555;"
     "max-width:320px}img.picture{image-rendering:auto;max-width:320px}code{font-size:12px}"
     "figure.strip{display:block;max-width:960px}.strip img{width:100%}.strip figcaption{max-width:none}"
-    ".thirds{display:flex;font-size:12px;color:#555}.thirds span{width:33.33%}svg{max-width:none}h2,li{overflow-wrap:anywhere}"
+    ".thirds{display:flex;font-size:12px;color:#555}.thirds "
+    "span{width:33.33%}svg{max-width:none}h2,li{overflow-wrap:anywhere}"
     "summary{cursor:pointer;margin:1em 0}";
 
 // Rows that may share axes, in the order of their first row.
@@ -133,7 +135,8 @@ size_t count_devices(const BenchRun& run) {
 std::string bench_html(const BenchRun& run, const std::string& title, bool plots) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta "
-      "charset=\"utf-8\"/><meta name=\"viewport\" content=\"width=device-width\"/><title>{0}</title>\n<style>{1}</style></head>\n"
+      "charset=\"utf-8\"/><meta name=\"viewport\" "
+      "content=\"width=device-width\"/><title>{0}</title>\n<style>{1}</style></head>\n"
       "<body>\n<h1>{0}</h1>\n",
       escape_markup(title), style);
   html += fmt::format(

@@ -20,12 +20,8 @@ Json series_json(const Series& s) {
   const Interval ci = median_interval(s.ms);
   Json samples = Json::array();
   for (const double ms : s.ms) samples.push_back(rounded(ms));
-  return {{"median", rounded(sum.median)},
-          {"mad", rounded(sum.mad)},
-          {"ci95", {rounded(ci.low), rounded(ci.high)}},
-          {"min", rounded(sum.min)},
-          {"count", sum.count},
-          {"samples", std::move(samples)}};
+  return {{"median", rounded(sum.median)}, {"mad", rounded(sum.mad)}, {"ci95", {rounded(ci.low), rounded(ci.high)}},
+          {"min", rounded(sum.min)},       {"count", sum.count},      {"samples", std::move(samples)}};
 }
 
 Json named_series_json(const std::vector<Series>& all) {
@@ -232,12 +228,38 @@ Expected<BenchRun> read_bench_rows(const std::filesystem::path& file) {
 
 std::string bench_csv(const BenchRun& run) {
   const std::vector<std::string> passes = names_of(run, &BenchRow::passes), stages = names_of(run, &BenchRow::cpu);
-  std::vector<std::string> head = {
-      "suite",      "scene",    "seed",         "lights_wanted", "lights",    "camera",     "technique",
-      "settings",   "quality",  "width_px",     "height_px",     "samples",   "time_s",     "output",
-      "device",     "driver",   "version",      "plan_hash",     "knob_hash", "runs",       "runs_capped",
-      "budget_hit", "frame_ms", "frame_mad_ms", "frame_ci95_low_ms", "frame_ci95_high_ms", "frame_min_ms",
-      "gpu_ms",     "gpu_mad_ms", "gpu_ci95_low_ms", "gpu_ci95_high_ms", "gpu_min_ms"};
+  std::vector<std::string> head = {"suite",
+                                   "scene",
+                                   "seed",
+                                   "lights_wanted",
+                                   "lights",
+                                   "camera",
+                                   "technique",
+                                   "settings",
+                                   "quality",
+                                   "width_px",
+                                   "height_px",
+                                   "samples",
+                                   "time_s",
+                                   "output",
+                                   "device",
+                                   "driver",
+                                   "version",
+                                   "plan_hash",
+                                   "knob_hash",
+                                   "runs",
+                                   "runs_capped",
+                                   "budget_hit",
+                                   "frame_ms",
+                                   "frame_mad_ms",
+                                   "frame_ci95_low_ms",
+                                   "frame_ci95_high_ms",
+                                   "frame_min_ms",
+                                   "gpu_ms",
+                                   "gpu_mad_ms",
+                                   "gpu_ci95_low_ms",
+                                   "gpu_ci95_high_ms",
+                                   "gpu_min_ms"};
   for (const std::string& pass : passes) head.push_back("gpu." + pass + "_ms");
   for (const std::string& stage : stages) head.push_back("cpu." + stage + "_ms");
   for (const char* column : memory_columns) head.emplace_back(column);

@@ -12,7 +12,8 @@
 namespace candela {
 namespace {
 
-constexpr const char* metric_labels[][2] = {{"relmse", "relMSE (squared error over squared radiance)"}, {"hdr-flip", "HDR-FLIP, mean (0: equal, 1: most different)"}};
+constexpr const char* metric_labels[][2] = {{"relmse", "relMSE (squared error over squared radiance)"},
+                                            {"hdr-flip", "HDR-FLIP, mean (0: equal, 1: most different)"}};
 
 std::string label_of(const std::string& metric) {
   for (const auto& [name, label] : metric_labels)
@@ -23,20 +24,25 @@ std::string label_of(const std::string& metric) {
 std::string wide(const std::string& svg) { return svg.empty() ? svg : "<div class=\"wide\">" + svg + "</div>\n"; }
 
 std::string front_svg(const ErrorPlace& place, const std::string& reference, const std::string& metric) {
-  Scatter scatter{.title = fmt::format("{} against {}", metric, reference), .x_label = "GPU time of a frame in ms: median, bar: its 95 % confidence interval", .y_label = label_of(metric)};
+  Scatter scatter{.title = fmt::format("{} against {}", metric, reference),
+                  .x_label = "GPU time of a frame in ms: median, bar: its 95 % confidence interval",
+                  .y_label = label_of(metric)};
   for (const ErrorPoint& point : error_points(place.rows, reference, metric)) {
     const std::string& technique = point.row->technique;
     auto group = std::find(scatter.groups.begin(), scatter.groups.end(), technique);
     if (group == scatter.groups.end()) group = scatter.groups.insert(scatter.groups.end(), technique);
-    scatter.points.push_back({error_setting(*point.row), point.ms, point.error, size_t(group - scatter.groups.begin()), point.dominated, point.ms_ci.low, point.ms_ci.high});
-    if (const auto& noise = error_against(*point.row, reference)->noise; noise && metric == "relmse") scatter.floor_y = noise->relmse;
+    scatter.points.push_back({error_setting(*point.row), point.ms, point.error, size_t(group - scatter.groups.begin()),
+                              point.dominated, point.ms_ci.low, point.ms_ci.high});
+    if (const auto& noise = error_against(*point.row, reference)->noise; noise && metric == "relmse")
+      scatter.floor_y = noise->relmse;
   }
   return wide(scatter_svg(scatter));
 }
 
 std::string sentences(const ErrorPlace& place) {
   std::string html;
-  for (const std::string& defect : error_defects(place.rows)) html += "<p class=\"error\">" + escape_markup(defect) + "</p>\n";
+  for (const std::string& defect : error_defects(place.rows))
+    html += "<p class=\"error\">" + escape_markup(defect) + "</p>\n";
   html += "<ul>\n";
   for (const char* reference : {open_reference_name, "direct", "path"}) {
     if (error_points(place.rows, reference, "relmse").empty()) continue;
@@ -46,7 +52,8 @@ std::string sentences(const ErrorPlace& place) {
     for (const double bound : error_bounds) {
       const BenchRow* row = cheapest(place.rows, reference, "relmse", bound);
       if (row && row == before) told.pop_back();
-      if (row || before || bound == error_bounds[0]) told.push_back(cheapest_sentence(place.rows, reference, "relmse", bound));
+      if (row || before || bound == error_bounds[0])
+        told.push_back(cheapest_sentence(place.rows, reference, "relmse", bound));
       before = row;
     }
     for (const std::string& sentence : told) html += "<li>" + escape_markup(sentence) + "</li>\n";
@@ -59,7 +66,8 @@ std::string sentences(const ErrorPlace& place) {
 
 std::string order_text(const KnobStudy& study) {
   if (study.fit.points < 2) return "no order of convergence: fewer than two of its numbers have an error";
-  return fmt::format("rmse = {:.3g} · value^{:.2f} over {} values, R² {:.3f}{}", study.fit.factor, study.fit.exponent, study.fit.points, study.r_squared,
+  return fmt::format("rmse = {:.3g} · value^{:.2f} over {} values, R² {:.3f}{}", study.fit.factor, study.fit.exponent,
+                     study.fit.points, study.r_squared,
                      study.fit.points == 2 ? " (two points: no test of the law)" : "");
 }
 
@@ -69,7 +77,8 @@ std::string order_plots(const std::vector<KnobStudy>& studies) {
   std::set<std::string> drawn;
   for (const KnobStudy& study : studies) {
     if (study.kind != "error") continue;
-    list += "<li>" + escape_markup(fmt::format("{}, {}: {}", study.knob, study.technique, order_text(study))) + "</li>\n";
+    list +=
+        "<li>" + escape_markup(fmt::format("{}, {}: {}", study.knob, study.technique, order_text(study))) + "</li>\n";
     if (study.fit.points < 2 || !drawn.insert(study.knob).second) continue;
     Scatter scatter{.title = fmt::format("{}: order of convergence; {}", study.knob, order_text(study)),
                     .x_label = study.knob,
@@ -81,7 +90,8 @@ std::string order_plots(const std::vector<KnobStudy>& studies) {
         if (v.value > 0) scatter.points.push_back({v.text, v.value, v.rmse, scatter.groups.size(), false});
       scatter.groups.push_back(other.technique);
     }
-    for (const double x : {study.fit.first_x, study.fit.last_x}) scatter.curve.emplace_back(x, study.fit.factor * std::pow(x, study.fit.exponent));
+    for (const double x : {study.fit.first_x, study.fit.last_x})
+      scatter.curve.emplace_back(x, study.fit.factor * std::pow(x, study.fit.exponent));
     html += wide(scatter_svg(scatter));
   }
   return (list.empty() ? list : "<ul>\n" + list + "</ul>\n") + html;
@@ -92,16 +102,22 @@ std::string strips(const ErrorPlace& place) {
   std::vector<std::pair<const BenchRow*, std::vector<std::string>>> shown;
   for (const BenchRow* row : place.rows) {
     if (row->strip.empty()) continue;
-    const auto same = std::find_if(shown.begin(), shown.end(), [&](const auto& s) { return s.first->strip == row->strip; });
-    (same == shown.end() ? shown.emplace_back(row, std::vector<std::string>{}) : *same).second.push_back(error_setting(*row));
+    const auto same =
+        std::find_if(shown.begin(), shown.end(), [&](const auto& s) { return s.first->strip == row->strip; });
+    (same == shown.end() ? shown.emplace_back(row, std::vector<std::string>{}) : *same)
+        .second.push_back(error_setting(*row));
   }
   std::string html;
   for (const auto& [row, settings] : shown)
     html += fmt::format(
-        "<figure class=\"strip\"><div class=\"thirds\"><span>{}</span><span>result</span><span>FLIP: bright is wrong</span></div><img src=\"data:image/png;base64,{}\" "
+        "<figure class=\"strip\"><div class=\"thirds\"><span>{}</span><span>result</span><span>FLIP: bright is "
+        "wrong</span></div><img src=\"data:image/png;base64,{}\" "
         "alt=\"{}\"/><figcaption>{}</figcaption></figure>\n",
-        escape_markup(row->suite == "whole" ? open_reference_name : "the technique's exact picture"), base64(row->strip), escape_markup(settings.front()),
-        escape_markup(settings.front() + (settings.size() > 1 ? fmt::format(" (and {} more with the same picture)", settings.size() - 1) : "")));
+        escape_markup(row->suite == "whole" ? open_reference_name : "the technique's exact picture"),
+        base64(row->strip), escape_markup(settings.front()),
+        escape_markup(settings.front() + (settings.size() > 1
+                                              ? fmt::format(" (and {} more with the same picture)", settings.size() - 1)
+                                              : "")));
   return html.empty() ? html : "<h3>Reference, result, FLIP</h3>\n" + html;
 }
 
@@ -113,15 +129,19 @@ std::string error_html(const BenchRun& run) {
     html += fmt::format("<section>\n<h2>Error against time: {}</h2>\n", escape_markup(place.name));
     html += sentences(place);
     html +=
-        "<h3>Techniques at each quality</h3>\n<p>All errors are relMSE. <i>Sampling</i> is the distance from the same technique at its exact end, <i>model</i> the "
+        "<h3>Techniques at each quality</h3>\n<p>All errors are relMSE. <i>Sampling</i> is the distance from the same "
+        "technique at its exact end, <i>model</i> the "
         "exact end's own distance from the reference, <i>total</i> the row's.</p>\n" +
         totals_table(place);
     html += "<h3>Fronts</h3>\n<p>Dimmed: another setting is no slower and no worse.</p>\n";
-    for (const char* reference : {open_reference_name, "direct", "path", exact_reference}) html += front_svg(place, reference, "relmse");
+    for (const char* reference : {open_reference_name, "direct", "path", exact_reference})
+      html += front_svg(place, reference, "relmse");
     html += front_svg(place, open_reference_name, "hdr-flip");
     if (const auto studies = knob_studies(place.rows); !studies.empty())
-      html += "<h3>Each knob alone, against the technique's exact picture</h3>\n" + knob_table(studies) + order_plots(studies);
-    html += strips(place) + "<details><summary>All errors</summary>\n" + error_rows_table(place) + "</details>\n</section>\n";
+      html += "<h3>Each knob alone, against the technique's exact picture</h3>\n" + knob_table(studies) +
+              order_plots(studies);
+    html += strips(place) + "<details><summary>All errors</summary>\n" + error_rows_table(place) +
+            "</details>\n</section>\n";
   }
   return html;
 }

@@ -11,8 +11,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json knob_json(const KnobStudy& study) {
-  Json j = {{"knob", study.knob},       {"technique", study.technique}, {"trades", study.kind},
-            {"passes", study.passes},   {"advised", study.advised},     {"order", nullptr},
+  Json j = {{"knob", study.knob},     {"technique", study.technique}, {"trades", study.kind},
+            {"passes", study.passes}, {"advised", study.advised},     {"order", nullptr},
             {"values", Json::array()}};
   if (study.fit.points >= 2)
     j["order"] = {{"metric", "rmse"},
@@ -34,7 +34,9 @@ Json knob_json(const KnobStudy& study) {
   return j;
 }
 
-std::string column_of(const std::string& reference, const std::string& metric) { return "error." + reference + "." + metric; }
+std::string column_of(const std::string& reference, const std::string& metric) {
+  return "error." + reference + "." + metric;
+}
 
 }  // namespace
 
@@ -45,7 +47,8 @@ Json errors_json(const std::vector<PictureError>& errors) {
     for (const auto& [name, value] : error.metrics) j["metrics"][name] = std::isfinite(value) ? Json(value) : Json();
     if (error.noise) j["noise_floor"] = {{"rmse", error.noise->rmse}, {"relmse", error.noise->relmse}};
     if (error.exposures)
-      j["hdr_flip_exposures"] = {{"start", error.exposures->start}, {"stop", error.exposures->stop}, {"count", error.exposures->count}};
+      j["hdr_flip_exposures"] = {
+          {"start", error.exposures->start}, {"stop", error.exposures->stop}, {"count", error.exposures->count}};
     if (error.spp > 0) j["spp"] = error.spp;
     if (!error.note.empty()) j["note"] = error.note;
     all.push_back(std::move(j));
@@ -80,7 +83,8 @@ Json knobs_json(const std::vector<KnobPoint>& knobs) {
 
 std::vector<KnobPoint> knobs_from(const Json& json) {
   std::vector<KnobPoint> knobs;
-  for (const Json& j : json) knobs.push_back({j.at("knob"), j.at("value"), j.at("trades"), j.at("passes").get<std::vector<std::string>>()});
+  for (const Json& j : json)
+    knobs.push_back({j.at("knob"), j.at("value"), j.at("trades"), j.at("passes").get<std::vector<std::string>>()});
   return knobs;
 }
 
@@ -126,8 +130,13 @@ std::vector<ErrorPlace> error_places(const BenchRun& run) {
 Json error_findings_json(const BenchRun& run) {
   Json all = Json::array();
   for (const ErrorPlace& place : error_places(run)) {
-    Json j = {{"place", place.name},       {"cheapest", Json::array()}, {"fronts", Json::array()}, {"total", Json::array()},
-              {"noise", Json::array()},    {"knobs", Json::array()},    {"defects", error_defects(place.rows)}};
+    Json j = {{"place", place.name},
+              {"cheapest", Json::array()},
+              {"fronts", Json::array()},
+              {"total", Json::array()},
+              {"noise", Json::array()},
+              {"knobs", Json::array()},
+              {"defects", error_defects(place.rows)}};
     for (const std::string& reference : error_reference_names()) {
       for (const double bound : error_bounds) {
         const BenchRow* row = cheapest(place.rows, reference, "relmse", bound);

@@ -17,7 +17,8 @@ std::vector<KnobPoint> knobs_from(const nlohmann::ordered_json& json);  // the s
 std::vector<std::string> error_columns(const BenchRun& run);
 std::vector<std::string> error_cells(const BenchRow& row, const std::vector<std::string>& columns);
 
-// What follows from the rows, by place: sentences, fronts, and knobs with their order of convergence; null without errors.
+// What follows from the rows, by place: sentences, fronts, and knobs with their order of convergence; null without
+// errors.
 nlohmann::ordered_json error_findings_json(const BenchRun& run);
 
 // Rows with errors by place, in the order of their first row.

@@ -12,7 +12,8 @@ std::string cell(const std::string& text, const char* kind = "") {
 }
 std::string head(const std::vector<std::string>& names, size_t text_columns) {
   std::string html = "<div class=\"wide\"><table>\n<tr>";
-  for (size_t i = 0; i < names.size(); ++i) html += fmt::format("<th{}>{}</th>", i < text_columns ? " class=\"text\"" : "", escape_markup(names[i]));
+  for (size_t i = 0; i < names.size(); ++i)
+    html += fmt::format("<th{}>{}</th>", i < text_columns ? " class=\"text\"" : "", escape_markup(names[i]));
   return html + "</tr>\n";
 }
 std::string number(std::optional<double> value) { return value ? fmt::format("{:.3g}", *value) : ""; }
@@ -29,11 +30,14 @@ double cpu_ms(const BenchRow& row) {
 
 }  // namespace
 
-std::string ms_text(double median, const Interval& ci) { return fmt::format("{:.3g} [{:.3g}, {:.3g}]", median, ci.low, ci.high); }
+std::string ms_text(double median, const Interval& ci) {
+  return fmt::format("{:.3g} [{:.3g}, {:.3g}]", median, ci.low, ci.high);
+}
 
 std::string totals_table(const ErrorPlace& place) {
-  std::string html = head({"technique", "quality", "GPU ms [95 % CI]", "frame ms", "CPU ms", "images and buffers, MiB", "device peak, MiB", "sampling error", "total, unshadowed",
-                           "model, unshadowed", "total, direct", "model, direct", "total, path", "model, path"},
+  std::string html = head({"technique", "quality", "GPU ms [95 % CI]", "frame ms", "CPU ms", "images and buffers, MiB",
+                           "device peak, MiB", "sampling error", "total, unshadowed", "model, unshadowed",
+                           "total, direct", "model, direct", "total, path", "model, path"},
                           2);
   for (const BenchRow* row : place.rows) {
     if (row->suite != "whole") continue;
@@ -52,32 +56,39 @@ std::string totals_table(const ErrorPlace& place) {
 }
 
 std::string knob_table(const std::vector<KnobStudy>& studies) {
-  std::string html = head({"knob", "technique", "trades", "value", "worth its time?", "frame's passes, GPU ms [95 % CI]", "its own passes, GPU ms [95 % CI]",
-                           "images and buffers, MiB", "relmse", "rmse"},
-                          5);
+  std::string html =
+      head({"knob", "technique", "trades", "value", "worth its time?", "frame's passes, GPU ms [95 % CI]",
+            "its own passes, GPU ms [95 % CI]", "images and buffers, MiB", "relmse", "rmse"},
+           5);
   for (const KnobStudy& study : studies)
     for (const KnobStudy::Value& v : study.values)
       html += "<tr>" + cell(study.knob, "text") + cell(study.technique, "text") + cell(study.kind, "text") +
-              cell(v.text + (v.text == study.advised ? " (advised)" : ""), "text") + cell(v.verdict, v.dominated ? "text faint" : "text") +
-              cell(ms_text(v.ms, v.ms_ci)) + cell(ms_text(v.passes_ms, v.passes_ci)) + cell(mebibytes(memory_of(*v.row, "frame_bytes"))) +
-              cell(number(v.relmse), study.kind == "time" && v.rmse > 0 ? "bad" : "") + cell(number(v.rmse)) + "</tr>\n";
+              cell(v.text + (v.text == study.advised ? " (advised)" : ""), "text") +
+              cell(v.verdict, v.dominated ? "text faint" : "text") + cell(ms_text(v.ms, v.ms_ci)) +
+              cell(ms_text(v.passes_ms, v.passes_ci)) + cell(mebibytes(memory_of(*v.row, "frame_bytes"))) +
+              cell(number(v.relmse), study.kind == "time" && v.rmse > 0 ? "bad" : "") + cell(number(v.rmse)) +
+              "</tr>\n";
   return html + "</table></div>\n";
 }
 
 std::string error_rows_table(const ErrorPlace& place) {
-  static constexpr const char* metrics[] = {"relmse", "relmse-trimmed", "rmse", "mae", "max", "p99", "psnr", "flip", "hdr-flip", "ssim", "differing"};
+  static constexpr const char* metrics[] = {"relmse", "relmse-trimmed", "rmse",     "mae",  "max",      "p99",
+                                            "psnr",   "flip",           "hdr-flip", "ssim", "differing"};
   std::vector<std::string> names = {"setting", "sweep", "against", "GPU ms [95 % CI]", "frame ms", "CPU ms", "MiB"};
   names.insert(names.end(), std::begin(metrics), std::end(metrics));
   names.emplace_back("noise (relmse)");
   std::string html = head(names, 3);
   for (const BenchRow* row : place.rows) {
-    const std::string gpu = gpu_text(*row), frame = fmt::format("{:.3g}", median(row->frame.ms)), cpu = fmt::format("{:.3g}", cpu_ms(*row));
+    const std::string gpu = gpu_text(*row), frame = fmt::format("{:.3g}", median(row->frame.ms)),
+                      cpu = fmt::format("{:.3g}", cpu_ms(*row));
     for (const PictureError& error : row->errors) {
-      html += "<tr>" + cell(error_setting(*row), "text") + cell(row->suite, "text") + cell(error.reference, "text") + cell(gpu) + cell(frame) + cell(cpu) +
-              cell(mebibytes(memory_of(*row, "frame_bytes")));
+      html += "<tr>" + cell(error_setting(*row), "text") + cell(row->suite, "text") + cell(error.reference, "text") +
+              cell(gpu) + cell(frame) + cell(cpu) + cell(mebibytes(memory_of(*row, "frame_bytes")));
       for (const char* metric : metrics) {
-        const bool noise = std::string_view(metric) == "relmse" && error.noise && error_of(*row, error.reference, metric).value_or(1e300) <= error.noise->relmse;
-        html += cell(number(error_of(*row, error.reference, metric)) + (noise ? " (below noise)" : ""), noise ? "faint" : "");
+        const bool noise = std::string_view(metric) == "relmse" && error.noise &&
+                           error_of(*row, error.reference, metric).value_or(1e300) <= error.noise->relmse;
+        html += cell(number(error_of(*row, error.reference, metric)) + (noise ? " (below noise)" : ""),
+                     noise ? "faint" : "");
       }
       html += cell(error.noise ? fmt::format("{:.3g}", error.noise->relmse) : "") + "</tr>\n";
     }

@@ -7,7 +7,8 @@
 namespace candela {
 
 // Tables of a sweep of error against time, as HTML. Times are medians with their 95 % confidence intervals.
-std::string totals_table(const ErrorPlace& place);  // techniques and qualities: total error, of which model, of which sampling
+std::string totals_table(
+    const ErrorPlace& place);  // techniques and qualities: total error, of which model, of which sampling
 std::string knob_table(const std::vector<KnobStudy>& studies);
 std::string error_rows_table(const ErrorPlace& place);  // everything
 

@@ -25,7 +25,9 @@ double step_above(double v) {
 // A logarithmic axis, of half a decade at least.
 struct Axis {
   double first = 1, last = 10, length = 0;
-  double at(double v) const { return std::log10(std::clamp(v, first, last) / first) / std::log10(last / first) * length; }
+  double at(double v) const {
+    return std::log10(std::clamp(v, first, last) / first) / std::log10(last / first) * length;
+  }
   // Where lines and numbers stand: decades, and 2 and 5 of them where there is room.
   std::vector<double> ticks() const {
     std::vector<double> all;
@@ -76,20 +78,22 @@ std::string scatter_svg(const Scatter& scatter) {
       left + width + 20, bottom + 58 + 18 * std::ceil(double(scatter.groups.size()) / 4));
   svg += text(left, 18, "font-weight=\"600\"", scatter.title);
   for (const double tick : x_axis.ticks())
-    svg += line(x_of(tick), top, x_of(tick), bottom, "stroke=\"#ddd\"") + text(x_of(tick), bottom + 16, "text-anchor=\"middle\" fill=\"#666\"", tick_text(tick));
+    svg += line(x_of(tick), top, x_of(tick), bottom, "stroke=\"#ddd\"") +
+           text(x_of(tick), bottom + 16, "text-anchor=\"middle\" fill=\"#666\"", tick_text(tick));
   for (const double tick : y_axis.ticks())
-    svg += line(left, y_of(tick), left + width, y_of(tick), "stroke=\"#ddd\"") + text(left - 8, y_of(tick) + 4, "text-anchor=\"end\" fill=\"#666\"", tick_text(tick));
+    svg += line(left, y_of(tick), left + width, y_of(tick), "stroke=\"#ddd\"") +
+           text(left - 8, y_of(tick) + 4, "text-anchor=\"end\" fill=\"#666\"", tick_text(tick));
   svg += text(left + width / 2, bottom + 34, "text-anchor=\"middle\"", scatter.x_label);
-  svg += fmt::format("<text transform=\"translate(18 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n", top + height / 2,
-                     escape_markup(scatter.y_label));
+  svg += fmt::format("<text transform=\"translate(18 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+                     top + height / 2, escape_markup(scatter.y_label));
   if (scatter.floor_y && *scatter.floor_y > 0) {
     const double y = y_of(*scatter.floor_y);
     svg += line(left, y, left + width, y, "stroke=\"#b00020\" stroke-dasharray=\"6 4\"");
     svg += text(left + width - 4, y - 5, "text-anchor=\"end\" fill=\"#b00020\"", "noise of the reference");
   }
   for (size_t i = 1; i < scatter.curve.size(); ++i)
-    svg += line(x_of(scatter.curve[i - 1].first), y_of(scatter.curve[i - 1].second), x_of(scatter.curve[i].first), y_of(scatter.curve[i].second),
-                "stroke=\"#444\" stroke-dasharray=\"3 3\"");
+    svg += line(x_of(scatter.curve[i - 1].first), y_of(scatter.curve[i - 1].second), x_of(scatter.curve[i].first),
+                y_of(scatter.curve[i].second), "stroke=\"#444\" stroke-dasharray=\"3 3\"");
   std::vector<const ScatterPoint*> front;
   for (const ScatterPoint& p : scatter.points)
     if (!p.dimmed) front.push_back(&p);
@@ -102,10 +106,16 @@ std::string scatter_svg(const Scatter& scatter) {
   for (const ScatterPoint& p : scatter.points) {
     zeros = zeros || p.y <= 0;
     if (p.low_x < p.high_x)
-      svg += fmt::format("<path d=\"M{0:.1f} {2:.1f}V{3:.1f}M{0:.1f} {4:.1f}H{1:.1f}M{1:.1f} {2:.1f}V{3:.1f}\" fill=\"none\" stroke=\"{5}\" opacity=\"{6}\"/>\n",
-                         x_of(p.low_x), x_of(p.high_x), y_of(p.y) - 4, y_of(p.y) + 4, y_of(p.y), plot_color(p.group), p.dimmed ? 0.3 : 1.0);
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\" opacity=\"{}\"><title>{}: {:.4g}, {:.4g}</title></circle>\n",
-                       x_of(p.x), y_of(p.y), p.dimmed ? 4 : 6, plot_color(p.group), p.dimmed ? 0.3 : 1.0, escape_markup(p.label), p.x, p.y);
+      svg += fmt::format(
+          "<path d=\"M{0:.1f} {2:.1f}V{3:.1f}M{0:.1f} {4:.1f}H{1:.1f}M{1:.1f} {2:.1f}V{3:.1f}\" fill=\"none\" "
+          "stroke=\"{5}\" opacity=\"{6}\"/>\n",
+          x_of(p.low_x), x_of(p.high_x), y_of(p.y) - 4, y_of(p.y) + 4, y_of(p.y), plot_color(p.group),
+          p.dimmed ? 0.3 : 1.0);
+    svg += fmt::format(
+        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\" opacity=\"{}\"><title>{}: {:.4g}, "
+        "{:.4g}</title></circle>\n",
+        x_of(p.x), y_of(p.y), p.dimmed ? 4 : 6, plot_color(p.group), p.dimmed ? 0.3 : 1.0, escape_markup(p.label), p.x,
+        p.y);
   }
   for (size_t i = 0; i < front.size(); ++i) {
     const double x = x_of(front[i]->x);
@@ -116,13 +126,16 @@ std::string scatter_svg(const Scatter& scatter) {
     const bool far = x > left + width * 0.6;
     // Every second one below its point, so that neighbours keep apart.
     const bool above = i % 2 == 0 || y_of(front[i]->y) > bottom - 24;  // the axis has numbers below it
-    svg += text(x + (far ? -9 : 9), y_of(front[i]->y) + (above ? -8 : 18), far ? "text-anchor=\"end\" fill=\"#222\" font-size=\"11\"" : "fill=\"#222\" font-size=\"11\"",
+    svg += text(x + (far ? -9 : 9), y_of(front[i]->y) + (above ? -8 : 18),
+                far ? "text-anchor=\"end\" fill=\"#222\" font-size=\"11\"" : "fill=\"#222\" font-size=\"11\"",
                 front[i]->label);
   }
-  if (zeros) svg += text(left + 4, bottom - 5, "fill=\"#666\" font-size=\"11\"", "on the lower edge: no difference at all");
+  if (zeros)
+    svg += text(left + 4, bottom - 5, "fill=\"#666\" font-size=\"11\"", "on the lower edge: no difference at all");
   for (size_t g = 0; g < scatter.groups.size(); ++g) {
     const double x = left + double(g % 4) * width / 4, y = bottom + 58 + 18 * double(g / 4);
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\"/>", x + 5, y - 4, plot_color(g)) + text(x + 15, y, "", scatter.groups[g]);
+    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\"/>", x + 5, y - 4, plot_color(g)) +
+           text(x + 15, y, "", scatter.groups[g]);
   }
   return svg + "</svg>\n";
 }

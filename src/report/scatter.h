@@ -8,12 +8,12 @@ namespace candela {
 struct ScatterPoint {
   std::string label;  // shown by the pointer; those of the front are written beside it too
   double x = 0, y = 0;
-  size_t group = 0;     // colour
-  bool dimmed = false;  // dominated
+  size_t group = 0;              // colour
+  bool dimmed = false;           // dominated
   double low_x = 0, high_x = 0;  // ends of an error bar; equal: none
 };
-// Points on logarithmic axes that end at 1, 2 or 5 of a decade, with the front as a staircase and the noise floor as a line; drawn here, without gnuplot. Points
-// whose y is 0 stand on the lower edge, which is said.
+// Points on logarithmic axes that end at 1, 2 or 5 of a decade, with the front as a staircase and the noise floor as a
+// line; drawn here, without gnuplot. Points whose y is 0 stand on the lower edge, which is said.
 struct Scatter {
   std::string title, x_label, y_label;
   std::vector<ScatterPoint> points;

@@ -26,7 +26,8 @@ glm::dvec3 equirect_direction(double u, double v) {
 
 AmbientSh project_environment(const DecodedImage& image) {
   std::array<glm::dvec3, 9> sum{};
-  // One direction stands for a cell: texels of small images are cut, or a sky of one texel would shine from its middle alone.
+  // One direction stands for a cell: texels of small images are cut, or a sky of one texel would shine from its middle
+  // alone.
   const int cut_x = (63 + image.width) / image.width, cut_y = (31 + image.height) / image.height;
   const int width = image.width * cut_x, height = image.height * cut_y;
   for (int y = 0; y < height; ++y) {

@@ -12,27 +12,27 @@ namespace candela {
 // One drawable: a mesh section at one instance of one node.
 struct DrawItem {
   uint32_t mesh = 0, section = 0, node = 0, instance = 0;  // instance within EXT_mesh_gpu_instancing
-  uint32_t transform = 0;     // into FrameData::relative_from_local
-  int material = -1;          // into Pose::materials, -1 default
-  bool mirrored = false;      // determinant < 0: front faces are clockwise
-  int deformed = -1;          // into FrameData::deformations; -1: the static vertices
-  Aabb bounds_relative;       // holds every vertex at this time (skins, morphs and rounding included), relative space
-  double view_depth_m = 0;    // of the bounds' centre, for sorting blended items back to front
+  uint32_t transform = 0;                                  // into FrameData::relative_from_local
+  int material = -1;                                       // into Pose::materials, -1 default
+  bool mirrored = false;                                   // determinant < 0: front faces are clockwise
+  int deformed = -1;                                       // into FrameData::deformations; -1: the static vertices
+  Aabb bounds_relative;     // holds every vertex at this time (skins, morphs and rounding included), relative space
+  double view_depth_m = 0;  // of the bounds' centre, for sorting blended items back to front
 };
 
 // A skinned or morphed section whose vertices are made anew for the frame. Skinned vertices come out in relative space.
 struct Deformation {
   uint32_t mesh = 0, section = 0;
-  uint32_t first_joint = 0, joint_count = 0;      // into FrameData::joint_matrices; 0 joints: morph only
-  uint32_t first_weight = 0, weight_count = 0;    // into FrameData::morph_weights
+  uint32_t first_joint = 0, joint_count = 0;    // into FrameData::joint_matrices; 0 joints: morph only
+  uint32_t first_weight = 0, weight_count = 0;  // into FrameData::morph_weights
 };
 
 struct LightItem {  // a light in relative space
   LightType type;
-  glm::vec3 position{0};    // relative, metres
-  glm::vec3 direction{0};   // unit, the way the light shines
-  glm::vec3 intensity{0};   // color * intensity
-  float range_m;            // infinity: none
+  glm::vec3 position{0};   // relative, metres
+  glm::vec3 direction{0};  // unit, the way the light shines
+  glm::vec3 intensity{0};  // color * intensity
+  float range_m;           // infinity: none
   float inner_cone_rad, outer_cone_rad;
   uint32_t node = 0;
 };
@@ -41,10 +41,10 @@ struct FrameData {
   std::vector<glm::mat4> relative_from_local;  // composed in double, cast once
   std::vector<DrawItem> items;                 // node order; blended ones not yet sorted
   std::vector<Deformation> deformations;
-  std::vector<glm::mat4> joint_matrices;       // relative_from_bind
+  std::vector<glm::mat4> joint_matrices;  // relative_from_bind
   std::vector<float> morph_weights;
-  std::vector<LightItem> lights;               // in node order; zero intensity ones left out
-  bool perspective = true;                     // of the view
+  std::vector<LightItem> lights;  // in node order; zero intensity ones left out
+  bool perspective = true;        // of the view
 };
 
 // World bounds of everything visible at this pose.

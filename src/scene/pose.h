@@ -9,26 +9,29 @@
 
 namespace candela {
 
-// Which animations play: none, all, or a list of indices. They apply in file order; the last that drives a property wins.
+// Which animations play: none, all, or a list of indices. They apply in file order; the last that drives a property
+// wins.
 struct AnimationChoice {
   std::vector<int> animations;
 };
 // "all", "none", an index or a name. Error usage: lists the names there are.
 Expected<AnimationChoice> choose_animations(const Scene& scene, const std::string& which);
 
-// A scene at one time. Evaluated in double; nothing carries over from another time, so any order of frames gives the same.
+// A scene at one time. Evaluated in double; nothing carries over from another time, so any order of frames gives the
+// same.
 struct Pose {
-  double time_s = 0;                            // for what moves without an animation (light_instances.h)
-  std::vector<glm::dmat4> world_from_node;      // per node; identity for unreachable ones
-  std::vector<bool> node_visible;               // with ancestors (KHR_node_visibility)
-  std::vector<std::vector<float>> node_weights; // per node with a morphed mesh, else empty
-  std::vector<Material> materials;              // copies, with animated values
+  double time_s = 0;                             // for what moves without an animation (light_instances.h)
+  std::vector<glm::dmat4> world_from_node;       // per node; identity for unreachable ones
+  std::vector<bool> node_visible;                // with ancestors (KHR_node_visibility)
+  std::vector<std::vector<float>> node_weights;  // per node with a morphed mesh, else empty
+  std::vector<Material> materials;               // copies, with animated values
   std::vector<Light> lights;
   std::vector<Camera> cameras;
-  std::vector<std::string> warnings;            // animated values that had to be clamped or left out, one line each
+  std::vector<std::string> warnings;  // animated values that had to be clamped or left out, one line each
 };
 
-// time_s before the first key: its value; past the last key of a channel: the last value. No looping (docs/decisions.md).
+// time_s before the first key: its value; past the last key of a channel: the last value. No looping
+// (docs/decisions.md).
 Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double time_s);
 
 // One channel at one time, in double (tests compare with values by hand). out has channel.components values.

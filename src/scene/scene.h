@@ -10,14 +10,15 @@
 
 #include "math/bounds.h"
 
-// A glTF file as plain data. Loading fills it; nothing changes it afterwards. Indices are into the vectors of Scene; -1 is none.
-// Units: metres, radians, seconds, candela (point, spot), lux (directional). Colours are linear Rec.709.
+// A glTF file as plain data. Loading fills it; nothing changes it afterwards. Indices are into the vectors of Scene; -1
+// is none. Units: metres, radians, seconds, candela (point, spot), lux (directional). Colours are linear Rec.709.
 namespace candela {
 
 struct SceneImage {
-  std::string name, place;          // place: for messages ("scene.glb: /images/2 'bricks'")
-  std::vector<std::byte> encoded;   // PNG or JPEG bytes as stored; empty when no material uses the image
-  // An ORM texture made of two images, as indices into Scene::images; then encoded is empty. decode_scene_image makes it.
+  std::string name, place;         // place: for messages ("scene.glb: /images/2 'bricks'")
+  std::vector<std::byte> encoded;  // PNG or JPEG bytes as stored; empty when no material uses the image
+  // An ORM texture made of two images, as indices into Scene::images; then encoded is empty. decode_scene_image makes
+  // it.
   int merge_occlusion = -1, merge_metallic_roughness = -1;
 };
 
@@ -32,9 +33,9 @@ struct Sampler {
 
 // A texture slot of a material. KHR_texture_transform: uv' = T(offset) R(rotation) S(scale) uv.
 struct TextureSlot {
-  int image = -1;      // into Scene::images; -1: no texture
-  int sampler = 0;     // into Scene::samplers (there is always a default one at 0)
-  int uv_set = 0;      // 0 or 1
+  int image = -1;   // into Scene::images; -1: no texture
+  int sampler = 0;  // into Scene::samplers (there is always a default one at 0)
+  int uv_set = 0;   // 0 or 1
   glm::vec2 offset{0}, scale{1};
   float rotation_rad = 0;
   explicit operator bool() const { return image >= 0; }
@@ -42,34 +43,37 @@ struct TextureSlot {
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
 
-// Metallic-roughness material (glTF 2.0 appendix B, with ior, specular, emissive_strength, unlit; transmission, volume and dispersion for
-// the path tracer).
+// Metallic-roughness material (glTF 2.0 appendix B, with ior, specular, emissive_strength, unlit; transmission, volume
+// and dispersion for the path tracer).
 struct Material {
   std::string name;
   glm::vec4 base_color{1};
   float metallic = 1, roughness = 1;
   float normal_scale = 1, occlusion_strength = 1;
-  glm::vec3 emissive{0};            // emissiveFactor
+  glm::vec3 emissive{0};  // emissiveFactor
   float emissive_strength = 1;
-  float ior = 1.5f;                 // 0 means f0 = 1 (KHR_materials_ior)
+  float ior = 1.5f;  // 0 means f0 = 1 (KHR_materials_ior)
   float specular = 1;
   glm::vec3 specular_color{1};
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false, unlit = false;
-  // orm: R occlusion, G roughness, B metallic; merged at load when the file has separate images. `occlusion` is used only
-  // when occlusion could not be merged (other UV set or transform); then has_orm_occlusion is false.
-  TextureSlot base_color_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture, specular_color_texture;
+  // orm: R occlusion, G roughness, B metallic; merged at load when the file has separate images. `occlusion` is used
+  // only when occlusion could not be merged (other UV set or transform); then has_orm_occlusion is false.
+  TextureSlot base_color_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture,
+      specular_color_texture;
   bool orm_has_occlusion = false, orm_has_metallic_roughness = false;
-  // KHR_materials_transmission: the share of the light that the diffuse base would reflect which goes through instead. The texture (R) is
-  // there only in a scene that was loaded for path tracing.
+  // KHR_materials_transmission: the share of the light that the diffuse base would reflect which goes through instead.
+  // The texture (R) is there only in a scene that was loaded for path tracing.
   float transmission = 0;
   TextureSlot transmission_texture;
-  // KHR_materials_volume. Thickness 0: a sheet that does not bend light; else the surface bounds a body. (How thick it is tells geometry.)
+  // KHR_materials_volume. Thickness 0: a sheet that does not bend light; else the surface bounds a body. (How thick it
+  // is tells geometry.)
   float thickness_m = 0;
-  float attenuation_distance_m = std::numeric_limits<float>::infinity();  // white light has the attenuation colour after this way
+  float attenuation_distance_m =
+      std::numeric_limits<float>::infinity();  // white light has the attenuation colour after this way
   glm::vec3 attenuation_color{1};
-  float dispersion = 0;             // KHR_materials_dispersion: 20 over the Abbe number
+  float dispersion = 0;  // KHR_materials_dispersion: 20 over the Abbe number
 };
 
 enum class Topology : uint8_t { triangles, lines, points };
@@ -80,23 +84,24 @@ struct MorphTarget {  // deltas; each array is empty or vertex_count long
 
 struct DeformationBounds;  // deformation_bounds.h
 
-// One glTF primitive, expanded: strips, fans and loops become lists, missing indices become 0..n-1. Attribute arrays are empty
-// or vertex_count long. Positions in mesh space; quantized and normalised attributes are already floats.
+// One glTF primitive, expanded: strips, fans and loops become lists, missing indices become 0..n-1. Attribute arrays
+// are empty or vertex_count long. Positions in mesh space; quantized and normalised attributes are already floats.
 struct MeshSection {
   std::string place;  // "/meshes/3/primitives/0"
   Topology topology = Topology::triangles;
   int material = -1;  // -1: the glTF default material
   std::vector<glm::vec3> position;
-  std::vector<glm::vec3> normal;    // lines and points may have none (then they are unlit, as the specification says)
-  std::vector<glm::vec4> tangent;   // only where the material has a normal texture; w is the bitangent's sign
+  std::vector<glm::vec3> normal;   // lines and points may have none (then they are unlit, as the specification says)
+  std::vector<glm::vec4> tangent;  // only where the material has a normal texture; w is the bitangent's sign
   std::vector<glm::vec2> uv0, uv1;
-  std::vector<glm::vec4> color;     // linear, alpha 1 where the file had three components
+  std::vector<glm::vec4> color;  // linear, alpha 1 where the file had three components
   std::vector<glm::u16vec4> joints0, joints1;
   std::vector<glm::vec4> weights0, weights1;  // sum of both sets is 1 for every vertex
   std::vector<uint32_t> index;
   std::vector<MorphTarget> morph;
-  Aabb bounds;                      // of position, computed, not trusted from the file
-  // Per joint and per morph target, made once after loading by prepare_deformation_bounds; null: made anew where needed.
+  Aabb bounds;  // of position, computed, not trusted from the file
+  // Per joint and per morph target, made once after loading by prepare_deformation_bounds; null: made anew where
+  // needed.
   std::shared_ptr<const DeformationBounds> deformation_bounds;
 };
 
@@ -119,7 +124,7 @@ struct Light {  // KHR_lights_punctual
   std::string name;
   LightType type = LightType::point;
   glm::vec3 color{1};
-  float intensity = 1;                                    // cd, or lux for directional
+  float intensity = 1;                                     // cd, or lux for directional
   float range_m = std::numeric_limits<float>::infinity();  // infinity: not given
   float inner_cone_rad = 0, outer_cone_rad = 0.78539816f;
 };
@@ -137,41 +142,66 @@ struct Node {
   int parent = -1;
   std::vector<int> children;
   glm::dvec3 translation{0}, scale{1};
-  glm::dquat rotation{1, 0, 0, 0};     // w, x, y, z
-  bool has_matrix = false;             // then `matrix` stands instead of TRS (such nodes may not be animated)
+  glm::dquat rotation{1, 0, 0, 0};  // w, x, y, z
+  bool has_matrix = false;          // then `matrix` stands instead of TRS (such nodes may not be animated)
   glm::dmat4 matrix{1.0};
   int mesh = -1, skin = -1, camera = -1, light = -1;
-  std::vector<float> weights;          // empty: the mesh's default weights
-  std::shared_ptr<const Instances> instances;  // null: one plain instance
+  std::vector<float> weights;                             // empty: the mesh's default weights
+  std::shared_ptr<const Instances> instances;             // null: one plain instance
   std::shared_ptr<const LightInstances> light_instances;  // null: none; drawn beside `light`
-  bool visible = true;                 // KHR_node_visibility
+  bool visible = true;                                    // KHR_node_visibility
 };
 
 struct Skin {
   std::string name;
-  std::vector<int> joints;                 // nodes
-  std::vector<glm::dmat4> inverse_bind;    // as many as joints; identity where the file gave none
+  std::vector<int> joints;               // nodes
+  std::vector<glm::dmat4> inverse_bind;  // as many as joints; identity where the file gave none
 };
 
 enum class Interpolation : uint8_t { linear, step, cubic_spline };
 // What a channel drives. TRS and weights are glTF core, the rest KHR_animation_pointer.
 enum class TargetPath : uint8_t {
-  node_translation, node_rotation, node_scale, node_weights, node_visible,
-  material_base_color, material_metallic, material_roughness, material_emissive, material_emissive_strength,
-  material_alpha_cutoff, material_normal_scale, material_occlusion_strength, material_ior, material_specular, material_specular_color,
-  texture_offset, texture_rotation, texture_scale,   // of material `object`, slot `element`
-  light_color, light_intensity, light_range, light_inner_cone, light_outer_cone,
-  camera_yfov, camera_aspect, camera_near, camera_far, camera_xmag, camera_ymag,
+  node_translation,
+  node_rotation,
+  node_scale,
+  node_weights,
+  node_visible,
+  material_base_color,
+  material_metallic,
+  material_roughness,
+  material_emissive,
+  material_emissive_strength,
+  material_alpha_cutoff,
+  material_normal_scale,
+  material_occlusion_strength,
+  material_ior,
+  material_specular,
+  material_specular_color,
+  texture_offset,
+  texture_rotation,
+  texture_scale,  // of material `object`, slot `element`
+  light_color,
+  light_intensity,
+  light_range,
+  light_inner_cone,
+  light_outer_cone,
+  camera_yfov,
+  camera_aspect,
+  camera_near,
+  camera_far,
+  camera_xmag,
+  camera_ymag,
 };
 enum class TextureSlotName : int { base_color, orm, occlusion, normal, emissive, specular, specular_color };
 struct AnimationChannel {
   TargetPath path = TargetPath::node_translation;
-  int object = -1;     // node, material, light or camera index
-  int element = -1;    // texture slot (TextureSlotName), a component (base_color alpha: 3) or a single morph weight; -1: all
+  int object = -1;  // node, material, light or camera index
+  int element =
+      -1;  // texture slot (TextureSlotName), a component (base_color alpha: 3) or a single morph weight; -1: all
   Interpolation interpolation = Interpolation::linear;
-  int components = 3;  // values per key (weights: the target count)
-  std::vector<float> times_s;   // strictly usable: sorted, finite
-  std::vector<float> values;    // keys * components, cubic splines 3 * that in the order in-tangent, value, out-tangent
+  int components = 3;          // values per key (weights: the target count)
+  std::vector<float> times_s;  // strictly usable: sorted, finite
+  std::vector<float> values;   // keys * components, cubic splines 3 * that in the order in-tangent, value, out-tangent
 };
 struct Animation {
   std::string name;
@@ -190,10 +220,10 @@ struct ExtensionUse {
 };
 
 struct Scene {
-  std::string path;                        // as given
-  std::vector<std::string> files;          // every file read, for job identity and watch
+  std::string path;                // as given
+  std::vector<std::string> files;  // every file read, for job identity and watch
   std::vector<SceneImage> images;
-  std::vector<Sampler> samplers;           // [0] is the default
+  std::vector<Sampler> samplers;  // [0] is the default
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Camera> cameras;
@@ -201,15 +231,16 @@ struct Scene {
   std::vector<Node> nodes;
   std::vector<Skin> skins;
   std::vector<Animation> animations;
-  std::vector<int> roots;                  // root nodes of the default scene (scene 0 when none is named)
-  std::vector<int> order;                  // nodes reachable from roots, parents before children
+  std::vector<int> roots;  // root nodes of the default scene (scene 0 when none is named)
+  std::vector<int> order;  // nodes reachable from roots, parents before children
   std::vector<ExtensionUse> extensions;
-  std::vector<std::string> warnings;       // one line each, with place
+  std::vector<std::string> warnings;  // one line each, with place
 };
 
 // Whether some material lets light through (KHR_materials_transmission).
 inline bool has_transmission(const Scene& scene) {
-  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.transmission > 0 && !m.unlit; });
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return m.transmission > 0 && !m.unlit; });
 }
 
 }  // namespace candela

@@ -9,23 +9,24 @@
 
 namespace candela {
 
-// What the frame holds: enough for passes to say whether they are needed (DESIGN section 4). Every value prints as JSON.
+// What the frame holds: enough for passes to say whether they are needed (DESIGN section 4). Every value prints as
+// JSON.
 struct SceneFacts {
   uint32_t draw_items = 0, opaque_items = 0, mask_items = 0, blend_items = 0;
-  uint32_t lit_items = 0, unlit_items = 0;               // of opaque and mask
+  uint32_t lit_items = 0, unlit_items = 0;  // of opaque and mask
   uint32_t blend_lit_items = 0, blend_unlit_items = 0;
   uint32_t deformed_items = 0, skinned_items = 0, morphed_items = 0;
   uint32_t deformed_vertices = 0;
-  uint32_t triangles = 0, lines = 0, points = 0;         // drawn, instances counted each time
+  uint32_t triangles = 0, lines = 0, points = 0;  // drawn, instances counted each time
   uint32_t point_lights = 0, spot_lights = 0, directional_lights = 0;
   uint32_t lights() const { return point_lights + spot_lights + directional_lights; }
-  bool emissive = false;          // a visible material emits
-  bool environment = false;       // a sky image is given
+  bool emissive = false;     // a visible material emits
+  bool environment = false;  // a sky image is given
   bool perspective = true;
   bool any_normal_texture = false, any_base_texture = false, any_orm_texture = false, any_occlusion_texture = false,
        any_emissive_texture = false, any_specular_texture = false, any_vertex_color = false, any_uv1 = false,
        any_texture_transform = false, any_specular = false;  // over visible materials
-  std::vector<bool> material_used, image_used;  // by visible items: only these are uploaded and decoded
+  std::vector<bool> material_used, image_used;               // by visible items: only these are uploaded and decoded
 };
 SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment);
 std::string facts_json(const SceneFacts& facts);
@@ -33,16 +34,16 @@ std::string facts_json(const SceneFacts& facts);
 // What the job wants of the frame.
 struct FrameRequest {
   int width_px = 1280, height_px = 720;
-  int samples = 4;                        // MSAA: 1 or 4
-  bool want_linear = true;                // EXR: linear beauty
-  bool want_display = false;              // PNG or video: tone-mapped
+  int samples = 4;            // MSAA: 1 or 4
+  bool want_linear = true;    // EXR: linear beauty
+  bool want_display = false;  // PNG or video: tone-mapped
   bool draw_background = true;
-  std::vector<std::string> layers;        // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
-  std::string view = "beauty";            // what display output shows: beauty, or a layer
+  std::vector<std::string> layers;  // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
+  std::string view = "beauty";      // what display output shows: beauty, or a layer
   std::string technique = "clustered";
   std::string tonemap = "agx";
-  float exposure_ev = 0;                  // stops; multiplies by 2^ev before tone mapping
-  bool neutral_light = false;             // no light and no sky: light the object so that it is seen
+  float exposure_ev = 0;       // stops; multiplies by 2^ev before tone mapping
+  bool neutral_light = false;  // no light and no sky: light the object so that it is seen
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)
       if (l == name) return true;

@@ -18,8 +18,8 @@ struct CameraRequest {
 
 // A camera placed in the world, for one image size. Depth is reversed; projections are in double.
 struct View {
-  glm::dvec3 position{0};           // world
-  glm::dmat4 view_from_relative{1}; // rotation only: relative space has world axes and its origin at `position`
+  glm::dvec3 position{0};            // world
+  glm::dmat4 view_from_relative{1};  // rotation only: relative space has world axes and its origin at `position`
   glm::dmat4 clip_from_view{1};
   glm::dmat4 clip_from_relative{1};
   bool perspective = true;
@@ -31,6 +31,7 @@ struct View {
 
 // Errors (usage): unknown camera; eye equals target; (input): a camera with unusable values.
 // bounds: world bounds of what is drawn, for framing and for an orthographic far plane.
-Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px, int height_px, const DAabb& bounds);
+Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
+                         int height_px, const DAabb& bounds);
 
 }  // namespace candela

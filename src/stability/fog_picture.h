@@ -1,9 +1,9 @@
 #pragma once
 #include <functional>
 
-#include "stability/measure.h"
 #include "image/image.h"
 #include "reference/integrator.h"
+#include "stability/measure.h"
 
 namespace candela {
 

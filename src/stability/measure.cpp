@@ -23,8 +23,8 @@ size_t pixels_of(const Beauty& beauty) {
   CHECK(beauty.pixel_bytes == 16);
   return beauty.bytes.size() / 16;
 }
-// What 32-bit numbers make of a surface's place relative to the camera, as a part of its distance: the corners' and three
-// products' roundings, 2^-24 each.
+// What 32-bit numbers make of a surface's place relative to the camera, as a part of its distance: the corners' and
+// three products' roundings, 2^-24 each.
 constexpr double position_error = 0x1p-22;
 
 double largest(glm::dvec4 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
@@ -50,7 +50,8 @@ Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach
     settings.lifted = lifted;
     return reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px);
   };
-  const reference::Integrator integrator = integrator_of(0), above = integrator_of(position_error), below = integrator_of(-position_error);
+  const reference::Integrator integrator = integrator_of(0), above = integrator_of(position_error),
+                              below = integrator_of(-position_error);
   TruePicture truth{job.width_px, job.height_px, {}, {}, {}};
   const size_t count = size_t(job.width_px) * size_t(job.height_px);
   truth.centre.resize(count), truth.low.resize(count), truth.high.resize(count);
@@ -62,11 +63,14 @@ Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach
     };
     const glm::dvec4 value = value_at(integrator, centre);
     truth.centre[i] = truth.low[i] = truth.high[i] = value;
-    const auto include = [&](glm::dvec4 v) { truth.low[i] = glm::min(truth.low[i], v), truth.high[i] = glm::max(truth.high[i], v); };
+    const auto include = [&](glm::dvec4 v) {
+      truth.low[i] = glm::min(truth.low[i], v), truth.high[i] = glm::max(truth.high[i], v);
+    };
     include(value_at(above, centre)), include(value_at(below, centre));
     // A straight edge that passes the centre within reach parts it from at least one of the places about it.
     for (const glm::dvec2 way : {glm::dvec2(1, 0), glm::dvec2(1, 1), glm::dvec2(0, 1), glm::dvec2(-1, 1)}) {
-      const glm::dvec4 there = value_at(integrator, centre + reach_px * way), back = value_at(integrator, centre - reach_px * way);
+      const glm::dvec4 there = value_at(integrator, centre + reach_px * way),
+                       back = value_at(integrator, centre - reach_px * way);
       include(there), include(back);
       // Beyond an edge lies something else; the surface itself goes on as it does on the other side.
       const glm::dvec4 step = glm::min(glm::abs(there - value), glm::abs(back - value));
@@ -83,7 +87,8 @@ Expected<uint64_t> nonfinite_paths(const Job& job, double time_s) {
   settings.mode = reference::Mode::path;
   reference::Film film(job.width_px, job.height_px);
   constexpr int samples = 4;
-  film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), samples, [](double) { return true; });
+  film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), samples,
+           [](double) { return true; });
   uint64_t count = 0;
   for (size_t i = 0; i < film.pixels(); ++i) {
     const glm::vec4 mean(film.mean(i));  // as files hold it
@@ -113,7 +118,9 @@ TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePi
       const double least = c == 3 ? 1.0 : floor;
       const double against = std::max({std::abs(low), std::abs(high), least});
       // Where the truth is nowhere but 0, any light is infinitely wrong.
-      const double relative = !std::isfinite(v[c]) ? std::numeric_limits<double>::infinity() : away == 0 ? 0 : away / against;
+      const double relative = !std::isfinite(v[c]) ? std::numeric_limits<double>::infinity()
+                              : away == 0          ? 0
+                                                   : away / against;
       worst = std::max(worst, relative);
     }
     for (int c = 0; c < 3; ++c) {
@@ -126,7 +133,9 @@ TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePi
       error.worst_x = int(i % size_t(truth.width_px)), error.worst_y = int(i / size_t(truth.width_px));
     }
   }
-  const auto part = [&](double away) { return away == 0 ? 0 : true_sum > 0 ? away / true_sum : std::numeric_limits<double>::infinity(); };
+  const auto part = [&](double away) {
+    return away == 0 ? 0 : true_sum > 0 ? away / true_sum : std::numeric_limits<double>::infinity();
+  };
   error.energy = part(sum - true_sum);
   error.energy_beyond = within > high_sum ? part(within - high_sum) : within < low_sum ? part(within - low_sum) : 0;
   return error;
@@ -136,7 +145,8 @@ PixelCounts count_pixels(const Beauty& beauty, double pre_exposure) {
   PixelCounts counts;
   for (size_t i = 0; i < pixels_of(beauty); ++i) {
     const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
-    if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w)) && counts.nonfinite++ == 0)
+    if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w)) &&
+        counts.nonfinite++ == 0)
       counts.first_x = int(i % size_t(beauty.width_px)), counts.first_y = int(i / size_t(beauty.width_px));
     for (int c = 0; c < 3; ++c) counts.beyond_half += std::isfinite(v[c]) && std::abs(v[c]) > 65504;
     counts.black = counts.black && v.x == 0 && v.y == 0 && v.z == 0;

@@ -8,9 +8,10 @@
 
 namespace candela {
 
-// What a picture should be: of every pixel the value at its centre, and the least and largest that it takes within `reach_px` of it.
-// Any value between is right: devices round the corners of triangles to a part of a pixel (Vulkan's subPixelPrecisionBits), and with
-// them shift what lies between; and they hold places as 32-bit numbers relative to the camera.
+// What a picture should be: of every pixel the value at its centre, and the least and largest that it takes within
+// `reach_px` of it. Any value between is right: devices round the corners of triangles to a part of a pixel (Vulkan's
+// subPixelPrecisionBits), and with them shift what lies between; and they hold places as 32-bit numbers relative to the
+// camera.
 struct TruePicture {
   int width_px = 0, height_px = 0;
   std::vector<glm::dvec4> centre, low, high;  // linear, premultiplied, without exposure
@@ -23,25 +24,27 @@ Expected<uint64_t> nonfinite_paths(const Job& job, double time_s);
 TruePicture picture_truth(const Beauty& beauty, double pre_exposure);
 
 struct TruthError {
-  double max_relative = 0;  // of the worst pixel, against its own value or a hundredth of the picture's median, whichever is larger
-  uint64_t beyond = 0;      // pixels above the bound
+  double max_relative =
+      0;  // of the worst pixel, against its own value or a hundredth of the picture's median, whichever is larger
+  uint64_t beyond = 0;  // pixels above the bound
   int worst_x = 0, worst_y = 0;
-  double energy = 0;        // sum over the picture against the truth's, minus 1
-  // How far the sum over the pixels within the bound lies outside the sums of their least and largest values, as a part of the
-  // truth's sum; pixels beyond are counted, and not finite ones are faults by themselves.
+  double energy = 0;  // sum over the picture against the truth's, minus 1
+  // How far the sum over the pixels within the bound lies outside the sums of their least and largest values, as a part
+  // of the truth's sum; pixels beyond are counted, and not finite ones are faults by themselves.
   double energy_beyond = 0;
 };
 TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound);
 
 struct PixelCounts {
-  uint64_t nonfinite = 0;    // pixels
+  uint64_t nonfinite = 0;  // pixels
   int first_x = -1, first_y = -1;
   uint64_t beyond_half = 0;  // colour values that an EXR file of halves holds clamped
   bool black = true;         // all colour is 0
 };
 PixelCounts count_pixels(const Beauty& beauty, double pre_exposure);
 
-// Largest difference between the 16-bit display picture and the curve in double from the same linear pixels, in parts of one.
+// Largest difference between the 16-bit display picture and the curve in double from the same linear pixels, in parts
+// of one.
 double display_error(const DisplayImage& display, const Beauty& beauty, double pre_exposure, const Job& job);
 
 }  // namespace candela

@@ -8,11 +8,11 @@
 #include "base/log.h"
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
-#include "stability/fog_picture.h"
-#include "stability/measure.h"
 #include "image/io.h"
 #include "render/outputs.h"
 #include "render/reference_frame.h"
+#include "stability/fog_picture.h"
+#include "stability/measure.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -43,7 +43,8 @@ class StabilityRun {
   Expected<void> write_files(const StabilityScene& scene);
   Expected<Shot> shot(Job job, double time_s, bool display);
   Expected<std::optional<TruePicture>> plain_truth(const StabilityScene& scene);
-  void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain, StabilityRow& row) const;
+  void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain,
+               StabilityRow& row) const;
   void judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const;
   void refuse(const StabilityScene& scene, const Error& error, StabilityRow& row) const;
   Expected<void> keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot) const;
@@ -64,8 +65,9 @@ bool StabilityRun::wanted(const StabilityRecipe& recipe) const {
   const auto& families = options_.families;
   if (!families.empty() && std::find(families.begin(), families.end(), recipe.family) == families.end()) return false;
   const std::string name = recipe.family + "/" + recipe.name;
-  return options_.only.empty() || std::any_of(options_.only.begin(), options_.only.end(),
-                                              [&](const std::string& part) { return name.find(part) != std::string::npos; });
+  return options_.only.empty() || std::any_of(options_.only.begin(), options_.only.end(), [&](const std::string& part) {
+           return name.find(part) != std::string::npos;
+         });
 }
 
 Expected<void> StabilityRun::write_files(const StabilityScene& scene) {
@@ -109,14 +111,15 @@ Expected<std::optional<TruePicture>> StabilityRun::plain_truth(const StabilitySc
   return picture_truth(made->beauty, made->pre_exposure);
 }
 
-void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain,
-                           StabilityRow& row) const {
+void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced,
+                           const TruePicture* plain, StabilityRow& row) const {
   const PixelCounts counts = count_pixels(shot.beauty, shot.pre_exposure);
   row.pixels = uint64_t(shot.beauty.width_px) * uint64_t(shot.beauty.height_px);
   row.nonfinite = counts.nonfinite;
   row.clamped = counts.beyond_half;
   if (counts.nonfinite > 0)
-    row.faults.push_back(fmt::format("{} pixels are not finite, the first at {}, {}", counts.nonfinite, counts.first_x, counts.first_y));
+    row.faults.push_back(
+        fmt::format("{} pixels are not finite, the first at {}, {}", counts.nonfinite, counts.first_x, counts.first_y));
   row.may_be_beyond = uint64_t(std::ceil(scene.stray_share * double(row.pixels)));
   row.bound = scene.bound, row.plain_bound = scene.plain_bound, row.energy_bound = scene.energy_bound;
   const auto against = [&](const TruePicture& truth, const char* name, double bound, double& largest) {
@@ -125,13 +128,15 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
     largest = e.max_relative;
     row.beyond = std::max(row.beyond, e.beyond);
     if (std::abs(e.energy) >= std::abs(row.energy)) row.energy = e.energy;
-    if (e.max_relative > 0) row.worst += fmt::format("{}{}: {}, {}", row.worst.empty() ? "" : "; ", name, e.worst_x, e.worst_y);
+    if (e.max_relative > 0)
+      row.worst += fmt::format("{}{}: {}, {}", row.worst.empty() ? "" : "; ", name, e.worst_x, e.worst_y);
     if (e.beyond > row.may_be_beyond)
-      row.faults.push_back(fmt::format("{} pixels differ from the {} by more than {}, the worst by {:.3g} at {}, {}", e.beyond, name, bound,
-                                       e.max_relative, e.worst_x, e.worst_y));
+      row.faults.push_back(fmt::format("{} pixels differ from the {} by more than {}, the worst by {:.3g} at {}, {}",
+                                       e.beyond, name, bound, e.max_relative, e.worst_x, e.worst_y));
     // Pixels that may be beyond their bound are edges; where there are more, all light counts.
     const double off = e.beyond > row.may_be_beyond ? e.energy : e.energy_beyond;
-    if (!(std::abs(off) <= scene.energy_bound)) row.faults.push_back(fmt::format("{:+.3g} of the {}'s energy", off, name));
+    if (!(std::abs(off) <= scene.energy_bound))
+      row.faults.push_back(fmt::format("{:+.3g} of the {}'s energy", off, name));
   };
   if (traced) against(*traced, scene.known ? "closed form" : "reference", scene.bound, row.max_relative);
   if (plain) against(*plain, "plain scene", scene.plain_bound, row.plain_relative);
@@ -158,7 +163,8 @@ void StabilityRun::judge(const StabilityScene& scene, const Shot& shot, Stabilit
   if (scene.refused) row.faults.push_back("is drawn, and should be refused");
   if (scene.warns && row.warnings.empty()) row.faults.push_back("nothing warned of it");
   if (scene.clamps && row.clamped == 0) row.faults.push_back("no value is beyond half");
-  if (row.differing > 0) row.faults.push_back(fmt::format("{} pixels are not {}'s", row.differing, techniques_.front()));
+  if (row.differing > 0)
+    row.faults.push_back(fmt::format("{} pixels are not {}'s", row.differing, techniques_.front()));
 }
 
 void StabilityRun::refuse(const StabilityScene& scene, const Error& error, StabilityRow& row) const {
@@ -173,17 +179,22 @@ void StabilityRun::refuse(const StabilityScene& scene, const Error& error, Stabi
 void StabilityRun::add(StabilityRow row) {
   report_.faulty_rows += !row.faults.empty();
   report_.nonfinite += row.nonfinite;
-  for (const std::string& fault : row.faults) log::warning("{}/{}, {}: {}", row.family, row.scene, row.technique, fault);
+  for (const std::string& fault : row.faults)
+    log::warning("{}/{}, {}: {}", row.family, row.scene, row.technique, fault);
   report_.rows.push_back(std::move(row));
 }
 
-Expected<void> StabilityRun::keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot) const {
+Expected<void> StabilityRun::keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene,
+                                          const Shot& shot) const {
   std::string name = recipe.family + "-" + recipe.name;
   for (char& c : name)
     if (!std::isalnum(uint8_t(c)) && c != '-' && c != '+' && c != '.') c = '_';
   std::error_code ignored;
   fs::create_directories(options_.pictures, ignored);
-  if (auto kept = write_file_atomically(fs::path(options_.pictures) / (name + ".glb"), std::span<const std::byte>(scene.file)); !kept) return kept;
+  if (auto kept =
+          write_file_atomically(fs::path(options_.pictures) / (name + ".glb"), std::span<const std::byte>(scene.file));
+      !kept)
+    return kept;
   return write_png(fs::path(options_.pictures) / (name + ".png"), *shot.display, {});
 }
 
@@ -201,7 +212,8 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
   job.settings.insert(job.settings.end(), options_.settings.begin(), options_.settings.end());
   if (!scene.look.empty()) return check_fog(recipe, scene, job);
   const auto plain = plain_truth(scene);
-  if (!plain) return std::unexpected(Error{plain.error().kind, "the plain scene: " + plain.error().text(), recipe.name});
+  if (!plain)
+    return std::unexpected(Error{plain.error().kind, "the plain scene: " + plain.error().text(), recipe.name});
   std::optional<TruePicture> traced;
   const bool keep = !options_.pictures.empty();
   auto loaded = renderer_->load(job.scene, job.sky);
@@ -234,8 +246,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     measure(scene, *made, traced ? &*traced : nullptr, *plain ? &**plain : nullptr, row);
     // Textures are loaded for the first technique alone.
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
-    if (first)
-      row.differing = difference(first->beauty, made->beauty).differing;
+    if (first) row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);
     if (!first && keep)
       if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
@@ -264,7 +275,8 @@ Expected<void> StabilityRun::check_fog(const StabilityRecipe& recipe, const Stab
     }
     StabilityScene judged = scene;
     // Single pixels are noise: their sum is judged.
-    if (mode == reference::Mode::path) judged.bound = 1e9, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
+    if (mode == reference::Mode::path)
+      judged.bound = 1e9, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
     Shot made{picture->beauty, 1, {}, {}};
     if (!options_.pictures.empty()) made.display = picture->display;
     measure(judged, made, picture->known ? &*picture->known : nullptr, nullptr, row);

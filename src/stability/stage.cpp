@@ -14,7 +14,9 @@ json exact(glm::dquat q) { return json::array({q.x, q.y, q.z, q.w}); }
 
 json lit(glm::dvec3 color, double metallic, double roughness) {
   return {{"pbrMetallicRoughness",
-           {{"baseColorFactor", {color.x, color.y, color.z, 1}}, {"metallicFactor", metallic}, {"roughnessFactor", roughness}}},
+           {{"baseColorFactor", {color.x, color.y, color.z, 1}},
+            {"metallicFactor", metallic},
+            {"roughnessFactor", roughness}}},
           {"doubleSided", true}};
 }
 
@@ -50,9 +52,12 @@ void point(GlbWriter& out, glm::dvec3 at, double candela, json more) {
   add_light(out, {{"type", "point"}, {"intensity", candela}}, {{"translation", exact(at)}}, std::move(more));
 }
 
-void spot(GlbWriter& out, glm::dvec3 at, glm::dvec3 target, double candela, double inner_rad, double outer_rad, json more) {
+void spot(GlbWriter& out, glm::dvec3 at, glm::dvec3 target, double candela, double inner_rad, double outer_rad,
+          json more) {
   add_light(out,
-            {{"type", "spot"}, {"intensity", candela}, {"spot", {{"innerConeAngle", inner_rad}, {"outerConeAngle", outer_rad}}}},
+            {{"type", "spot"},
+             {"intensity", candela},
+             {"spot", {{"innerConeAngle", inner_rad}, {"outerConeAngle", outer_rad}}}},
             {{"translation", exact(at)}, {"rotation", exact(facing(target - at))}}, std::move(more));
 }
 
@@ -83,7 +88,8 @@ StabilityScene scene_of(const GlbWriter& out) {
   return scene;
 }
 
-StabilityScene beside_plain(StabilityInput& in, const Room& how, double bound, const std::function<void(GlbWriter& out, Rng& rng)>& fill) {
+StabilityScene beside_plain(StabilityInput& in, const Room& how, double bound,
+                            const std::function<void(GlbWriter& out, Rng& rng)>& fill) {
   GlbWriter out, plain;
   Rng again = in.rng;
   lit_room(out, in.rng, how);

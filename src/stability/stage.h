@@ -5,7 +5,8 @@
 #include "testscenes/glb_writer.h"
 #include "testscenes/table.h"
 
-// What the families of extreme scenes are put together from. All digits of numbers are kept: scales of 1e-8 are the point here.
+// What the families of extreme scenes are put together from. All digits of numbers are kept: scales of 1e-8 are the
+// point here.
 namespace candela::stability {
 
 using Recipes = std::vector<StabilityRecipe>;
@@ -33,11 +34,13 @@ void camera(GlbWriter& out, glm::dvec3 eye, glm::dvec3 target, double yfov_rad =
 void sun(GlbWriter& out, glm::dvec3 from, double lux);
 // A light and its node; `more` is merged into the light.
 void point(GlbWriter& out, glm::dvec3 at, double candela, json more = json::object());
-void spot(GlbWriter& out, glm::dvec3 at, glm::dvec3 target, double candela, double inner_rad, double outer_rad, json more = json::object());
+void spot(GlbWriter& out, glm::dvec3 at, glm::dvec3 target, double candela, double inner_rad, double outer_rad,
+          json more = json::object());
 glm::dquat facing(glm::dvec3 direction);  // turns -Z to it
 
-// A floor, a ball and a cube, seen from the front; everything lies on multiples of 1/64 m around `origin` and is `scale` times as
-// large, so that both may be taken out again without rounding. `rng` chooses colours and places: the same draws, the same room.
+// A floor, a ball and a cube, seen from the front; everything lies on multiples of 1/64 m around `origin` and is
+// `scale` times as large, so that both may be taken out again without rounding. `rng` chooses colours and places: the
+// same draws, the same room.
 struct Room {
   glm::dvec3 origin{0};
   double scale = 1;
@@ -52,8 +55,10 @@ void lit_room(GlbWriter& out, Rng& rng, const Room& how = {});
 // 64 by 48 pixels, one sample, lights without a floor of their range, and lists even of one light.
 StabilityScene scene_of(const GlbWriter& out);
 
-// The lit room as `how` says with what `fill` adds, and beside it the plain lit room, which must look the same within `bound`.
-StabilityScene beside_plain(StabilityInput& in, const Room& how, double bound = 0, const std::function<void(GlbWriter& out, Rng& rng)>& fill = {});
+// The lit room as `how` says with what `fill` adds, and beside it the plain lit room, which must look the same within
+// `bound`.
+StabilityScene beside_plain(StabilityInput& in, const Room& how, double bound = 0,
+                            const std::function<void(GlbWriter& out, Rng& rng)>& fill = {});
 
 FloatImage sky_image(int width, int height, const std::function<glm::vec3(int x, int y)>& radiance);
 

@@ -1,9 +1,9 @@
 #include <set>
 
 #include "base/files.h"
-#include "stability/stability.h"
 #include "bench/suite_file.h"
 #include "frame/plan_frame.h"
+#include "stability/stability.h"
 
 namespace candela {
 using namespace suite_file;

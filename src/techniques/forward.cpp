@@ -1,18 +1,18 @@
-#include "passes/sky/background.h"
+#include "passes/debug/layers.h"
+#include "passes/debug/light_heat.h"
 #include "passes/geometry/cull.h"
 #include "passes/geometry/cull_compact.h"
 #include "passes/geometry/deform.h"
 #include "passes/geometry/depth_prepass.h"
-#include "passes/debug/layers.h"
 #include "passes/lights/light_assign.h"
 #include "passes/lights/light_fill.h"
-#include "passes/debug/light_heat.h"
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
+#include "passes/lights/tile_depth.h"
+#include "passes/sky/background.h"
+#include "passes/sky/sky.h"
 #include "passes/surfaces/shade_forward.h"
 #include "passes/surfaces/shade_unlit.h"
-#include "passes/sky/sky.h"
-#include "passes/lights/tile_depth.h"
 #include "passes/surfaces/transparent.h"
 #include "techniques/technique.h"
 
@@ -34,10 +34,11 @@ CellLists make_light_lists(Frame& frame, const SceneInputs& scene, ImageHandle d
 
 }  // namespace
 
-// Forward shading after a depth pre-pass. The techniques that it serves differ in nothing but the light grid of the scene's inputs:
-// clusters (Olsson, Billeter, Assarsson, "Clustered Deferred and Forward Shading", 2012), where a point takes the list of its own
-// depth; tiles between the depths of their samples (Harada, McKee, Yang, "Forward+: Bringing Deferred Lighting to the Next Level",
-// 2012), where a point outside them takes the list of its column; or none, where every pixel walks every light.
+// Forward shading after a depth pre-pass. The techniques that it serves differ in nothing but the light grid of the
+// scene's inputs: clusters (Olsson, Billeter, Assarsson, "Clustered Deferred and Forward Shading", 2012), where a point
+// takes the list of its own depth; tiles between the depths of their samples (Harada, McKee, Yang, "Forward+: Bringing
+// Deferred Lighting to the Next Level", 2012), where a point outside them takes the list of its column; or none, where
+// every pixel walks every light.
 FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs) {
   Cull cull;
   cull.knobs.enabled = knobs.cull_enabled ? 1 : 0;
@@ -61,7 +62,8 @@ FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& kn
     if (layers[i]) images.layers.emplace_back(layer_name_table()[i], layers[i]);
   const auto counts = frame.add(LightHeat{}, {scene, draws, deformed, lists}).counts;
   for (size_t i = 0; i < counts.size(); ++i)
-    if (counts[i] && frame.request.has_layer(LightHeat::layers[i])) images.layers.emplace_back(LightHeat::layers[i], counts[i]);
+    if (counts[i] && frame.request.has_layer(LightHeat::layers[i]))
+      images.layers.emplace_back(LightHeat::layers[i], counts[i]);
   return images;
 }
 

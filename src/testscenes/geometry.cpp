@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "testscenes/table.h"
 #include "testscenes/procedural_textures.h"
+#include "testscenes/table.h"
 
 namespace candela {
 

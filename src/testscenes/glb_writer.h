@@ -35,7 +35,7 @@ class GlbWriter {
   int index_accessor(std::span<const uint32_t> index);       // unsigned short where they fit
   int joint_accessor(std::span<const glm::u16vec4> joints);  // unsigned byte
 
-  int unorm8_accessor(std::span<const glm::dvec4> values);   // normalized unsigned bytes, for colours
+  int unorm8_accessor(std::span<const glm::dvec4> values);  // normalized unsigned bytes, for colours
 
   // A primitive without a material: {"attributes": ..., "indices": ...}; write once, use with many materials.
   json primitive(const Shape& shape);

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "math/transforms.h"
-#include "testscenes/table.h"
 #include "testscenes/procedural_textures.h"
+#include "testscenes/table.h"
 
 // light-field: for tests that no light is lost. The seed chooses camera, surfaces and lights; each kind of light below
 // is one on which some light culling is known to have failed. A light is a node of its own.

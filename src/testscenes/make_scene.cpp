@@ -4,8 +4,8 @@
 
 #include "base/files.h"
 #include "math/transforms.h"
-#include "testscenes/table.h"
 #include "testscenes/procedural_textures.h"
+#include "testscenes/table.h"
 
 namespace candela {
 

@@ -2,8 +2,8 @@
 #include <numbers>
 
 #include "math/transforms.h"
-#include "testscenes/table.h"
 #include "testscenes/procedural_textures.h"
+#include "testscenes/table.h"
 
 namespace candela {
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "testscenes/procedural_textures.h"
 #include "testscenes/street.h"
 #include "testscenes/table.h"
-#include "testscenes/procedural_textures.h"
 
 namespace candela::street {
 namespace {

@@ -9,18 +9,20 @@ failures=0
 fresh() {
   rm -rf -- "${tree:?}"/*
   mkdir -p "$tree"/{src/{base,math,scene,graph,gpu,passes,techniques,reference,render,cli},shaders/{shared,lib},cmake,.ci,bench,tests}
+  cp "$here/../../.clang-format" "$tree/"
   touch "$tree"/{run,CMakeLists.txt,CMakePresets.json,tests/CMakeLists.txt}
-  printf '#include <fmt/format.h>\n#include "base/error.h"\n' >"$tree/src/base/error.cpp"
+  printf '#include "base/error.h"\n\n#include <fmt/format.h>\n' >"$tree/src/base/error.cpp"
   printf 'struct Tone {\n  static void record(int commands);\n};\n' >"$tree/src/passes/tone.h"
   printf 'struct Shared {};\n' >"$tree/src/passes/shared_part.h"
-  printf '#include "passes/shared_part.h"\n#include "graph/plan.h"\n#include "passes/pass.h"\n#include "passes/tone.h"\n#include "gpu/command_list.h"\n' >"$tree/src/passes/tone.cpp"
-  printf '#include "frame/job.h"\n#include <CLI/CLI.hpp>\n' >"$tree/src/cli/cli.cpp"
+  printf '#include "passes/tone.h"\n\n#include "gpu/command_list.h"\n#include "graph/plan.h"\n#include "passes/pass.h"\n#include "passes/shared_part.h"\n' >"$tree/src/passes/tone.cpp"
+  printf '#include <CLI/CLI.hpp>\n' >"$tree/src/cli/cli.cpp"
+  printf '#include "render/job.h"\n' >"$tree/src/cli/render.cpp"
   printf '#include "shared/types.h"\n#include "lib/brdf.glsl"\n' >"$tree/shaders/tone.frag"
 }
 
 expect() {  # RULE FILE TEXT REASON
   fresh
-  for rule in includes text length; do
+  for rule in includes text length format; do
     if ! "$here/check_tree.sh" "$rule" "$tree" >/dev/null; then printf 'the clean tree breaks %s\n' "$rule"; failures=1; fi
   done
   printf '%b\n' "$3" >"$tree/$2"
@@ -53,4 +55,6 @@ expect text src/base/a.cpp 'int a;  // TO''DO: more' 'unfinished'
 expect text cmake/a.cmake 'set(a /wo''rk/b)' 'absolute path'
 expect text run 'curl https://deb.deb''ian.org' 'host name'
 expect length src/base/a.cpp "$(printf '\\n%.0s' {1..501})" 'longer than'
+expect format src/base/a.cpp 'int  a;' 'code should be clang-formatted'
+expect format shaders/a.comp "$(printf 'x%.0s' {1..121})" 'wider than'
 exit "$failures"

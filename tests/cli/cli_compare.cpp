@@ -42,7 +42,8 @@ TEST_F(CompareImages, RenderAgainstReferenceSaysItsNoiseAndEachLayer) {
   EXPECT_GT(json["noise_floor"]["rmse"], 0);
   EXPECT_EQ(json["hdr_flip_exposures"]["count"], 3);
   EXPECT_EQ(json["regions"].size(), 2u);
-  for (const char* metric : {"max", "mae", "rmse", "relmse", "relmse-trimmed", "p99.9", "hdr-flip", "flip", "ssim", "psnr"})
+  for (const char* metric :
+       {"max", "mae", "rmse", "relmse", "relmse-trimmed", "p99.9", "hdr-flip", "flip", "ssim", "psnr"})
     EXPECT_TRUE(json["metrics"].contains(metric)) << metric;
   EXPECT_EQ(json["relmse_epsilon"], 0.01);
   EXPECT_TRUE(json["max_at"].contains("channel"));
@@ -96,9 +97,9 @@ TEST_F(CompareImages, WhatWasNotMeasuredIsSaid) {
 }
 
 TEST(CompareUsage, BadRegionsAndExposures) {
-  for (const auto& [option, value, said] : {std::tuple("--region", "1,2,3", "X,Y,WIDTH,HEIGHT"),
-                                            std::tuple("--region", "0,0,0,4", "X,Y,WIDTH,HEIGHT"),
-                                            std::tuple("--hdr-flip", "4,-4,9", "START,STOP,COUNT")}) {
+  for (const auto& [option, value, said] :
+       {std::tuple("--region", "1,2,3", "X,Y,WIDTH,HEIGHT"), std::tuple("--region", "0,0,0,4", "X,Y,WIDTH,HEIGHT"),
+        std::tuple("--hdr-flip", "4,-4,9", "START,STOP,COUNT")}) {
     const Ended ended = candela({"compare", "a.exr", "b.exr", option, value});
     EXPECT_EQ(ended.code, 2) << option << " " << value;
     EXPECT_NE(ended.err.find(said), std::string::npos) << ended.err;

@@ -19,8 +19,10 @@ std::string made_street(const TestFolder& folder) {
 TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
   const TestFolder folder;
   const std::string street = made_street(folder);
-  const Ended ended = candela({"bench", street, "--size", "48x32", "--error", "--techniques", "clustered", "--min-runs", "3", "--max-runs",
-                               "3", "--warm-up-s", "0.001", "--reference-spp", "2", "--json", folder / "e.json", "--report", folder / "report", "--quiet"});
+  const Ended ended = candela(
+      {"bench",      street,   "--size",          "48x32",    "--error",         "--techniques", "clustered",
+       "--min-runs", "3",      "--max-runs",      "3",        "--warm-up-s",     "0.001",        "--reference-spp",
+       "2",          "--json", folder / "e.json", "--report", folder / "report", "--quiet"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_NE(ended.out.find("below 0.01 against direct-unshadowed"), std::string::npos) << ended.out;
   const Json json = Json::parse(bytes_of(folder / "e.json"));
@@ -61,7 +63,8 @@ TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
   EXPECT_NE(bytes_of(folder / "report/index.html").find("Error against time"), std::string::npos);
 
   const auto render = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {"render", street, "-o", folder / "a.exr", "--sweep", folder / "e.json", "--size", "48x32", "--json"};
+    std::vector<std::string> words = {"render",          street,   "-o",    folder / "a.exr", "--sweep",
+                                      folder / "e.json", "--size", "48x32", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return candela(words);
   };
@@ -75,33 +78,39 @@ TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
   // Which of the settings that give the exact picture is chosen is a matter of time.
   ASSERT_EQ(candela({"render", street, "-o", folder / "exact.exr", "--size", "48x32", "--quality", "exact"}).code, 0);
   EXPECT_EQ(candela({"compare", folder / "a.exr", folder / "exact.exr", "--limit", "differing=0"}).code, 0);
-  for (const auto& more : std::vector<std::vector<std::string>>{{"--time-budget", "1e-9"},
-                                                                {"--error-budget", "psnr=3"},
-                                                                {"--error-budget", "relmse=1", "--quality", "draft"},
-                                                                {"--error-budget", "relmse=1", "--error-reference", "best"},
-                                                                {"--error-budget", "relmse=1", "--time-budget", "3"},
-                                                                {}})
+  for (const auto& more :
+       std::vector<std::vector<std::string>>{{"--time-budget", "1e-9"},
+                                             {"--error-budget", "psnr=3"},
+                                             {"--error-budget", "relmse=1", "--quality", "draft"},
+                                             {"--error-budget", "relmse=1", "--error-reference", "best"},
+                                             {"--error-budget", "relmse=1", "--time-budget", "3"},
+                                             {}})
     EXPECT_EQ(render(more).code, 2) << (more.empty() ? "" : more[0]);
   const auto refused = [&](const std::string& of, const std::string& size, const std::string& sweep) {
-    const Ended end = candela({"render", of, "-o", folder / "a.exr", "--sweep", sweep, "--size", size, "--time-budget", "1e9"});
+    const Ended end =
+        candela({"render", of, "-o", folder / "a.exr", "--sweep", sweep, "--size", size, "--time-budget", "1e9"});
     EXPECT_EQ(end.code, 3) << end.err;
     return end.err;
   };
   EXPECT_NE(refused(street, "64x64", folder / "e.json").find("not measured at 64x64 but at 48x32"), std::string::npos);
-  EXPECT_NE(refused(scene("spheres"), "48x32", folder / "e.json").find("neither times nor errors carry over from scene to scene"), std::string::npos);
+  EXPECT_NE(refused(scene("spheres"), "48x32", folder / "e.json")
+                .find("neither times nor errors carry over from scene to scene"),
+            std::string::npos);
   Json elsewhere = json;
   for (Json& row : elsewhere["rows"]) row["device"]["name"] = "another device";
   std::ofstream(folder / "elsewhere.json") << elsewhere;
   EXPECT_NE(refused(street, "48x32", folder / "elsewhere.json").find("but on another device"), std::string::npos);
 }
 
-// Samples of references are kept: what is there is not traced again, fewer go on, and none decide a run that asks for less.
+// Samples of references are kept: what is there is not traced again, fewer go on, and none decide a run that asks for
+// less.
 TEST(ErrorSweep, ReferencesAreKept) {
   const TestFolder folder;
   const std::string street = made_street(folder);
   const auto bench = [&](const char* spp) {
-    const Ended ended = candela({"bench", street, "--size", "32x24", "--error", "--techniques", "brute-force", "--min-runs", "1", "--max-runs", "1",
-                                 "--warm-up-s", "0.001", "--reference-spp", spp, "--json", folder / "e.json"});
+    const Ended ended =
+        candela({"bench", street, "--size", "32x24", "--error", "--techniques", "brute-force", "--min-runs", "1",
+                 "--max-runs", "1", "--warm-up-s", "0.001", "--reference-spp", spp, "--json", folder / "e.json"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     Json errors = Json::array();
     for (const Json& row : Json::parse(bytes_of(folder / "e.json"))["rows"]) errors.push_back(row["errors"]);
@@ -111,15 +120,19 @@ TEST(ErrorSweep, ReferencesAreKept) {
   const std::string cache = before ? before : "";
   setenv("CANDELA_CACHE_DIR", (folder / "cache").c_str(), 1);
   const auto two = bench("2");
-  EXPECT_NE(two.second.find("reference path: 2 samples a pixel (0 of them kept before)"), std::string::npos) << two.second;
+  EXPECT_NE(two.second.find("reference path: 2 samples a pixel (0 of them kept before)"), std::string::npos)
+      << two.second;
   EXPECT_EQ(files_in(folder.path() / "cache/references").size(), 3u);
   const auto again = bench("2");
-  EXPECT_NE(again.second.find("reference path: 2 samples a pixel (2 of them kept before)"), std::string::npos) << again.second;
+  EXPECT_NE(again.second.find("reference path: 2 samples a pixel (2 of them kept before)"), std::string::npos)
+      << again.second;
   EXPECT_EQ(again.first, two.first);
   const auto four = bench("4");
-  EXPECT_NE(four.second.find("reference direct: 4 samples a pixel (2 of them kept before)"), std::string::npos) << four.second;
+  EXPECT_NE(four.second.find("reference direct: 4 samples a pixel (2 of them kept before)"), std::string::npos)
+      << four.second;
   EXPECT_EQ(bench("2").first, two.first);
-  EXPECT_NE(bench("4").second.find("4 samples a pixel (4 of them kept before)"), std::string::npos) << "two must not have taken their place";
+  EXPECT_NE(bench("4").second.find("4 samples a pixel (4 of them kept before)"), std::string::npos)
+      << "two must not have taken their place";
   if (before)
     setenv("CANDELA_CACHE_DIR", cache.c_str(), 1);
   else

@@ -25,8 +25,9 @@ std::vector<std::string> traced(const std::string& out, std::vector<std::string>
 
 TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   const TestFolder folder;
-  const Ended ended = candela({"reference", spheres, "--size", "24x16", "--spp", "4", "-o", folder / "a.exr", "-o", folder / "a.png",
-                               "--layers", "variance,heatmap.traversal,heatmap.leaves", "--frame", "3", "--json"});
+  const Ended ended =
+      candela({"reference", spheres, "--size", "24x16", "--spp", "4", "-o", folder / "a.exr", "-o", folder / "a.png",
+               "--layers", "variance,heatmap.traversal,heatmap.leaves", "--frame", "3", "--json"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["spp"], 4);
@@ -34,7 +35,8 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   EXPECT_GT(json["bvh"]["triangles"], 0);
   const auto image = read_image(folder / "a.exr");
   ASSERT_TRUE(image);
-  for (const char* name : {"R", "A", "variance.G", "heatmap.traversal.Y", "heatmap.leaves.Y"}) EXPECT_TRUE(image->find(name)) << name;
+  for (const char* name : {"R", "A", "variance.G", "heatmap.traversal.Y", "heatmap.leaves.Y"})
+    EXPECT_TRUE(image->find(name)) << name;
   std::set<std::string> entries;
   for (const MetadataEntry& entry : image->metadata) entries.insert(entry.name);
   for (const char* name : {"worldToCamera", "candela:reference", "candela:spp", "candela:mse", "candela:job"})
@@ -52,7 +54,8 @@ TEST(Reference, WritesTheLayersThatRenderWrites) {
   const TestFolder folder;
   const std::string layers = "depth,normal,albedo,object_id,material_id,emission";
   const auto made = [&](const std::string& command, const std::string& name) {
-    const Ended ended = candela({command, spheres, "--size", "48x32", "--layers", layers, "-o", folder / name, "--quiet"});
+    const Ended ended =
+        candela({command, spheres, "--size", "48x32", "--layers", layers, "-o", folder / name, "--quiet"});
     ASSERT_EQ(ended.code, 0) << ended.err;
   };
   made("render", "render.exr");
@@ -63,7 +66,8 @@ TEST(Reference, WritesTheLayersThatRenderWrites) {
   for (const Channel& channel : rendered->channels) of_render[channel.name] = channel.type;
   for (const Channel& channel : traced->channels) of_reference[channel.name] = channel.type;
   EXPECT_EQ(of_render, of_reference);
-  const Ended compared = candela({"compare", folder / "reference.exr", folder / "render.exr", "--hdr-flip", "off", "--json"});
+  const Ended compared =
+      candela({"compare", folder / "reference.exr", folder / "render.exr", "--hdr-flip", "off", "--json"});
   ASSERT_EQ(compared.code, 0) << compared.err;
   const auto json = nlohmann::json::parse(compared.out)["layers"];
   std::map<std::string, nlohmann::json> by_name;
@@ -87,7 +91,8 @@ TEST(Reference, AResumedRunHasTheBytesOfAWholeOne) {
   run("resumed.exr", {"--spp", "10", "--state", folder / "s", "--resume", "--threads", "1"});
   EXPECT_EQ(bytes_of(folder / "whole.exr"), bytes_of(folder / "resumed.exr"));
   EXPECT_NE(bytes_of(folder / "whole.exr"), bytes_of(folder / "part.exr"));
-  const Ended other = candela(traced(folder / "other.exr", {"--spp", "10", "--state", folder / "s", "--resume", "--seed", "2"}));
+  const Ended other =
+      candela(traced(folder / "other.exr", {"--spp", "10", "--state", folder / "s", "--resume", "--seed", "2"}));
   EXPECT_EQ(other.code, 3);
   EXPECT_NE(other.err.find("another picture"), std::string::npos) << other.err;
 }
@@ -98,7 +103,8 @@ TEST(Reference, AnInterruptionLeavesAStateToGoOnFrom) {
   std::vector<std::string> words = traced(folder / "never.exr", {"--spp", "1000000", "--state", folder / "s"});
   ASSERT_TRUE(candela_killed_after(words, 700, SIGINT));
   EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"s"});
-  words = {"reference", spheres, "--size", "24x16", "-o", folder / "a.exr", "--quiet", "--state", folder / "s", "--resume", "--spp", "2", "--json"};
+  words = {"reference", spheres,      "--size",   "24x16", "-o", folder / "a.exr", "--quiet",
+           "--state",   folder / "s", "--resume", "--spp", "2",  "--json"};
   const Ended resumed = candela(words);
   ASSERT_EQ(resumed.code, 0) << resumed.err;
   const uint64_t spp = nlohmann::json::parse(resumed.out)["spp"];
@@ -109,8 +115,9 @@ TEST(Reference, AnInterruptionLeavesAStateToGoOnFrom) {
 // The limit on file sizes lets the picture through and not the sums, as a disk that is nearly full would.
 TEST(Reference, APictureIsWrittenThoughItsStateCannotBe) {
   const TestFolder folder;
-  const Ended ended = run_program({"bash", "-c", R"(trap '' XFSZ; ulimit -f 60; exec "$0" "$@")", CANDELA_PROGRAM, "reference", spheres, "--size", "48x32",
-                                   "--spp", "1", "-o", folder / "a.exr", "--state", folder / "s"});
+  const Ended ended =
+      run_program({"bash", "-c", R"(trap '' XFSZ; ulimit -f 60; exec "$0" "$@")", CANDELA_PROGRAM, "reference", spheres,
+                   "--size", "48x32", "--spp", "1", "-o", folder / "a.exr", "--state", folder / "s"});
   EXPECT_EQ(ended.code, 5) << ended.err;
   EXPECT_NE(ended.err.find("the samples so far are not kept"), std::string::npos) << ended.err;
   EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"a.exr"});
@@ -142,7 +149,8 @@ TEST(Reference, RefusesWhatIsNotFinite) {
   std::memcpy(out.data() + 8, &whole, 4);
   std::memcpy(out.data() + 12, &json_length, 4);
   std::ofstream(folder / "bright.glb", std::ios::binary) << out;
-  std::vector<std::string> words = {"reference", folder / "bright.glb", "--size", "64x36", "--spp", "2", "-o", folder / "x.exr", "--quiet"};
+  std::vector<std::string> words = {"reference", folder / "bright.glb", "--size", "64x36", "--spp", "2",
+                                    "-o",        folder / "x.exr",      "--quiet"};
   const Ended ended = candela(words);
   EXPECT_EQ(ended.code, 7) << ended.err;
   EXPECT_NE(ended.err.find("first at x"), std::string::npos) << ended.err;
@@ -155,7 +163,8 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   const TestFolder folder;
   const std::string look = folder / "look.json";
   std::ofstream(look) << R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": 0.5}})";
-  const Ended ended = candela(traced(folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers", "fog.L,fog.T", "--json"}));
+  const Ended ended = candela(traced(
+      folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers", "fog.L,fog.T", "--json"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["job"]["look"], look);
@@ -164,7 +173,8 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   const auto image = read_image(folder / "fog.exr");
   ASSERT_TRUE(image);
   double light = 0, clear[2] = {0, 0};
-  for (const char* name : {"fog.L.R", "fog.L.G", "fog.L.B", "fog.T.R", "fog.T.G", "fog.T.B"}) ASSERT_TRUE(image->find(name)) << name;
+  for (const char* name : {"fog.L.R", "fog.L.G", "fog.L.B", "fog.T.R", "fog.T.G", "fog.T.B"})
+    ASSERT_TRUE(image->find(name)) << name;
   for (size_t i = 0; i < image->find("fog.L.R")->f.size(); ++i) {
     light += image->find("fog.L.R")->f[i];
     clear[0] += image->find("fog.T.R")->f[i], clear[1] += image->find("fog.T.B")->f[i];
@@ -249,8 +259,8 @@ TEST(Reference, OnlyPathsGoThroughGlass) {
   const TestFolder folder;
   const std::string file = folder / "pane.gltf";
   const auto write = [&](const char* required) {
-    std::ofstream(file) << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_transmission"],)" << required
-                        << R"("scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    std::ofstream(file) << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_transmission"],)"
+                        << required << R"("scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
       "materials": [{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}],
       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
@@ -258,7 +268,8 @@ TEST(Reference, OnlyPathsGoThroughGlass) {
       "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
   };
   const auto traced_in = [&](const char* mode) {
-    return candela({"reference", file, "--mode", mode, "--size", "8x8", "--spp", "1", "-o", folder / (std::string(mode) + ".exr")});
+    return candela({"reference", file, "--mode", mode, "--size", "8x8", "--spp", "1", "-o",
+                    folder / (std::string(mode) + ".exr")});
   };
   const std::string note = "KHR_materials_transmission is ignored: the surface is drawn opaque";
   write("");

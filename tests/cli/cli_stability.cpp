@@ -21,9 +21,12 @@ TEST(Stability, ExtremeScenesAreAsTheyShouldBe) {
   const TestFolder folder;
   const Ended ended = stability(
       {"--only",
-       "near 1e-4,1 mm at 1 km,inside a ball,1e6 m along,cancelling,a million times,1e9 cd,range 1e-3,farther than floats,on a surface,at the camera,"
-       "cone of 0.01 degrees,cone of 90,dark ones,metal mirror,albedo above,emissive,normal map of zero,NaN,infinity in the sky,"
-       "without area,normals of zero,scale 0,scale 1e-8,scale 1e15,two keys,antipodal,beyond floats,through zero,65504,all black,all 1e30,"
+       "near 1e-4,1 mm at 1 km,inside a ball,1e6 m along,cancelling,a million times,1e9 cd,range 1e-3,farther than "
+       "floats,on a surface,at the camera,"
+       "cone of 0.01 degrees,cone of 90,dark ones,metal mirror,albedo above,emissive,normal map of zero,NaN,infinity "
+       "in the sky,"
+       "without area,normals of zero,scale 0,scale 1e-8,scale 1e15,two keys,antipodal,beyond floats,through "
+       "zero,65504,all black,all 1e30,"
        "exposure,images/1x1,images/127x61,16385,fog/extinction 0,slab,lamp,endless,over it,in it,1e6 m along and up",
        "--json", folder / "s.json", "--pictures", folder / "pictures"});
   ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
@@ -47,7 +50,8 @@ TEST(Stability, ExtremeScenesAreAsTheyShouldBe) {
 TEST(Stability, ClampedValuesAreCountedAndSaid) {
   const TestFolder folder;
   ASSERT_EQ(candela({"make-scene", "unlit-box", "-o", folder / "s.glb"}).code, 0);
-  const std::vector<std::string> render = {"render", folder / "s.glb", "--size", "16x12", "--samples", "1", "--background", "1e6,1,0", "--json"};
+  const std::vector<std::string> render = {"render", folder / "s.glb", "--size",  "16x12", "--samples",
+                                           "1",      "--background",   "1e6,1,0", "--json"};
   std::vector<std::string> half = render, whole = render;
   half.insert(half.end(), {"-o", folder / "half.exr"});
   whole.insert(whole.end(), {"-o", folder / "whole.exr", "--exr-type", "float"});
@@ -64,7 +68,8 @@ TEST(Stability, SamplesThatTheDeviceLacksAreNoSilentlyDarkerPicture) {
   ASSERT_EQ(candela({"make-scene", "unlit-box", "-o", folder / "s.glb"}).code, 0);
   for (const char* samples : {"1", "2", "4", "8"}) {
     const std::string file = folder / (std::string(samples) + ".exr");
-    const Ended ended = candela({"render", folder / "s.glb", "--size", "16x12", "--samples", samples, "--background", "1,1,1", "-o", file});
+    const Ended ended = candela(
+        {"render", folder / "s.glb", "--size", "16x12", "--samples", samples, "--background", "1,1,1", "-o", file});
     if (ended.code == 0) {
       const auto image = read_image(file);
       ASSERT_TRUE(image);
@@ -78,7 +83,8 @@ TEST(Stability, SamplesThatTheDeviceLacksAreNoSilentlyDarkerPicture) {
 
 TEST(Stability, FindsLostEnergy) {
   // A cap drops all but one of ten thousand lights.
-  const Ended ended = stability({"--only", "10,000 points", "--techniques", "clustered", "--set", "lights.cap=1", "--set", "lights.few=0"});
+  const Ended ended = stability(
+      {"--only", "10,000 points", "--techniques", "clustered", "--set", "lights.cap=1", "--set", "lights.few=0"});
   EXPECT_EQ(ended.code, 1) << ended.out << ended.err;
   EXPECT_NE(ended.out.find("of the plain scene's energy"), std::string::npos) << ended.out;
   EXPECT_NE(ended.out.find("WRONG"), std::string::npos) << ended.out;
@@ -86,7 +92,8 @@ TEST(Stability, FindsLostEnergy) {
 
 TEST(Stability, ASuiteFileChoosesAndTheCommandLineGoesOver) {
   const TestFolder folder;
-  std::ofstream(folder / "s.json") << R"({"suite": "stability", "families": ["images"], "sizes": ["5x7"], "only": ["5x7"],
+  std::ofstream(folder / "s.json")
+      << R"({"suite": "stability", "families": ["images"], "sizes": ["5x7"], "only": ["5x7"],
                                           "techniques": ["clustered"], "seed": 3})";
   const auto rows = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"bench", folder / "s.json", "--quiet", "--json", "-"});
@@ -108,7 +115,8 @@ TEST(Stability, ASuiteFileChoosesAndTheCommandLineGoesOver) {
   const Ended bad = candela({"bench", folder / "bad.json"});
   EXPECT_EQ(bad.code, 3) << bad.err;
   EXPECT_NE(bad.err.find("/families/0"), std::string::npos) << bad.err;
-  for (const std::vector<std::string>& beside : std::vector<std::vector<std::string>>{{"street"}, {"--error"}, {"--suite", "exactness"}, {"--lights", "3"}}) {
+  for (const std::vector<std::string>& beside :
+       std::vector<std::vector<std::string>>{{"street"}, {"--error"}, {"--suite", "exactness"}, {"--lights", "3"}}) {
     std::vector<std::string> arguments = {"bench", folder / "s.json"};
     arguments.insert(arguments.end(), beside.begin(), beside.end());
     EXPECT_EQ(candela(arguments).code, 2) << beside.front();
@@ -116,8 +124,11 @@ TEST(Stability, ASuiteFileChoosesAndTheCommandLineGoesOver) {
 }
 
 TEST(Stability, UsageErrorsSayWhatIsMeant) {
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"--only", "no such scene"}, {"--techniques", "brut-force"}, {"--set", "lights.cap"}, {"--lights", "3"}, {"--count", "3"}}) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{{"--only", "no such scene"},
+                                                                                         {"--techniques", "brut-force"},
+                                                                                         {"--set", "lights.cap"},
+                                                                                         {"--lights", "3"},
+                                                                                         {"--count", "3"}}) {
     const Ended ended = stability(arguments);
     EXPECT_EQ(ended.code, 2) << arguments.back() << ": " << ended.err;
     EXPECT_FALSE(ended.err.empty());

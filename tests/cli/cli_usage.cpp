@@ -16,8 +16,8 @@ TEST(Help, NamesEveryCommandAndExitCode) {
   const Ended help = candela({"--help"});
   EXPECT_EQ(help.code, 0);
   EXPECT_EQ(help.err, "");
-  for (const char* word : {"render", "sequence", "plan", "facts", "compare", "golden", "reference", "make-scene", "list",
-                           "--version", "Exit codes", "non-finite"})
+  for (const char* word : {"render", "sequence", "plan", "facts", "compare", "golden", "reference", "make-scene",
+                           "list", "--version", "Exit codes", "non-finite"})
     EXPECT_TRUE(contains(help.out, word)) << word;
 }
 
@@ -153,8 +153,8 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
 TEST(Input, MissingAndMalformedScenesAreExitThree) {
   TestFolder folder;
   std::ofstream(folder / "noise.glb") << "this is not a scene";
-  for (const std::string& file : {folder / "missing.glb", folder / "noise.glb", folder.path().string(),
-                                 std::string("/dev/zero")}) {
+  for (const std::string& file :
+       {folder / "missing.glb", folder / "noise.glb", folder.path().string(), std::string("/dev/zero")}) {
     const Ended ended = candela({"render", file, "-o", folder / "out.exr"});
     EXPECT_EQ(ended.code, 3) << file << "\n" << ended.err;
     EXPECT_TRUE(contains(ended.err, file)) << ended.err;

@@ -1,7 +1,7 @@
 #include "exercise.h"
 
-#include "scene/frame_data.h"
 #include "gltf/gltf.h"
+#include "scene/frame_data.h"
 #include "scene/pose.h"
 #include "scene/survey.h"
 

@@ -101,8 +101,9 @@ TEST_F(FrameTextures, NormalMapsFollowMirroredTransforms) {
   }
 }
 
-// Masked sheets across one another before a wall that fills the view: every sample that a mask keeps is shaded, so nothing shows
-// through. (Shading asked the mask again, at the centroid of the samples that were left, and dropped some of them.)
+// Masked sheets across one another before a wall that fills the view: every sample that a mask keeps is shaded, so
+// nothing shows through. (Shading asked the mask again, at the centroid of the samples that were left, and dropped some
+// of them.)
 TEST_F(FrameTextures, NoSampleThatAMaskKeepsIsLost) {
   const auto holes = [](double u, double v) {
     return glm::dvec4(1, 1, 1, std::fmod(std::floor(u * 16) * 7 + std::floor(v * 16) * 5, 3) == 0 ? 0 : 1);
@@ -117,16 +118,19 @@ TEST_F(FrameTextures, NoSampleThatAMaskKeepsIsLost) {
     const int square = add_textured_square(b, add_material(b, sheet));
     for (int i = 0; i < 16; ++i) {
       const double a = 0.37 * i, c = std::cos(a / 2), s = std::sin(a / 2), tilt = 0.3 * std::sin(1.7 * i);
-      add_node(b, {{"mesh", square}, {"rotation", {tilt * c, tilt * s, s * std::sqrt(1 - tilt * tilt), c * std::sqrt(1 - tilt * tilt)}},
+      add_node(b, {{"mesh", square},
+                   {"rotation", {tilt * c, tilt * s, s * std::sqrt(1 - tilt * tilt), c * std::sqrt(1 - tilt * tilt)}},
                    {"translation", {0, 0, -0.02 * i}}});
     }
-    add_node(b, {{"mesh", add_square_mesh(b, 9, add_material(b, unlit_material(0.5, 0.5, 0.5)))}, {"translation", {0, 0, -3}}});
+    add_node(b, {{"mesh", add_square_mesh(b, 9, add_material(b, unlit_material(0.5, 0.5, 0.5)))},
+                 {"translation", {0, 0, -3}}});
     add_light(b, {{"type", "point"}}, {{"translation", {0, 0, 2}}});
     Job job = job_for(write(b), 96, 96, 4);
     look(job, {0, 0, 3}, {0, 0, 0});
     const Images images = images_of(job);
     for (int y = 0; y < 96; ++y)
-      for (int x = 0; x < 96; ++x) ASSERT_EQ(images["beauty"].at<glm::vec4>(x, y).w, 1.0f) << x << " " << y << " unlit " << unlit;
+      for (int x = 0; x < 96; ++x)
+        ASSERT_EQ(images["beauty"].at<glm::vec4>(x, y).w, 1.0f) << x << " " << y << " unlit " << unlit;
   }
 }
 

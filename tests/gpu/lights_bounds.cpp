@@ -20,10 +20,12 @@ bool reaches(const LightItem& l, glm::dvec3 p) {
   const glm::dvec3 v = p - glm::dvec3(l.position);
   const double d = glm::length(v);
   if (d >= double(l.range_m)) return false;
-  return l.type == LightType::point || d == 0 || glm::dot(v, glm::dvec3(l.direction)) > d * std::cos(double(l.outer_cone_rad));
+  return l.type == LightType::point || d == 0 ||
+         glm::dot(v, glm::dvec3(l.direction)) > d * std::cos(double(l.outer_cone_rad));
 }
 
-// Slabs of 16-pixel tiles (60 degrees, 1080p, anywhere in the image) of a given depth ratio, and lights of all sizes near them.
+// Slabs of 16-pixel tiles (60 degrees, 1080p, anywhere in the image) of a given depth ratio, and lights of all sizes
+// near them.
 std::vector<SlabPair> random_pairs(size_t count, double ratio, bool spots, bool perspective, Rng& rng) {
   std::vector<SlabPair> pairs(count);
   for (SlabPair& p : pairs) {
@@ -31,7 +33,8 @@ std::vector<SlabPair> random_pairs(size_t count, double ratio, bool spots, bool 
     const glm::dvec2 low(rng.uniform(-1.7, 1.7), rng.uniform(-1, 1));
     const double scale = perspective ? 1 : z_near;
     p.slab = {low * scale, (low + side) * scale, float(z_near), float(z_near * ratio)};
-    const glm::dvec3 inside = point_of(p.slab, rng.uniform(), rng.uniform(), z_near * std::pow(ratio, rng.uniform()), perspective);
+    const glm::dvec3 inside =
+        point_of(p.slab, rng.uniform(), rng.uniform(), z_near * std::pow(ratio, rng.uniform()), perspective);
     const double range = z_near * std::exp(rng.uniform(-5, 1.5));
     LightItem& l = p.light;
     l.type = spots ? LightType::spot : LightType::point;
@@ -39,15 +42,16 @@ std::vector<SlabPair> random_pairs(size_t count, double ratio, bool spots, bool 
     l.position = inside + direction(rng) * (range * rng.uniform(0, 2.5));
     l.outer_cone_rad = float(rng.uniform() < 0.2 ? std::pow(10, rng.uniform(-4, -1)) : rng.uniform(0.05, pi / 2));
     // Aimed near the slab, so that the question is open.
-    l.direction = glm::normalize(glm::normalize(inside - glm::dvec3(l.position)) + rng.uniform(0, 1.5) * direction(rng));
+    l.direction =
+        glm::normalize(glm::normalize(inside - glm::dvec3(l.position)) + rng.uniform(0, 1.5) * direction(rng));
   }
   return pairs;
 }
 
 }  // namespace
 
-// Points of the slab that the light reaches show that it must be listed: none of the tests may say no. And the ratio of what is
-// listed to what is needed is what TECHNIQUES 6.4 reports, by its order of size.
+// Points of the slab that the light reaches show that it must be listed: none of the tests may say no. And the ratio of
+// what is listed to what is needed is what TECHNIQUES 6.4 reports, by its order of size.
 TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
   Rng rng(11);
   double capsule_points = 0, joint_spots = 0, aabb_spots = 0, separate_spots = 0, cone_sphere_spots = 0;
@@ -62,10 +66,12 @@ TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
           // Towards the light first: the slab's point nearest to its axis, then all over.
           bool found = false;
           for (int k = 0; k < 1500 && !found; ++k) {
-            glm::dvec3 p = point_of(s, rng.uniform(), rng.uniform(), double(s.z_near) * std::pow(ratio, rng.uniform()), perspective);
+            glm::dvec3 p = point_of(s, rng.uniform(), rng.uniform(), double(s.z_near) * std::pow(ratio, rng.uniform()),
+                                    perspective);
             if (k % 3 == 0) {
-              const double z = std::clamp(double(pairs[i].light.position.z) + rng.uniform(-1, 1) * double(pairs[i].light.range_m),
-                                          double(s.z_near), double(s.z_far));
+              const double z =
+                  std::clamp(double(pairs[i].light.position.z) + rng.uniform(-1, 1) * double(pairs[i].light.range_m),
+                             double(s.z_near), double(s.z_far));
               p = point_of(s, rng.uniform(), rng.uniform(), z, perspective);
             }
             found = reaches(pairs[i].light, p);
@@ -74,14 +80,16 @@ TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
           for (int test = 0; test < 4; ++test) {
             const bool yes = (bits[i] >> test & 1) != 0;
             listed[test] += yes;
-            ASSERT_TRUE(yes || !found) << "test " << test << " misses pair " << i << " ratio " << ratio << " spots " << spots;
+            ASSERT_TRUE(yes || !found) << "test " << test << " misses pair " << i << " ratio " << ratio << " spots "
+                                       << spots;
           }
         }
         ASSERT_GT(needed, 200u);
         if (perspective && ratio == 10) {
           const auto share = [&](int test) { return double(listed[test]) / double(needed); };
           if (!spots) capsule_points = share(2);
-          if (spots) aabb_spots = share(0), cone_sphere_spots = share(1), separate_spots = share(2), joint_spots = share(3);
+          if (spots)
+            aabb_spots = share(0), cone_sphere_spots = share(1), separate_spots = share(2), joint_spots = share(3);
         }
       }
   RecordProperty("capsule_points", std::to_string(capsule_points));
@@ -92,8 +100,8 @@ TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
   EXPECT_LT(joint_spots, aabb_spots);
 }
 
-// A ball beside a tapered capsule: at the foot of the perpendicular from its centre the capsule is still too thin; the ball that
-// touches it lies further along.
+// A ball beside a tapered capsule: at the foot of the perpendicular from its centre the capsule is still too thin; the
+// ball that touches it lies further along.
 TEST_F(LightBoundsTest, TheFootOfThePerpendicularIsNotTheClosestPoint) {
   SlabPair p;
   p.slab = {{-0.5f, -0.5f}, {0.5f, 0.5f}, 1, 100};
@@ -104,7 +112,8 @@ TEST_F(LightBoundsTest, TheFootOfThePerpendicularIsNotTheClosestPoint) {
   EXPECT_EQ(touches({p}, true)[0], 0xfu);
 }
 
-// Lights that only touch by a hair, and numbers near the ends of what floats hold: yes is always allowed, no only if it is right.
+// Lights that only touch by a hair, and numbers near the ends of what floats hold: yes is always allowed, no only if it
+// is right.
 TEST_F(LightBoundsTest, ExtremeNumbersAreKept) {
   std::vector<SlabPair> pairs;
   for (const float range : {1e-20f, 1e-3f, 1.0f, 1e6f, 1e18f})

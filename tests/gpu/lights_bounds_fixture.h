@@ -1,6 +1,6 @@
 #pragma once
-#include "passes_fixture.h"
 #include "frame/light_grid.h"
+#include "passes_fixture.h"
 #include "shared/scene.h"
 
 namespace candela::gpu::test {
@@ -37,8 +37,8 @@ class LightBoundsTest : public PassTest {
                        s = import(builder, slab_buffer, "slabs");
     builder.begin_pass("touches");
     for (const BufferHandle handle : {f, b, s}) builder.read(handle, Access::compute_read, "input");
-    const BufferHandle results =
-        builder.write(builder.create(BufferDesc{.name = "results", .size_bytes = pairs.size() * 4}), Access::compute_write);
+    const BufferHandle results = builder.write(
+        builder.create(BufferDesc{.name = "results", .size_bytes = pairs.size() * 4}), Access::compute_write);
     const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "light_touches.comp"});
     builder.end_pass([=, count = uint32_t(pairs.size())](CommandList& commands) {
       struct {

@@ -3,7 +3,8 @@
 #include "base/rng.h"
 #include "frame_fixture.h"
 
-// Every technique gives the bytes of brute-force, whatever the lights: each known way to get light lists wrong has a case.
+// Every technique gives the bytes of brute-force, whatever the lights: each known way to get light lists wrong has a
+// case.
 namespace candela::test {
 namespace {
 
@@ -45,18 +46,23 @@ glm::dvec3 random_direction(Rng& rng) {
   }
 }
 
-// A floor to the horizon, slanted squares one behind the other with sky between, one of them glass, and a wall five kilometres off.
+// A floor to the horizon, slanted squares one behind the other with sky between, one of them glass, and a wall five
+// kilometres off.
 GltfBuilder stage() {
   GltfBuilder b = empty_scene();
   const int clay = add_material(b, {{"pbrMetallicRoughness", base_color(0.7, 0.6, 0.5)}, {"doubleSided", true}});
-  Json glass = {{"pbrMetallicRoughness", base_color(0.5, 0.7, 0.9, 0.4)}, {"doubleSided", true}, {"alphaMode", "BLEND"}};
-  const int floor = add_square_mesh(b, 400, clay), square = add_square_mesh(b, 1, clay), wall = add_square_mesh(b, 900, clay),
-            pane = add_square_mesh(b, 1, add_material(b, glass));
+  Json glass = {
+      {"pbrMetallicRoughness", base_color(0.5, 0.7, 0.9, 0.4)}, {"doubleSided", true}, {"alphaMode", "BLEND"}};
+  const int floor = add_square_mesh(b, 400, clay), square = add_square_mesh(b, 1, clay),
+            wall = add_square_mesh(b, 900, clay), pane = add_square_mesh(b, 1, add_material(b, glass));
   const double s = std::sqrt(0.5);
   add_node(b, {{"mesh", floor}, {"translation", {0, -1, 0}}, {"rotation", {-s, 0, 0, s}}});
-  const double places[][4] = {{-1.2, 0, -1, 0.5}, {0.9, 0.1, -3, -0.9}, {-0.5, 0.6, -8, 1.2}, {2.5, 0.5, -16, 0.2}, {0.2, -0.4, -1.5, 1.5}};
+  const double places[][4] = {
+      {-1.2, 0, -1, 0.5}, {0.9, 0.1, -3, -0.9}, {-0.5, 0.6, -8, 1.2}, {2.5, 0.5, -16, 0.2}, {0.2, -0.4, -1.5, 1.5}};
   for (const auto& p : places)
-    add_node(b, {{"mesh", square}, {"translation", {p[0], p[1], p[2]}}, {"rotation", {0, std::sin(p[3] / 2), 0, std::cos(p[3] / 2)}}});
+    add_node(b, {{"mesh", square},
+                 {"translation", {p[0], p[1], p[2]}},
+                 {"rotation", {0, std::sin(p[3] / 2), 0, std::cos(p[3] / 2)}}});
   add_node(b, {{"mesh", pane}, {"translation", {0.3, 0, -2}}});
   add_node(b, {{"mesh", pane}, {"translation", {-0.4, 0.2, 0.6}}, {"scale", {0.4, 0.4, 0.4}}});
   add_node(b, {{"mesh", wall}, {"translation", {1500, 300, -5000}}});
@@ -75,16 +81,19 @@ struct Case {
 const Case cases[] = {
     {"PointsAndSpotsAllOver",
      [](GltfBuilder& b, Rng& rng) {
-       for (int i = 0; i < 40; ++i) point(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), std::exp(rng.uniform(-3, 1.5)));
        for (int i = 0; i < 40; ++i)
-         spot(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), random_direction(rng), rng.uniform(0.3, 6), rng.uniform(0.1, 1.5), 0.05);
+         point(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), std::exp(rng.uniform(-3, 1.5)));
+       for (int i = 0; i < 40; ++i)
+         spot(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), random_direction(rng), rng.uniform(0.3, 6),
+              rng.uniform(0.1, 1.5), 0.05);
      }},
     // The closest ball of a growing capsule is not the one at the foot of the perpendicular: lights beside long tiles.
     {"LightsBesideLongTiles",
      [](GltfBuilder& b, Rng& rng) {
        for (int i = 0; i < 60; ++i) {
          const double z = rng.uniform(-300, -5);
-         point(b, {rng.uniform(-0.3, 0.3) * z, rng.uniform(-1, 0.5), z}, 1 + std::abs(z) * rng.uniform(0.01, 0.1), 50 * z * z);
+         point(b, {rng.uniform(-0.3, 0.3) * z, rng.uniform(-1, 0.5), z}, 1 + std::abs(z) * rng.uniform(0.01, 0.1),
+               50 * z * z);
        }
      }},
     {"ConesNearZero",
@@ -98,14 +107,15 @@ const Case cases[] = {
     {"ConesNearNinetyDegrees",
      [](GltfBuilder& b, Rng& rng) {
        for (int i = 0; i < 40; ++i)
-         spot(b, random_point(rng, {-3, -0.9, -10}, {3, 2, 2}), random_direction(rng), rng.uniform(0.5, 5), pi / 2 - rng.uniform(0, 2e-3),
-              i % 2 ? pi / 2 - 3e-3 : 0);
+         spot(b, random_point(rng, {-3, -0.9, -10}, {3, 2, 2}), random_direction(rng), rng.uniform(0.5, 5),
+              pi / 2 - rng.uniform(0, 2e-3), i % 2 ? pi / 2 - 3e-3 : 0);
      }},
     {"SharpConeEdges",
      [](GltfBuilder& b, Rng& rng) {
        for (int i = 0; i < 40; ++i) {
          const double outer = rng.uniform(0.05, 1.5);
-         spot(b, random_point(rng, {-3, -0.9, -10}, {3, 2, 2}), random_direction(rng), rng.uniform(0.5, 5), outer, outer * 0.99999);
+         spot(b, random_point(rng, {-3, -0.9, -10}, {3, 2, 2}), random_direction(rng), rng.uniform(0.5, 5), outer,
+              outer * 0.99999);
        }
      }},
     {"LightsRoundTheCamera",
@@ -115,7 +125,8 @@ const Case cases[] = {
        spot(b, {0, 0.5, 3}, {0, -0.1, -1}, 8, 0.4, 0.1);
        for (int i = 0; i < 30; ++i) point(b, random_point(rng, {-2, -1, 2}, {2, 3, 8}), rng.uniform(0.5, 6));
        for (int i = 0; i < 30; ++i)
-         spot(b, random_point(rng, {-2, -1, 3}, {2, 3, 8}), random_direction(rng), rng.uniform(1, 9), rng.uniform(0.2, 1.5), 0.1);
+         spot(b, random_point(rng, {-2, -1, 3}, {2, 3, 8}), random_direction(rng), rng.uniform(1, 9),
+              rng.uniform(0.2, 1.5), 0.1);
      }},
     {"LightsAtTheEdgeOfTheView",  // tangents overflow where a ball touches the plane of the camera
      [](GltfBuilder& b, Rng& rng) {
@@ -135,25 +146,30 @@ const Case cases[] = {
      }},
     {"TinyRanges",
      [](GltfBuilder& b, Rng& rng) {
-       for (int i = 0; i < 200; ++i) point(b, {rng.uniform(-1.5, 1.5), -1, rng.uniform(-2, 0.4)}, std::exp(rng.uniform(-7, -2)), 0.1);
+       for (int i = 0; i < 200; ++i)
+         point(b, {rng.uniform(-1.5, 1.5), -1, rng.uniform(-2, 0.4)}, std::exp(rng.uniform(-7, -2)), 0.1);
      }},
     {"EnormousRanges",
      [](GltfBuilder& b, Rng& rng) {
-       for (int i = 0; i < 20; ++i) point(b, random_point(rng, {-400, 1, -400}, {400, 100, 400}), std::pow(10, rng.uniform(2, 18)), 1e4);
        for (int i = 0; i < 20; ++i)
-         spot(b, random_point(rng, {-400, 1, -400}, {400, 100, 400}), random_direction(rng), std::pow(10, rng.uniform(2, 18)),
-              rng.uniform(0.01, 1.5), 0, 1e4);
+         point(b, random_point(rng, {-400, 1, -400}, {400, 100, 400}), std::pow(10, rng.uniform(2, 18)), 1e4);
+       for (int i = 0; i < 20; ++i)
+         spot(b, random_point(rng, {-400, 1, -400}, {400, 100, 400}), random_direction(rng),
+              std::pow(10, rng.uniform(2, 18)), rng.uniform(0.01, 1.5), 0, 1e4);
      }},
     {"WithoutRangeAndFromTheSun",
      [](GltfBuilder& b, Rng& rng) {
-       for (int i = 0; i < 12; ++i) point(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), i % 4 ? rng.uniform(0.2, 2) : 0);
+       for (int i = 0; i < 12; ++i)
+         point(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), i % 4 ? rng.uniform(0.2, 2) : 0);
        add_light(b, {{"type", "directional"}, {"intensity", 0.5}}, {{"rotation", rotation_towards({0.3, -1, -0.2})}});
      }},
     {"KilometresAway",
      [](GltfBuilder& b, Rng& rng) {
-       for (int i = 0; i < 40; ++i) point(b, random_point(rng, {600, -600, -5000}, {2400, 1200, -4900}), rng.uniform(100, 300), 1e6);
+       for (int i = 0; i < 40; ++i)
+         point(b, random_point(rng, {600, -600, -5000}, {2400, 1200, -4900}), rng.uniform(100, 300), 1e6);
        for (int i = 0; i < 20; ++i)
-         spot(b, random_point(rng, {600, -600, -4900}, {2400, 1200, -4500}), {rng.uniform(-1, 1), rng.uniform(-1, 1), -1}, 900, 0.3, 0.1, 1e6);
+         spot(b, random_point(rng, {600, -600, -4900}, {2400, 1200, -4500}),
+              {rng.uniform(-1, 1), rng.uniform(-1, 1), -1}, 900, 0.3, 0.1, 1e6);
      },
      {0, 0.5, 3},
      {1500, 300, -5000},
@@ -167,7 +183,8 @@ const Case cases[] = {
      165},
     {"NarrowView",
      [](GltfBuilder& b, Rng& rng) {
-       for (int i = 0; i < 60; ++i) point(b, random_point(rng, {-0.4, 0.3, -9}, {0.4, 0.9, -7}), rng.uniform(0.01, 0.2), 0.05);
+       for (int i = 0; i < 60; ++i)
+         point(b, random_point(rng, {-0.4, 0.3, -9}, {0.4, 0.9, -7}), rng.uniform(0.01, 0.2), 0.05);
      },
      {0, 0.6, 40},
      {-0.2, 0.6, -8},
@@ -176,7 +193,8 @@ const Case cases[] = {
      [](GltfBuilder& b, Rng& rng) {
        for (int i = 0; i < 40; ++i) point(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), rng.uniform(0.1, 2));
        for (int i = 0; i < 40; ++i)
-         spot(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), random_direction(rng), rng.uniform(0.3, 6), rng.uniform(0.1, 1.5), 0.05);
+         spot(b, random_point(rng, {-4, -1, -20}, {4, 3, 3}), random_direction(rng), rng.uniform(0.3, 6),
+              rng.uniform(0.1, 1.5), 0.05);
      },
      {0, 0.5, 5},
      {0.4, 0, -4},
@@ -212,8 +230,10 @@ TEST_P(LightsExact, SameBytesAsBruteForce) {
   Rng rng(7);
   c.lights(scene_, rng);
   if (c.half_height_m > 0) {
-    scene_.json["cameras"] = {{{"type", "orthographic"},
-                               {"orthographic", {{"xmag", 1.5 * c.half_height_m}, {"ymag", c.half_height_m}, {"znear", 0.1}, {"zfar", 100}}}}};
+    scene_.json["cameras"] = {
+        {{"type", "orthographic"},
+         {"orthographic",
+          {{"xmag", 1.5 * c.half_height_m}, {"ymag", c.half_height_m}, {"znear", 0.1}, {"zfar", 100}}}}};
     Json node = at(c.eye);
     node["rotation"] = rotation_towards(c.target - c.eye);
     node["camera"] = 0;
@@ -240,7 +260,8 @@ TEST_P(LightsExact, SameBytesAsBruteForce) {
   EXPECT_GT(lit, 30u) << "the lights of this case must be seen";
 }
 
-INSTANTIATE_TEST_SUITE_P(, LightsExact, testing::ValuesIn(cases), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(, LightsExact, testing::ValuesIn(cases),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 // Knobs that may change time alone.
 TEST_F(LightsExact, NoKnobOfTheListsChangesAByte) {
@@ -248,8 +269,9 @@ TEST_F(LightsExact, NoKnobOfTheListsChangesAByte) {
   cases[0].lights(scene_, rng);
   const Images expected = images_of(job_of(cases[0], 101, 67, 4, "brute-force"));
   const std::vector<std::vector<KnobSetting>> variants = {
-      {{"lights", "test", "aabb"}},         {{"lights", "test", "cone-sphere"}}, {{"lights", "test", "capsule"}},
-      {{"lights", "mask", "0"}},            {{"lights", "tile_px", "8"}},        {{"lights", "tile_px", "256"}},
+      {{"lights", "test", "aabb"}},           {{"lights", "test", "cone-sphere"}},
+      {{"lights", "test", "capsule"}},        {{"lights", "mask", "0"}},
+      {{"lights", "tile_px", "8"}},           {{"lights", "tile_px", "256"}},
       {{"lights", "slices_per_octave", "1"}}, {{"lights", "slices_per_octave", "16"}}};
   for (const char* technique : {"clustered", "forward-plus"})
     for (const auto& settings : variants) {

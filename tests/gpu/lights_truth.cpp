@@ -2,10 +2,10 @@
 #include <array>
 #include <numbers>
 
-#include "frame_fixture.h"
-#include "lights_bounds_fixture.h"
 #include "frame/plan_frame.h"
+#include "frame_fixture.h"
 #include "gltf/gltf.h"
+#include "lights_bounds_fixture.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::gpu::test {
@@ -24,7 +24,8 @@ struct Volume {
     const double along = glm::dot(unit, axis);
     if (angle > 3 || along >= std::cos(angle)) return apex + radius * unit;
     glm::dvec3 across = unit - along * axis;
-    if (glm::dot(across, across) < 1e-24) across = glm::cross(axis, std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0));
+    if (glm::dot(across, across) < 1e-24)
+      across = glm::cross(axis, std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0));
     const glm::dvec3 rim = std::cos(angle) * axis + std::sin(angle) * glm::normalize(across);
     return glm::dot(rim, unit) > 0 ? apex + radius * rim : apex;
   }
@@ -35,7 +36,8 @@ glm::dvec3 support(const Points& corners, const glm::dvec3& n) {
                            [&](const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a, n) < glm::dot(b, n); });
 }
 
-// The point of a simplex of up to four points nearest to the origin; keeps only the points that carry it. Every face is tried.
+// The point of a simplex of up to four points nearest to the origin; keeps only the points that carry it. Every face is
+// tried.
 glm::dvec3 nearest_to_origin(Points& simplex) {
   const size_t n = simplex.size();
   glm::dvec3 best(0);
@@ -68,8 +70,8 @@ glm::dvec3 nearest_to_origin(Points& simplex) {
   return best;
 }
 
-// Whether two convex bodies meet (Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex objects",
-// 1988), on their difference; touching within a billionth of their size counts.
+// Whether two convex bodies meet (Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between
+// complex objects", 1988), on their difference; touching within a billionth of their size counts.
 bool meet(const Points& slab, const Volume& light) {
   Points simplex = {slab[0] - light.apex};
   const double size = glm::length(slab[7] - light.apex) + light.radius;
@@ -106,15 +108,15 @@ TEST_F(LightTruth, ConvexBodiesMeetWhereTheyDo) {
   EXPECT_TRUE(meet(slab, {{5, 0, 15}, {-1, 0, 0}, 3.6, 0.01}));
   EXPECT_FALSE(meet(slab, {{5, 0, 15}, {-1, 0, 0}, 3.4, 0.01}));
   EXPECT_FALSE(meet(slab, {{5, 0, 15}, {1, 0, 0}, 100, pi / 2}));
-  EXPECT_TRUE(meet(slab, {{5, 0, 15}, {0, 0, 1}, 100, pi / 2}));     // half a ball: in front of z = 15
+  EXPECT_TRUE(meet(slab, {{5, 0, 15}, {0, 0, 1}, 100, pi / 2}));  // half a ball: in front of z = 15
   EXPECT_FALSE(meet(slab, {{5, 0, 20.01}, {0, 0, 1}, 100, pi / 2}));
-  EXPECT_FALSE(meet(slab, {{5, 0, 15}, {0, 0, 1}, 100, 0.5}));        // passes beside
-  EXPECT_TRUE(meet(slab, {{5, 0, 15}, {0, 0, 1}, 100, 1.0}));         // 5 m at tan 1.0 reach the wall at z = 17
+  EXPECT_FALSE(meet(slab, {{5, 0, 15}, {0, 0, 1}, 100, 0.5}));  // passes beside
+  EXPECT_TRUE(meet(slab, {{5, 0, 15}, {0, 0, 1}, 100, 1.0}));   // 5 m at tan 1.0 reach the wall at z = 17
 }
 
-// The street from its camera, in forward-plus's tiles of 16 pixels: pairs of light and tile that each bounding test lists, against
-// the pairs that meet. None may be lost; the joint capsule lists at most 1.3 times what is needed, and wastes at most a third of what
-// boxes do. The figures are kept in bench/results/lavapipe/light-truth.json.
+// The street from its camera, in forward-plus's tiles of 16 pixels: pairs of light and tile that each bounding test
+// lists, against the pairs that meet. None may be lost; the joint capsule lists at most 1.3 times what is needed, and
+// wastes at most a third of what boxes do. The figures are kept in bench/results/lavapipe/light-truth.json.
 TEST_F(LightTruth, JointCapsulesListLittleMoreThanTheStreetNeeds) {
   constexpr int width = 1280, height = 720, tile = 16;
   const std::string file = ::testing::TempDir() + "candela_LightTruth_street.glb";
@@ -131,7 +133,8 @@ TEST_F(LightTruth, JointCapsulesListLittleMoreThanTheStreetNeeds) {
   ASSERT_TRUE(frame) << frame.error().text();
   std::vector<float> depth(size_t(width) * height);
   for (const OutputImage& o : frame->outputs)
-    if (o.layer == "depth") std::memcpy(depth.data(), frame->readbacks.at(o.resource)->bytes().data(), depth.size() * 4);
+    if (o.layer == "depth")
+      std::memcpy(depth.data(), frame->readbacks.at(o.resource)->bytes().data(), depth.size() * 4);
 
   const Scene& scene = (*session)->scene();
   const Pose pose = evaluate_pose(scene, *choose_animations(scene, "all"), 0.5);
@@ -178,8 +181,9 @@ TEST_F(LightTruth, JointCapsulesListLittleMoreThanTheStreetNeeds) {
   for (size_t i = 0; i < pairs.size(); ++i) {
     const LightItem& l = pairs[i].light;
     const bool spot = l.type == LightType::spot;
-    const bool meets = meet(corners(pairs[i].slab), {l.position, glm::normalize(glm::dvec3(l.direction)), double(l.range_m),
-                                                     spot ? double(l.outer_cone_rad) : std::numbers::pi});
+    const bool meets =
+        meet(corners(pairs[i].slab), {l.position, glm::normalize(glm::dvec3(l.direction)), double(l.range_m),
+                                      spot ? double(l.outer_cone_rad) : std::numbers::pi});
     needed += meets;
     for (int test = 0; test < 4; ++test) {
       const bool yes = (bits[i] >> test & 1) != 0;

@@ -12,7 +12,8 @@ class PassTest : public GpuTest {
   template <class T>
   Buffer upload(const std::vector<T>& values, const char* name) {
     Buffer buffer(*device, std::max<size_t>(values.size() * sizeof(T), 4),
-                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                      VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
                   Buffer::Memory::upload, Device::Purpose::scene, name);
     if (!values.empty()) std::memcpy(buffer.mapped(), values.data(), values.size() * sizeof(T));
     return buffer;

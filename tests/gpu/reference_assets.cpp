@@ -1,5 +1,5 @@
-// Agreement on real scenes: one shadowless lamp, no ambient term, 16 samples a pixel at the same places in both, textures from level 0.
-// The goal of relMSE below 1e-5; every figure is printed and kept in the test's XML.
+// Agreement on real scenes: one shadowless lamp, no ambient term, 16 samples a pixel at the same places in both,
+// textures from level 0. The goal of relMSE below 1e-5; every figure is printed and kept in the test's XML.
 #include "reference_parity.h"
 
 namespace candela::test {
@@ -16,8 +16,8 @@ constexpr RealScene real_scenes[] = {
     {"CesiumMilkTruck", "khronos/CesiumMilkTruck/CesiumMilkTruck.gltf"},
     {"CesiumMan", "khronos/CesiumMan/glTF-Binary"},
     {"Fox", "khronos/Fox"},
-    // Near mirrors under 8-bit normal maps: llvmpipe rounds filtered values to 8 bits again, which moves highlights. With one texel's
-    // value (below), or GALLIVM_PERF=no_aos_sampling, they agree, so that is the term.
+    // Near mirrors under 8-bit normal maps: llvmpipe rounds filtered values to 8 bits again, which moves highlights.
+    // With one texel's value (below), or GALLIVM_PERF=no_aos_sampling, they agree, so that is the term.
     {"NormalTangentTest", "khronos/NormalTangentTest", 1e-3},
     {"NormalTangentMirrorTest", "khronos/NormalTangentMirrorTest", 1e-3},
     {"AlphaBlendModeTest", "khronos/AlphaBlendModeTest"},
@@ -56,20 +56,20 @@ TEST_P(ReferenceAssets, AgreeUnderOneLamp) {
   for (const glm::dvec4& p : pair.reference) lit += p.x > 0.01;
   EXPECT_GT(lit, 1000u);
   const size_t worst = pair.worst();
-  const std::string line =
-      fmt::format("{}: relMSE {:.2e}, worst pixel {},{} has {:.2e} of it: {:.4f} {:.4f} {:.4f} for {:.4f} {:.4f} {:.4f}", GetParam().name,
-                  pair.relmse(), worst % 160, worst / 160, pair.squared(worst) / double(pair.gpu.size()), pair.gpu[worst].x,
-                  pair.gpu[worst].y, pair.gpu[worst].z, pair.reference[worst].x, pair.reference[worst].y, pair.reference[worst].z);
+  const std::string line = fmt::format(
+      "{}: relMSE {:.2e}, worst pixel {},{} has {:.2e} of it: {:.4f} {:.4f} {:.4f} for {:.4f} {:.4f} {:.4f}",
+      GetParam().name, pair.relmse(), worst % 160, worst / 160, pair.squared(worst) / double(pair.gpu.size()),
+      pair.gpu[worst].x, pair.gpu[worst].y, pair.gpu[worst].z, pair.reference[worst].x, pair.reference[worst].y,
+      pair.reference[worst].z);
   RecordProperty("relmse", line);
   fmt::print("{}\n", line);
   EXPECT_LT(pair.relmse(), GetParam().bound);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ReferenceAssets, ::testing::ValuesIn(real_scenes),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Scenes, ReferenceAssets, ::testing::ValuesIn(real_scenes), [](const auto& info) {
+  std::string name = info.param.name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 }  // namespace candela::test

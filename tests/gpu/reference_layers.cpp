@@ -1,7 +1,8 @@
-// The layers beside beauty, from the GPU and from the reference: one sample at the centre of each pixel, of the same surface.
+// The layers beside beauty, from the GPU and from the reference: one sample at the centre of each pixel, of the same
+// surface.
+#include "render/reference_layers.h"
 #include "reference_parity.h"
 #include "render/outputs.h"
-#include "render/reference_layers.h"
 
 namespace candela::test {
 namespace {
@@ -12,7 +13,8 @@ struct LayerPair {
   int h() const { return reference.height; }
   const std::vector<uint32_t>& ids(const FloatImage& image, const char* layer) const { return image.find(layer)->u; }
   bool same_surface(size_t a, size_t b) const {  // the GPU's at a, the reference's at b
-    return ids(gpu, "object_id")[a] == ids(reference, "object_id")[b] && ids(gpu, "material_id")[a] == ids(reference, "material_id")[b];
+    return ids(gpu, "object_id")[a] == ids(reference, "object_id")[b] &&
+           ids(gpu, "material_id")[a] == ids(reference, "material_id")[b];
   }
   // Calls see(pixel) for the pixels about one.
   template <class See>
@@ -26,7 +28,8 @@ struct LayerPair {
 
 struct Bound {
   std::string channel;
-  double floor;  // of 32-bit arithmetic and of textures' codes; depth: relative, else of the channel's largest value where above 1
+  double floor;  // of 32-bit arithmetic and of textures' codes; depth: relative, else of the channel's largest value
+                 // where above 1
   double share;  // of the change to the next pixels: rasterizers move corners to a grid of 1/256 pixel
 };
 // The error beyond the floor, as a share of how much the channel changes to the next pixels.
@@ -39,21 +42,23 @@ double share_of_change(const LayerPair& p, const Bound& bound, size_t i) {
 }
 
 bool agrees(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
-  return p.same_surface(i, i) && std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return share_of_change(p, b, i) <= b.share; });
+  return p.same_surface(i, i) &&
+         std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return share_of_change(p, b, i) <= b.share; });
 }
 
-// Where a sample of the GPU met another surface than the reference's: an edge or a crease runs by the centre of the pixel, or exactly
-// through it. Then the reference, in a pixel beside this one, shows what the GPU has here.
+// Where a sample of the GPU met another surface than the reference's: an edge or a crease runs by the centre of the
+// pixel, or exactly through it. Then the reference, in a pixel beside this one, shows what the GPU has here.
 bool is_seen_beside(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
   bool beside = false;
   p.around(i, [&](size_t k) {
     if (p.same_surface(i, k) && !p.same_surface(i, i)) beside = true;  // another object, as its ids say
     beside |= p.same_surface(i, k) && std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) {
-      const std::vector<float>& a = p.reference.find(b.channel)->f;
-      const double seen = p.gpu.find(b.channel)->f[i], there = std::abs(a[k] - seen), here = std::abs(a[i] - seen);
-      // Another face of it; what the neighbour has is not what would be here, but must be nearer to it.
-      return there <= here || there <= 0.05 * std::max(std::abs(seen), 1.0);
-    });
+                const std::vector<float>& a = p.reference.find(b.channel)->f;
+                const double seen = p.gpu.find(b.channel)->f[i], there = std::abs(a[k] - seen),
+                             here = std::abs(a[i] - seen);
+                // Another face of it; what the neighbour has is not what would be here, but must be nearer to it.
+                return there <= here || there <= 0.05 * std::max(std::abs(seen), 1.0);
+              });
   });
   return beside;
 }
@@ -72,7 +77,8 @@ class ReferenceLayers : public ReferenceParity {
     if (!session || !reference) return out;
     NonFinite nonfinite;
     out.gpu = linear_image(render(*session, time_s), job, *session, std::nullopt, {}, nonfinite);
-    out.reference = reference_image(reference::Film(job.width_px, job.height_px), **reference, job, "{}", job.layers, std::nullopt, {});
+    out.reference = reference_image(reference::Film(job.width_px, job.height_px), **reference, job, "{}", job.layers,
+                                    std::nullopt, {});
     return out;
   }
 };
@@ -98,7 +104,8 @@ TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
       if (is_seen_beside(p, bounds, i)) continue;
       for (const Bound& bound : bounds)
         EXPECT_LE(share_of_change(p, bound, i), bound.share)
-            << at << ": " << bound.channel << " is " << p.gpu.find(bound.channel)->f[i] << " for " << p.reference.find(bound.channel)->f[i];
+            << at << ": " << bound.channel << " is " << p.gpu.find(bound.channel)->f[i] << " for "
+            << p.reference.find(bound.channel)->f[i];
       EXPECT_TRUE(p.same_surface(i, i)) << at;
     }
     EXPECT_GT(surfaces, 100u);

@@ -3,8 +3,8 @@
 
 namespace candela::test {
 
-// Every pixel of a plane under a lamp and a spot with a range, over roughness, metal and angle: the shader's arithmetic in 32 bits
-// against the specification in 64.
+// Every pixel of a plane under a lamp and a spot with a range, over roughness, metal and angle: the shader's arithmetic
+// in 32 bits against the specification in 64.
 TEST_F(ReferenceParity, BrdfAndLightsOverAGrid) {
   double worst = 0;
   for (const double roughness : {0.0, 0.1, 0.3, 0.6, 1.0})
@@ -14,10 +14,16 @@ TEST_F(ReferenceParity, BrdfAndLightsOverAGrid) {
         Json pbr = base_color(0.8, 0.4, 0.2);
         pbr["metallicFactor"] = metallic, pbr["roughnessFactor"] = roughness;
         Json material = {{"pbrMetallicRoughness", pbr}};
-        material["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0.7}, {"specularColorFactor", {1, 0.5, 2}}};
+        material["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0.7},
+                                                            {"specularColorFactor", {1, 0.5, 2}}};
         add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, material))}});
         add_light(b, {{"type", "point"}, {"intensity", 20.0}}, {{"translation", {-2, 0.25, 0.75}}});
-        add_light(b, {{"type", "spot"}, {"intensity", 9.0}, {"range", 5.0}, {"color", {0.2, 1, 0.4}}, {"spot", {{"innerConeAngle", 0.4}, {"outerConeAngle", 0.9}}}},
+        add_light(b,
+                  {{"type", "spot"},
+                   {"intensity", 9.0},
+                   {"range", 5.0},
+                   {"color", {0.2, 1, 0.4}},
+                   {"spot", {{"innerConeAngle", 0.4}, {"outerConeAngle", 0.9}}}},
                   {{"translation", {0.5, 0.5, 1.5}}});
         Job job = job_for(write(b), width, height);
         look(job, eye, glm::dvec3(0, 0, 0), 50);
@@ -32,8 +38,8 @@ TEST_F(ReferenceParity, BrdfAndLightsOverAGrid) {
             const double bound = roughness < 0.05 ? 5e-3 : roughness < 0.2 ? 5e-4 : 2e-5;
             const double error = std::abs(pair.gpu[i][c] / expected - 1);
             worst = std::max(worst, error / bound);
-            EXPECT_LE(error, bound) << "roughness " << roughness << " metallic " << metallic << " pixel " << i << " is " << pair.gpu[i][c]
-                                    << " and should be " << expected;
+            EXPECT_LE(error, bound) << "roughness " << roughness << " metallic " << metallic << " pixel " << i << " is "
+                                    << pair.gpu[i][c] << " and should be " << expected;
             if (HasFailure()) return;
           }
         EXPECT_GT(lit, 200u);
@@ -65,17 +71,18 @@ TEST_F(ReferenceParity, WholeScenesUnderOneLamp) {
   EXPECT_LT(rendered(job, 4).relmse(), 1e-6);
 }
 
-// Every generated scene in motion, with its own lights or the neutral ones: skins, morphs, instances, masks, blending, texture
-// coordinates, tangents, mirrored and far transforms. Lines and points, which rays do not meet, are the scene left out.
+// Every generated scene in motion, with its own lights or the neutral ones: skins, morphs, instances, masks, blending,
+// texture coordinates, tangents, mirrored and far transforms. Lines and points, which rays do not meet, are the scene
+// left out.
 TEST_F(ReferenceParity, GeneratedScenes) {
   for (const std::string& name : scene_names()) {
     if (name == "primitive-modes") continue;
     const Job job = job_for(one_lamp(scene(name), Light::kept), width * 2, height * 2);
     const Pair pair = rendered(job, 4, 17.0 / 24);
     const size_t worst = pair.worst();
-    fmt::print("{}: relMSE {:.2e}, worst pixel {},{}: {:.4f} {:.4f} {:.4f} for {:.4f} {:.4f} {:.4f}\n", name, pair.relmse(),
-               worst % (2 * width), worst / (2 * width), pair.gpu[worst].x, pair.gpu[worst].y, pair.gpu[worst].z,
-               pair.reference[worst].x, pair.reference[worst].y, pair.reference[worst].z);
+    fmt::print("{}: relMSE {:.2e}, worst pixel {},{}: {:.4f} {:.4f} {:.4f} for {:.4f} {:.4f} {:.4f}\n", name,
+               pair.relmse(), worst % (2 * width), worst / (2 * width), pair.gpu[worst].x, pair.gpu[worst].y,
+               pair.gpu[worst].z, pair.reference[worst].x, pair.reference[worst].y, pair.reference[worst].z);
     // The stars of `animated` are points: what the two pictures differ in there is these.
     EXPECT_LT(pair.relmse(), name == "animated" ? 1e-4 : 1e-5) << name;
   }

@@ -1,8 +1,8 @@
 #pragma once
 #include "base/files.h"
 #include "frame_fixture.h"
-#include "render/reference_frame.h"
 #include "gltf/gltf.h"
+#include "render/reference_frame.h"
 
 namespace candela::test {
 
@@ -29,8 +29,8 @@ struct Pair {
   }
 };
 
-// A copy of a scene, beside its files, in which both renderers should agree. Textures are read from level 0 alone: the GPU's mip maps
-// approximate the mean over a pixel, which is another matter than how that light is computed.
+// A copy of a scene, beside its files, in which both renderers should agree. Textures are read from level 0 alone: the
+// GPU's mip maps approximate the mean over a pixel, which is another matter than how that light is computed.
 struct LampScene {
   enum class Light { kept, one_lamp };
   enum class Textures { level_0, nearest_texel, as_they_are };
@@ -63,7 +63,8 @@ class ReferenceParity : public FrameTest {
     settings.ambient = reference::Ambient::occlusion;  // unoccluded: the GPU's own model, where there is ambient light
     settings.sampler = {reference::SamplerKind::uniform, side * side, 0};
     reference::Film film(job.width_px, job.height_px);
-    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), side * side, [](double) { return true; });
+    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), side * side,
+             [](double) { return true; });
     for (size_t i = 0; i < film.pixels(); ++i) out.reference.push_back(film.mean(i));
     return out;
   }
@@ -78,7 +79,8 @@ class ReferenceParity : public FrameTest {
   }
 
   // The light stands beside and above the camera that candela takes by itself. Returns the copy's path.
-  static std::string one_lamp(const std::filesystem::path& scene_file, Light light, Textures textures = Textures::level_0) {
+  static std::string one_lamp(const std::filesystem::path& scene_file, Light light,
+                              Textures textures = Textures::level_0) {
     const auto bytes = read_file(scene_file);
     EXPECT_TRUE(bytes) << scene_file;
     if (!bytes) return {};
@@ -89,7 +91,8 @@ class ReferenceParity : public FrameTest {
       const bool one_texel = textures == Textures::nearest_texel;
       for (Json& sampler : json["samplers"])
         sampler["magFilter"] = sampler["minFilter"] = one_texel ? nearest : sampler.value("magFilter", linear);
-      json["samplers"].push_back({{"magFilter", one_texel ? nearest : linear}, {"minFilter", one_texel ? nearest : linear}});
+      json["samplers"].push_back(
+          {{"magFilter", one_texel ? nearest : linear}, {"minFilter", one_texel ? nearest : linear}});
       for (Json& texture : json["textures"])
         if (!texture.contains("sampler")) texture["sampler"] = json["samplers"].size() - 1;
       if (!json.contains("textures") || json["textures"].empty()) json.erase("textures"), json.erase("samplers");
@@ -97,13 +100,15 @@ class ReferenceParity : public FrameTest {
     if (light == Light::one_lamp) add_lamp(scene_file, json);
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     const std::filesystem::path folder =
-        std::filesystem::path(::testing::TempDir()) / fmt::format("candela_{}_{}_{}_{}", info->name(), scene_file.stem().string(), int(light), int(textures));
+        std::filesystem::path(::testing::TempDir()) /
+        fmt::format("candela_{}_{}_{}_{}", info->name(), scene_file.stem().string(), int(light), int(textures));
     std::error_code ignored;
     std::filesystem::remove_all(folder, ignored);
     std::filesystem::create_directories(folder);
     for (const auto& entry : std::filesystem::directory_iterator(scene_file.parent_path()))
       if (entry.path() != scene_file)
-        std::filesystem::create_directory_symlink(std::filesystem::absolute(entry.path()), folder / entry.path().filename(), ignored);
+        std::filesystem::create_directory_symlink(std::filesystem::absolute(entry.path()),
+                                                  folder / entry.path().filename(), ignored);
     const std::filesystem::path out = folder / scene_file.filename();
     write_scene(out, json, binary);
     return out;
@@ -121,13 +126,16 @@ class ReferenceParity : public FrameTest {
     const double reach = std::min(glm::length(bounds.centre() - view->position), glm::length(bounds.extent()) * 3);
     const glm::dvec3 at = view->position + reach * (0.35 * axes[0] + 0.45 * axes[1]);
     for (Json& node : json["nodes"])
-      if (node.contains("extensions")) node["extensions"].erase("KHR_lights_punctual"), node["extensions"].erase("CANDELA_light_instances");
-    json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", std::max(6 * reach * reach, 1e-3)}}};
+      if (node.contains("extensions"))
+        node["extensions"].erase("KHR_lights_punctual"), node["extensions"].erase("CANDELA_light_instances");
+    json["extensions"]["KHR_lights_punctual"]["lights"] = {
+        {{"type", "point"}, {"intensity", std::max(6 * reach * reach, 1e-3)}}};
     Json node = {{"translation", {at.x, at.y, at.z}}};
     node["extensions"]["KHR_lights_punctual"]["light"] = 0;
     json["nodes"].push_back(node);
     json["scenes"][json.value("scene", size_t{0})]["nodes"].push_back(json["nodes"].size() - 1);
-    if (json["extensionsUsed"].is_null() || std::find(json["extensionsUsed"].begin(), json["extensionsUsed"].end(), "KHR_lights_punctual") == json["extensionsUsed"].end())
+    if (json["extensionsUsed"].is_null() || std::find(json["extensionsUsed"].begin(), json["extensionsUsed"].end(),
+                                                      "KHR_lights_punctual") == json["extensionsUsed"].end())
       json["extensionsUsed"].push_back("KHR_lights_punctual");
   }
 

@@ -20,8 +20,9 @@ TEST(MedianInterval, DegenerateSamples) {
   EXPECT_EQ(median_interval(same).high, 2);
 }
 
-// The lower middle of a resample is at most the k-th value when at least half of n draws are, rounded up, each with probability k/n; the upper
-// one when one more than half are, rounded down. So the bootstrap's own distribution is known.
+// The lower middle of a resample is at most the k-th value when at least half of n draws are, rounded up, each with
+// probability k/n; the upper one when one more than half are, rounded down. So the bootstrap's own distribution is
+// known.
 TEST(MedianInterval, HasTheRanksOfTheExactBootstrap) {
   for (const int n : {5, 8, 9, 12, 25, 41, 64}) {
     std::vector<double> samples;
@@ -31,7 +32,8 @@ TEST(MedianInterval, HasTheRanksOfTheExactBootstrap) {
       const double p = double(k) / n;
       double sum = 0;
       for (int draws = needed; draws <= n; ++draws)
-        sum += std::exp(std::lgamma(n + 1) - std::lgamma(draws + 1) - std::lgamma(n - draws + 1) + draws * std::log(p) + (n - draws) * std::log1p(-p));
+        sum += std::exp(std::lgamma(n + 1) - std::lgamma(draws + 1) - std::lgamma(n - draws + 1) + draws * std::log(p) +
+                        (n - draws) * std::log1p(-p));
       return sum;
     };
     const auto rank = [&](double share, int needed) {
@@ -85,7 +87,8 @@ TEST(MedianInterval, DependsOnTheValuesAndTheSeedAlone) {
   EXPECT_LE(first.low, median(samples));
   EXPECT_GE(first.high, median(samples));
   // Few resamples: another seed draws others.
-  const Interval other = median_interval(samples, {.resamples = 20, .seed = 2}), same = median_interval(samples, {.resamples = 20, .seed = 3});
+  const Interval other = median_interval(samples, {.resamples = 20, .seed = 2}),
+                 same = median_interval(samples, {.resamples = 20, .seed = 3});
   EXPECT_TRUE(other.low != same.low || other.high != same.high);
 }
 

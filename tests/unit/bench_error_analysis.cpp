@@ -12,12 +12,13 @@
 namespace candela {
 namespace {
 
-BenchRow row_of(const std::string& suite, const std::string& technique, const std::string& quality, const std::string& settings, double ms,
-                double own, double whole) {
+BenchRow row_of(const std::string& suite, const std::string& technique, const std::string& quality,
+                const std::string& settings, double ms, double own, double whole) {
   BenchRow row;
   row.suite = suite, row.scene = "street", row.technique = technique, row.quality = quality, row.settings = settings;
   row.width_px = 64, row.height_px = 32, row.device = "a device", row.scene_content = "content of " + row.scene;
-  row.passes = {{"light_sort", {ms / 4, ms / 4, ms / 4}}, {"shade_forward", {ms / 2, ms / 2, ms / 2}}, {"tonemap", {9, 9, 9}}};
+  row.passes = {
+      {"light_sort", {ms / 4, ms / 4, ms / 4}}, {"shade_forward", {ms / 2, ms / 2, ms / 2}}, {"tonemap", {9, 9, 9}}};
   row.memory = {{"frame_bytes", 1 << 20}};
   row.gpu = {"gpu", {ms, ms, ms}}, row.frame = {"frame", {ms + 1, ms + 1, ms + 1}};
   Job job;
@@ -34,12 +35,15 @@ BenchRow row_of(const std::string& suite, const std::string& technique, const st
 
 // Two techniques, and a knob whose rmse is 0.3 * value: 1, 0.1, 0.01 and, exact, 0.
 std::vector<BenchRow> sweep() {
-  std::vector<BenchRow> rows = {row_of("whole", "clustered", "draft", "", 2, 0.1, 0.2), row_of("whole", "clustered", "exact", "", 6, 0, 0.01),
-                                row_of("whole", "brute-force", "draft", "", 9, 0.1, 0.2), row_of("whole", "brute-force", "exact", "", 30, 0, 0.01)};
+  std::vector<BenchRow> rows = {row_of("whole", "clustered", "draft", "", 2, 0.1, 0.2),
+                                row_of("whole", "clustered", "exact", "", 6, 0, 0.01),
+                                row_of("whole", "brute-force", "draft", "", 9, 0.1, 0.2),
+                                row_of("whole", "brute-force", "exact", "", 30, 0, 0.01)};
   // The exact end of the knob is the technique's.
   rows[1].knobs = {{"lights.floor_lux", "0", "error", {"light_sort", "shade_forward"}}};
   for (const auto& [value, ms] : {std::pair(1.0, 3.0), std::pair(0.1, 4.0), std::pair(0.01, 5.0)})
-    rows.push_back(row_of("knob lights.floor_lux", "clustered", "exact", fmt::format("lights.floor_lux={}", value), ms, 0.09 * value * value, 0.01 + value));
+    rows.push_back(row_of("knob lights.floor_lux", "clustered", "exact", fmt::format("lights.floor_lux={}", value), ms,
+                          0.09 * value * value, 0.01 + value));
   return rows;
 }
 std::vector<const BenchRow*> pointers(const std::vector<BenchRow>& rows) {
@@ -63,9 +67,11 @@ TEST(ErrorSentences, NameTheCheapestAndTheNoise) {
   const auto all = pointers(rows);
   const std::string sentence = cheapest_sentence(all, open_reference_name, "relmse", 0.05);
   EXPECT_NE(sentence.find("clustered, quality exact, lights.floor_lux=0.01: 5 ms"), std::string::npos) << sentence;
-  EXPECT_EQ(cheapest_sentence(all, open_reference_name, "relmse", 1e-6), "no setting has relmse below 1e-06 against direct-unshadowed");
+  EXPECT_EQ(cheapest_sentence(all, open_reference_name, "relmse", 1e-6),
+            "no setting has relmse below 1e-06 against direct-unshadowed");
   rows[1].errors[1].metrics["relmse"] = 1e-6;
-  EXPECT_NE(cheapest_sentence(all, open_reference_name, "relmse", 1e-4).find("below the reference's own noise"), std::string::npos);
+  EXPECT_NE(cheapest_sentence(all, open_reference_name, "relmse", 1e-4).find("below the reference's own noise"),
+            std::string::npos);
 }
 
 TEST(KnobStudies, OrderOfConvergenceAndAdvice) {
@@ -91,7 +97,8 @@ TEST(KnobStudies, OrderOfConvergenceAndAdvice) {
 TEST(KnobStudies, AFireflyOfTheTechniqueHidesNothing) {
   auto rows = sweep();
   rows[1].errors[1].metrics["relmse-trimmed"] = 0.001;  // all but one pixel
-  EXPECT_EQ(knob_studies(pointers(rows))[0].advised, "0.01") << "0.0009 of 0.1 is no longer a tenth of what is wrong elsewhere";
+  EXPECT_EQ(knob_studies(pointers(rows))[0].advised, "0.01")
+      << "0.0009 of 0.1 is no longer a tenth of what is wrong elsewhere";
 }
 
 TEST(KnobStudies, AValueThatCostsMoreAndGivesLessIsDominated) {
@@ -150,7 +157,9 @@ TEST(KnobStudies, OfTimeAlone) {
   rows[5].errors[0].metrics["differing"] = 1;
   const auto defects = error_defects(pointers(rows));
   ASSERT_EQ(defects.size(), 1u);
-  EXPECT_NE(defects[0].find("clustered: lights.floor_lux=0.1 must change nothing but time, and 1 pixels differ"), std::string::npos) << defects[0];
+  EXPECT_NE(defects[0].find("clustered: lights.floor_lux=0.1 must change nothing but time, and 1 pixels differ"),
+            std::string::npos)
+      << defects[0];
   rows[5].knobs[0].kind = "error";
   EXPECT_TRUE(error_defects(pointers(rows)).empty());
 }
@@ -204,7 +213,8 @@ TEST(Knobs, WalksEndAtTheExactValue) {
 }
 
 struct Walked {
-  std::set<std::string> rows, exact;  // "clustered lights.test=aabb"; knobs whose study the technique's exact end belongs to
+  std::set<std::string> rows,
+      exact;  // "clustered lights.test=aabb"; knobs whose study the technique's exact end belongs to
   std::string notes;
 };
 Walked walked(const SweepPlace& place) {
@@ -238,16 +248,20 @@ TEST(SweepPlaces, WalkEveryKnobWithEveryTechniqueThatHasItsPasses) {
   const SweepPlace& place = places->front();
   std::vector<std::string> qualities;
   for (const SweepRow& row : place.rows)
-    if (row.suite == "whole" && row.configuration.job.technique == Job{}.technique) qualities.push_back(row.configuration.job.quality);
-  EXPECT_EQ(qualities, (std::vector<std::string>{"exact", "draft", "normal", "high"})) << "the exact end first: others are compared with it";
+    if (row.suite == "whole" && row.configuration.job.technique == Job{}.technique)
+      qualities.push_back(row.configuration.job.quality);
+  EXPECT_EQ(qualities, (std::vector<std::string>{"exact", "draft", "normal", "high"}))
+      << "the exact end first: others are compared with it";
   const Walked w = walked(place);
-  for (const char* row : {"clustered lights.test=aabb", "clustered lights.list=compact", "clustered cull.enabled=0", "clustered lights.floor_lux=0.1",
-                          "clustered lights.tile_px=8", "forward-plus lights.test=cone-sphere", "forward-plus lights.mask=0", "brute-force resolve.samples=1",
-                          "brute-force lights.floor_lux=1", "clustered lights.cap=4"})
+  for (const char* row : {"clustered lights.test=aabb", "clustered lights.list=compact", "clustered cull.enabled=0",
+                          "clustered lights.floor_lux=0.1", "clustered lights.tile_px=8",
+                          "forward-plus lights.test=cone-sphere", "forward-plus lights.mask=0",
+                          "brute-force resolve.samples=1", "brute-force lights.floor_lux=1", "clustered lights.cap=4"})
     EXPECT_TRUE(w.rows.contains(row)) << row;
   // What plans the same work is measured once, as the technique's exact end.
-  for (const char* row : {"brute-force lights.test=aabb", "brute-force lights.cap=4", "forward-plus lights.tile_px=8", "clustered lights.mask=0",
-                          "clustered lights.floor_lux=0", "clustered lights.test=capsule-joint"})
+  for (const char* row :
+       {"brute-force lights.test=aabb", "brute-force lights.cap=4", "forward-plus lights.tile_px=8",
+        "clustered lights.mask=0", "clustered lights.floor_lux=0", "clustered lights.test=capsule-joint"})
     EXPECT_FALSE(w.rows.contains(row)) << row;
   EXPECT_NE(w.notes.find("lights.tile_px,"), std::string::npos) << w.notes;
   EXPECT_EQ(w.notes.find("lights.tile_px="), std::string::npos) << w.notes;
@@ -273,10 +287,12 @@ TEST(ErrorBudget, Parse) {
   ASSERT_TRUE(parse_error_budget("relMSE=0.01", budget));
   EXPECT_EQ(budget.metric, "relmse");
   EXPECT_EQ(budget.error, 0.01);
-  for (const char* bad : {"relmse", "relmse=", "relmse=x", "relmse=-1", "psnr=30", "=1"}) EXPECT_FALSE(parse_error_budget(bad, budget)) << bad;
+  for (const char* bad : {"relmse", "relmse=", "relmse=x", "relmse=-1", "psnr=30", "=1"})
+    EXPECT_FALSE(parse_error_budget(bad, budget)) << bad;
 }
 
-const BudgetPlace here{.scene = "street.glb", .scene_content = "content of street", .width_px = 64, .height_px = 32, .device = "a device"};
+const BudgetPlace here{
+    .scene = "street.glb", .scene_content = "content of street", .width_px = 64, .height_px = 32, .device = "a device"};
 
 TEST(ChooseSetting, TheWorstOfItsTimesCounts) {
   auto rows = sweep();

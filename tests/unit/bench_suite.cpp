@@ -111,9 +111,10 @@ TEST(Suite, NamesThatNoJobTakesAreErrors) {
 
 TEST(Suite, MistakesInAFileNameIt) {
   const auto file = std::filesystem::path(testing::TempDir()) / "mistaken.json";
-  for (const auto& [json, said] : {std::pair(R"({"scenes": ["spheres"], "techniques": ["brut-force"]})", "mistaken.json: techniques: "),
-                                   std::pair(R"({"scenes": ["spheres"], "set": {"cull.enabld": [1]}})", "mistaken.json: set: "),
-                                   std::pair(R"({"scenes": ["spheres"], "sizes": ["0x0"]})", "mistaken.json: size: ")}) {
+  for (const auto& [json, said] :
+       {std::pair(R"({"scenes": ["spheres"], "techniques": ["brut-force"]})", "mistaken.json: techniques: "),
+        std::pair(R"({"scenes": ["spheres"], "set": {"cull.enabld": [1]}})", "mistaken.json: set: "),
+        std::pair(R"({"scenes": ["spheres"], "sizes": ["0x0"]})", "mistaken.json: size: ")}) {
     std::ofstream(file) << json;
     const auto suite = read_suite(file, {});
     ASSERT_FALSE(suite) << json;

@@ -11,7 +11,8 @@ TEST(DeviceSamples, ThatADeviceLacksAreRefused) {
   const auto none = check_samples(job, {1, 4}, "a device");
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().kind, ErrorKind::device);
-  EXPECT_NE(none.error().text().find("a device has no 8 samples a pixel; it has 1, 4"), std::string::npos) << none.error().text();
+  EXPECT_NE(none.error().text().find("a device has no 8 samples a pixel; it has 1, 4"), std::string::npos)
+      << none.error().text();
   EXPECT_TRUE(check_samples(job, {1, 2, 4, 8}, "a device"));
   // By the knob too.
   job.samples = 0;

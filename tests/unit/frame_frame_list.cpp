@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "render/frame_names.h"
 #include "frame/job.h"
+#include "render/frame_names.h"
 
 namespace candela {
 namespace {

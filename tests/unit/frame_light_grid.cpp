@@ -14,7 +14,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 shared::FrameConstants camera(bool perspective, float tan_y, uint32_t width, uint32_t height) {
   shared::FrameConstants c{};
-  const glm::vec3 back = glm::normalize(glm::vec3(0.3f, -0.2f, 0.9f)), right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back));
+  const glm::vec3 back = glm::normalize(glm::vec3(0.3f, -0.2f, 0.9f)),
+                  right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back));
   c.camera_back = back, c.camera_right = right, c.camera_up = glm::cross(back, right);
   c.size_px = {width, height};
   c.tan_half = {tan_y * float(width) / float(height), tan_y};
@@ -31,7 +32,8 @@ glm::dvec3 direction(Rng& rng) {
   return {r * std::cos(a), r * std::sin(a), z};
 }
 
-// The cell of a point as shaders/lib/light_cells.glsl looks it up, in 32-bit arithmetic; none for a point that no cell holds.
+// The cell of a point as shaders/lib/light_cells.glsl looks it up, in 32-bit arithmetic; none for a point that no cell
+// holds.
 std::optional<glm::uvec3> cell_of(const shared::LightGrid& g, const shared::FrameConstants& c, glm::vec3 p) {
   const glm::vec3 v(glm::dot(p, c.camera_right), glm::dot(p, c.camera_up), -glm::dot(p, c.camera_back));
   const glm::vec2 q = c.perspective ? glm::vec2(v) / v.z : glm::vec2(v), size(c.size_px);
@@ -60,7 +62,8 @@ TEST(LightGrid, BoxesHoldEveryPointThatALightReaches) {
       const shared::FrameConstants c = camera(perspective, tan_y, 203, 117);
       std::vector<LightItem> lights;
       for (int i = 0; i < 400; ++i) {
-        LightItem l = point(glm::vec3(direction(rng) * std::exp(rng.uniform(-3, 4))), float(std::exp(rng.uniform(-4, 3))));
+        LightItem l =
+            point(glm::vec3(direction(rng) * std::exp(rng.uniform(-3, 4))), float(std::exp(rng.uniform(-4, 3))));
         if (i % 2) {
           l.type = LightType::spot;
           l.direction = glm::vec3(direction(rng));
@@ -81,7 +84,8 @@ TEST(LightGrid, BoxesHoldEveryPointThatALightReaches) {
         for (int k = 0; k < 200; ++k) {
           const LightItem& l = lights[i];
           const glm::dvec3 d = direction(rng);
-          if (l.type == LightType::spot && glm::dot(d, glm::dvec3(l.direction)) < std::cos(double(l.outer_cone_rad))) continue;
+          if (l.type == LightType::spot && glm::dot(d, glm::dvec3(l.direction)) < std::cos(double(l.outer_cone_rad)))
+            continue;
           const glm::vec3 p(glm::dvec3(l.position) + d * (double(l.range_m) * std::sqrt(rng.uniform())));
           const auto cell = cell_of(grid.constants, c, p);
           if (!cell || everywhere[i]) continue;
@@ -99,7 +103,8 @@ TEST(LightGrid, BoxesHoldEveryPointThatALightReaches) {
 TEST(LightGrid, SaysWhyThereAreNoLists) {
   const shared::FrameConstants c = camera(true, 0.6f, 64, 64);
   const glm::vec3 ahead = -c.camera_back * 5.0f;
-  const std::vector<LightItem> few(8, point(ahead, 1)), behind(20, point(-ahead, 1)), sun(20, LightItem{LightType::directional});
+  const std::vector<LightItem> few(8, point(ahead, 1)), behind(20, point(-ahead, 1)),
+      sun(20, LightItem{LightType::directional});
   const auto reason = [&](LightGridKind kind, const std::vector<LightItem>& lights) {
     return make_light_grid(kind, lights, c, infinity, infinity, {}).shape.reason;
   };
@@ -130,7 +135,8 @@ TEST(LightGrid, ListsAreMasksForFewLightsAndCompactForMany) {
 }
 
 TEST(LightFloor, GivesALightTheRangeAtWhichItFallsToTheFloor) {
-  std::vector<LightItem> lights = {point({}, std::numeric_limits<float>::infinity()), point({}, 3), LightItem{LightType::directional}};
+  std::vector<LightItem> lights = {point({}, std::numeric_limits<float>::infinity()), point({}, 3),
+                                   LightItem{LightType::directional}};
   lights[0].intensity = {4, 1, 2};
   lights[2].range_m = std::numeric_limits<float>::infinity();
   auto untouched = lights;

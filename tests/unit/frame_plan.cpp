@@ -2,8 +2,8 @@
 
 #include "frame/plan_frame.h"
 #include "gltf/gltf.h"
-#include "testscenes/make_scene.h"
 #include "gltf_builder.h"
+#include "testscenes/make_scene.h"
 
 namespace candela {
 namespace {
@@ -56,7 +56,8 @@ using Names = std::vector<std::string>;
 
 TEST(Plan, AnUnlitBoxTakesNoLightAndNoSky) {
   const PlannedFrame frame = plan(generated("unlit-box"));
-  EXPECT_EQ(kept(frame), (Names{"cull", "cull_compact", "depth_prepass", "shade_unlit", "background", "resolve", "readback"}));
+  EXPECT_EQ(kept(frame),
+            (Names{"cull", "cull_compact", "depth_prepass", "shade_unlit", "background", "resolve", "readback"}));
   for (const char* pass : {"shade_forward", "sky", "transparent", "deform", "layers", "tonemap"})
     EXPECT_FALSE(reason(frame, pass).empty()) << pass;
   EXPECT_EQ(reason(frame, "shade_forward"), "the scene has no opaque or masked surface that takes light");

@@ -99,7 +99,9 @@ struct GltfBuilder {
     }
     return out;
   }
-  Expected<Scene> load(LoadFor use = LoadFor::raster) const { return load_gltf_from_memory(glb(), "test.glb", "", use); }
+  Expected<Scene> load(LoadFor use = LoadFor::raster) const {
+    return load_gltf_from_memory(glb(), "test.glb", "", use);
+  }
 };
 
 // A 1x1 PNG: enough for loading, which never decodes.

@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "scene/frame_data.h"
 #include "gltf_builder.h"
+#include "scene/frame_data.h"
 
 // CANDELA_light_instances: what is read, what comes out of a frame, and what is refused.
 namespace candela {

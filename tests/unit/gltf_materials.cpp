@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "scene/scene_images.h"
 #include "gltf_builder.h"
+#include "scene/scene_images.h"
 
 namespace candela::test {
 namespace {

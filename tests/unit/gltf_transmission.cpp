@@ -1,16 +1,18 @@
 // KHR_materials_transmission, _volume and _dispersion: what is read, for whom, and what is refused.
 #include <gtest/gtest.h>
 
-#include "scene/texture_slots.h"
 #include "gltf_builder.h"
+#include "scene/texture_slots.h"
 
 namespace candela::test {
 namespace {
 
-GltfBuilder glass(const Json& transmission, const Json& volume = Json::object(), const Json& dispersion = Json::object()) {
+GltfBuilder glass(const Json& transmission, const Json& volume = Json::object(),
+                  const Json& dispersion = Json::object()) {
   GltfBuilder b;
   b.triangle();
-  for (const char* name : {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_dispersion"}) b.use(name);
+  for (const char* name : {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_dispersion"})
+    b.use(name);
   b.json["images"] = {{{"uri", png_uri()}}, {{"uri", png_uri()}}};
   b.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
   b.json["materials"] = {{{"extensions",
@@ -28,7 +30,10 @@ int traced_slots(const Material& m) {
 }
 
 TEST(GltfTransmission, IsReadForPaths) {
-  const Json volume = {{"thicknessFactor", 0.5}, {"thicknessTexture", {{"index", 0}}}, {"attenuationDistance", 0.25}, {"attenuationColor", {1, 0.5, 0}}};
+  const Json volume = {{"thicknessFactor", 0.5},
+                       {"thicknessTexture", {{"index", 0}}},
+                       {"attenuationDistance", 0.25},
+                       {"attenuationColor", {1, 0.5, 0}}};
   const auto scene = glass(textured, volume, {{"dispersion", 0.4}}).load(LoadFor::path_tracing);
   ASSERT_TRUE(scene) << scene.error().text();
   const Material& m = scene->materials[0];
@@ -80,21 +85,36 @@ TEST(GltfTransmission, BadValuesAreNamed) {
     Json transmission, volume, dispersion;
     const char* place;
   };
-  for (const Case& c : {Case{{{"transmissionFactor", 1.5}}, Json::object(), Json::object(), "KHR_materials_transmission/transmissionFactor"},
-                        Case{{{"transmissionFactor", -0.1}}, Json::object(), Json::object(), "KHR_materials_transmission/transmissionFactor"},
-                        Case{{{"transmissionFactor", "all"}}, Json::object(), Json::object(), "KHR_materials_transmission/transmissionFactor"},
-                        Case{{{"transmissionTexture", {{"index", 9}}}}, Json::object(), Json::object(), "KHR_materials_transmission/transmissionTexture"},
-                        Case{clear, {{"thicknessFactor", -1}}, Json::object(), "KHR_materials_volume/thicknessFactor"},
-                        Case{clear, {{"attenuationDistance", 0}}, Json::object(), "KHR_materials_volume/attenuationDistance"},
-                        Case{clear, {{"attenuationDistance", -2}}, Json::object(), "KHR_materials_volume/attenuationDistance"},
-                        Case{clear, {{"attenuationColor", {1, 2, 0}}}, Json::object(), "KHR_materials_volume/attenuationColor"},
-                        Case{clear, {{"attenuationColor", {1, 1}}}, Json::object(), "KHR_materials_volume/attenuationColor"},
-                        Case{clear, Json::object(), {{"dispersion", -1}}, "KHR_materials_dispersion/dispersion"}})
+  for (const Case& c :
+       {Case{{{"transmissionFactor", 1.5}},
+             Json::object(),
+             Json::object(),
+             "KHR_materials_transmission/transmissionFactor"},
+        Case{{{"transmissionFactor", -0.1}},
+             Json::object(),
+             Json::object(),
+             "KHR_materials_transmission/transmissionFactor"},
+        Case{{{"transmissionFactor", "all"}},
+             Json::object(),
+             Json::object(),
+             "KHR_materials_transmission/transmissionFactor"},
+        Case{{{"transmissionTexture", {{"index", 9}}}},
+             Json::object(),
+             Json::object(),
+             "KHR_materials_transmission/transmissionTexture"},
+        Case{clear, {{"thicknessFactor", -1}}, Json::object(), "KHR_materials_volume/thicknessFactor"},
+        Case{clear, {{"attenuationDistance", 0}}, Json::object(), "KHR_materials_volume/attenuationDistance"},
+        Case{clear, {{"attenuationDistance", -2}}, Json::object(), "KHR_materials_volume/attenuationDistance"},
+        Case{clear, {{"attenuationColor", {1, 2, 0}}}, Json::object(), "KHR_materials_volume/attenuationColor"},
+        Case{clear, {{"attenuationColor", {1, 1}}}, Json::object(), "KHR_materials_volume/attenuationColor"},
+        Case{clear, Json::object(), {{"dispersion", -1}}, "KHR_materials_dispersion/dispersion"}})
     for (const LoadFor use : {LoadFor::raster, LoadFor::path_tracing}) {
       const auto scene = glass(c.transmission, c.volume, c.dispersion).load(use);
       ASSERT_FALSE(scene) << c.place;
       EXPECT_EQ(scene.error().kind, ErrorKind::input);
-      EXPECT_NE(scene.error().text().find("test.glb: /materials/0/extensions/" + std::string(c.place)), std::string::npos) << scene.error().text();
+      EXPECT_NE(scene.error().text().find("test.glb: /materials/0/extensions/" + std::string(c.place)),
+                std::string::npos)
+          << scene.error().text();
     }
 }
 

@@ -17,9 +17,9 @@ struct Row {
 };
 constexpr uint64_t vertex = 0x8, early = 0x100, late = 0x200, fragment = 0x80, color_output = 0x400, compute = 0x800,
                    transfer = 0x1000, host = 0x4000, indirect = 0x2, index_input = 0x1000000000;
-constexpr uint64_t indirect_read = 0x1, index_read = 0x2, uniform_r = 0x8, color_rw = 0x180, color_w = 0x100, depth_r = 0x200,
-                   depth_rw = 0x600, transfer_r = 0x800, transfer_w = 0x1000, host_r = 0x2000, sampled_r = 0x100000000,
-                   storage_r = 0x200000000, storage_rw = 0x600000000, storage_w = 0x400000000;
+constexpr uint64_t indirect_read = 0x1, index_read = 0x2, uniform_r = 0x8, color_rw = 0x180, color_w = 0x100,
+                   depth_r = 0x200, depth_rw = 0x600, transfer_r = 0x800, transfer_w = 0x1000, host_r = 0x2000,
+                   sampled_r = 0x100000000, storage_r = 0x200000000, storage_rw = 0x600000000, storage_w = 0x400000000;
 constexpr uint32_t address = 0x20000 | 0x20;  // SHADER_DEVICE_ADDRESS | STORAGE_BUFFER
 const Row rows[] = {
     {Access::color_attachment, "color_attachment", color_output, color_rw, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,

@@ -48,9 +48,11 @@ TEST(HdrFlip, BlackMedianAndBlackPicturesHaveARange) {
   broken[3] = std::nanf(""), broken[4] = INFINITY;
   EXPECT_TRUE(std::isfinite(automatic_exposures(grey(broken)).start));
   // A lit image against a black reference is an error, and a number.
-  const Plane map = hdr_flip_map(grey(std::vector<float>(64, 0.0f)), grey(std::vector<float>(64, 1.0f)), 8, 8, {0, 0, 1});
+  const Plane map =
+      hdr_flip_map(grey(std::vector<float>(64, 0.0f)), grey(std::vector<float>(64, 1.0f)), 8, 8, {0, 0, 1});
   EXPECT_GT(flip_mean(map, 8, 8), 0.5);
-  const Plane extreme = hdr_flip_map(grey(std::vector<float>(64, 3e38f)), grey(std::vector<float>(64, INFINITY)), 8, 8, {0, 64, 2});
+  const Plane extreme =
+      hdr_flip_map(grey(std::vector<float>(64, 3e38f)), grey(std::vector<float>(64, INFINITY)), 8, 8, {0, 64, 2});
   for (const float v : extreme) EXPECT_EQ(v, 0.0f);  // both are white
 }
 
@@ -73,7 +75,8 @@ TEST(HdrFlip, ParsesExposures) {
   const auto range = parse_exposure_range("-4,4.5,9");
   ASSERT_TRUE(range);
   EXPECT_EQ(*range, (ExposureRange{-4, 4.5, 9}));
-  for (const char* bad : {"", "1", "1,2", "a,2,3", "2,1,3", "1,2,0", "1,2,1", "1,2,3.5", "nan,2,3", "1,inf,3", "1,2,3,4", "0,1,100000"}) {
+  for (const char* bad :
+       {"", "1", "1,2", "a,2,3", "2,1,3", "1,2,0", "1,2,1", "1,2,3.5", "nan,2,3", "1,inf,3", "1,2,3,4", "0,1,100000"}) {
     const auto parsed = parse_exposure_range(bad);
     ASSERT_FALSE(parsed) << bad;
     EXPECT_EQ(parsed.error().kind, ErrorKind::usage);

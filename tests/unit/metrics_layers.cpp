@@ -14,7 +14,8 @@ constexpr size_t pixels = size_t(width) * size_t(height);
 
 FloatImage flat(float value) {
   FloatImage image{.width = width, .height = height};
-  for (const char* name : {"R", "G", "B", "A"}) image.channels.push_back({name, ChannelType::float32, std::vector<float>(pixels, value), {}});
+  for (const char* name : {"R", "G", "B", "A"})
+    image.channels.push_back({name, ChannelType::float32, std::vector<float>(pixels, value), {}});
   return image;
 }
 void add(FloatImage& image, const char* name, float value) {
@@ -39,7 +40,8 @@ TEST(Compare, LargestErrorHasAPlaceAndTrimmingDropsTheWorstPixels) {
   EXPECT_EQ(result.max_at.y, 7);
   EXPECT_GT(result.metrics.at("relmse"), 1);
   EXPECT_NEAR(result.metrics.at("relmse-trimmed"), 0.01 / 1.01 / 4, 1e-6);
-  // 1998 pixels differ by 0.1, two by more: rank 0.999 * 1999 = 1997.001 is one thousandth of the way to the third largest.
+  // 1998 pixels differ by 0.1, two by more: rank 0.999 * 1999 = 1997.001 is one thousandth of the way to the third
+  // largest.
   EXPECT_NEAR(result.metrics.at("p50"), 0.1, 1e-6);
   EXPECT_NEAR(result.metrics.at("p99"), 0.1, 1e-6);
   EXPECT_NEAR(result.metrics.at("p99.9"), 0.1 + 0.001 * 49.9, 1e-4);
@@ -83,7 +85,8 @@ TEST(CompareLayers, EachKindHasItsOwnMeaning) {
   ASSERT_EQ(result.layers.size(), 4u);
   std::map<std::string, LayerResult> by_name;
   for (const LayerResult& layer : result.layers) by_name[layer.name] = layer;
-  const LayerResult &depth = by_name.at("depth"), &normal = by_name.at("normal"), &albedo = by_name.at("albedo"), &ids = by_name.at("object_id");
+  const LayerResult &depth = by_name.at("depth"), &normal = by_name.at("normal"), &albedo = by_name.at("albedo"),
+                    &ids = by_name.at("object_id");
   EXPECT_NEAR(depth.metrics.at("depth-rel-max"), 0.01, 1e-9);
   EXPECT_NEAR(depth.metrics.at("depth-rel-mean"), 0.01 / (pixels - 1), 1e-9);
   EXPECT_EQ(depth.metrics.at("one-sided"), 1);
@@ -126,7 +129,8 @@ TEST(CompareRegions, ALimitHoldsInEachAndPlacesAreOfTheWholeImage) {
   EXPECT_TRUE(verdicts[2].pass);
   options.regions = {{38, 0, 3, 3}};
   EXPECT_NE(compare(a, b, options).refusal.find("38,0,3,3"), std::string::npos);
-  for (const char* bad : {"", "1,2,3", "1,2,3,0", "-1,2,3,4", "1,2,3,x", "1,2,3,4,5"}) EXPECT_FALSE(parse_region(bad)) << bad;
+  for (const char* bad : {"", "1,2,3", "1,2,3,0", "-1,2,3,4", "1,2,3,x", "1,2,3,4,5"})
+    EXPECT_FALSE(parse_region(bad)) << bad;
 }
 
 FloatImage with_variance(FloatImage image, float variance) {

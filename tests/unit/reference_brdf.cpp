@@ -92,8 +92,9 @@ TEST(Brdf, TheWhiteDiffuseFurnaceIsOne) {
   }
 }
 
-// Single scattering loses what bounces between facets. A white metal at normal incidence keeps the share that is seen of facets lit
-// from all around; for alpha = 1 the height-correlated term has the closed form below, for alpha near 0 nothing is lost.
+// Single scattering loses what bounces between facets. A white metal at normal incidence keeps the share that is seen
+// of facets lit from all around; for alpha = 1 the height-correlated term has the closed form below, for alpha near 0
+// nothing is lost.
 TEST(Brdf, TheMetalFurnaceLosesSingleScatteringsShare) {
   for (const double roughness : {0.2, 0.4, 0.7, 1.0})
     for (const double degrees : {0.0, 30.0, 60.0, 85.0}) {
@@ -106,8 +107,8 @@ TEST(Brdf, TheMetalFurnaceLosesSingleScatteringsShare) {
   EXPECT_NEAR(albedo(surface(1, 1), direction(0)), 1 - std::log(2.0), 1e-5);
 }
 
-// Metals never gain. A white dielectric does in glTF's model, whose diffuse part is dimmed by the Fresnel term of the half vector
-// alone: up to 15 % at grazing angles. That is the model's, and the renderer's, and so the reference's.
+// Metals never gain. A white dielectric does in glTF's model, whose diffuse part is dimmed by the Fresnel term of the
+// half vector alone: up to 15 % at grazing angles. That is the model's, and the renderer's, and so the reference's.
 TEST(Brdf, OnlyWhiteDielectricsGainEnergy) {
   for (const double roughness : {0.3, 0.6, 1.0})
     for (const double degrees : {0.0, 50.0, 75.0}) {
@@ -117,8 +118,8 @@ TEST(Brdf, OnlyWhiteDielectricsGainEnergy) {
     }
 }
 
-// The estimate from sampled directions is the integral, and the density is that of the directions: those below the surface, which
-// have none, make up the rest of its integral.
+// The estimate from sampled directions is the integral, and the density is that of the directions: those below the
+// surface, which have none, make up the rest of its integral.
 TEST(Brdf, SamplingAgreesWithTheIntegral) {
   for (const double metallic : {0.0, 1.0})
     for (const double roughness : {0.3, 0.6, 1.0})
@@ -132,7 +133,8 @@ TEST(Brdf, SamplingAgreesWithTheIntegral) {
         for (int i = 0; i < rows; ++i)
           for (int j = 0; j < rows; ++j) {
             const double z = (i + 0.5) / rows, longitude = 2 * pi * (j + 0.5) / rows, r = std::sqrt(1 - z * z);
-            density += brdf_pdf(s, {r * std::cos(longitude), r * std::sin(longitude), z}, v) * 2 * pi / (double(rows) * rows);
+            density +=
+                brdf_pdf(s, {r * std::cos(longitude), r * std::sin(longitude), z}, v) * 2 * pi / (double(rows) * rows);
           }
         EXPECT_NEAR(density, estimate.above, 6e-3) << roughness << " " << metallic << " " << degrees;
       }

@@ -75,7 +75,8 @@ Sampled integrated(const Surface& s, glm::dvec3 v) {
 }  // namespace
 
 TEST(Bsdf, FresnelHasItsKnownValues) {
-  for (const double n : {1.0, 1.33, 1.5, 2.4, 1 / 1.5, 1e9}) EXPECT_NEAR(fresnel(1, n), std::pow((n - 1) / (n + 1), 2), 1e-15);
+  for (const double n : {1.0, 1.33, 1.5, 2.4, 1 / 1.5, 1e9})
+    EXPECT_NEAR(fresnel(1, n), std::pow((n - 1) / (n + 1), 2), 1e-15);
   // At Brewster's angle, tan = n, only the perpendicular half is reflected: ((1 - n2) / (1 + n2)) squared, halved.
   const double n = 1.5, brewster = std::cos(std::atan(n)), s = (1 - n * n) / (1 + n * n);
   EXPECT_NEAR(fresnel(brewster, n), s * s / 2, 1e-15);
@@ -178,7 +179,8 @@ TEST(Bsdf, AThinSheetTintsAndDoesNotBend) {
   }
 }
 
-// Light that goes from a medium to another meets the same resistance both ways: f over the square of the viewer's index is symmetric.
+// Light that goes from a medium to another meets the same resistance both ways: f over the square of the viewer's index
+// is symmetric.
 TEST(Bsdf, RoughRefractionIsReciprocal) {
   for (const double roughness : {0.2, 0.5, 1.0}) {
     Pane there(true, 1.5, roughness), back(true, 1 / 1.5, roughness);
@@ -198,7 +200,8 @@ TEST(Bsdf, RoughRefractionIsReciprocal) {
   EXPECT_NEAR(evaluate_bsdf(sheet.s, l, v).x / -l.z, evaluate_bsdf(behind.s, v, l).x / v.z, 1e-12);
 }
 
-// The estimate from sampled directions is the integral; the density's integral is the share of samples that gave a direction.
+// The estimate from sampled directions is the integral; the density's integral is the share of samples that gave a
+// direction.
 TEST(Bsdf, RoughSamplingAgreesWithTheIntegral) {
   for (const bool body : {true, false})
     for (const double eta : {1.5, 1 / 1.5})
@@ -228,7 +231,8 @@ TEST(Bsdf, TheRoughFurnaceKeepsAlmostAll) {
         EXPECT_GT(energy, least) << body << degrees << roughness;
         EXPECT_LE(energy, 1 + 1e-3) << body << degrees << roughness;
       }
-  // A sheet sends to its two sides what a metal sends to one: 1 - ln 2 at alpha 1 and normal incidence (reference_brdf.cpp).
+  // A sheet sends to its two sides what a metal sends to one: 1 - ln 2 at alpha 1 and normal incidence
+  // (reference_brdf.cpp).
   Pane sheet(false, 1.5, 1);
   EXPECT_NEAR(sampled(sheet.s, direction(0)).energy, 1 - std::log(2.0), 1e-3);
 }
@@ -282,7 +286,8 @@ TEST(Interior, LightHasItsColourAfterItsDistance) {
   EXPECT_TRUE(inside.empty());
 }
 
-// KHR_materials_dispersion: the index at the ends of the spectrum is the nominal one and half of (n - 1) / V20 times 20 / Abbe number apart.
+// KHR_materials_dispersion: the index at the ends of the spectrum is the nominal one and half of (n - 1) / V20 times 20
+// / Abbe number apart.
 TEST(Interior, DispersionSpreadsTheIndex) {
   Glass flint;
   flint.ior = 1.6, flint.dispersion = 20 / 30.0;

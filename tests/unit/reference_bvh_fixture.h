@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "reference/accel_trees.h"
 #include "bvh/triangle.h"
+#include "reference/accel_trees.h"
 
 namespace candela::bvh_test {
 

@@ -31,8 +31,8 @@ struct TestCamera {
 };
 
 inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const TestCamera& camera = {}, Sky sky = {},
-                                             bool sky_visible = false, glm::dvec4 background = glm::dvec4(0), bool glass = false,
-                                             std::optional<Fog> fog = {}) {
+                                             bool sky_visible = false, glm::dvec4 background = glm::dvec4(0),
+                                             bool glass = false, std::optional<Fog> fog = {}) {
   auto t = std::make_unique<TestWorld>();
   auto scene = builder.load(glass ? LoadFor::path_tracing : LoadFor::raster);
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().text());
@@ -41,7 +41,8 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
   t->pose = evaluate_pose(t->scene, {}, 0);
   CameraRequest request;
   request.camera = camera.camera;
-  if (camera.camera.empty()) request.eye = camera.eye, request.target = camera.target, request.yfov_deg = camera.yfov_deg;
+  if (camera.camera.empty())
+    request.eye = camera.eye, request.target = camera.target, request.yfov_deg = camera.yfov_deg;
   auto view = make_view(t->scene, t->pose, request, camera.width, camera.height, world_bounds(t->scene, t->pose));
   EXPECT_TRUE(view) << (view ? "" : view.error().text());
   if (!view) return nullptr;
@@ -91,7 +92,8 @@ inline MeanError mean_of(const Film& film, int channel = 0) {
 inline glm::dvec3 seen_on_plane(const TestCamera& c, size_t pixel) {
   const double tan_y = std::tan(c.yfov_deg * std::numbers::pi / 360), tan_x = tan_y * c.width / c.height;
   const double x = double(pixel % size_t(c.width)), y = double(pixel / size_t(c.width));
-  return {c.eye.x + c.eye.z * tan_x * (2 * (x + 0.5) / c.width - 1), c.eye.y - c.eye.z * tan_y * (2 * (y + 0.5) / c.height - 1), 0};
+  return {c.eye.x + c.eye.z * tan_x * (2 * (x + 0.5) / c.width - 1),
+          c.eye.y - c.eye.z * tan_y * (2 * (y + 0.5) / c.height - 1), 0};
 }
 
 // A sphere about the origin of longitudes and latitudes; inward: seen from inside. Flat or smooth normals.
@@ -103,7 +105,8 @@ inline int add_sphere_mesh(GltfBuilder& b, float radius, int material, int rings
     for (int s = 0; s <= segments; ++s) {
       const double polar = std::numbers::pi * r / rings, longitude = 2 * std::numbers::pi * s / segments;
       const glm::dvec3 d(std::sin(polar) * std::cos(longitude), std::cos(polar), std::sin(polar) * std::sin(longitude));
-      for (int i = 0; i < 3; ++i) position.push_back(float(radius * d[i])), normal.push_back(float(inward ? -d[i] : d[i]));
+      for (int i = 0; i < 3; ++i)
+        position.push_back(float(radius * d[i])), normal.push_back(float(inward ? -d[i] : d[i]));
     }
   const auto at = [&](int r, int s) { return uint32_t(r * (segments + 1) + s); };
   const auto triangle = [&](uint32_t x, uint32_t y, uint32_t z) {
@@ -135,7 +138,8 @@ inline int add_room_mesh(GltfBuilder& b, float half, int material) {
         position.insert(position.end(), p, p + 3);
         normal.insert(normal.end(), n, n + 3);
       }
-      for (const int k : side < 0 ? std::array{0, 1, 2, 0, 2, 3} : std::array{0, 2, 1, 0, 3, 2}) index.push_back(uint16_t(first + k));
+      for (const int k : side < 0 ? std::array{0, 1, 2, 0, 2, 3} : std::array{0, 2, 1, 0, 3, 2})
+        index.push_back(uint16_t(first + k));
     }
   const int p = b.accessor<float>("VEC3", position), n = b.accessor<float>("VEC3", normal);
   Json& primitive = b.primitive({{"POSITION", p}, {"NORMAL", n}});
@@ -153,7 +157,8 @@ inline Json emitting(Json material, double radiance) {
 inline Json glass_material(double ior, double roughness, double thickness, glm::dvec3 color = glm::dvec3(1)) {
   Json m = {{"pbrMetallicRoughness", base_color(color.x, color.y, color.z)}};
   m["pbrMetallicRoughness"]["roughnessFactor"] = roughness;
-  m["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_ior", {{"ior", ior}}}};
+  m["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                     {"KHR_materials_ior", {{"ior", ior}}}};
   if (thickness > 0) m["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", thickness}};
   return m;
 }
@@ -170,9 +175,9 @@ inline void add_slab(GltfBuilder& b, float half, double thickness_m, int materia
 }
 // Extensions that materials and lights of these tests use.
 inline void use_all(GltfBuilder& b) {
-  b.json["extensionsUsed"] = {"KHR_lights_punctual", "KHR_materials_specular", "KHR_materials_unlit",
-                              "KHR_materials_emissive_strength", "KHR_materials_transmission", "KHR_materials_volume",
-                              "KHR_materials_ior", "KHR_materials_dispersion"};
+  b.json["extensionsUsed"] = {
+      "KHR_lights_punctual",        "KHR_materials_specular", "KHR_materials_unlit", "KHR_materials_emissive_strength",
+      "KHR_materials_transmission", "KHR_materials_volume",   "KHR_materials_ior",   "KHR_materials_dispersion"};
 }
 
 }  // namespace candela::reference::test

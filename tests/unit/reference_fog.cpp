@@ -284,8 +284,8 @@ TEST(Fog, TheWhiteFurnaceHidesIt) {
   }
 }
 
-// A pane of glass that bends and reflects nothing stands in the fog: what lies behind is weakened by the same way through fog, once,
-// and a body of such glass holds none.
+// A pane of glass that bends and reflects nothing stands in the fog: what lies behind is weakened by the same way
+// through fog, once, and a body of such glass holds none.
 TEST(Fog, GoesOnBehindGlass) {
   const Fog fog = slab({0.5, 1, 2}, glm::dvec3(0));
   const double body_m = 0.75;
@@ -295,7 +295,8 @@ TEST(Fog, GoesOnBehindGlass) {
     if (body)
       add_slab(b, 200, body_m, material);
     else
-      for (const double z : {0.5, -0.25}) add_node(b, {{"mesh", add_square_mesh(b, 200, material)}, {"translation", {0, 0, z}}});
+      for (const double z : {0.5, -0.25})
+        add_node(b, {{"mesh", add_square_mesh(b, 200, material)}, {"translation", {0, 0, z}}});
     const auto t = make_world(b, camera, {}, false, {1, 2, 4, 1}, true, fog);
     const Film film = traced(*t, centred(Mode::path), camera, 1);
     for (size_t i = 0; i < film.pixels(); ++i)

@@ -56,11 +56,14 @@ TEST(KnownAnswers, ASpotOverAPlaneEndsAtItsCone) {
   EXPECT_GT(between, 50);
 }
 
-// A wall between light and plane: lit on one side of its shadow's edge, black on the other, everything lit without visibility.
+// A wall between light and plane: lit on one side of its shadow's edge, black on the other, everything lit without
+// visibility.
 TEST(KnownAnswers, AWallCastsAHardShadow) {
   GltfBuilder b = plane(diffuse_material(1, 1, 1));
-  // A square of half size 1 at z = 1, its edge x = 0 .. 2; the light stands at (0, 0, 2): the shadow is x = 0 .. 4, |y| < 2.
-  const Json small = {{"mesh", add_square_mesh(b, 1, add_material(b, diffuse_material(1, 1, 1)))}, {"translation", {1, 0, 1}}};
+  // A square of half size 1 at z = 1, its edge x = 0 .. 2; the light stands at (0, 0, 2): the shadow is x = 0 .. 4, |y|
+  // < 2.
+  const Json small = {{"mesh", add_square_mesh(b, 1, add_material(b, diffuse_material(1, 1, 1)))},
+                      {"translation", {1, 0, 1}}};
   add_node(b, small);
   add_light(b, {{"type", "point"}, {"intensity", 10.0}}, {{"translation", {0, 0, 2}}});
   const TestCamera camera{.eye = {0, 0, 8}, .yfov_deg = 50, .width = 33, .height = 33};
@@ -89,7 +92,8 @@ TEST(KnownAnswers, AnOrthographicCameraSeesParallelLines) {
   GltfBuilder b = plane(unlit_material(1, 1, 1));
   b.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0.25, 0.5, 1, 1};
   b.json["nodes"][0]["scale"] = {0.25, 0.25, 0.25};  // a square of half size 1
-  b.json["cameras"] = {{{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 2}, {"znear", 0.1}, {"zfar", 20}}}}};
+  b.json["cameras"] = {
+      {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 2}, {"znear", 0.1}, {"zfar", 20}}}}};
   add_node(b, {{"camera", 0}, {"translation", {0, 0, 10}}});
   const TestCamera camera{.width = 16, .height = 16, .camera = "0"};
   const Film film = traced(*make_world(b, camera), centred(), camera, 1);
@@ -149,12 +153,13 @@ TEST(KnownAnswers, AClosedEmittingRoom) {
     const Film film = traced(*make_world(b, camera), settings, camera, 512);
     const MeanError m = mean_of(film);
     EXPECT_NEAR(m.mean, emitted / (1 - rho), 5 * m.error) << int(strategy);
-    EXPECT_LT(m.error, strategy == Strategy::light ? 0.06 : 0.02);  // chosen points close by in the corners have large values
+    EXPECT_LT(m.error,
+              strategy == Strategy::light ? 0.06 : 0.02);  // chosen points close by in the corners have large values
   }
 }
 
-// A lamp of flux Phi amid a diffuse sphere of radius r: the walls receive Phi/(4 pi r^2) straight, and each round of reflection
-// gives the same times rho, evenly: L = rho/pi * Phi/(4 pi r^2) / (1 - rho). With I candela, Phi = 4 pi I.
+// A lamp of flux Phi amid a diffuse sphere of radius r: the walls receive Phi/(4 pi r^2) straight, and each round of
+// reflection gives the same times rho, evenly: L = rho/pi * Phi/(4 pi r^2) / (1 - rho). With I candela, Phi = 4 pi I.
 TEST(KnownAnswers, ALampInsideADiffuseSphere) {
   GltfBuilder b = empty_scene();
   use_all(b);
@@ -171,12 +176,14 @@ TEST(KnownAnswers, ALampInsideADiffuseSphere) {
   EXPECT_NEAR(direct.mean, rho / pi * candela / (radius * radius), 3e-3 * direct.mean);
 }
 
-// Wherever lamps are in a diffuse sphere, what its walls send to each other lights them evenly: all lamps together give rho/pi of
-// rho * sum(I) / r^2 / (1 - rho) beside their direct light. Dim and bright ones, near and far: each is chosen as often as it is weighed.
+// Wherever lamps are in a diffuse sphere, what its walls send to each other lights them evenly: all lamps together give
+// rho/pi of rho * sum(I) / r^2 / (1 - rho) beside their direct light. Dim and bright ones, near and far: each is chosen
+// as often as it is weighed.
 TEST(KnownAnswers, ManyLampsInsideADiffuseSphere) {
   GltfBuilder b = empty_scene();
   const double rho = 0.6, radius = 2;
-  add_node(b, {{"mesh", add_sphere_mesh(b, float(radius), add_material(b, diffuse_material(rho, rho, rho)), 64, true)}});
+  add_node(b,
+           {{"mesh", add_sphere_mesh(b, float(radius), add_material(b, diffuse_material(rho, rho, rho)), 64, true)}});
   double candela = 0;
   for (int i = 0; i < 40; ++i) {
     const double intensity = i % 7 == 0 ? 2 : 0.05, at = 1.3 * std::sqrt((i + 0.5) / 40);
@@ -187,7 +194,8 @@ TEST(KnownAnswers, ManyLampsInsideADiffuseSphere) {
   use_all(b);
   const TestCamera camera{.eye = {0.4, 0.2, 0.5}, .target = {-1, 0.3, -1}, .yfov_deg = 80, .width = 8, .height = 8};
   const auto t = make_world(b, camera);
-  const MeanError all = mean_of(traced(*t, path_settings(), camera, 512)), direct = mean_of(traced(*t, path_settings(1), camera, 64));
+  const MeanError all = mean_of(traced(*t, path_settings(), camera, 512)),
+                  direct = mean_of(traced(*t, path_settings(1), camera, 64));
   const double expected = rho / pi * rho * candela / (radius * radius) / (1 - rho);
   EXPECT_NEAR(all.mean - direct.mean, expected, 5 * (all.error + direct.error) + 3e-3 * expected);
   EXPECT_LT(all.error + direct.error, 0.02 * expected);

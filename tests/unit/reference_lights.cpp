@@ -44,7 +44,8 @@ TEST(PunctualLights, SpotsFadeBetweenTheirCones) {
   EXPECT_NEAR(factor(0), 1, 1e-6);
   EXPECT_NEAR(factor(0.199), 1, 1e-6);
   EXPECT_EQ(factor(0.501), 0);
-  const double inner = std::cos(double(0.2f)), outer = std::cos(double(0.5f)), t = (std::cos(0.35) - outer) / (inner - outer);
+  const double inner = std::cos(double(0.2f)), outer = std::cos(double(0.5f)),
+               t = (std::cos(0.35) - outer) / (inner - outer);
   EXPECT_NEAR(factor(0.35), t * t, 1e-6);
 }
 
@@ -66,7 +67,8 @@ TEST(LightTree, ChoosesWithTheProbabilitiesItStates) {
   for (const bool split : {false, true}) {
     double total = 0;
     std::vector<double> expected, counted(lights.size());
-    for (uint32_t i = 0; i < lights.size(); ++i) expected.push_back(tree.probability(i, point, normal, split)), total += expected.back();
+    for (uint32_t i = 0; i < lights.size(); ++i)
+      expected.push_back(tree.probability(i, point, normal, split)), total += expected.back();
     EXPECT_EQ(expected[7], 0);
     constexpr int count = 1 << 15;
     double picks = 0;
@@ -117,7 +119,8 @@ TEST(LightTree, EstimatesTheSumOfAllLights) {
   GltfBuilder b = empty_scene();
   add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, diffuse_material(0.8, 0.5, 0.2)))}});
   for (int i = 0; i < 60; ++i) {
-    Json light = {{"type", i % 3 == 2 ? "spot" : "point"}, {"intensity", 1.0 + i % 4}, {"color", {1, 0.5, 0.25 * (i % 4)}}};
+    Json light = {
+        {"type", i % 3 == 2 ? "spot" : "point"}, {"intensity", 1.0 + i % 4}, {"color", {1, 0.5, 0.25 * (i % 4)}}};
     if (i % 3 == 2) light["spot"] = Json::object();
     if (i % 4 == 0) light["range"] = 2.5;
     add_light(b, light, {{"translation", {std::sin(i * 3.1) * 3, std::cos(i * 1.3) * 3, 0.4 + 0.3 * (i % 3)}}});

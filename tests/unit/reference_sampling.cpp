@@ -56,7 +56,8 @@ TEST(Sampling, JitteredPutsOnePointInEachCell) {
   EXPECT_TRUE(off_centre);
 }
 
-// Of the first 16 points of a (0, 2)-sequence every elementary interval of area 1/16 holds one: squares, rows, columns, and between.
+// Of the first 16 points of a (0, 2)-sequence every elementary interval of area 1/16 holds one: squares, rows, columns,
+// and between.
 TEST(Sampling, SobolIsStratifiedInEveryElementaryInterval) {
   for (const uint32_t dimension : {0u, 4u, 16u, 40u})
     for (const uint64_t half : {0, 1}) {
@@ -134,9 +135,11 @@ DecodedImage test_sky() {
   image.format = DecodedImage::Format::rgba32f;
   std::vector<float> texels(16 * 8 * 4, 0.0f);
   for (size_t i = 0; i < 128; ++i)
-    for (size_t c = 0; c < 3; ++c) texels[i * 4 + c] = i % 16 < 6 ? 0.0f : float(0.1 + 0.01 * double(i % 7) * double(c + 1));
+    for (size_t c = 0; c < 3; ++c)
+      texels[i * 4 + c] = i % 16 < 6 ? 0.0f : float(0.1 + 0.01 * double(i % 7) * double(c + 1));
   texels[(2 * 16 + 3) * 4] = 40;  // a red sun in the dark part
-  image.pixels.assign(reinterpret_cast<const std::byte*>(texels.data()), reinterpret_cast<const std::byte*>(texels.data() + texels.size()));
+  image.pixels.assign(reinterpret_cast<const std::byte*>(texels.data()),
+                      reinterpret_cast<const std::byte*>(texels.data() + texels.size()));
   return image;
 }
 
@@ -145,7 +148,9 @@ DecodedImage test_sky() {
 TEST(Sampling, TheSkysDensityIntegratesToOneAndCoversItsLight) {
   const Sky sky(test_sky());
   EXPECT_NEAR(integral_over_sphere(256, [&](glm::dvec3 d) { return sky.pdf(d); }), 1, 1e-2);
-  EXPECT_NEAR(integral_over_sphere(256, [&](glm::dvec3 d) { return sky.radiance(d).x > 0 && !(sky.pdf(d) > 0) ? 1.0 : 0.0; }), 0, 1e-12);
+  EXPECT_NEAR(
+      integral_over_sphere(256, [&](glm::dvec3 d) { return sky.radiance(d).x > 0 && !(sky.pdf(d) > 0) ? 1.0 : 0.0; }),
+      0, 1e-12);
   const double red = integral_over_sphere(512, [&](glm::dvec3 d) { return sky.radiance(d).x; });
   double estimate = 0;
   constexpr int count = 1 << 14;

@@ -27,10 +27,14 @@ GltfBuilder furnished() {
   add_node(b, {{"mesh", add_square_mesh(b, 3, add_material(b, glossy))}});
   Json lamp = emitting(diffuse_material(0.2, 0.2, 0.2), 6);
   lamp["doubleSided"] = true;
-  add_node(b, {{"mesh", add_square_mesh(b, 0.5, add_material(b, lamp))}, {"translation", {0.3, 0.9, 1.2}}, {"rotation", {0.5, 0, 0, 0.8660254}}});
-  add_node(b, {{"mesh", add_sphere_mesh(b, 0.4f, add_material(b, diffuse_material(0.7, 0.2, 0.2)), 12)}, {"translation", {-0.6, 0, 0.5}}});
-  add_node(b, {{"mesh", add_square_mesh(b, 0.4, add_material(b, with_alpha(diffuse_material(0.2, 0.9, 0.2), "BLEND", 0.4)))},
-               {"translation", {0.4, 0.2, 0.5}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 0.5, add_material(b, lamp))},
+               {"translation", {0.3, 0.9, 1.2}},
+               {"rotation", {0.5, 0, 0, 0.8660254}}});
+  add_node(b, {{"mesh", add_sphere_mesh(b, 0.4f, add_material(b, diffuse_material(0.7, 0.2, 0.2)), 12)},
+               {"translation", {-0.6, 0, 0.5}}});
+  add_node(
+      b, {{"mesh", add_square_mesh(b, 0.4, add_material(b, with_alpha(diffuse_material(0.2, 0.9, 0.2), "BLEND", 0.4)))},
+          {"translation", {0.4, 0.2, 0.5}}});
   return b;
 }
 const TestCamera camera_of_furnished{.eye = {0.5, -3, 2.4}, .width = 12, .height = 12};
@@ -74,7 +78,8 @@ TEST(Transport, BlendedSurfacesCoverFrontToBack) {
 TEST(Transport, MasksAreAllOrNothingAndCulledBacksAreNotSeen) {
   GltfBuilder b = empty_scene();
   use_all(b);
-  add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, with_alpha(unlit_material(1, 0, 0), "MASK", 0.4)))}, {"translation", {0, 0, 1}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, with_alpha(unlit_material(1, 0, 0), "MASK", 0.4)))},
+               {"translation", {0, 0, 1}}});
   Json kept = with_alpha(unlit_material(0, 1, 0), "MASK", 0.6);
   kept["doubleSided"] = false;
   add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, kept))}});
@@ -86,7 +91,8 @@ TEST(Transport, MasksAreAllOrNothingAndCulledBacksAreNotSeen) {
 
 // A half open square dims the light behind it by its coverage; a wall seen from its culled back still blocks.
 TEST(Transport, ShadowsKnowCoverage) {
-  for (const auto& [mode, alpha, through] : {std::tuple("BLEND", 0.25, 0.75), {"MASK", 0.25, 1.0}, {"MASK", 0.75, 0.0}, {"OPAQUE", 0.25, 0.0}}) {
+  for (const auto& [mode, alpha, through] :
+       {std::tuple("BLEND", 0.25, 0.75), {"MASK", 0.25, 1.0}, {"MASK", 0.75, 0.0}, {"OPAQUE", 0.25, 0.0}}) {
     GltfBuilder b = empty_scene();
     use_all(b);
     add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, diffuse_material(1, 1, 1)))}});
@@ -120,7 +126,8 @@ TEST(Transport, TheAmbientTermIsOccludedWithinItsDistance) {
   EXPECT_NEAR(mean(), 0, 1e-3);
   settings.ambient_distance_m = 2.5;
   EXPECT_NEAR(mean(), 1, 0.02);
-  settings.ambient_distance_m = 6;  // open where the roof is farther: cos < 1/2, a quarter of the cosine-weighted hemisphere
+  settings.ambient_distance_m =
+      6;  // open where the roof is farther: cos < 1/2, a quarter of the cosine-weighted hemisphere
   EXPECT_NEAR(mean(), 0.25, 0.01);
   settings.visibility = false;
   EXPECT_NEAR(mean(), 1, 0.02);
@@ -178,7 +185,8 @@ TEST(Transport, AnyNumberOfThreadsGivesTheSameBytes) {
     std::string first;
     for (const size_t threads : {1, 2, 5}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      const std::string bytes = bytes_of(traced(*t, settings, {.eye = camera_of_furnished.eye, .width = 40, .height = 35}, 4));
+      const std::string bytes =
+          bytes_of(traced(*t, settings, {.eye = camera_of_furnished.eye, .width = 40, .height = 35}, 4));
       if (first.empty()) first = bytes;
       EXPECT_EQ(bytes, first) << threads;
     }

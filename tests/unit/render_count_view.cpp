@@ -36,7 +36,8 @@ TEST(CountView, TheLegendShowsTheScale) {
   for (int y = 70; y < height; ++y)
     for (int x = 0; x < 60; ++x) {
       const size_t i = (size_t(y) * size_t(width) + size_t(x)) * 3;
-      white += image.pixels[i] == std::byte(255) && image.pixels[i + 1] == std::byte(255) && image.pixels[i + 2] == std::byte(255);
+      white += image.pixels[i] == std::byte(255) && image.pixels[i + 1] == std::byte(255) &&
+               image.pixels[i + 2] == std::byte(255);
     }
   EXPECT_GT(white, 15u);
   EXPECT_NE(image.pixels[(size_t(height - 1) * size_t(width)) * 3], image.pixels[0]);  // the plate

@@ -65,7 +65,8 @@ TEST(ErrorRows, FindingsSayFrontsAndSentences) {
 TEST(ErrorRows, CsvHasAColumnForEachError) {
   const std::string csv = bench_csv(run());
   const std::string head = csv.substr(0, csv.find("\r\n"));
-  for (const char* column : {"error.exact.relmse", "error.direct-unshadowed.hdr-flip", "noise.direct-unshadowed.relmse", "gpu_ci95_low_ms", "gpu_ci95_high_ms"})
+  for (const char* column : {"error.exact.relmse", "error.direct-unshadowed.hdr-flip", "noise.direct-unshadowed.relmse",
+                             "gpu_ci95_low_ms", "gpu_ci95_high_ms"})
     EXPECT_NE(head.find(column), std::string::npos) << column;
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   const std::string second = csv.substr(head.size() + 2, csv.find("\r\n", head.size() + 2) - head.size() - 2);
@@ -74,8 +75,9 @@ TEST(ErrorRows, CsvHasAColumnForEachError) {
 
 TEST(ErrorReport, HasFrontsNoiseSentencesAndStrips) {
   const std::string html = bench_html(run(), "t", false);
-  for (const char* part : {"Error against time: a &lt;scene&gt;", "noise of the reference", "the cheapest setting is", "Reference, result, FLIP", "cG5n", "95 % CI", "sampling error", "3.00", "7.00",
-                           "16 samples a pixel"})
+  for (const char* part :
+       {"Error against time: a &lt;scene&gt;", "noise of the reference", "the cheapest setting is",
+        "Reference, result, FLIP", "cG5n", "95 % CI", "sampling error", "3.00", "7.00", "16 samples a pixel"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_EQ(html.find("a <scene>"), std::string::npos);
   EXPECT_EQ(error_html({}), "");
@@ -85,8 +87,10 @@ TEST(Scatter, TicksAtOneTwoAndFive) {
   Scatter s{.title = "t", .points = {{"a", 8, 3e-5, 0, false, 7.5, 9}, {"b", 47, 0.3, 0, true}}, .floor_y = 1e-5};
   const std::string svg = scatter_svg(s);
   for (const char* tick : {">5<", ">10<", ">20<", ">50<", ">1e-05<", ">0.01<", ">1<"}) {
-    if (std::string_view(tick) == ">1<") EXPECT_EQ(svg.find(tick), std::string::npos) << "0.3 needs no more than 0.5";
-    else EXPECT_NE(svg.find(tick), std::string::npos) << tick << svg;
+    if (std::string_view(tick) == ">1<")
+      EXPECT_EQ(svg.find(tick), std::string::npos) << "0.3 needs no more than 0.5";
+    else
+      EXPECT_NE(svg.find(tick), std::string::npos) << tick << svg;
   }
   EXPECT_EQ(svg.find(">2e-05<"), std::string::npos) << "many decades have no room between them";
   // 7.5 to 9 of 5 to 50 over 720 from 80.
@@ -97,12 +101,17 @@ TEST(Scatter, TicksAtOneTwoAndFive) {
 }
 
 TEST(Scatter, DrawsALaw) {
-  Scatter s{.title = "t", .points = {{"a", 1, 1, 0, false}, {"b", 10, 10, 0, false}}, .stairs = false, .curve = {{1, 1}, {10, 10}}};
+  Scatter s{.title = "t",
+            .points = {{"a", 1, 1, 0, false}, {"b", 10, 10, 0, false}},
+            .stairs = false,
+            .curve = {{1, 1}, {10, 10}}};
   EXPECT_NE(scatter_svg(s).find("M80.0 414.0L800.0 34.0"), std::string::npos) << scatter_svg(s);
 }
 
 TEST(Scatter, PutsPointsOnLogarithmicAxes) {
-  Scatter s{.title = "t", .points = {{"a", 1, 0.01, 0, false}, {"b & c", 10, 0.001, 0, true}, {"zero", 100, 0, 1, false}}, .groups = {"g", "h"}};
+  Scatter s{.title = "t",
+            .points = {{"a", 1, 0.01, 0, false}, {"b & c", 10, 0.001, 0, true}, {"zero", 100, 0, 1, false}},
+            .groups = {"g", "h"}};
   const std::string svg = scatter_svg(s);
   // x from 1 to 100 over 720 from 80; y from 1e-3 to 1e-2 over 380 down to 414.
   EXPECT_NE(svg.find("cx=\"80.0\" cy=\"34.0\" r=\"6\""), std::string::npos) << svg;

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "gltf/gltf.h"
 #include "scene/deformation_bounds.h"
 #include "scene/frame_data.h"
-#include "gltf/gltf.h"
 #include "scene/survey.h"
 
 namespace candela {

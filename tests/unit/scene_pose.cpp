@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "math/transforms.h"
 #include "gltf_builder.h"
+#include "math/transforms.h"
 
 namespace candela {
 namespace {

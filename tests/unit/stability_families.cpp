@@ -27,12 +27,14 @@ TEST(Stability, HasAtLeastEightyScenesOfUniqueNames) {
     EXPECT_TRUE(names.insert(recipe.family + "/" + recipe.name).second) << recipe.name;
   }
   EXPECT_GE(names.size(), 80u);
-  EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "textures", "geometry", "animation", "tone", "images", "fog"}));
+  EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "textures", "geometry",
+                                             "animation", "tone", "images", "fog"}));
 }
 
 TEST(Stability, ScenesFollowFromTheSeed) {
   const auto recipes = stability_recipes();
-  const auto moved = std::find_if(recipes.begin(), recipes.end(), [](const StabilityRecipe& r) { return r.family == "worlds"; });
+  const auto moved =
+      std::find_if(recipes.begin(), recipes.end(), [](const StabilityRecipe& r) { return r.family == "worlds"; });
   ASSERT_NE(moved, recipes.end());
   const auto file = [&](uint64_t seed) {
     StabilityInput in{Rng(seed)};
@@ -43,7 +45,8 @@ TEST(Stability, ScenesFollowFromTheSeed) {
 }
 
 TEST(Stability, CountsWhatIsNotFiniteAndWhatHalfCannotHold) {
-  const PixelCounts counts = count_pixels(picture({{1, 2, 3, 1}, {nan, 0, 0, 1}, {0, infinity, 0, 1}, {70000, 65504, -70000, 1}}), 1);
+  const PixelCounts counts =
+      count_pixels(picture({{1, 2, 3, 1}, {nan, 0, 0, 1}, {0, infinity, 0, 1}, {70000, 65504, -70000, 1}}), 1);
   EXPECT_EQ(counts.nonfinite, 2u);
   EXPECT_EQ(counts.first_x, 1);
   EXPECT_EQ(counts.beyond_half, 2u);
@@ -60,30 +63,37 @@ TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
   EXPECT_EQ(picture_error(right, 1, truth, 0).max_relative, 0);
   EXPECT_EQ(picture_error(right, 1, truth, 0).energy, 0);
 
-  const TruthError off = picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
+  const TruthError off =
+      picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
   EXPECT_NEAR(off.max_relative, 0.1, 1e-6);
   EXPECT_EQ(off.beyond, 1u);
   EXPECT_EQ(off.worst_x, 1);
   EXPECT_NEAR(off.energy, 0.2 / 21, 1e-6);
   // Between what the pixel shows a hair to either side everything is right, and so is its sum.
   truth.high[1] = glm::dvec4(2.5, 2.5, 2.5, 1);
-  EXPECT_EQ(picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).beyond, 0u);
+  EXPECT_EQ(picture_error(picture({{1, 1, 1, 1}, {2.2f, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).beyond,
+            0u);
 
   // Light where there is none is measured against a hundredth of the median.
-  EXPECT_NEAR(picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0.02f, 0, 0, 1}}), 1, truth, 0.05).max_relative, 1, 1e-6);
-  const TruthError broken = picture_error(picture({{nan, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
+  EXPECT_NEAR(
+      picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0.02f, 0, 0, 1}}), 1, truth, 0.05).max_relative,
+      1, 1e-6);
+  const TruthError broken =
+      picture_error(picture({{nan, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}}), 1, truth, 0.05);
   EXPECT_EQ(broken.max_relative, std::numeric_limits<double>::infinity());
   EXPECT_EQ(broken.beyond, 1u);
   EXPECT_FALSE(std::abs(broken.energy) <= 1e9);
   // Lost light.
-  EXPECT_NEAR(picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).energy, -4.0 / 7, 1e-6);
+  EXPECT_NEAR(picture_error(picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}}), 1, truth, 0.05).energy,
+              -4.0 / 7, 1e-6);
 }
 
-// What is right of a pixel is as wide as its place is uncertain, and no wider; and light that is lost within the pixels' own bounds is
-// found in their sum.
+// What is right of a pixel is as wide as its place is uncertain, and no wider; and light that is lost within the
+// pixels' own bounds is found in their sum.
 TEST(Stability, ATruePixelReachesAsFarAsCornersAreRounded) {
   const auto recipes = stability_recipes();
-  const auto recipe = std::find_if(recipes.begin(), recipes.end(), [](const StabilityRecipe& r) { return r.name == "roughness 0"; });
+  const auto recipe =
+      std::find_if(recipes.begin(), recipes.end(), [](const StabilityRecipe& r) { return r.name == "roughness 0"; });
   ASSERT_NE(recipe, recipes.end());
   StabilityInput in{Rng(1)};
   const StabilityScene scene = recipe->make(in);

@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "stability/stability.h"
 #include "frame/plan_frame.h"
+#include "stability/stability.h"
 
 namespace candela {
 namespace {

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "base/files.h"
-#include "scene/frame_data.h"
 #include "gltf/gltf.h"
+#include "scene/frame_data.h"
 #include "testscenes/procedural_shapes.h"
 
 namespace candela {

@@ -112,7 +112,8 @@ void check_buffer_view(Document& d, size_t i) {
 void check_major_version(const Json& root, Findings& findings) {
   int major = 0, minor = 0;
   if (parse_version(text(member(root, "asset"), "version"), major, minor) && major != 2)
-    findings.fatal("UNKNOWN_ASSET_MAJOR_VERSION", "/asset/version", "unknown glTF major version {}: this program reads glTF 2.0", major);
+    findings.fatal("UNKNOWN_ASSET_MAJOR_VERSION", "/asset/version",
+                   "unknown glTF major version {}: this program reads glTF 2.0", major);
 }
 
 void check_asset(Document& d) {

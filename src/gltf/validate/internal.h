@@ -98,7 +98,8 @@ void collect_texcoord_uses(const Json& material, const std::string& path, std::v
 
 // In this order; each trusts what those before it have passed, and the first that finds something fatal ends the
 // checks.
-void check_major_version(const Json& root, Findings& findings);  // alone: another major version breaks the schema all over
+void check_major_version(const Json& root,
+                         Findings& findings);  // alone: another major version breaks the schema all over
 void check_schema(const Json& root, Findings& findings);
 void check_asset(Document& document);
 void check_buffers(Document& document);

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "gltf/validate/validate.h"
 #include "gltf/validate/internal.h"
+#include "gltf/validate/validate.h"
 
 namespace candela {
 namespace {

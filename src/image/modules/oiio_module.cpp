@@ -38,8 +38,11 @@ int read(const char* path, float* (*begin)(void*, int, int, int, const char*), v
   if (!target) return refuse("the image is too large", message, message_size);
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, target))
     return refuse(input->geterror(), message, message_size);
-  // OpenImageIO multiplies codes by a rounded 1/255; a division gives what every other reader here makes of the same code.
-  const float largest = spec.format == OIIO::TypeDesc::UINT8 ? 255.0f : spec.format == OIIO::TypeDesc::UINT16 ? 65535.0f : 0.0f;
+  // OpenImageIO multiplies codes by a rounded 1/255; a division gives what every other reader here makes of the same
+  // code.
+  const float largest = spec.format == OIIO::TypeDesc::UINT8    ? 255.0f
+                        : spec.format == OIIO::TypeDesc::UINT16 ? 65535.0f
+                                                                : 0.0f;
   if (largest > 0)
     for (float *v = target, *end = target + spec.image_pixels() * uint64_t(spec.nchannels); v != end; ++v)
       *v = std::round(*v * largest) / largest;

@@ -20,7 +20,7 @@ struct Layers {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;       // empty: every light for every pixel
+    CellLists lists;        // empty: every light for every pixel
     std::array<bool, layer_count> wanted{};
   };
   struct Out {

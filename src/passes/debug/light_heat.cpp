@@ -21,10 +21,12 @@ LightHeat::Out LightHeat::declare(GraphBuilder& builder, const In& in) const {
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
   const uint32_t width = in.scene.width_px, height = in.scene.height_px;
-  out.depth = builder.write(builder.create(ImageDesc{"heatmap.z", depth_format, width, height}), Access::depth_attachment);
+  out.depth =
+      builder.write(builder.create(ImageDesc{"heatmap.z", depth_format, width, height}), Access::depth_attachment);
   for (size_t i = 0; i < layers.size(); ++i)
-    out.counts[i] = builder.write(
-        builder.create(ImageDesc{std::string(layers[i]), VK_FORMAT_R32_SFLOAT, width, height}), Access::color_attachment);
+    out.counts[i] =
+        builder.write(builder.create(ImageDesc{std::string(layers[i]), VK_FORMAT_R32_SFLOAT, width, height}),
+                      Access::color_attachment);
   return out;
 }
 

@@ -4,9 +4,9 @@
 
 namespace candela {
 
-// How light lists fare at each pixel, as counts: lights listed; of them, those that give exactly nothing there (out of range or
-// cone); and lights that give something and are not listed, which is 0 or a defect. Of the nearest opaque or masked surface, at
-// the pixel's centre. Walks every light for every pixel: for looking, not for frames that are timed.
+// How light lists fare at each pixel, as counts: lights listed; of them, those that give exactly nothing there (out of
+// range or cone); and lights that give something and are not listed, which is 0 or a defect. Of the nearest opaque or
+// masked surface, at the pixel's centre. Walks every light for every pixel: for looking, not for frames that are timed.
 struct LightHeat {
   static constexpr std::string_view name = "light_heat";
   static constexpr std::array<std::string_view, 3> layers = {"heatmap.lights", "heatmap.waste", "heatmap.missed"};

@@ -16,8 +16,7 @@ VkPrimitiveTopology vulkan_topology(Topology t) {
 RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                           const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice) {
   builder.read(scene.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b :
-       {scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
+  for (const BufferHandle b : {scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
     builder.read(b, Access::graphics_read, "the scene");
   builder.read(scene.indices, Access::index_read, "the scene's indices");
   builder.read(draws.commands, Access::indirect_read, "draw commands");

@@ -22,8 +22,8 @@ struct RunPipelineChoice {
 RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                           const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice);
 
-// The colour image of a shading pass: `color` written again, or a new one where there is none yet. It is not cleared: sky or
-// background cover what no surface does.
+// The colour image of a shading pass: `color` written again, or a new one where there is none yet. It is not cleared:
+// sky or background cover what no surface does.
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);
 
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights.

@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// Writes every light that light_assign found into its cells' lists. The order inside a list is that of the threads' arrival;
-// light_sort mends it.
+// Writes every light that light_assign found into its cells' lists. The order inside a list is that of the threads'
+// arrival; light_sort mends it.
 struct LightFill {
   static constexpr std::string_view name = "light_fill";
   struct In {

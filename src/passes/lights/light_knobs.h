@@ -6,8 +6,8 @@
 
 namespace candela {
 
-// How light lists are made: the knobs `lights.*`, shared by the passes that make and walk them. Apart from floor_lux and cap they
-// change time and memory, never a bit of the picture.
+// How light lists are made: the knobs `lights.*`, shared by the passes that make and walk them. Apart from floor_lux
+// and cap they change time and memory, never a bit of the picture.
 enum class LightTest : int { aabb, cone_sphere, capsule, capsule_joint };
 enum class LightList : int { automatic, bitmask, compact };
 struct LightKnobs {

@@ -12,8 +12,8 @@ LightScan::Out LightScan::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.counts, Access::compute_read, "counts of lights");
   builder.read(in.sums, Access::compute_read, "counts of lights");
   Out out;
-  out.offsets = builder.write(builder.create(BufferDesc{"light.offsets", (uint64_t(grid.cells) + 1) * 4}),
-                              Access::compute_write);
+  out.offsets =
+      builder.write(builder.create(BufferDesc{"light.offsets", (uint64_t(grid.cells) + 1) * 4}), Access::compute_write);
   out.pipeline = builder.pipeline(ComputePipelineDesc{"light_scan.comp", {}});
   return out;
 }

@@ -12,7 +12,8 @@ LightSort::Out LightSort::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.offsets, Access::compute_read, "where lists begin");
   builder.read(in.unsorted, Access::compute_read, "lights of cells");
   Out out;
-  out.entries = builder.write(builder.create(BufferDesc{"light.entries", grid.most_entries * 4}), Access::compute_write);
+  out.entries =
+      builder.write(builder.create(BufferDesc{"light.entries", grid.most_entries * 4}), Access::compute_write);
   ComputePipelineDesc desc{"light_sort.comp", {}};
   if (grid.knobs.cap > 0) {
     desc.constants.push_back({0, "CAPPED", 1});

@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// Brings each cell's list into light order: sums are then the same bit for bit on every run and for every kind of list. With the
-// knob lights.cap it also counts what the cap loses.
+// Brings each cell's list into light order: sums are then the same bit for bit on every run and for every kind of list.
+// With the knob lights.cap it also counts what the cap loses.
 struct LightSort {
   static constexpr std::string_view name = "light_sort";
   struct In {

@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// Nearest and farthest depth of every 16x16 tile over all MSAA samples, and a mask of the 32 slices between them that hold a
-// surface (Harada, "A 2.5D Culling for Forward+", 2012). Metres. Sky does not count.
+// Nearest and farthest depth of every 16x16 tile over all MSAA samples, and a mask of the 32 slices between them that
+// hold a surface (Harada, "A 2.5D Culling for Forward+", 2012). Metres. Sky does not count.
 struct TileDepth {
   static constexpr std::string_view name = "tile_depth";
   static constexpr uint32_t tile_px = 16;

@@ -4,9 +4,9 @@
 
 namespace candela {
 
-// One colour behind everything, where no sky is: over the samples that no surface covers, at depth 0 (infinity), or all over an
-// image that nothing has drawn into. Drawn instead of cleared: clearing four samples of 16 bytes takes llvmpipe as long as a
-// quarter of the frame, and is then drawn over.
+// One colour behind everything, where no sky is: over the samples that no surface covers, at depth 0 (infinity), or all
+// over an image that nothing has drawn into. Drawn instead of cleared: clearing four samples of 16 bytes takes llvmpipe
+// as long as a quarter of the frame, and is then drawn over.
 struct Background {
   static constexpr std::string_view name = "background";
   struct In {

@@ -13,7 +13,7 @@ struct Transparent {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;       // empty: every light for every pixel
+    CellLists lists;        // empty: every light for every pixel
     ImageHandle depth;      // optional: nothing opaque lies in front without it
     ImageHandle color;      // optional: without one the pass makes and clears it
   };

@@ -13,7 +13,8 @@ StabilityScene flat_picture(const std::string& curve, glm::dvec3 radiance, std::
     json material = lit({0, 0, 0}, 0, 1);
     const double top = std::max({c.x, c.y, c.z, 1.0});
     material["emissiveFactor"] = exact(c / top);
-    material["extensions"] = {{"KHR_materials_emissive_strength", {{"emissiveStrength", top}}}, {"KHR_materials_ior", {{"ior", 1}}}};
+    material["extensions"] = {{"KHR_materials_emissive_strength", {{"emissiveStrength", top}}},
+                              {"KHR_materials_ior", {{"ior", 1}}}};
     material["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0}};
     return material;
   };
@@ -64,23 +65,29 @@ StabilityScene sized(StabilityInput& in, int width, int height) {
 void add_display(Recipes& all) {
   for (const char* curve : {"none", "agx", "reinhard", "aces", "neutral", "rec709"}) {
     const std::string c = curve;
-    all.push_back({"tone", "one pixel at 65504, " + c, "in a picture of 0.2", [=](StabilityInput&) { return flat_picture(c, glm::dvec3(0.2), glm::dvec3(65504)); }});
+    all.push_back({"tone", "one pixel at 65504, " + c, "in a picture of 0.2",
+                   [=](StabilityInput&) { return flat_picture(c, glm::dvec3(0.2), glm::dvec3(65504)); }});
     all.push_back({"tone", "all black, " + c, "exactly 0, in the file and on display", [=](StabilityInput&) {
                      StabilityScene scene = flat_picture(c, glm::dvec3(0));
                      scene.black = true;
                      return scene;
                    }});
-    all.push_back({"tone", "all equal, " + c, "one value: one colour", [=](StabilityInput&) { return flat_picture(c, {0.18, 0.18, 0.18}); }});
+    all.push_back({"tone", "all equal, " + c, "one value: one colour", [=](StabilityInput&) {
+                     return flat_picture(c, {0.18, 0.18, 0.18});
+                   }});
     all.push_back({"tone", "all 1e30, " + c, "white, not a hole", [=](StabilityInput&) {
                      StabilityScene scene = flat_picture(c, glm::dvec3(1e30));
                      scene.clamps = true;
                      return scene;
                    }});
-    all.push_back({"tone", "1e-8 and blue of 1e4, " + c, "one channel alone", [=](StabilityInput&) { return flat_picture(c, glm::dvec3(1e-8), glm::dvec3(0, 0, 1e4)); }});
+    all.push_back({"tone", "1e-8 and blue of 1e4, " + c, "one channel alone",
+                   [=](StabilityInput&) { return flat_picture(c, glm::dvec3(1e-8), glm::dvec3(0, 0, 1e4)); }});
   }
-  all.push_back({"tone", "exposure +100 EV, 1e12 cd", "radiance times 2^100 is no float", [](StabilityInput& in) { return exposed(in, 100, 1e12); }});
+  all.push_back({"tone", "exposure +100 EV, 1e12 cd", "radiance times 2^100 is no float",
+                 [](StabilityInput& in) { return exposed(in, 100, 1e12); }});
   all.push_back({"tone", "exposure +100 EV, 1e-6 cd", "", [](StabilityInput& in) { return exposed(in, 100, 1e-6); }});
-  all.push_back({"tone", "exposure -100 EV, 1e-6 cd", "radiance times 2^-100 is below normal floats", [](StabilityInput& in) { return exposed(in, -100, 1e-6); }});
+  all.push_back({"tone", "exposure -100 EV, 1e-6 cd", "radiance times 2^-100 is below normal floats",
+                 [](StabilityInput& in) { return exposed(in, -100, 1e-6); }});
   all.push_back({"tone", "exposure -100 EV, 1e9 cd", "", [](StabilityInput& in) { return exposed(in, -100, 1e9); }});
 }
 
@@ -88,7 +95,8 @@ void add_images(Recipes& all, const std::vector<std::pair<int, int>>& sizes) {
   static const std::vector<std::pair<int, int>> own = {{1, 1}, {1, 4096}, {4096, 1}, {3, 3}, {127, 61}, {16384, 1}};
   const auto& chosen = sizes.empty() ? own : sizes;
   for (const auto& [width, height] : chosen)
-    all.push_back({"images", std::to_string(width) + "x" + std::to_string(height), "", [=](StabilityInput& in) { return sized(in, width, height); }});
+    all.push_back({"images", std::to_string(width) + "x" + std::to_string(height), "",
+                   [=](StabilityInput& in) { return sized(in, width, height); }});
   if (std::find(chosen.begin(), chosen.end(), std::pair(8192, 8192)) == chosen.end())
     all.push_back({"images", "8192x8192", "by --large; else 2048x2048", [](StabilityInput& in) {
                      const int side = in.large ? 8192 : 2048;

@@ -1,5 +1,6 @@
-// Lights: intensities over fifteen orders of magnitude, ranges from a millimetre to a thousand kilometres, cones from a hundredth of
-// a degree to a half space, lights where a direction or an inverse square has no value, and ten thousand in one place.
+// Lights: intensities over fifteen orders of magnitude, ranges from a millimetre to a thousand kilometres, cones from a
+// hundredth of a degree to a half space, lights where a direction or an inverse square has no value, and ten thousand
+// in one place.
 #include "stability/stage.h"
 #include "testscenes/light_arrays.h"
 
@@ -38,14 +39,24 @@ void add(Recipes& all, std::string name, std::string what, const Fill& lights, d
 
 // Beside a light of 1: what a camera's exposure is for.
 void add_places(Recipes& all) {
-  add(all, "on a surface", "in the floor's plane: light along it, and an inverse square of 0", [](GlbWriter& out) { point(out, {0, 0, 1}, 5); });
-  // Places are floats relative to the camera: 1e-7 m is what they resolve here, so a thousandth of the height is lost at 1e-4 m.
-  add(all, "a hair above a surface", "1e-4 m over the floor", [](GlbWriter& out) { point(out, {0, 1e-4, 1}, 5); }, 5e-3);
+  add(all, "on a surface", "in the floor's plane: light along it, and an inverse square of 0", [](GlbWriter& out) {
+    point(out, {0, 0, 1}, 5);
+  });
+  // Places are floats relative to the camera: 1e-7 m is what they resolve here, so a thousandth of the height is lost
+  // at 1e-4 m.
+  add(
+      all, "a hair above a surface", "1e-4 m over the floor",
+      [](GlbWriter& out) {
+        point(out, {0, 1e-4, 1}, 5);
+      },
+      5e-3);
   add(all, "at a vertex", "at the floor's corner and at the cube's", [](GlbWriter& out) {
     point(out, {4, 0, 4}, 5);
     point(out, {1.375, 0.75, -0.125}, 1);
   });
-  add(all, "at the camera", "light and view direction are the same", [](GlbWriter& out) { point(out, {0.5, 1.75, 4.5}, 20); });
+  add(all, "at the camera", "light and view direction are the same", [](GlbWriter& out) {
+    point(out, {0.5, 1.75, 4.5}, 20);
+  });
   add(all, "behind the camera", "and far behind it", [](GlbWriter& out) {
     point(out, {0.5, 2.5, 9}, 60);
     point(out, {0, 500, 4000}, 1e7);
@@ -84,9 +95,9 @@ StabilityScene crowd(StabilityInput& in, bool spots, int count) {
   fill(plain, 1, in.rng);
   StabilityScene scene = scene_of(out);
   scene.plain = plain.bytes();
-  scene.plain_bound = 2e-4;   // ten thousand roundings in a row, half an ulp each at worst
+  scene.plain_bound = 2e-4;  // ten thousand roundings in a row, half an ulp each at worst
   scene.bound = 1e-3;
-  scene.reference = false;    // the plain scene's picture is the reference's too (intensity 20)
+  scene.reference = false;  // the plain scene's picture is the reference's too (intensity 20)
   return scene;
 }
 
@@ -109,18 +120,31 @@ void add_lights(Recipes& all) {
                      scene.clamps = candela > 1e6;
                      return scene;
                    }});
-  add(all, "1e-6 cd beside 1e9 cd", "the strong one must not swallow the room, nor the weak one vanish where it is alone", [](GlbWriter& out) {
-    point(out, {-3, 0.5, 3}, 1e-6);
-    point(out, {3, 40, -3}, 1e9, {{"range", 39.9}});
-  });
-  all.push_back({"lights", "range 1e-3 m", "half a millimetre over the floor, beside a lamp", [](StabilityInput& in) { return range(in, 1e-3, {0, 5e-4, 1}, 5); }});
-  all.push_back({"lights", "range 1e-6 m", "on the floor, beside a lamp", [](StabilityInput& in) { return range(in, 1e-6, {0, 0, 1}, 5); }});
-  all.push_back({"lights", "range 1e6 m", "over the room", [](StabilityInput& in) { return range(in, 1e6, {0, 3, 2}, 20); }});
-  all.push_back({"lights", "range 1e30 m", "its square is no float", [](StabilityInput& in) { return range(in, 1e30, {0, 3, 2}, 20); }});
-  all.push_back({"lights", "range's end in view", "the window falls to 0 on the floor", [](StabilityInput& in) { return range(in, 2.5, {0, 1, 1}, 20); }});
+  add(all, "1e-6 cd beside 1e9 cd",
+      "the strong one must not swallow the room, nor the weak one vanish where it is alone", [](GlbWriter& out) {
+        point(out, {-3, 0.5, 3}, 1e-6);
+        point(out, {3, 40, -3}, 1e9, {{"range", 39.9}});
+      });
+  all.push_back({"lights", "range 1e-3 m", "half a millimetre over the floor, beside a lamp", [](StabilityInput& in) {
+                   return range(in, 1e-3, {0, 5e-4, 1}, 5);
+                 }});
+  all.push_back({"lights", "range 1e-6 m", "on the floor, beside a lamp", [](StabilityInput& in) {
+                   return range(in, 1e-6, {0, 0, 1}, 5);
+                 }});
+  all.push_back({"lights", "range 1e6 m", "over the room", [](StabilityInput& in) {
+                   return range(in, 1e6, {0, 3, 2}, 20);
+                 }});
+  all.push_back({"lights", "range 1e30 m", "its square is no float", [](StabilityInput& in) {
+                   return range(in, 1e30, {0, 3, 2}, 20);
+                 }});
+  all.push_back({"lights", "range's end in view", "the window falls to 0 on the floor", [](StabilityInput& in) {
+                   return range(in, 2.5, {0, 1, 1}, 20);
+                 }});
   add(all, "sun of 1e-6 lux", "", [](GlbWriter& out) { sun(out, {1, 2, 1}, 1e-6); });
   add(all, "sun of 1e9 lux", "", [](GlbWriter& out) { sun(out, {1, 2, 1}, 1e9); });
-  add(all, "sun along the floor", "at 0.001 degrees over it", [](GlbWriter& out) { sun(out, {1, 1.7453e-5, 0.2}, 1e5); });
+  add(all, "sun along the floor", "at 0.001 degrees over it", [](GlbWriter& out) {
+    sun(out, {1, 1.7453e-5, 0.2}, 1e5);
+  });
   add_places(all);
 }
 
@@ -129,9 +153,12 @@ void add_cones_and_crowds(Recipes& all) {
        {std::tuple("cone of 0.01 degrees", 0.0, 0.01), std::tuple("cone of 0.01 degrees, sharp", 0.0099, 0.01),
         std::tuple("cone of 0.1 degrees", 0.0, 0.1), std::tuple("cone of 1 degree", 0.5, 1.0),
         std::tuple("cone of 90 degrees", 0.0, 90.0), std::tuple("cone of 90 degrees, sharp", 89.999, 90.0)})
-    all.push_back({"lights", name, "half angle, straight down", [=](StabilityInput& in) { return cone(in, inner, outer); }});
-  all.push_back({"lights", "10,000 points in one place", "as bright as one", [](StabilityInput& in) { return crowd(in, false, 10'000); }});
-  all.push_back({"lights", "10,000 spots in one place", "as bright as one", [](StabilityInput& in) { return crowd(in, true, 10'000); }});
+    all.push_back(
+        {"lights", name, "half angle, straight down", [=](StabilityInput& in) { return cone(in, inner, outer); }});
+  all.push_back({"lights", "10,000 points in one place", "as bright as one",
+                 [](StabilityInput& in) { return crowd(in, false, 10'000); }});
+  all.push_back({"lights", "10,000 spots in one place", "as bright as one",
+                 [](StabilityInput& in) { return crowd(in, true, 10'000); }});
   all.push_back({"lights", "none but dark ones", "intensity and colour 0: exactly black", [](StabilityInput& in) {
                    StabilityScene scene = room_with(in, [](GlbWriter& out) {
                      point(out, {0, 2, 2}, 0);

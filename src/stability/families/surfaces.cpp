@@ -1,5 +1,5 @@
-// Materials: mirrors, grazing views, colours outside [0,1], light of their own. Textures: of one texel, of one row, far coordinates,
-// skies that hold what no light has.
+// Materials: mirrors, grazing views, colours outside [0,1], light of their own. Textures: of one texel, of one row, far
+// coordinates, skies that hold what no light has.
 #include "stability/stage.h"
 #include "testscenes/procedural_textures.h"
 
@@ -14,7 +14,8 @@ json with_extension(json material, std::string_view name, json value) {
 }
 
 // A ball of the material over the room's floor, near the light.
-void add_ball(Recipes& all, std::string name, std::string what, json material, double bound = 1e-3, std::string extension = {}) {
+void add_ball(Recipes& all, std::string name, std::string what, json material, double bound = 1e-3,
+              std::string extension = {}) {
   all.push_back({"materials", std::move(name), std::move(what), [=](StabilityInput& in) {
                    GlbWriter out;
                    lit_room(out, in.rng);
@@ -64,22 +65,26 @@ struct GlassBall {
   glm::dvec3 at{0, 0.75, 1.5};
 };
 void add_glass(Recipes& all, std::string name, std::string what, GlassBall ball) {
-  all.push_back({"materials", std::move(name), std::move(what), [=](StabilityInput& in) {
-                   GlbWriter out;
-                   lit_room(out, in.rng);
-                   for (const char* extension : {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior", "KHR_materials_dispersion"})
-                     out.use_extension(extension);
-                   json material = lit({0.9, 0.9, 0.9}, 0, ball.roughness);
-                   material["doubleSided"] = false;
-                   material["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
-                                             {"KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", ball.attenuation_m}, {"attenuationColor", {1, 0.5, 0}}}},
-                                             {"KHR_materials_ior", {{"ior", ball.ior}}},
-                                             {"KHR_materials_dispersion", {{"dispersion", 1}}}};
-                   for (int i = 0; i < ball.nested; ++i) place(out, sphere(0.6 - 0.05 * i, 64, 48), material, ball.at);
-                   StabilityScene scene = scene_of(out);
-                   scene.paths = true;
-                   return scene;
-                 }});
+  all.push_back(
+      {"materials", std::move(name), std::move(what), [=](StabilityInput& in) {
+         GlbWriter out;
+         lit_room(out, in.rng);
+         for (const char* extension :
+              {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior", "KHR_materials_dispersion"})
+           out.use_extension(extension);
+         json material = lit({0.9, 0.9, 0.9}, 0, ball.roughness);
+         material["doubleSided"] = false;
+         material["extensions"] = {
+             {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+             {"KHR_materials_volume",
+              {{"thicknessFactor", 1}, {"attenuationDistance", ball.attenuation_m}, {"attenuationColor", {1, 0.5, 0}}}},
+             {"KHR_materials_ior", {{"ior", ball.ior}}},
+             {"KHR_materials_dispersion", {{"dispersion", 1}}}};
+         for (int i = 0; i < ball.nested; ++i) place(out, sphere(0.6 - 0.05 * i, 64, 48), material, ball.at);
+         StabilityScene scene = scene_of(out);
+         scene.paths = true;
+         return scene;
+       }});
 }
 
 // Devices decode sRGB within half a code value's width, not exactly (TECHNIQUES 21): 0.3 % of lavapipe's texels.
@@ -143,15 +148,20 @@ StabilityScene under_bad_texel(StabilityInput& in, float value, float stands_for
 }  // namespace
 
 void add_materials(Recipes& all) {
-  add_ball(all, "roughness 0", "a dielectric mirror: its highlight is 32-bit arithmetic's place", lit({0.5, 0.5, 0.5}, 0, 0));
+  add_ball(all, "roughness 0", "a dielectric mirror: its highlight is 32-bit arithmetic's place",
+           lit({0.5, 0.5, 0.5}, 0, 0));
   add_ball(all, "metal mirror", "roughness 0, metallic 1", lit({0.95, 0.9, 0.8}, 1, 0));
   add_ball(all, "roughness 1e-4", "", lit({0.95, 0.9, 0.8}, 0.5, 1e-4));
-  all.push_back({"materials", "grazing at 1 cm over 10 m", "rough", [](StabilityInput&) { return grazing(0.01, 0.7, 0); }});
-  all.push_back({"materials", "grazing mirror", "a metal mirror seen along its plane", [](StabilityInput&) { return grazing(0.01, 0, 1); }});
-  all.push_back({"materials", "grazing at 0.1 mm over 10 m", "cosines of 1e-5", [](StabilityInput&) { return grazing(1e-4, 0.5, 0); }});
+  all.push_back(
+      {"materials", "grazing at 1 cm over 10 m", "rough", [](StabilityInput&) { return grazing(0.01, 0.7, 0); }});
+  all.push_back({"materials", "grazing mirror", "a metal mirror seen along its plane",
+                 [](StabilityInput&) { return grazing(0.01, 0, 1); }});
+  all.push_back({"materials", "grazing at 0.1 mm over 10 m", "cosines of 1e-5",
+                 [](StabilityInput&) { return grazing(1e-4, 0.5, 0); }});
   add_ball(all, "black", "base colour 0: only its gloss is seen", lit({0, 0, 0}, 0, 0.4));
   add_ball(all, "black metal", "nothing but grazing light", lit({0, 0, 0}, 1, 0.4));
-  all.push_back({"materials", "albedo above one", "vertex colours of 4 and 8", [](StabilityInput& in) { return colored(in, 4); }});
+  all.push_back({"materials", "albedo above one", "vertex colours of 4 and 8",
+                 [](StabilityInput& in) { return colored(in, 4); }});
   all.push_back({"materials", "albedo 1e6", "vertex colours", [](StabilityInput& in) {
                    StabilityScene scene = colored(in, 1e6);
                    scene.clamps = true;
@@ -162,14 +172,18 @@ void add_materials(Recipes& all) {
                    return scene;
                  }});
   for (const auto& [name, strength, samples] :
-       {std::tuple("emissive 1e8", 1e8, 1), std::tuple("emissive 1e38", 1e38, 1), std::tuple("emissive 2e38, 4 samples", 2e38, 4)})
+       {std::tuple("emissive 1e8", 1e8, 1), std::tuple("emissive 1e38", 1e38, 1),
+        std::tuple("emissive 2e38, 4 samples", 2e38, 4)})
     all.push_back({"materials", name, "KHR_materials_emissive_strength", [=](StabilityInput& in) {
                      json material = lit({0.5, 0.5, 0.5}, 0, 0.5);
                      material["emissiveFactor"] = {1, 0.5, 0.25};
                      GlbWriter out;
                      lit_room(out, in.rng);
                      out.use_extension("KHR_materials_emissive_strength");
-                     place(out, sphere(0.6, 64, 48), with_extension(material, "KHR_materials_emissive_strength", {{"emissiveStrength", strength}}), {0, 0.75, 1.5});
+                     place(
+                         out, sphere(0.6, 64, 48),
+                         with_extension(material, "KHR_materials_emissive_strength", {{"emissiveStrength", strength}}),
+                         {0, 0.75, 1.5});
                      StabilityScene scene = scene_of(out);
                      scene.clamps = true;
                      scene.job.samples = samples;
@@ -179,24 +193,40 @@ void add_materials(Recipes& all) {
   const json grey = lit({0.5, 0.5, 0.5}, 0, 0.3);
   add_ball(all, "ior 0", "f0 = 1", with_extension(grey, "KHR_materials_ior", {{"ior", 0}}), 1e-3, "KHR_materials_ior");
   add_ball(all, "ior 1", "f0 = 0", with_extension(grey, "KHR_materials_ior", {{"ior", 1}}), 1e-3, "KHR_materials_ior");
-  add_ball(all, "ior 1e6", "f0 near 1", with_extension(grey, "KHR_materials_ior", {{"ior", 1e6}}), 1e-3, "KHR_materials_ior");
-  add_ball(all, "specular colour 1e6", "f0 stops at 1", with_extension(grey, "KHR_materials_specular", {{"specularColorFactor", {1e6, 1, 0}}}), 1e-3,
+  add_ball(all, "ior 1e6", "f0 near 1", with_extension(grey, "KHR_materials_ior", {{"ior", 1e6}}), 1e-3,
+           "KHR_materials_ior");
+  add_ball(all, "specular colour 1e6", "f0 stops at 1",
+           with_extension(grey, "KHR_materials_specular", {{"specularColorFactor", {1e6, 1, 0}}}), 1e-3,
            "KHR_materials_specular");
   add_glass(all, "clear glass", "refracts in paths, opaque otherwise", {});
-  add_glass(all, "rough glass absorbs in 1e-30 m", "next to nothing comes through", {.roughness = 0.5, .attenuation_m = 1e-30});
+  add_glass(all, "rough glass absorbs in 1e-30 m", "next to nothing comes through",
+            {.roughness = 0.5, .attenuation_m = 1e-30});
   add_glass(all, "glass of ior 1e9", "a mirror from without and within", {.ior = 1e9});
   add_glass(all, "glass of ior 0, ten in each other", "nothing goes in", {.ior = 0, .nested = 10});
-  add_glass(all, "ten balls of glass in each other", "deeper than bodies are counted", {.roughness = 0.2, .attenuation_m = 1e30, .nested = 10});
-  all.push_back({"materials", "200 blended sheets", "alpha 0.05, a hundredth of a metre apart", [](StabilityInput& in) { return blended(in, 200, 0.05); }});
-  all.push_back({"materials", "alpha 1e-7", "next to nothing, eight times", [](StabilityInput& in) { return blended(in, 8, 1e-7); }});
-  all.push_back({"materials", "normal map of zero", "(127.5, 127.5, 127.5): no direction", [](StabilityInput& in) { return normal_mapped(in, {0.5, 0.5, 0.5, 1}, 1, 1e-3); }});
-  all.push_back({"materials", "normal scale 1e6", "normals in the surface's plane", [](StabilityInput& in) { return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 1e6, 1e-3); }});
-  all.push_back({"materials", "normal scale 0", "as without a map", [](StabilityInput& in) { return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 0, 1e-3); }});
+  add_glass(all, "ten balls of glass in each other", "deeper than bodies are counted",
+            {.roughness = 0.2, .attenuation_m = 1e30, .nested = 10});
+  all.push_back({"materials", "200 blended sheets", "alpha 0.05, a hundredth of a metre apart",
+                 [](StabilityInput& in) { return blended(in, 200, 0.05); }});
+  all.push_back({"materials", "alpha 1e-7", "next to nothing, eight times",
+                 [](StabilityInput& in) { return blended(in, 8, 1e-7); }});
+  all.push_back({"materials", "normal map of zero", "(127.5, 127.5, 127.5): no direction", [](StabilityInput& in) {
+                   return normal_mapped(in, {0.5, 0.5, 0.5, 1}, 1, 1e-3);
+                 }});
+  all.push_back({"materials", "normal scale 1e6", "normals in the surface's plane", [](StabilityInput& in) {
+                   return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 1e6, 1e-3);
+                 }});
+  all.push_back({"materials", "normal scale 0", "as without a map", [](StabilityInput& in) {
+                   return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 0, 1e-3);
+                 }});
 }
 
 void add_textures(Recipes& all) {
-  const auto stripes = [](double u, double v) { return glm::dvec4(0.2 + 0.6 * (int(u * 8) % 2), 0.2 + 0.6 * (int(v * 8) % 2), 0.5, 1); };
-  all.push_back({"textures", "1x1", "one texel", [=](StabilityInput& in) { return textured(in, png_from(1, 1, 3, stripes), {}, {1, 1}); }});
+  const auto stripes = [](double u, double v) {
+    return glm::dvec4(0.2 + 0.6 * (int(u * 8) % 2), 0.2 + 0.6 * (int(v * 8) % 2), 0.5, 1);
+  };
+  all.push_back({"textures", "1x1", "one texel", [=](StabilityInput& in) {
+                   return textured(in, png_from(1, 1, 3, stripes), {}, {1, 1});
+                 }});
   // Nearest texels: an edge between two moves by rounding, so it may fall on either side of a sample.
   all.push_back({"textures", "16384x1", "one row", [=](StabilityInput& in) {
                    StabilityScene scene = textured(in, png_from(16384, 1, 3, stripes), {}, {1, 1});
@@ -221,9 +251,12 @@ void add_textures(Recipes& all) {
   all.push_back({"textures", "transform of scale 0", "one texel over the square", [=](StabilityInput& in) {
                    return textured(in, png_from(8, 8, 3, stripes), {{"scale", {0, 0}}, {"offset", {0.3, 0.3}}}, {1, 1});
                  }});
-  all.push_back({"textures", "NaN in the sky", "one texel; it stands for 0, with a warning", [](StabilityInput& in) { return under_bad_texel(in, nan, 0); }});
-  all.push_back({"textures", "infinity in the sky", "one texel; it stands for 65504, with a warning", [](StabilityInput& in) { return under_bad_texel(in, infinity, 65504); }});
-  all.push_back({"textures", "negative sky", "one texel; it stands for 0, with a warning", [](StabilityInput& in) { return under_bad_texel(in, -5, 0); }});
+  all.push_back({"textures", "NaN in the sky", "one texel; it stands for 0, with a warning",
+                 [](StabilityInput& in) { return under_bad_texel(in, nan, 0); }});
+  all.push_back({"textures", "infinity in the sky", "one texel; it stands for 65504, with a warning",
+                 [](StabilityInput& in) { return under_bad_texel(in, infinity, 65504); }});
+  all.push_back({"textures", "negative sky", "one texel; it stands for 0, with a warning",
+                 [](StabilityInput& in) { return under_bad_texel(in, -5, 0); }});
   all.push_back({"textures", "sky of one texel", "constant light", [](StabilityInput& in) {
                    StabilityScene scene = under(in, sky_image(1, 1, [](int, int) { return glm::vec3(0.7f); }), false);
                    scene.plain = scene.file;
@@ -232,9 +265,13 @@ void add_textures(Recipes& all) {
                    scene.energy_bound = 5e-3;
                    return scene;
                  }});
-  all.push_back({"textures", "sky of 1e-30", "", [](StabilityInput& in) { return under(in, sky_image(8, 4, [](int, int) { return glm::vec3(1e-30f); }), false); }});
+  all.push_back({"textures", "sky of 1e-30", "", [](StabilityInput& in) {
+                   return under(in, sky_image(8, 4, [](int, int) { return glm::vec3(1e-30f); }), false);
+                 }});
   all.push_back({"textures", "sky of 3e38", "sums of it are no floats", [](StabilityInput& in) {
-                   StabilityScene scene = under(in, sky_image(64, 32, [](int x, int y) { return glm::vec3(x == 20 && y == 10 ? 3e38f : 1.0f); }), false);
+                   StabilityScene scene = under(
+                       in, sky_image(64, 32, [](int x, int y) { return glm::vec3(x == 20 && y == 10 ? 3e38f : 1.0f); }),
+                       false);
                    scene.clamps = true;
                    scene.reference = false;  // one sample of the background hits or misses the texel's filtered edge
                    return scene;

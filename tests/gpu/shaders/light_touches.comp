@@ -1,5 +1,6 @@
 #version 460
-// What each bounding test of lib/light_bounds.glsl says of pairs of a light and a slab: bit 0 aabb ... bit 3 capsule-joint.
+// What each bounding test of lib/light_bounds.glsl says of pairs of a light and a slab: bit 0 aabb ... bit 3
+// capsule-joint.
 #include "shared/scene.h"
 struct PairSlab {
   vec2 low, high;

@@ -1,6 +1,6 @@
 #version 460
-// Reads element 1 of an array of structs member by member, in the order of declaration, and writes the members' words one
-// after the other: the C++ bytes, if both languages lay the struct out alike.
+// Reads element 1 of an array of structs member by member, in the order of declaration, and writes the members' words
+// one after the other: the C++ bytes, if both languages lay the struct out alike.
 #include "shared/scene.h"
 #include "shared/cull.h"
 #include "shared/deform.h"

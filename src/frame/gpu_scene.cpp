@@ -118,7 +118,7 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
       decoded[i] = std::unexpected(image.error());
   });
   uploaded.decode_ms = ms_since(start);
-  gpu::Uploader uploader(device_);
+  const auto uploader = std::make_shared<gpu::Uploader>(device_);
   for (size_t i = 0; i < list.size(); ++i) {
     LoadedTexture& loaded = textures_[list[i].first];
     if (!decoded[i]) {
@@ -126,10 +126,11 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
       continue;
     }
     loaded.texture = gpu::Texture(device_, *decoded[i], scene_.images[size_t(list[i].first.image)].place.c_str());
-    uploader.to_texture(loaded.texture, *decoded[i]);
+    uploader->to_texture(loaded.texture, *decoded[i]);
     loaded.index = bindless_.add_sampled(loaded.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
-  uploader.flush();
+  uploader->submit();
+  uploaded.keep.push_back(uploader);
 }
 
 shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) const {
@@ -159,11 +160,20 @@ shared::Material GpuScene::material_with_textures(const Material& m, uint32_t id
   return out;
 }
 
+std::shared_ptr<GpuScene::FrameBuffers> GpuScene::free_buffers() {
+  for (const auto& buffers : frame_buffers_)
+    if (buffers.use_count() == 1) return buffers;
+  return frame_buffers_.emplace_back(std::make_shared<FrameBuffers>());
+}
+
 GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   Uploaded uploaded;
   load_textures(frame, uploaded);
   const auto start = Clock::now();
   FrameUpload& u = frame.upload;
+  const std::shared_ptr<FrameBuffers> buffers = free_buffers();
+  uploaded.keep.push_back(buffers);
+  FrameBuffers& b = *buffers;
   std::vector<shared::Material> materials;
   for (size_t m = 0; m < frame.pose.materials.size(); ++m)
     materials.push_back(material_with_textures(frame.pose.materials[m], uint32_t(m)));
@@ -176,27 +186,27 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
     return buffer.address();
   };
   shared::FrameConstants& c = u.constants;
-  c.items = put(frame.imports.items, items_, "frame.items", u.items);
-  c.transforms = put(frame.imports.transforms, transforms_, "frame.transforms", u.transforms);
-  c.geometries = put(frame.imports.geometries, geometries_, "frame.geometries", u.geometries);
-  c.materials = put(frame.imports.materials, materials_, "frame.materials", materials);
-  const uint64_t lights = put(frame.imports.lights, lights_, "frame.lights", u.lights);
+  c.items = put(frame.imports.items, b.items, "frame.items", u.items);
+  c.transforms = put(frame.imports.transforms, b.transforms, "frame.transforms", u.transforms);
+  c.geometries = put(frame.imports.geometries, b.geometries, "frame.geometries", u.geometries);
+  c.materials = put(frame.imports.materials, b.materials, "frame.materials", materials);
+  const uint64_t lights = put(frame.imports.lights, b.lights, "frame.lights", u.lights);
   const LightGrid& grid = frame.light_grid;
-  put(frame.imports.light_bounds, light_bounds_, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
-  put(frame.imports.light_chunks, light_chunks_, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
-  c.grid.globals = put(frame.imports.light_globals, light_globals_, "frame.light_globals", grid.globals);
+  put(frame.imports.light_bounds, b.light_bounds, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
+  put(frame.imports.light_chunks, b.light_chunks, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
+  c.grid.globals = put(frame.imports.light_globals, b.light_globals, "frame.light_globals", grid.globals);
   // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be
   // valid.
   if (c.grid.globals == 0) c.grid.globals = lights;
-  put(frame.imports.cull_groups, groups_, "frame.cull_groups", u.groups);
-  put(frame.imports.deform_jobs, jobs_, "frame.deform_jobs", u.deform_jobs);
-  put(frame.imports.joints, joints_, "frame.joints", frame.data.joint_matrices);
-  put(frame.imports.weights, weights_, "frame.weights", frame.data.morph_weights);
+  put(frame.imports.cull_groups, b.groups, "frame.cull_groups", u.groups);
+  put(frame.imports.deform_jobs, b.jobs, "frame.deform_jobs", u.deform_jobs);
+  put(frame.imports.joints, b.joints, "frame.joints", frame.data.joint_matrices);
+  put(frame.imports.weights, b.weights, "frame.weights", frame.data.morph_weights);
   c.vertices = vertices_.address();
   c.sky_texture = environment_index_;
   c.sky_sampler = environment_sampler_;
   c.sky_size_px = environment_size_;
-  put(frame.imports.constants, constants_, "frame.constants", std::span(&c, 1));
+  put(frame.imports.constants, b.constants, "frame.constants", std::span(&c, 1));
   if (frame.imports.vertices >= 0) uploaded.imports[frame.imports.vertices] = &vertices_;
   if (frame.imports.indices >= 0) uploaded.imports[frame.imports.indices] = &indices_;
   uploaded.upload_ms = ms_since(start);

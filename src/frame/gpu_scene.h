@@ -41,19 +41,17 @@ class GpuScene {
   };
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
   shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
-  shared::Material material_with_textures(const Material& material, uint32_t id) const;
+  void set_textures(const Material& material, shared::Material& out) const;
 
   gpu::Device& device_;
   gpu::Bindless& bindless_;
   const Scene& scene_;
   const GeometryLayout& layout_;
-  gpu::Buffer vertices_, indices_;
-  struct FrameBuffers {
-    gpu::Buffer constants, items, transforms, geometries, materials, lights, light_bounds, light_chunks, light_globals,
-        groups, jobs, joints, weights;
-  };
-  std::shared_ptr<FrameBuffers> free_buffers();
-  std::vector<std::shared_ptr<FrameBuffers>> frame_buffers_;
+  using Buffers = std::map<std::string, gpu::Buffer, std::less<>>;  // of the upload table, by name
+  std::shared_ptr<Buffers> free_buffers();
+  static uint64_t address_in(const Buffers& buffers, const char* name);  // 0: there is no such buffer
+  Buffers scene_buffers_;
+  std::vector<std::shared_ptr<Buffers>> frame_buffers_;
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;  // absent: could not be decoded

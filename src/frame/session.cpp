@@ -1,6 +1,5 @@
 #include "frame/session.h"
 
-#include <cstring>
 #include <future>
 
 #include "base/check.h"
@@ -17,18 +16,6 @@ namespace {
 
 Error as_error(const gpu::GpuError& e) {
   return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
-}
-
-// The knob lights.cap shows what other renderers' caps lose; it must not do so in silence.
-void report_losses(FrameResult& result, int buffer, int cap) {
-  const auto found = result.readbacks.find(buffer);
-  if (found == result.readbacks.end()) return;
-  uint32_t lost[3] = {};
-  std::memcpy(lost, found->second->bytes().data(), sizeof lost);
-  if (lost[0] > 0)
-    result.warnings.push_back(fmt::format(
-        "lights.cap={}: {} lights of {} cells are LOST (the longest list has {}); the picture lacks their light", cap,
-        lost[0], lost[1], lost[2]));
 }
 
 class DeviceSession : public Session {
@@ -50,7 +37,7 @@ class DeviceSession : public Session {
   // What a frame's result needs beside what the device leaves.
   struct Begun {
     FrameResult result;
-    int light_losses = -1, light_cap = 0;
+    std::vector<FrameReport> reports;
     double submit_us = 0;  // when recording began
   };
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
@@ -154,8 +141,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.plan = std::move(planned->graph.plan);
     result.notes = std::move(planned->notes);
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
-    begun.light_losses = planned->light_losses;
-    begun.light_cap = planned->light_grid.shape.knobs.cap;
+    begun.reports = std::move(planned->reports);
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
   } catch (const gpu::GpuError& e) {
@@ -229,7 +215,10 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
   t.frame_gpu_ms = run.frame_gpu_ms;
   result.readbacks = std::move(run.readbacks);
   result.hashes = std::move(run.hashes);
-  if (begun.light_losses >= 0) report_losses(result, begun.light_losses, begun.light_cap);
+  for (const FrameReport& report : begun.reports)
+    if (const auto found = result.readbacks.find(report.resource); found != result.readbacks.end())
+      for (std::string& warning : report.warnings(found->second->bytes()))
+        result.warnings.push_back(std::move(warning));
 }
 
 // The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.

@@ -33,6 +33,7 @@ struct AllKnobs {
   Cull::Knobs cull;
   Resolve::Knobs resolve;
   LightKnobs lights;
+  TextureKnobs textures;
 };
 
 template <class F>
@@ -40,6 +41,7 @@ void for_each_knob(AllKnobs& all, F&& f) {
   for (const auto& knob : Cull::knob_table()) f(Cull::name, knob, all.cull);
   for (const auto& knob : Resolve::knob_table()) f(Resolve::name, knob, all.resolve);
   for (const auto& knob : LightKnobs::knob_table()) f(LightKnobs::name, knob, all.lights);
+  for (const auto& knob : TextureKnobs::knob_table()) f(TextureKnobs::name, knob, all.textures);
 }
 
 template <class K>
@@ -111,7 +113,7 @@ Expected<FrameKnobValues> frame_knobs(const Job& job) {
     return fail(ErrorKind::usage, "--set", "resolve.samples: {} is not 1, 2, 4 or 8", samples);
   if (const int n = all.lights.slices_per_octave; !std::has_single_bit(unsigned(n)))
     return fail(ErrorKind::usage, "--set", "lights.slices_per_octave: {} is not 1, 2, 4, 8 or 16", n);
-  return FrameKnobValues{samples, all.cull.enabled != 0, all.lights};
+  return FrameKnobValues{samples, all.cull.enabled != 0, all.lights, all.textures};
 }
 
 std::vector<KnobRow> knob_rows(const std::string& quality) {

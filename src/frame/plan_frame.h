@@ -7,6 +7,7 @@
 #include "frame/job.h"
 #include "frame/light_grid.h"
 #include "graph/builder.h"
+#include "passes/surfaces/texture_knobs.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
 #include "scene/geometry_layout.h"
@@ -41,6 +42,7 @@ struct PlannedFrame {
   FrameRequest request;
   FrameUpload upload;
   LightGrid light_grid;
+  TextureKnobs textures;
   CompiledGraph graph;
   ImportedResources imports;
   int light_losses = -1;  // buffer in the plan that tells what the knob lights.cap lost

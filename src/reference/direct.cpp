@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "math/spherical_harmonics.h"
+#include "reference/albedo.h"
 #include "reference/glass_light.h"
 #include "reference/integrator.h"
 
@@ -23,9 +24,10 @@ glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band) {
 }
 
 glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
-  const glm::dvec2 ab = specular_scale_bias(s.roughness, std::clamp(glm::dot(s.normal, v), 1e-4, 1.0));
-  const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
-  const double left = 1 - std::max({dielectric.x, dielectric.y, dielectric.z});
+  const DirectionalAlbedo a = directional_albedo(s.roughness, std::clamp(glm::dot(s.normal, v), 0.0, 1.0));
+  const glm::dvec3 dielectric = s.dielectric_f0 * a.scale + s.dielectric_f90 * a.bias,
+                   metal = s.base_color * a.scale + a.bias;
+  const double f0 = largest(s.dielectric_f0), left = 1 - (f0 + (s.dielectric_f90 - f0) * a.grazing);
   const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
   return diffuse + glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal));
 }
@@ -90,17 +92,18 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
 
 glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
                                     SampleStream& stream) const {
-  glm::dvec3 sum = punctual(s, point, v);
-  if (!world_.sky() || settings_.ambient == Ambient::off) return sum;
   // What the material says of its own small hollows belongs to this term, as glTF says; tracing adds what the geometry
   // does.
-  sum += s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream)
-                                                             : occluded_ambient(s, point, v, stream));
-  return sum;
+  glm::dvec3 ambient(0);
+  if (world_.sky() && settings_.ambient != Ambient::off)
+    ambient = s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream)
+                                                                  : occluded_ambient(s, point, v, stream));
+  return punctual(s, point, v, stream.next2()) + ambient;
 }
 
-Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const {
-  const Arrival a = arriving(light, s.position);
+Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v,
+                                             glm::dvec2 on_disc) const {
+  const Arrival a = arriving(light, s.position, on_disc);
   if (a.illuminance == glm::dvec3(0)) return {};
   return {a.illuminance * evaluate_bsdf(s, a.l, v, true), a.l, a.distance_m, {}};
 }
@@ -115,9 +118,10 @@ glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const Surface
                                   offer.end ? &*offer.end : nullptr);
 }
 
-glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
+glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc) const {
   glm::dvec3 sum(0);
-  for (const PunctualLight& light : world_.punctual_lights()) sum += taken(punctual_offer(light, s, v), s, point);
+  for (size_t i = 0; i < world_.punctual_lights().size(); ++i)
+    sum += taken(punctual_offer(world_.punctual_lights()[i], s, v, own_place(on_disc, i)), s, point);
   return sum;
 }
 

@@ -78,7 +78,7 @@ void Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
   }
 }
 
-glm::dvec2 Integrator::on_triangle(glm::dvec2 first, size_t light) {
+glm::dvec2 Integrator::own_place(glm::dvec2 first, size_t light) {
   const glm::dvec2 turned = first + double(light) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
   return turned - glm::floor(turned);
 }
@@ -97,10 +97,13 @@ bool Integrator::survives(double u, int bounce, glm::dvec3& through, double comp
 // estimate of their cluster misses, are the ones that matter.
 glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
                                   SampleStream& stream) const {
+  const glm::dvec2 for_sky = stream.next2();
+  const double which = stream.next();
+  double pick = stream.next();
+  const glm::dvec2 on_light = stream.next2(), on_disc = stream.next2();
   glm::dvec3 sum(0);
   for (const uint32_t index : world_.directional())
-    sum += taken(punctual_offer(world_.punctual_lights()[index], s, v), s, point);
-  const glm::dvec2 for_sky = stream.next2();
+    sum += taken(punctual_offer(world_.punctual_lights()[index], s, v, own_place(on_disc, index)), s, point);
   if (world_.sky() && settings_.strategy != Strategy::brdf) {
     const Sky::Choice choice = world_.sky().sample(for_sky);
     const glm::dvec3 f = choice.pdf > 0 ? evaluate_bsdf(s, choice.direction, v) : glm::dvec3(0);
@@ -110,9 +113,6 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       if (radiance != glm::dvec3(0)) sum += radiance * sky_visibility(s, point, choice.direction);
     }
   }
-  const double which = stream.next();
-  double pick = stream.next();
-  const glm::dvec2 on_light = stream.next2();
   static thread_local std::vector<LightTree::Choice> chosen;
   world_.light_tree().choose(s.position, lit_side(s), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
@@ -124,7 +124,7 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       offer = punctual_offer(world_.punctual_lights()[world_.tree_punctual()[choice.light]], s, v);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
-      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, on_triangle(on_light, i));
+      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, own_place(on_light, i));
     }
     if (every)
       sum += taken(offer, s, point);

@@ -2,7 +2,7 @@
 
 namespace candela {
 
-std::span<const Knob<TextureKnobs>> TextureKnobs::knob_table() {
+std::span<const Knob<TextureKnobs>> TextureKnobs::table() {
   // Every device that filters anisotropically at all does so up to 16 (Vulkan, required limits).
   static const Knob<TextureKnobs> table[] = {
       {"anisotropy",
@@ -19,6 +19,11 @@ std::span<const Knob<TextureKnobs>> TextureKnobs::knob_table() {
        {"depth_prepass", "shade_forward", "shade_unlit", "transparent", "layers"}},
   };
   return table;
+}
+
+bool TextureKnobs::matter(const SceneFacts& f) {
+  return f.any_base_texture || f.any_orm_texture || f.any_occlusion_texture || f.any_normal_texture ||
+         f.any_emissive_texture || f.any_specular_texture;
 }
 
 }  // namespace candela

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "base/knob.h"
+#include "scene/survey.h"
 
 namespace candela {
 
@@ -10,7 +11,8 @@ namespace candela {
 struct TextureKnobs {
   static constexpr std::string_view name = "textures";
   int anisotropy = 16;
-  static std::span<const Knob<TextureKnobs>> knob_table();
+  static std::span<const Knob<TextureKnobs>> table();
+  static bool matter(const SceneFacts& facts);  // without textures they do nothing
 };
 
 }  // namespace candela

@@ -42,8 +42,8 @@ CellLists make_light_lists(Frame& frame, const SceneInputs& scene, ImageHandle d
 FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs) {
   Cull cull;
   cull.knobs.enabled = knobs.cull_enabled ? 1 : 0;
-  const BufferHandle survivors = frame.add(cull, {scene}).survivors;
-  const Draws draws = frame.add(CullCompact{}, {scene, survivors, knobs.cull_enabled}).draws;
+  const Cull::Out culled = frame.add(cull, {scene});
+  const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors}).draws;
   const BufferHandle deformed = frame.add(Deform{}, {scene}).deformed;
   const ImageHandle depth = frame.add(DepthPrepass{}, {scene, draws, deformed}).depth;
   const CellLists lists = make_light_lists(frame, scene, depth);

@@ -38,15 +38,14 @@ class GpuScene {
   };
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
   shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
-  shared::Material material_with_textures(const Material& material, uint32_t id) const;
+  void set_textures(const Material& material, shared::Material& out) const;
+  uint64_t address_of(const char* name) const;  // 0: there is no such buffer
 
   gpu::Device& device_;
   gpu::Bindless& bindless_;
   const Scene& scene_;
   const GeometryLayout& layout_;
-  gpu::Buffer vertices_, indices_;
-  gpu::Buffer constants_, items_, transforms_, geometries_, materials_, lights_, light_bounds_, light_chunks_,
-      light_globals_, groups_, jobs_, joints_, weights_;
+  std::map<std::string, gpu::Buffer, std::less<>> buffers_;  // of the upload table, by name
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;  // absent: could not be decoded

@@ -1,6 +1,5 @@
 #include "frame/session.h"
 
-#include <cstring>
 #include <future>
 
 #include "base/files.h"
@@ -16,18 +15,6 @@ namespace {
 
 Error as_error(const gpu::GpuError& e) {
   return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
-}
-
-// The knob lights.cap shows what other renderers' caps lose; it must not do so in silence.
-void report_losses(FrameResult& result, int buffer, int cap) {
-  const auto found = result.readbacks.find(buffer);
-  if (found == result.readbacks.end()) return;
-  uint32_t lost[3] = {};
-  std::memcpy(lost, found->second->bytes().data(), sizeof lost);
-  if (lost[0] > 0)
-    result.warnings.push_back(fmt::format(
-        "lights.cap={}: {} lights of {} cells are LOST (the longest list has {}); the picture lacks their light", cap,
-        lost[0], lost[1], lost[2]));
 }
 
 class DeviceSession : public Session {
@@ -192,7 +179,10 @@ Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, doubl
   result.notes = std::move(planned.notes);
   result.warnings = uploaded.warnings;
   if (!left_out_.empty()) result.warnings.push_back(left_out_);
-  if (planned.light_losses >= 0) report_losses(result, planned.light_losses, planned.light_grid.shape.knobs.cap);
+  for (const FrameReport& report : planned.reports)
+    if (const auto found = result.readbacks.find(report.resource); found != result.readbacks.end())
+      for (std::string& warning : report.warnings(found->second->bytes()))
+        result.warnings.push_back(std::move(warning));
   return result;
 }
 

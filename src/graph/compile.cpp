@@ -26,7 +26,8 @@ void order(const GraphBuilder& builder, const std::vector<bool>& kept, CompiledG
   for (size_t i = 0; i < kept.size(); ++i) {
     if (!kept[i]) continue;
     const GraphBuilder::Pass& pass = builder.passes()[i];
-    PlanPass planned{.name = pass.name, .queue = pass.queue, .declared = int(i), .uses = pass.uses};
+    PlanPass planned{
+        .name = pass.name, .queue = pass.queue, .declared = int(i), .uses = pass.uses, .knobs = pass.knobs};
     for (const int pipeline : pass.pipelines) {
       if (merged[pipeline] < 0) {
         merged[pipeline] = int(graph.plan.pipelines.size());

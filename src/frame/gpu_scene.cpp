@@ -66,8 +66,8 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
   pack_geometry(scene, layout, words, indices);
   using Memory = gpu::Buffer::Memory;
   using Purpose = gpu::Device::Purpose;
-  gpu::Buffer& vertex_buffer = buffers_["scene.vertices"];
-  gpu::Buffer& index_buffer = buffers_["scene.indices"];
+  gpu::Buffer& vertex_buffer = scene_buffers_["scene.vertices"];
+  gpu::Buffer& index_buffer = scene_buffers_["scene.indices"];
   vertex_buffer = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                               Memory::device, Purpose::scene, "scene.vertices");
   index_buffer =
@@ -121,7 +121,7 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
       decoded[i] = std::unexpected(image.error());
   });
   uploaded.decode_ms = ms_since(start);
-  gpu::Uploader uploader(device_);
+  const auto uploader = std::make_shared<gpu::Uploader>(device_);
   for (size_t i = 0; i < list.size(); ++i) {
     LoadedTexture& loaded = textures_[list[i].first];
     if (!decoded[i]) {
@@ -129,10 +129,11 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
       continue;
     }
     loaded.texture = gpu::Texture(device_, *decoded[i], scene_.images[size_t(list[i].first.image)].place.c_str());
-    uploader.to_texture(loaded.texture, *decoded[i]);
+    uploader->to_texture(loaded.texture, *decoded[i]);
     loaded.index = bindless_.add_sampled(loaded.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
-  uploader.flush();
+  uploader->submit();
+  uploaded.keep.push_back(uploader);
 }
 
 shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) const {
@@ -160,10 +161,18 @@ void GpuScene::set_textures(const Material& m, shared::Material& out) const {
   out.specular_color_texture = texture_ref(m.specular_color_texture, true);
 }
 
+std::shared_ptr<GpuScene::Buffers> GpuScene::free_buffers() {
+  for (const auto& buffers : frame_buffers_)
+    if (buffers.use_count() == 1) return buffers;
+  return frame_buffers_.emplace_back(std::make_shared<Buffers>());
+}
+
 GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   Uploaded uploaded;
   load_textures(frame, uploaded);
   const auto start = Clock::now();
+  const std::shared_ptr<Buffers> own = free_buffers();
+  uploaded.keep.push_back(own);
   for (size_t m = 0; m < frame.upload.materials.size(); ++m)
     set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : Material{}, frame.upload.materials[m]);
   shared::FrameConstants& c = frame.upload.constants;
@@ -176,8 +185,8 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
     if (frame.imports[i] < 0) continue;
     // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must
     // be valid.
-    if (c.grid.globals == 0 && &row == &rows.back()) c.grid.globals = address_of("frame.lights");
-    gpu::Buffer& buffer = buffers_[row.name];
+    if (c.grid.globals == 0 && &row == &rows.back()) c.grid.globals = address_in(*own, "frame.lights");
+    gpu::Buffer& buffer = (row.bytes.empty() ? scene_buffers_ : *own)[row.name];
     if (!row.bytes.empty()) fill(device_, buffer, row.name, row.bytes, row.size_bytes);
     uploaded.imports[frame.imports[i]] = &buffer;
     if (row.address_offset == UploadRow::no_address) continue;
@@ -188,9 +197,9 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   return uploaded;
 }
 
-uint64_t GpuScene::address_of(const char* name) const {
-  const auto found = buffers_.find(name);
-  return found == buffers_.end() ? 0 : found->second.address();
+uint64_t GpuScene::address_in(const Buffers& buffers, const char* name) {
+  const auto found = buffers.find(name);
+  return found == buffers.end() ? 0 : found->second.address();
 }
 
 }  // namespace candela

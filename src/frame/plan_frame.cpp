@@ -43,7 +43,8 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   FrameRequest request;
   request.width_px = job.width_px;
   request.height_px = job.height_px;
-  request.samples = knobs.get<Resolve::Knobs>().samples;
+  // Supersampling takes the place of multisampling.
+  request.samples = knobs.get<Supersample::Knobs>().n > 1 ? 1 : knobs.get<Resolve::Knobs>().samples;
   request.want_linear = wanted.linear;
   request.want_display = wanted.display;
   request.layers = wanted.linear ? job.layers : std::vector<std::string>{};
@@ -51,6 +52,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   if (wanted.display && job.view != "beauty" && !request.has_layer(job.view)) request.layers.push_back(job.view);
   request.technique = job.technique;
   request.quality = job.quality;
+  request.effects = job.effects;
   request.tonemap = job.tonemap;
   request.exposure_ev = job.exposure_ev;
   request.pre_exposure_ev = std::clamp(job.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
@@ -104,8 +106,11 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   return s;
 }
 
-void add_notes(PlannedFrame& f) {
+void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   for (const std::string& note : f.view.notes) f.notes.push_back(note);
+  if (knobs.get<Supersample::Knobs>().n > 1 && knobs.get<Resolve::Knobs>().samples > 1)
+    f.notes.push_back(fmt::format("supersampling ({0} x {0} a pixel) takes the place of multisampling",
+                                  knobs.get<Supersample::Knobs>().n));
   for (const std::string& warning : f.pose.warnings) f.notes.push_back(warning);
   if (f.request.neutral_light)
     f.notes.push_back(
@@ -172,7 +177,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.outputs = std::move(frame.outputs);
   f.reports = std::move(frame.reports);
   f.graph = compile_graph(builder);
-  add_notes(f);
+  add_notes(f, *knobs);
   f.plan_ms = ms_since(start);
   return f;
 }
@@ -199,6 +204,14 @@ std::vector<std::string> layer_names() {
   AllPasses::each([&]<class P>(std::type_identity<P>) {
     if constexpr (HasLayers<P>)
       for (const LayerName& layer : P::layers) names.emplace_back(layer.name);
+  });
+  return names;
+}
+std::vector<std::string> effect_names() {
+  std::vector<std::string> names;
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    if constexpr (IsEffect<P>)
+      if (std::find(names.begin(), names.end(), P::effect) == names.end()) names.emplace_back(P::effect);
   });
   return names;
 }

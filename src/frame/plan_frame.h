@@ -59,6 +59,7 @@ std::vector<std::string> pass_names();
 std::vector<std::string> layer_names();
 std::vector<std::string> tonemap_names();
 std::vector<std::string> view_names();
+std::vector<std::string> effect_names();
 struct KnobRow {
   std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names
   std::string kind;                                                // what it trades: error, time or look

@@ -40,7 +40,10 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
 }
 
 CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, VkCommandBuffer commands)
-    : frame_(frame), pass_(frame.plan.passes[pass]), images_(frame.physical.pass_images(pass)), commands_(commands) {
+    : frame_(frame),
+      pass_(frame.plan.passes[pass]),
+      images_(frame.physical.pass_images(frame.slot, pass)),
+      commands_(commands) {
   const VkDescriptorSet sets[] = {frame.bindless.set(), images_.set};
   for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
     vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);

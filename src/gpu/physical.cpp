@@ -33,9 +33,8 @@ void Physical::clear() {
   }
   images_.clear();
   buffers_.clear();
-  pass_images_.clear();
-  vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
-  pool_ = VK_NULL_HANDLE;
+  for (const PassSets& sets : sets_) vkDestroyDescriptorPool(device_.handle(), sets.pool, nullptr);
+  sets_.clear();
   for (VkDeviceMemory memory : blocks_) device_.release(memory);
   blocks_.clear();
 }
@@ -60,10 +59,9 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
   bind_blocks(plan);
   for (size_t i = 0; i < plan.resources.size(); ++i)
     if (images_[i].image) make_view(plan.resources[i], images_[i]);
-  make_pass_sets(plan);
 }
 
-void Physical::make_pass_sets(const FramePlan& plan) {
+void Physical::make_pass_sets(const FramePlan& plan, PassSets& sets) {
   const uint32_t passes = uint32_t(plan.passes.size());
   if (passes == 0) return;
   std::vector<VkDescriptorPoolSize> sizes(std::begin(Bindless::pass_sizes), std::end(Bindless::pass_sizes));
@@ -72,15 +70,15 @@ void Physical::make_pass_sets(const FramePlan& plan) {
   info.maxSets = passes;
   info.poolSizeCount = uint32_t(sizes.size());
   info.pPoolSizes = sizes.data();
-  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &pool_));
-  pass_images_.resize(passes);
-  for (uint32_t i = 0; i < passes; ++i) write_pass_set(plan, plan.passes[i], pass_images_[i]);
+  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &sets.pool));
+  sets.passes.resize(passes);
+  for (uint32_t i = 0; i < passes; ++i) write_pass_set(plan, plan.passes[i], sets.pool, sets.passes[i]);
 }
 
-void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, PassImages& images) {
+void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, VkDescriptorPool pool, PassImages& images) {
   const VkDescriptorSetLayout layout = bindless_.pass_set_layout();
   VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  info.descriptorPool = pool_;
+  info.descriptorPool = pool;
   info.descriptorSetCount = 1;
   info.pSetLayouts = &layout;
   VK_CHECK(vkAllocateDescriptorSets(device_.handle(), &info, &images.set));
@@ -109,7 +107,9 @@ void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, PassI
   }
 }
 
-void Physical::bind_uniforms(const FramePlan& plan, std::span<const Buffer* const> buffers) {
+void Physical::bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers) {
+  if (slot >= sets_.size()) sets_.resize(slot + 1);
+  if (!sets_[slot].pool) make_pass_sets(plan, sets_[slot]);
   for (size_t i = 0; i < plan.passes.size(); ++i)
     for (const PlanUse& use : plan.passes[i].uses) {
       if (use.access != Access::uniform_read) continue;
@@ -117,7 +117,7 @@ void Physical::bind_uniforms(const FramePlan& plan, std::span<const Buffer* cons
                                           std::get<BufferDesc>(plan.resources[size_t(use.resource)].desc).size_bytes};
       const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                        nullptr,
-                                       pass_images_[i].set,
+                                       sets_[slot].passes[i].set,
                                        2,
                                        0,
                                        1,

@@ -42,9 +42,10 @@ class Physical {
   void rebuild(const FramePlan& plan, bool copyable);
   void clear();
   const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }
-  const PassImages& pass_images(size_t pass) const { return pass_images_[pass]; }
-  // Writes the block of uniforms of each pass into its set, which no frame may be using. buffers: by resource.
-  void bind_uniforms(const FramePlan& plan, std::span<const Buffer* const> buffers);
+  // slot: of the frame in flight. Each slot has sets of its own, made when it is first bound.
+  const PassImages& pass_images(size_t slot, size_t pass) const { return sets_[slot].passes[pass]; }
+  // Writes the block of uniforms of each pass into the slot's sets, which no frame may be using. buffers: by resource.
+  void bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers);
   const Buffer& buffer(int resource) const {
     return buffers_[size_t(resource)];
   }  // empty: imported, read back, or unused
@@ -53,15 +54,18 @@ class Physical {
   void make_image(const PlanResource& resource, bool copyable, PhysicalImage& image);
   void bind_blocks(const FramePlan& plan);
   void make_view(const PlanResource& resource, PhysicalImage& image);
-  void make_pass_sets(const FramePlan& plan);
-  void write_pass_set(const FramePlan& plan, const PlanPass& pass, PassImages& images);
+  struct PassSets {
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    std::vector<PassImages> passes;
+  };
+  void make_pass_sets(const FramePlan& plan, PassSets& sets);
+  void write_pass_set(const FramePlan& plan, const PlanPass& pass, VkDescriptorPool pool, PassImages& images);
 
   Device& device_;
   Bindless& bindless_;
   std::vector<PhysicalImage> images_;  // by resource
   std::vector<Buffer> buffers_;        // by resource
-  std::vector<PassImages> pass_images_;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  std::vector<PassSets> sets_;         // by slot
   std::vector<VkDeviceMemory> blocks_;
 };
 

@@ -112,17 +112,23 @@ void update(State& state, const Need& need, bool changed_layout) {
   state.layout = need.layout;
 }
 
-// The image that had the memory block just before, or -1.
-int predecessor_in_block(const FramePlan& plan, int resource) {
+// The images that had the memory block before, newest first, back to one that is as large: a smaller one took over only
+// its part of the memory, and the rest is still as an older one left it.
+std::vector<int> predecessors_in_block(const FramePlan& plan, int resource) {
   const PlanResource& image = plan.resources[resource];
-  int best = -1;
-  if (image.block < 0) return best;
+  std::vector<int> before;
+  if (image.block < 0) return before;
   for (size_t i = 0; i < plan.resources.size(); ++i) {
     const PlanResource& other = plan.resources[i];
-    if (other.block != image.block || other.first_pass < 0 || other.last_pass >= image.first_pass) continue;
-    if (best < 0 || other.last_pass > plan.resources[best].last_pass) best = int(i);
+    if (other.block == image.block && other.first_pass >= 0 && other.last_pass < image.first_pass)
+      before.push_back(int(i));
   }
-  return best;
+  std::sort(before.begin(), before.end(),
+            [&](int a, int b) { return plan.resources[a].last_pass > plan.resources[b].last_pass; });
+  const auto covers = [&](int other) { return plan.resources[other].bytes >= image.bytes; };
+  const auto last = std::find_if(before.begin(), before.end(), covers);
+  if (last != before.end()) before.erase(last + 1, before.end());
+  return before;
 }
 
 void place_before(PlanPass& pass, const FramePlan& plan, std::vector<State>& states) {
@@ -134,7 +140,11 @@ void place_before(PlanPass& pass, const FramePlan& plan, std::vector<State>& sta
     if (plan.resources[need.resource].is_image() && state.layout != need.layout) {
       Scope source = state.last();
       if (state.layout == VK_IMAGE_LAYOUT_UNDEFINED)
-        if (const int before = predecessor_in_block(plan, need.resource); before >= 0) source = states[before].last();
+        for (const int before : predecessors_in_block(plan, need.resource)) {
+          const Scope other = states[before].last();
+          source.stages |= other.stages;
+          source.access |= other.access;
+        }
       barriers.images.push_back(
           {need.resource, source.stages, need.all.stages, source.access, need.all.access, state.layout, need.layout});
     } else {

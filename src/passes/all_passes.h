@@ -14,6 +14,7 @@
 #include "passes/lights/tile_depth.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
+#include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
@@ -33,9 +34,9 @@ struct PassList {
 
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
-using AllPasses =
-    PassList<Cull, CullCompact, Deform, DepthPrepass, TileDepth, LightAssign, LightScan, LightFill, LightSort,
-             ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, LightHeat, Resolve, Tonemap, Readback>;
+using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, TileDepth, LightAssign, LightScan, LightFill,
+                           LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, LightHeat,
+                           Supersample, Resolve, Tonemap, Readback>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

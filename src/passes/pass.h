@@ -65,6 +65,12 @@ concept HasLayers = requires {
   {std::span<const LayerName>(P::layers)};
 };
 
+// An effect, which --effects can leave out or ask for by this name. Several passes may be parts of one.
+template <class P>
+concept IsEffect = requires {
+  { P::effect } -> std::convertible_to<std::string_view>;
+};
+
 // Numbers that it counts for the host: Report is a struct of 32-bit words, Out::report a buffer of its size with memory
 // host_read, which the pass also makes a sink; empty where there is nothing to count. warnings() says what a user must
 // know of it.

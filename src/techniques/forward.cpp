@@ -7,10 +7,12 @@ namespace candela {
 // takes the list of its own depth; tiles between the depths of their samples (Harada, McKee, Yang, "Forward+: Bringing
 // Deferred Lighting to the Next Level", 2012), where a point outside them takes the list of its column; or none, where
 // every pixel walks every light.
-ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting) {
+ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                    std::string_view instance) {
   const auto& [draws, deformed, depth] = surfaces;
-  const ImageHandle color = frame.add(ShadeForward{}, {scene, draws, deformed, lighting.lists, depth, {}}).color;
-  return newest(frame.add(ShadeUnlit{}, {scene, draws, deformed, {}, depth, color}).color, color);
+  const ImageHandle color =
+      frame.add(ShadeForward{}, {scene, draws, deformed, lighting.lists, depth, {}}, instance).color;
+  return newest(frame.add(ShadeUnlit{}, {scene, draws, deformed, {}, depth, color}, instance).color, color);
 }
 
 }  // namespace candela

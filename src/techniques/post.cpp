@@ -39,13 +39,4 @@ void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance) {
   for (size_t i = 0; i < buffers.size(); ++i) frame.outputs[i].resource = buffers[i].resource;
 }
 
-void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique) {
-  const Surfaces surfaces = visible_surfaces(frame, scene);
-  const Lighting lighting = light_surfaces(frame, scene, surfaces);
-  const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting);
-  const ImageHandle radiance = composite(frame, scene, surfaces, lighting, shaded);
-  describe(frame, scene, surfaces, lighting);
-  post(frame, scene, radiance);
-}
-
 }  // namespace candela

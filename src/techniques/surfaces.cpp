@@ -11,6 +11,11 @@ Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene) {
   return surfaces;
 }
 
+Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, std::string_view instance) {
+  surfaces.depth = frame.add(DepthPrepass{}, {scene, surfaces.draws, surfaces.deformed}, instance).depth;
+  return surfaces;
+}
+
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting) {
   Layers::In wanted{scene, surfaces.draws, surfaces.deformed, lighting.lists};
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(Layers::layers[i].name);

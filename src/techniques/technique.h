@@ -13,17 +13,20 @@ struct Surfaces {
   ImageHandle depth;      // of the nearest surface at every sample; empty: nothing is opaque or masked
 };
 Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);
+// The same geometry seen by one picture of a supersampled frame: a depth of its own.
+Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, std::string_view instance);
 
 // What surfaces are lit by, beside what the scene's buffers hold.
 struct Lighting {
   CellLists lists;
 };
-Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
+Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
+                        std::string_view instance = {});
 
 // Everything that is not an opaque or masked surface, over and behind them, in order. `shaded` may be empty. Returns
 // linear radiance with premultiplied alpha, multisampled where the request is.
 ImageHandle composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                      ImageHandle shaded);
+                      ImageHandle shaded, std::string_view instance = {});
 
 // Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
@@ -33,7 +36,8 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
 void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance);
 
 // Shades the opaque and masked surfaces: empty when there are none.
-using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&);
+using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,
+                                      std::string_view instance);
 struct Technique {
   std::string_view name, description;
   ShadeFunction shade;
@@ -44,7 +48,8 @@ std::span<const Technique> techniques();
 // The whole frame.
 void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique);
 
-ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
+ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                    std::string_view instance);
 
 // A pass that draws over an image gives it a new version; one that was left out leaves the old.
 inline ImageHandle newest(ImageHandle made, ImageHandle before) { return made ? made : before; }

@@ -215,10 +215,14 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
   t.frame_gpu_ms = run.frame_gpu_ms;
   result.readbacks = std::move(run.readbacks);
   result.hashes = std::move(run.hashes);
-  for (const FrameReport& report : begun.reports)
-    if (const auto found = result.readbacks.find(report.resource); found != result.readbacks.end())
-      for (std::string& warning : report.warnings(found->second->bytes()))
-        result.warnings.push_back(std::move(warning));
+  for (const FrameReport& report : begun.reports) {
+    const auto found = result.readbacks.find(report.resource);
+    if (found == result.readbacks.end()) continue;
+    const std::span<const std::byte> bytes = found->second->bytes();
+    for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (!report.notes) continue;
+    for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));
+  }
 }
 
 // The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.

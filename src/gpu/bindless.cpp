@@ -112,8 +112,11 @@ Bindless::Bindless(Device& device, uint32_t textures) : hidden_(std::make_unique
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, counts[0]},
                                         {VK_DESCRIPTOR_TYPE_SAMPLER, counts[1]},
                                         {VK_DESCRIPTOR_TYPE_SAMPLER, SAMPLER_COUNT}};
-  set_layout_ = make_set_layout(device, std::span(sizes).first(2), VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT,
-                                hidden_->graph_samplers);
+  // Textures are added while frames that do not use them are on the device.
+  set_layout_ = make_set_layout(
+      device, std::span(sizes).first(2),
+      VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT | VK_DESCRIPTOR_BINDING_UPDATE_UNUSED_WHILE_PENDING_BIT,
+      hidden_->graph_samplers);
   pass_set_layout_ = make_set_layout(device, pass_sizes, 0);
 
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};

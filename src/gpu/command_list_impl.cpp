@@ -54,7 +54,7 @@ CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, uint32_
     : frame_(frame),
       pass_(frame.plan.passes[pass]),
       step_(step),
-      images_(frame.physical.step_images(pass, step)),
+      images_(frame.physical.step_images(frame.slot, pass, step)),
       commands_(commands) {
   const VkDescriptorSet sets[] = {frame.bindless.set(), images_.set};
   for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})

@@ -21,6 +21,7 @@ struct FrameContext {
   std::vector<const Buffer*> buffers;             // by resource: imported, transient, read back
   const std::vector<const Pipeline*>& pipelines;  // parallel to plan.pipelines
   std::array<uint32_t, 3> max_groups{};           // of one dispatch
+  size_t slot = 0;                                // of the frame in flight: Physical::pass_images
   bool hashed = false;                            // outputs are looked at between passes
 };
 

@@ -36,9 +36,8 @@ void Physical::clear() {
   views_.clear();
   images_.clear();
   buffers_.clear();
-  step_images_.clear();
-  vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
-  pool_ = VK_NULL_HANDLE;
+  for (const StepSets& sets : sets_) vkDestroyDescriptorPool(device_.handle(), sets.pool, nullptr);
+  sets_.clear();
   for (VkDeviceMemory memory : blocks_) device_.release(memory);
   blocks_.clear();
 }
@@ -62,10 +61,9 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
   }
   bind_blocks(plan);
   make_views(plan);
-  make_step_sets(plan);
 }
 
-void Physical::make_step_sets(const FramePlan& plan) {
+void Physical::make_step_sets(const FramePlan& plan, StepSets& made) {
   uint32_t sets = 0;
   for (const PlanPass& pass : plan.passes) sets += pass.steps();
   if (sets == 0) return;
@@ -75,17 +73,19 @@ void Physical::make_step_sets(const FramePlan& plan) {
   info.maxSets = sets;
   info.poolSizeCount = uint32_t(sizes.size());
   info.pPoolSizes = sizes.data();
-  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &pool_));
+  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &made.pool));
   for (const PlanPass& pass : plan.passes) {
-    step_images_.emplace_back(pass.steps());
-    for (uint32_t step = 0; step < pass.steps(); ++step) write_step_set(plan, pass, step, step_images_.back()[step]);
+    made.passes.emplace_back(pass.steps());
+    for (uint32_t step = 0; step < pass.steps(); ++step)
+      write_step_set(plan, pass, step, made.pool, made.passes.back()[step]);
   }
 }
 
-void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, StepImages& images) {
+void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, VkDescriptorPool pool,
+                              StepImages& images) {
   const VkDescriptorSetLayout layout = bindless_.pass_set_layout();
   VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  info.descriptorPool = pool_;
+  info.descriptorPool = pool;
   info.descriptorSetCount = 1;
   info.pSetLayouts = &layout;
   VK_CHECK(vkAllocateDescriptorSets(device_.handle(), &info, &images.set));
@@ -114,7 +114,9 @@ void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint3
   }
 }
 
-void Physical::bind_uniforms(const FramePlan& plan, std::span<const Buffer* const> buffers) {
+void Physical::bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers) {
+  if (slot >= sets_.size()) sets_.resize(slot + 1);
+  if (!sets_[slot].pool) make_step_sets(plan, sets_[slot]);
   for (size_t i = 0; i < plan.passes.size(); ++i)
     for (const PlanUse& use : plan.passes[i].uses) {
       if (use.access != Access::uniform_read) continue;
@@ -124,7 +126,7 @@ void Physical::bind_uniforms(const FramePlan& plan, std::span<const Buffer* cons
         if (!use.in_step(step)) continue;
         const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                          nullptr,
-                                         step_images_[i][step].set,
+                                         sets_[slot].passes[i][step].set,
                                          2,
                                          0,
                                          1,

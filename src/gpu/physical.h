@@ -55,9 +55,12 @@ class Physical {
   void clear();
   const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }
   VkImageView view(const ViewKey& key) const { return views_.at(key); }
-  const StepImages& step_images(size_t pass, uint32_t step) const { return step_images_[pass][step]; }
-  // Writes the block of uniforms of each pass into its sets, which no frame may be using. buffers: by resource.
-  void bind_uniforms(const FramePlan& plan, std::span<const Buffer* const> buffers);
+  // slot: of the frame in flight. Each slot has sets of its own, made when it is first bound.
+  const StepImages& step_images(size_t slot, size_t pass, uint32_t step) const {
+    return sets_[slot].passes[pass][step];
+  }
+  // Writes the block of uniforms of each pass into the slot's sets, which no frame may be using. buffers: by resource.
+  void bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers);
   const Buffer& buffer(int resource) const {
     return buffers_[size_t(resource)];
   }  // empty: imported, read back, or unused
@@ -66,16 +69,20 @@ class Physical {
   void make_image(const PlanResource& resource, bool copyable, PhysicalImage& image);
   void bind_blocks(const FramePlan& plan);
   void make_views(const FramePlan& plan);
-  void make_step_sets(const FramePlan& plan);
-  void write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, StepImages& images);
+  struct StepSets {
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    std::vector<std::vector<StepImages>> passes;  // by pass and step
+  };
+  void make_step_sets(const FramePlan& plan, StepSets& made);
+  void write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, VkDescriptorPool pool,
+                      StepImages& images);
 
   Device& device_;
   Bindless& bindless_;
   std::vector<PhysicalImage> images_;  // by resource
   std::vector<Buffer> buffers_;        // by resource
   std::map<ViewKey, VkImageView> views_;
-  std::vector<std::vector<StepImages>> step_images_;  // by pass and step
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  std::vector<StepSets> sets_;  // by slot
   std::vector<VkDeviceMemory> blocks_;
 };
 

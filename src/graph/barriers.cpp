@@ -216,13 +216,12 @@ class Walk {
   ImageBarrier transition(const Need& need, const State& state) const {
     Scope source = state.last();
     if (state.layout == VK_IMAGE_LAYOUT_UNDEFINED) {
-      if (const int before = predecessor_in_block(need.resource); before >= 0) {
-        source = {};
+      for (const int before : predecessors_in_block(need.resource))
         for (const State& part : states_[before]) {
-          source.stages |= part.last().stages;
-          source.access |= part.last().access;
+          const Scope other = part.last();
+          source.stages |= other.stages;
+          source.access |= other.access;
         }
-      }
     }
     const uint32_t layers = layers_of(plan_.resources[need.resource]);
     const ImageRange range{uint32_t(need.subresource) / layers, 1, uint32_t(need.subresource) % layers, 1};
@@ -230,17 +229,27 @@ class Walk {
             need.all.access, state.layout,  need.layout,     range};
   }
 
-  // The image that had the memory block just before, or -1.
-  int predecessor_in_block(int resource) const {
+  // The images that had the memory block before, newest first, back to one that is as large and was used whole: a
+  // smaller one took over only its part of the memory, and the rest is still as an older one left it.
+  std::vector<int> predecessors_in_block(int resource) const {
     const PlanResource& image = plan_.resources[resource];
-    int best = -1;
-    if (image.block < 0) return best;
+    std::vector<int> before;
+    if (image.block < 0) return before;
     for (size_t i = 0; i < plan_.resources.size(); ++i) {
       const PlanResource& other = plan_.resources[i];
-      if (other.block != image.block || other.first_pass < 0 || other.last_pass >= image.first_pass) continue;
-      if (best < 0 || other.last_pass > plan_.resources[best].last_pass) best = int(i);
+      if (other.block == image.block && other.first_pass >= 0 && other.last_pass < image.first_pass)
+        before.push_back(int(i));
     }
-    return best;
+    std::sort(before.begin(), before.end(),
+              [&](int a, int b) { return plan_.resources[a].last_pass > plan_.resources[b].last_pass; });
+    const auto covers = [&](int other) {
+      return plan_.resources[other].bytes >= image.bytes &&
+             std::all_of(states_[other].begin(), states_[other].end(),
+                         [](const State& part) { return part.layout != VK_IMAGE_LAYOUT_UNDEFINED; });
+    };
+    const auto last = std::find_if(before.begin(), before.end(), covers);
+    if (last != before.end()) before.erase(last + 1, before.end());
+    return before;
   }
 
   const FramePlan& plan_;

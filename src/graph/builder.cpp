@@ -10,20 +10,6 @@ namespace {
 template <class Handle>
 constexpr bool is_image_handle = std::is_same_v<Handle, ImageHandle>;
 
-// "draw_list" and "draw list" are the same words.
-std::vector<std::string> words(std::string_view text) {
-  std::vector<std::string> result(1);
-  for (const char c : text) {
-    if (c == '_' || c == '-' || c == ' ') {
-      if (!result.back().empty()) result.emplace_back();
-    } else {
-      result.back() += char(std::tolower(static_cast<unsigned char>(c)));
-    }
-  }
-  if (result.back().empty()) result.pop_back();
-  return result;
-}
-
 bool is_attachment(Access access) {
   return access == Access::color_attachment || access == Access::depth_attachment || access == Access::depth_test ||
          access == Access::resolve_attachment;
@@ -47,10 +33,6 @@ const char* wrong_view(const ImageDesc& desc, const PlanUse& use, bool flat) {
   return use.range.layer_count % 6 ? "each cube has 6 layers" : nullptr;
 }
 
-bool holds_words(const std::vector<std::string>& text, const std::vector<std::string>& part) {
-  return !part.empty() && std::search(text.begin(), text.end(), part.begin(), part.end()) != text.end();
-}
-
 }  // namespace
 
 void GraphBuilder::refuse(std::string_view resource, std::string_view problem) const {
@@ -69,6 +51,9 @@ BufferHandle GraphBuilder::import_buffer(BufferDesc desc) {
 
 void GraphBuilder::begin_pass(std::string name, Queue queue) {
   if (open_) throw GraphError(fmt::format("pass '{}' begins inside pass '{}'", name, passes_.back().name));
+  for (const Pass& pass : passes_)
+    if (pass.name == name)
+      throw GraphError(fmt::format("a second pass '{}': each instance needs a name of its own", name));
   passes_.push_back({.name = std::move(name), .queue = queue});
   open_ = true;
   missing_.clear();
@@ -205,7 +190,7 @@ template <class Handle>
 void GraphBuilder::read_any(Handle handle, Access access, std::string_view what, const Part& part) {
   require_open(fmt::format("read of '{}'", what));
   if (!handle) {
-    if (missing_.empty()) missing_ = missing_reason(what);
+    if (missing_.empty()) missing_ = missing_reason(what, handle.absence);
     return;
   }
   const Resource& resource = resource_of(handle);
@@ -242,7 +227,8 @@ Handle GraphBuilder::write_any(Handle handle, Access access, const Part& part) {
   require_open("write");
   if (!handle) {
     if (missing_.empty())
-      missing_ = missing_reason(is_image_handle<Handle> ? "an image to write to" : "a buffer to write to");
+      missing_ =
+          missing_reason(is_image_handle<Handle> ? "an image to write to" : "a buffer to write to", handle.absence);
     return handle;
   }
   Resource& resource = resource_of(handle);
@@ -283,26 +269,23 @@ PipelineHandle GraphBuilder::pipeline_any(Desc desc) {
 PipelineHandle GraphBuilder::pipeline(ComputePipelineDesc desc) { return pipeline_any(std::move(desc)); }
 PipelineHandle GraphBuilder::pipeline(GraphicsPipelineDesc desc) { return pipeline_any(std::move(desc)); }
 
-// An empty handle does not know who failed to make it. The producer is known where a left-out pass created a resource
-// of that name, or where the name of exactly one left-out pass shares its words with it; it is named, so a wrong guess
-// cannot mislead.
-std::string GraphBuilder::missing_reason(std::string_view what) const {
-  std::string reason = fmt::format("needs {}, which no kept pass makes", what);
-  const std::vector<std::string> wanted = words(what);
-  int producer = -1, candidates = 0;
-  for (const Resource& resource : resources_)
-    if (resource.left_out >= 0 && words(resource.name()) == wanted) producer = resource.left_out, candidates = 1;
-  for (size_t i = 0; i < left_out_.size() && producer < 0; ++i)
-    if (words(left_out_[i].pass) == wanted) producer = int(i), candidates = 1;
-  if (producer < 0) {
-    for (size_t i = 0; i < left_out_.size(); ++i) {
-      const std::vector<std::string> pass = words(left_out_[i].pass);
-      if (holds_words(pass, wanted) || holds_words(wanted, pass)) producer = int(i), ++candidates;
-    }
-  }
-  if (candidates == 1)
-    reason += fmt::format("; {} was left out: {}", left_out_[producer].pass, left_out_[producer].reason);
-  return reason;
+std::string GraphBuilder::missing_reason(std::string_view what, int absence) const {
+  const std::string reason = fmt::format("needs {}, which no kept pass makes", what);
+  return absence < 0 ? reason : fmt::format("{}; {}", reason, absences_[size_t(absence)]);
+}
+
+int GraphBuilder::absent(std::string reason) {
+  absences_.push_back(std::move(reason));
+  return last_absence();
+}
+
+void GraphBuilder::knob(std::string name, std::string value) {
+  require_open(fmt::format("knob {}", name));
+  passes_.back().knobs.push_back({std::move(name), std::move(value)});
+}
+
+void GraphBuilder::publish(std::string layer, ImageHandle image) {
+  if (image) published_.emplace_back(std::move(layer), image);
 }
 
 // The versions it made never were, so what it read stays usable under the old handles.
@@ -314,12 +297,13 @@ void GraphBuilder::discard_pass() {
     resource.version = use.version - 1;
     resource.written.resize(size_t(resource.version));
   }
-  left_out_.push_back({pass.name, missing_});
+  leave_out(pass.name, missing_);
   for (Resource& resource : resources_)
     if (resource.creator == int(passes_.size()) - 1) {
       resource.creator = -1;
       resource.left_out = int(left_out_.size()) - 1;
     }
+  std::erase_if(published_, [&](const auto& p) { return resources_[size_t(p.second.resource)].left_out >= 0; });
   std::erase_if(sinks_, [&](int sink) { return resources_[sink].left_out >= 0 || resources_[sink].version == 0; });
   passes_.pop_back();
 }
@@ -335,9 +319,10 @@ bool GraphBuilder::end_pass(RecordFunction record) {
   return true;
 }
 
-void GraphBuilder::leave_out(std::string pass, std::string reason) {
+int GraphBuilder::leave_out(std::string pass, std::string reason) {
   if (open_) throw GraphError(fmt::format("'{}' is left out inside pass '{}'", pass, passes_.back().name));
-  left_out_.push_back({std::move(pass), std::move(reason)});
+  left_out_.push_back({pass, reason});
+  return absent(fmt::format("{} was left out: {}", pass, reason));
 }
 
 void GraphBuilder::sink(BufferHandle buffer) {

@@ -27,8 +27,12 @@ class GraphBuilder {
   // Resources filled before the frame by the scene upload; read-only in the graph.
   BufferHandle import_buffer(BufferDesc desc);
 
-  // Opens a pass; every declaration up to end_pass belongs to it.
+  // Opens a pass; every declaration up to end_pass belongs to it. A frame's passes have different names: what stands in
+  // a frame several times has a name for each instance, "blur.wide" (times, hashes and plans tell them apart).
   void begin_pass(std::string name, Queue queue = Queue::main);
+  // A knob's value, as text, that the open pass works with: part of the plan and of its hash, whatever way it takes to
+  // the shader.
+  void knob(std::string name, std::string value);
   ImageHandle create(ImageDesc desc);  // version 0: nothing in it yet; must be written before it is read
   BufferHandle create(BufferDesc desc);
   // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns. A
@@ -54,7 +58,14 @@ class GraphBuilder {
   // Closes the pass. Returns false when a required input was missing: then nothing of it is kept and the reason is.
   bool end_pass(RecordFunction record);
 
-  void leave_out(std::string pass, std::string reason);
+  // Both return the place among absences() that the handles which the pass would have given carry.
+  int leave_out(std::string pass, std::string reason);
+  int absent(std::string reason);
+  int last_absence() const { return int(absences_.size()) - 1; }
+  const std::vector<std::string>& absences() const { return absences_; }
+  // An image that the frame can give under a layer's name (--layers, --view), where a pass of the frame makes one.
+  void publish(std::string layer, ImageHandle image);
+  const std::vector<std::pair<std::string, ImageHandle>>& published() const { return published_; }
   // Marks what the frame is for: these keep their producers alive. Buffers with memory host_read, usually. An empty
   // handle is no sink: what it stood for was left out.
   void sink(BufferHandle buffer);
@@ -65,6 +76,7 @@ class GraphBuilder {
     Queue queue;
     std::vector<PlanUse> uses;
     std::vector<int> pipelines;  // into pipelines()
+    std::vector<PlanKnob> knobs;
     RecordFunction record;
     int steps = 0;  // opened with begin_step
   };
@@ -106,7 +118,7 @@ class GraphBuilder {
   void check_fits(const Resource& resource, Access access) const;
   void check_together(const Resource& resource, const PlanUse& use) const;
   void require_open(std::string_view call) const;
-  std::string missing_reason(std::string_view what) const;
+  std::string missing_reason(std::string_view what, int absence) const;
   void discard_pass();
   [[noreturn]] void refuse(std::string_view resource, std::string_view problem) const;
 
@@ -114,6 +126,8 @@ class GraphBuilder {
   std::vector<Resource> resources_;
   std::vector<PipelineDesc> pipelines_;  // without duplicates
   std::vector<LeftOut> left_out_;
+  std::vector<std::string> absences_;
+  std::vector<std::pair<std::string, ImageHandle>> published_;
   std::vector<int> sinks_;
   bool open_ = false;    // passes_.back() is being declared
   std::string missing_;  // why the open pass will be left out

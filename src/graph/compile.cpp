@@ -26,7 +26,8 @@ void order(const GraphBuilder& builder, const std::vector<bool>& kept, CompiledG
   for (size_t i = 0; i < kept.size(); ++i) {
     if (!kept[i]) continue;
     const GraphBuilder::Pass& pass = builder.passes()[i];
-    PlanPass planned{.name = pass.name, .queue = pass.queue, .declared = int(i), .uses = pass.uses};
+    PlanPass planned{
+        .name = pass.name, .queue = pass.queue, .declared = int(i), .uses = pass.uses, .knobs = pass.knobs};
     planned.step_barriers.resize(size_t(std::max(pass.steps, 1)) - 1);
     for (const int pipeline : pass.pipelines) {
       if (merged[pipeline] < 0) {

@@ -64,13 +64,22 @@ struct PassBarriers {
   bool empty() const { return source_stages == 0 && images.empty(); }
 };
 
+// A knob's value that a pass works with: "bloom.levels", "5".
+struct PlanKnob {
+  std::string name, value;
+  bool operator==(const PlanKnob&) const = default;
+};
+
 enum class Queue : uint8_t { main, compute };
 struct PlanPass {
+  // Of the instance: the pass's name, and after a point the instance's.
   std::string name;
+  std::string_view pass() const { return std::string_view(name).substr(0, name.find('.')); }
   Queue queue = Queue::main;
   int declared = -1;  // index in declaration order: finds the recording closure
   std::vector<PlanUse> uses;
   std::vector<int> pipelines;               // into FramePlan::pipelines
+  std::vector<PlanKnob> knobs;              // in the order of their tables
   PassBarriers barriers;                    // before the pass, and so before its first step
   std::vector<PassBarriers> step_barriers;  // before each further step; empty for a pass without steps
   uint32_t steps() const { return 1 + uint32_t(step_barriers.size()); }
@@ -109,9 +118,10 @@ struct FramePlan {
   PassBarriers final_barriers;        // after the last pass: host reads
 };
 
-uint64_t transient_bytes(const FramePlan& plan);  // with aliasing
+std::vector<PlanKnob> plan_knobs(const FramePlan& plan);  // of all kept passes, each once, by first use
+uint64_t transient_bytes(const FramePlan& plan);          // with aliasing
 uint64_t transient_bytes_unaliased(const FramePlan& plan);
-Hash128 plan_hash(const FramePlan& plan);      // of passes, uses, pipelines, sizes: what timings depend on
+Hash128 plan_hash(const FramePlan& plan);      // of passes, uses, pipelines, sizes, knobs: what timings depend on
 std::string plan_text(const FramePlan& plan);  // what runs, what was left out and why, each image's memory
 std::string plan_json(const FramePlan& plan);
 std::string plan_dot(const FramePlan& plan);          // Graphviz; left-out passes dimmed

@@ -92,6 +92,8 @@ Hash128 plan_hash(const FramePlan& plan) {
     }
     out.number(pass.pipelines.size());
     for (const int pipeline : pass.pipelines) out.number(uint64_t(pipeline));
+    out.number(pass.knobs.size());
+    for (const PlanKnob& knob : pass.knobs) out.string(knob.name), out.string(knob.value);
   }
   out.number(plan.pipelines.size());
   for (const PipelineDesc& pipeline : plan.pipelines) {

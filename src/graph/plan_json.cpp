@@ -47,6 +47,12 @@ Json use_json(const FramePlan& plan, const PlanUse& use) {
   return result;
 }
 
+Json knobs_json(const std::vector<PlanKnob>& knobs) {
+  Json result = Json::object();
+  for (const PlanKnob& knob : knobs) result[knob.name] = knob.value;
+  return result;
+}
+
 Json pass_json(const FramePlan& plan, const PlanPass& pass) {
   Json reads = Json::array(), writes = Json::array(), uses = Json::array(), pipelines = Json::array();
   for (const PlanUse& use : pass.uses) {
@@ -57,9 +63,13 @@ Json pass_json(const FramePlan& plan, const PlanPass& pass) {
   }
   for (const int pipeline : pass.pipelines)
     pipelines.push_back(std::visit([](const auto& desc) { return to_json(desc); }, plan.pipelines[pipeline]));
-  Json result = {{"name", pass.name}, {"queue", pass.queue == Queue::compute ? "compute" : "main"},
-                 {"reads", reads},    {"writes", writes},
-                 {"uses", uses},      {"pipelines", pipelines}};
+  Json result = {{"name", pass.name},
+                 {"queue", pass.queue == Queue::compute ? "compute" : "main"},
+                 {"reads", reads},
+                 {"writes", writes},
+                 {"uses", uses},
+                 {"pipelines", pipelines},
+                 {"knobs", knobs_json(pass.knobs)}};
   if (pass.steps() > 1) result["steps"] = pass.steps();
   return result;
 }

@@ -93,6 +93,18 @@ std::string pipelines_text(const FramePlan& plan) {
   return table.empty() ? "" : "\npipelines\n" + table.text();
 }
 
+std::string knobs_text(const FramePlan& plan) {
+  Table table({"knob", "value", "passes"});
+  for (const PlanKnob& knob : plan_knobs(plan)) {
+    std::string passes;
+    for (const PlanPass& pass : plan.passes)
+      if (std::find(pass.knobs.begin(), pass.knobs.end(), knob) != pass.knobs.end())
+        passes += (passes.empty() ? "" : " ") + pass.name;
+    table.row({knob.name, knob.value, passes});
+  }
+  return table.empty() ? "" : "\nknobs\n" + table.text();
+}
+
 std::string left_out_text(const FramePlan& plan) {
   Table table({"pass", "reason"});
   for (const LeftOut& left_out : plan.left_out) table.row({left_out.pass, left_out.reason});
@@ -134,12 +146,21 @@ std::string image_size_text(const ImageDesc& image) {
   return text;
 }
 
+std::vector<PlanKnob> plan_knobs(const FramePlan& plan) {
+  std::vector<PlanKnob> knobs;
+  for (const PlanPass& pass : plan.passes)
+    for (const PlanKnob& knob : pass.knobs)
+      if (std::find(knobs.begin(), knobs.end(), knob) == knobs.end()) knobs.push_back(knob);
+  return knobs;
+}
+
 std::string plan_text(const FramePlan& plan) {
   const uint64_t aliased = transient_bytes(plan), unaliased = transient_bytes_unaliased(plan);
   return fmt::format(
-      "plan {}: {} passes, {} left out\n\npasses\n{}{}{}{}{}\nmemory of the frame\n  {} ({} without aliasing)\n",
+      "plan {}: {} passes, {} left out\n\npasses\n{}{}{}{}{}{}\nmemory of the frame\n  {} ({} without aliasing)\n",
       plan_hash(plan).hex(), plan.passes.size(), plan.left_out.size(), passes_text(plan), left_out_text(plan),
-      images_text(plan), buffers_text(plan), pipelines_text(plan), human_bytes(aliased), human_bytes(unaliased));
+      images_text(plan), buffers_text(plan), pipelines_text(plan), knobs_text(plan), human_bytes(aliased),
+      human_bytes(unaliased));
 }
 
 }  // namespace candela

@@ -53,6 +53,17 @@ glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   return glm::mix(dielectric, specular * f_metal, s.metallic) * n_l;
 }
 
+glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  const double n_l = glm::dot(s.normal, l);
+  if (!(n_l > 0)) return glm::dvec3(0);
+  const glm::dvec3 sum = l + v;
+  const double length = glm::length(sum);
+  const glm::dvec3 h = length > 1e-6 ? sum / length : s.normal;
+  const double grazing = std::pow(std::clamp(1 - glm::dot(v, h), 0.0, 1.0), 5);
+  const glm::dvec3 f_dielectric = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * grazing;
+  return s.base_color * ((1 - largest(f_dielectric)) * (1 - s.metallic) * n_l / pi);
+}
+
 glm::dvec3 sample_brdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u) {
   if (lobe >= specular_share(s, v)) return cosine_direction(s.normal, u);
   const glm::dvec3 h = visible_normal(s.normal, v, alpha_of(s), u);

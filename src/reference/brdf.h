@@ -33,6 +33,8 @@ struct Surface {
 
 // f(l, v) (n.l), 1/sr; 0 for light from below the shading normal. l and v are unit and point away from the surface.
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
+// The part of it that the base reflects diffusely.
+glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 
 // Choosing a light direction by the BRDF: the cosine lobe, or visible GGX normals (Heitz, "Sampling the GGX
 // Distribution of Visible Normals", 2018), with a probability by the lobes' estimated albedos. The density is of the

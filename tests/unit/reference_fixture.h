@@ -56,8 +56,9 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
   return t;
 }
 
-inline Film traced(const TestWorld& t, const TraceSettings& settings, const TestCamera& camera, int spp) {
-  Film film(camera.width, camera.height, t.world->medium() != nullptr);
+inline Film traced(const TestWorld& t, const TraceSettings& settings, const TestCamera& camera, int spp,
+                   bool with_terms = false) {
+  Film film(camera.width, camera.height, {.fog = t.world->medium() != nullptr, .terms = with_terms});
   const Integrator integrator(*t.world, settings, camera.width, camera.height);
   EXPECT_TRUE(film.add(integrator, spp, [](double) { return true; }));
   return film;

@@ -4,7 +4,7 @@
 
 namespace candela {
 
-std::span<const Knob<Cull::Knobs>> Cull::knob_table() {
+std::span<const Knob<Cull::Knobs>> Cull::Knobs::table() {
   static const Knob<Knobs> table[] = {
       {"enabled",
        &Knobs::enabled,

@@ -10,7 +10,9 @@ namespace candela {
 struct Cull {
   static constexpr std::string_view name = "cull";
   struct Knobs {
+    static constexpr std::string_view name = "cull";
     int enabled = 1;
+    static std::span<const Knob<Knobs>> table();
   };
   struct In {
     SceneInputs scene;
@@ -19,7 +21,6 @@ struct Cull {
     BufferHandle survivors;
     PipelineHandle pipeline;
   };
-  static std::span<const Knob<Knobs>> knob_table();
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

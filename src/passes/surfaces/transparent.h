@@ -9,6 +9,7 @@ namespace candela {
 // triangles of one section among themselves, blend in the wrong order.
 struct Transparent {
   static constexpr std::string_view name = "transparent";
+  using SharedKnobs = std::tuple<LightRangeKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

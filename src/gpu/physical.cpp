@@ -63,7 +63,7 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
   make_views(plan);
 }
 
-void Physical::make_step_sets(const FramePlan& plan, StepSets& made) {
+void Physical::make_step_sets(const FramePlan& plan, StepSets& into) {
   uint32_t sets = 0;
   for (const PlanPass& pass : plan.passes) sets += pass.steps();
   if (sets == 0) return;
@@ -73,11 +73,11 @@ void Physical::make_step_sets(const FramePlan& plan, StepSets& made) {
   info.maxSets = sets;
   info.poolSizeCount = uint32_t(sizes.size());
   info.pPoolSizes = sizes.data();
-  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &made.pool));
+  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &into.pool));
   for (const PlanPass& pass : plan.passes) {
-    made.passes.emplace_back(pass.steps());
+    into.passes.emplace_back(pass.steps());
     for (uint32_t step = 0; step < pass.steps(); ++step)
-      write_step_set(plan, pass, step, made.pool, made.passes.back()[step]);
+      write_step_set(plan, pass, step, into.pool, into.passes.back()[step]);
   }
 }
 

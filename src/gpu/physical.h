@@ -73,7 +73,7 @@ class Physical {
     VkDescriptorPool pool = VK_NULL_HANDLE;
     std::vector<std::vector<StepImages>> passes;  // by pass and step
   };
-  void make_step_sets(const FramePlan& plan, StepSets& made);
+  void make_step_sets(const FramePlan& plan, StepSets& into);
   void write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, VkDescriptorPool pool,
                       StepImages& images);
 

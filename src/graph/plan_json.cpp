@@ -31,6 +31,12 @@ Json to_json(const GraphicsPipelineDesc& desc) {
           {"blend", blends[int(desc.blend)]}};
 }
 
+Json knobs_json(const std::vector<PlanKnob>& knobs) {
+  Json result = Json::object();
+  for (const PlanKnob& knob : knobs) result[knob.name] = knob.value;
+  return result;
+}
+
 Json use_json(const FramePlan& plan, const PlanUse& use) {
   const PlanResource& resource = plan.resources[use.resource];
   Json result = {{"resource", resource.name()},
@@ -44,12 +50,6 @@ Json use_json(const FramePlan& plan, const PlanUse& use) {
   }
   if (image && use.view != image->kind) result["view"] = image_kind_name(use.view);
   if (use.step != PlanUse::every_step) result["step"] = use.step;
-  return result;
-}
-
-Json knobs_json(const std::vector<PlanKnob>& knobs) {
-  Json result = Json::object();
-  for (const PlanKnob& knob : knobs) result[knob.name] = knob.value;
   return result;
 }
 

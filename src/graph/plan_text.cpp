@@ -137,6 +137,14 @@ std::string buffers_text(const FramePlan& plan) {
 
 }  // namespace
 
+std::vector<PlanKnob> plan_knobs(const FramePlan& plan) {
+  std::vector<PlanKnob> knobs;
+  for (const PlanPass& pass : plan.passes)
+    for (const PlanKnob& knob : pass.knobs)
+      if (std::find(knobs.begin(), knobs.end(), knob) == knobs.end()) knobs.push_back(knob);
+  return knobs;
+}
+
 std::string image_size_text(const ImageDesc& image) {
   std::string text = fmt::format("{}x{}", image.width_px, image.height_px);
   if (image.kind == ImageKind::d3) text += fmt::format("x{}", image.depth_px);
@@ -144,14 +152,6 @@ std::string image_size_text(const ImageDesc& image) {
   if (image.layers > 1 && image.kind != ImageKind::cube) text += fmt::format(" of {}", image.layers);
   if (image.mips > 1) text += fmt::format(", {} mips", image.mips);
   return text;
-}
-
-std::vector<PlanKnob> plan_knobs(const FramePlan& plan) {
-  std::vector<PlanKnob> knobs;
-  for (const PlanPass& pass : plan.passes)
-    for (const PlanKnob& knob : pass.knobs)
-      if (std::find(knobs.begin(), knobs.end(), knob) == knobs.end()) knobs.push_back(knob);
-  return knobs;
 }
 
 std::string plan_text(const FramePlan& plan) {

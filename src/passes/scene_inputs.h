@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "graph/builder.h"
+#include "passes/geometry/views.h"
 #include "passes/lights/light_lists.h"
 #include "scene/draw_list.h"
 
@@ -30,10 +31,5 @@ struct SceneInputs {
 
 inline constexpr VkFormat color_format = VK_FORMAT_R32G32B32A32_SFLOAT;
 inline constexpr VkFormat depth_format = VK_FORMAT_D32_SFLOAT;
-
-// What culling leaves: indirect commands at each run's first item, and a count a run.
-struct Draws {
-  BufferHandle commands, counts;
-};
 
 }  // namespace candela

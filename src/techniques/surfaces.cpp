@@ -3,10 +3,9 @@
 namespace candela {
 
 Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene) {
-  const bool culling = frame.knobs.get<Cull::Knobs>().enabled != 0;
-  const BufferHandle survivors = frame.add(Cull{}, {scene}).survivors;
+  const Cull::Out culled = frame.add(Cull{}, {scene});
   Surfaces surfaces;
-  surfaces.draws = frame.add(CullCompact{}, {scene, survivors, culling}).draws;
+  surfaces.draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors}).draws;
   surfaces.deformed = frame.add(Deform{}, {scene}).deformed;
   surfaces.depth = frame.add(DepthPrepass{}, {scene, surfaces.draws, surfaces.deformed}).depth;
   return surfaces;

@@ -4,9 +4,10 @@
 
 namespace candela {
 
-// Frustum culling of draw items on the GPU (TECHNIQUES 2.1), first half: counts the survivors of each group of 256
-// items. Boxes are in relative space, five planes, NaN and infinite boxes are kept, rounding never culls. Nothing is
-// approximated: the image with `enabled` = 0 is the same, bit for bit.
+// Culling of draw items for a range of views on the GPU (TECHNIQUES 2.1), first half: a bit for each view and item, and
+// the survivors of each group of 256 items. Boxes and planes are in relative space; NaN and infinite boxes are kept,
+// rounding never culls. Nothing is approximated: the image with `enabled` = 0 is the same, bit for bit; only a view's
+// least_px leaves out what it would show (shaders/shared/cull.h).
 struct Cull {
   static constexpr std::string_view name = "cull";
   struct Knobs {
@@ -16,9 +17,10 @@ struct Cull {
   };
   struct In {
     SceneInputs scene;
+    ViewRange views{};  // the camera, if nothing else is said
   };
   struct Out {
-    BufferHandle survivors;
+    BufferHandle masks, survivors;
     PipelineHandle pipeline;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

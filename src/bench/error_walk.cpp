@@ -3,7 +3,6 @@
 #include <map>
 
 #include "base/text.h"
-#include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
 #include "gltf/gltf.h"
 
@@ -21,9 +20,8 @@ std::string_view bytes_of(const std::vector<T>& values) {
 }
 
 // Of all that knobs decide about a frame's work.
-Hash128 work_of(const PlannedFrame& f, const Job& job) {
+Hash128 work_of(const PlannedFrame& f) {
   std::string work = plan_hash(f.graph.plan).hex();
-  work += frame_knobs(job)->cull_enabled ? "culled " : "all ";
   work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
   for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
                                        bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
@@ -83,17 +81,18 @@ class Walker {
     const std::string name = knob.pass + "." + knob.knob;
     std::vector<std::string> kept;
     for (const PlanPass& pass : exact.graph.plan.passes)
-      if (std::find(knob.passes.begin(), knob.passes.end(), pass.name) != knob.passes.end()) kept.push_back(pass.name);
+      if (std::find(knob.passes.begin(), knob.passes.end(), pass.pass()) != knob.passes.end())
+        kept.push_back(pass.name);
     if (kept.empty()) return;
     const Configuration c = place.rows[exact_row].configuration;
-    std::vector<Hash128> works = {work_of(exact, c.job)};
+    std::vector<Hash128> works = {work_of(exact)};
     std::vector<std::string> skipped;
     for (const std::string& value : knob.walk) {
       if (value == knob.value_now) continue;
       Configuration changed = c;
       changed.job.settings = {{knob.pass, knob.knob, value}};
       const auto planned = plan(changed.job, changed.time_s);
-      const Hash128 work = planned ? work_of(*planned, changed.job) : Hash128{};
+      const Hash128 work = planned ? work_of(*planned) : Hash128{};
       if (planned && std::find(works.begin(), works.end(), work) != works.end()) {
         skipped.push_back(name + "=" + value);
         continue;

@@ -14,8 +14,9 @@ namespace candela::cli {
 // an option's name, help and default stand.
 struct JobOptions {
   std::string scene, animation = "all", camera, eye, target, size = "1280x720", technique = "clustered",
-                     quality = "high", sky, look, tonemap = "agx", view = "beauty", layers, background = "transparent",
-                     exr_type = "half", exr_compression = "zip", fps = "24", device, shader_folder, config;
+                     quality = "high", effects = "auto", sky, look, tonemap = "agx", view = "beauty", layers,
+                     background = "transparent", exr_type = "half", exr_compression = "zip", fps = "24", device,
+                     shader_folder, config;
   std::vector<std::string> settings;
   double yfov_deg = 0;
   bool has_yfov = false;

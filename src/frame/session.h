@@ -49,13 +49,21 @@ struct FrameResult {
   std::vector<std::string> warnings;  // textures that could not be decoded, by the first frame that needs them
 };
 
+// A frame that was begun and not yet finished.
+using FrameTicket = gpu::FrameTicket;
+
 // A device with a scene on it. Opening loads and uploads what does not change with time; frames are then independent.
 class Session {
  public:
   static Expected<std::unique_ptr<Session>> open(const Job& job, const WantedOutputs& wanted,
                                                  const RunSettings& settings);
   virtual ~Session() = default;
-  virtual Expected<FrameResult> render(double time_s, bool hash_outputs = false) = 0;  // GpuError becomes an Error here
+  // Plans a frame and hands it to the device. GpuError becomes an Error here.
+  virtual Expected<FrameTicket> begin(double time_s, bool hash_outputs = false) = 0;
+  // Waits for it; each ticket once. The result is the same whatever was begun in between.
+  virtual Expected<FrameResult> finish(FrameTicket ticket) = 0;
+  Expected<FrameResult> render(double time_s, bool hash_outputs = false);
+  virtual int in_flight() const = 0;  // how many frames to have begun at once on this device
   virtual const Scene& scene() const = 0;
   virtual const gpu::Device& device() const = 0;
   virtual const Timings& opening() const = 0;  // load, decode, upload

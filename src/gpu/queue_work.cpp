@@ -1,5 +1,7 @@
 #include "gpu/queue_work.h"
 
+#include "base/check.h"
+
 namespace candela::gpu {
 
 QueueWork::QueueWork(Device& device) : device_(device) {
@@ -22,7 +24,7 @@ QueueWork::~QueueWork() {
 }
 
 VkCommandBuffer QueueWork::begin() {
-  if (pending_) wait(1e9);
+  CHECK(!pending_);
   VK_CHECK(vkResetCommandPool(device_.handle(), pool_, 0));
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -38,6 +40,11 @@ void QueueWork::submit() {
   info.pCommandBufferInfos = &buffer;
   VK_CHECK(vkQueueSubmit2(device_.queue(), 1, &info, fence_));
   pending_ = true;
+}
+
+void QueueWork::wait_for_end() {
+  constexpr double long_s = 1e9;
+  if (pending_) wait(long_s);
 }
 
 bool QueueWork::wait(double timeout_s) {

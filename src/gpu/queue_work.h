@@ -5,16 +5,18 @@
 
 namespace candela::gpu {
 
-// Command buffers for the one queue, and the wait for them. One piece of work at a time.
+// A command buffer for the one queue, and the wait for it. One piece of work at a time.
 class QueueWork {
  public:
   explicit QueueWork(Device& device);
   ~QueueWork();
   QueueWork(const QueueWork&) = delete;
   QueueWork& operator=(const QueueWork&) = delete;
-  VkCommandBuffer begin();  // waits first for work that an earlier wait gave up on
+  VkCommandBuffer begin();  // nothing may be pending
   void submit();
-  bool wait(double timeout_s);  // false: not finished in time; other failures throw
+  bool wait(double timeout_s);               // false: not finished in time; other failures throw
+  void wait_for_end();                       // of work that an earlier wait gave up on
+  bool pending() const { return pending_; }  // submitted, and no wait has seen its end
 
  private:
   Device& device_;

@@ -61,14 +61,16 @@ class Texture {  // sampled image, device memory
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
 };
 
-// Copies bytes into device buffers and textures through staging memory; flush() submits and waits.
+// Copies bytes into device buffers and textures through staging memory. What is submitted after submit() or flush() on
+// the same queue sees them.
 class Uploader {
  public:
   explicit Uploader(Device& device);
-  ~Uploader();
+  ~Uploader();  // waits for what was submitted
   void to_buffer(Buffer& target, uint64_t offset, std::span<const std::byte> bytes);
   void to_texture(Texture& target, const TextureData& data);  // ends in SHADER_READ_ONLY_OPTIMAL
-  void flush();
+  void submit();                                              // without waiting; nothing may be added after it
+  void flush();                                               // and waits
 
  private:
   struct Hidden;

@@ -13,7 +13,8 @@ import sys
 import tomllib
 from pathlib import Path
 
-import draw
+sys.dont_write_bytecode = True
+import draw  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 

@@ -106,6 +106,11 @@ void add_device_options(CLI::App& command, JobOptions& o) {
   command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
       ->capture_default_str()
       ->type_name("SECONDS");
+  command
+      .add_option("--queues", o.queues, "1: all passes on one queue, also where the device has a second for compute")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str()
+      ->type_name("N");
 }
 }  // namespace
 
@@ -245,6 +250,7 @@ Expected<RunSettings> run_settings_of(const JobOptions& o) {
   settings.validate = o.validate;
   settings.shader_folder = o.shader_folder;
   settings.timeout_s = o.timeout_s;
+  settings.queues = o.queues;
   return settings;
 }
 

@@ -20,7 +20,7 @@ struct JobOptions {
   std::vector<std::string> settings;
   double yfov_deg = 0;
   bool has_yfov = false;
-  int samples = 0, png_bits = 8;
+  int samples = 0, png_bits = 8, queues = 2;
   float exposure_ev = 0;
   uint64_t seed = 0;
   bool no_dither = false, metadata_timings = false, allow_nonfinite = false, validate = false, strict = false,

@@ -53,8 +53,9 @@ CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, uint32_
       images_(frame.physical.step_images(frame.slot, pass, step)),
       commands_(commands) {
   const VkDescriptorSet sets[] = {frame.bindless.set(), images_.set};
-  for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
-    vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);
+  for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_COMPUTE, VK_PIPELINE_BIND_POINT_GRAPHICS})
+    if (point == VK_PIPELINE_BIND_POINT_COMPUTE || pass_.queue == Queue::main)
+      vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);
 }
 
 const PlanUse& CommandListImpl::use_of(const Wanted& wanted, std::initializer_list<Access> accesses) const {

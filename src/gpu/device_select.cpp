@@ -215,20 +215,12 @@ std::string why_unusable(VkPhysicalDevice physical, const DeviceInfo& info) {
   return missing.empty() ? "" : fmt::format("lacks {}: {}", missing, remedy(info));
 }
 
-// The queue family that does graphics and compute; the families are one bit set each, and the first that fits is taken.
-bool find_queue(Candidate& candidate) {
+bool find_queues(Candidate& candidate) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, families.data());
-  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  for (uint32_t i = 0; i < count; ++i) {
-    if ((families[i].queueFlags & needed) != needed) continue;
-    candidate.queue_family = i;
-    candidate.timestamp_bits = families[i].timestampValidBits;
-    return true;
-  }
-  return false;
+  return choose_queues(families, candidate);
 }
 
 bool has_validation_layer() {
@@ -278,7 +270,7 @@ std::vector<Candidate> find_candidates(VkInstance instance) {
     candidate.physical = physical[i];
     candidate.info = describe_physical(physical[i], int(i));
     candidate.info.unusable = why_unusable(physical[i], candidate.info);
-    if (!find_queue(candidate) && candidate.info.unusable.empty())
+    if (!find_queues(candidate) && candidate.info.unusable.empty())
       candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical[i], &properties);
@@ -286,6 +278,25 @@ std::vector<Candidate> find_candidates(VkInstance instance) {
     candidates.push_back(std::move(candidate));
   }
   return candidates;
+}
+
+bool choose_queues(std::span<const VkQueueFamilyProperties> families, Candidate& candidate) {
+  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const auto main = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& family) {
+    return (family.queueFlags & needed) == needed;
+  });
+  if (main == families.end()) return false;
+  candidate.queue_family = uint32_t(main - families.begin());
+  candidate.timestamp_bits = main->timestampValidBits;
+  const auto alone = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& family) {
+    return (family.queueFlags & needed) == VK_QUEUE_COMPUTE_BIT && family.queueCount > 0;
+  });
+  const auto second = alone != families.end() ? alone : main;
+  candidate.second_queue = second != main || main->queueCount > 1;
+  candidate.compute_family = uint32_t(second - families.begin());
+  candidate.compute_index = second == main && candidate.second_queue ? 1 : 0;
+  candidate.compute_timestamp_bits = second->timestampValidBits;
+  return true;
 }
 
 Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_view which) {

@@ -65,6 +65,36 @@ TEST_F(FrameSky, ShowsItsImageInTheRightDirection) {
     }
 }
 
+// Where a texel covers more than a pixel, the sky is its bilinear image at full detail: no level coarser is mixed in.
+TEST_F(FrameSky, ShowsItsTexelsWhereTheyAreLargerThanPixels) {
+  constexpr int sky_width = 256, sky_height = 128;
+  const auto texel = [](int x, int y) { return double((x * 7 + y * 13 + x * y % 5) % 4) / 4; };
+  const std::string sky = write_sky([&](glm::dvec3 d) {
+    const int x = int((std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5) * sky_width);
+    const int y = int(std::acos(d.y) / std::numbers::pi * sky_height);
+    return glm::dvec3(texel(x, y));
+  });
+  GltfBuilder b = empty_scene();
+  add_node(b, {{"name", "nothing"}});
+  Job job = job_for(write(b), width, height);
+  job.sky = sky;
+  look(job, {0, 0, 0}, {1, 0, 0}, 40);  // a pixel of the middle is 0.82 of a texel
+  const Images images = images_of(job);
+  double sum = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec3 d = direction({-1, 0, 0}, 40, x, y);
+      const double u = (std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5) * sky_width - 0.5,
+                   v = std::acos(d.y) / std::numbers::pi * sky_height - 0.5;
+      const int x0 = int(std::floor(u)), y0 = int(std::floor(v));
+      const double fx = u - x0, fy = v - y0;
+      const double wanted = (1 - fy) * ((1 - fx) * texel(x0, y0) + fx * texel(x0 + 1, y0)) +
+                            fy * ((1 - fx) * texel(x0, y0 + 1) + fx * texel(x0 + 1, y0 + 1));
+      sum += std::abs(images["beauty"].at<glm::vec4>(x, y).x - wanted);
+    }
+  EXPECT_LT(sum / (width * height), 0.005);  // filters have weights of eight bits
+}
+
 // A diffuse surface under the sky reflects the mean radiance around its normal: 2 + 2/3 of the normal's component.
 TEST_F(FrameSky, LightsADiffuseSurfaceByItsMeanRadiance) {
   GltfBuilder b = empty_scene();

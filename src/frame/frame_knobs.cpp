@@ -119,8 +119,11 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
   std::vector<KnobRow> rows;
   for_each_knob(all, [&](std::string_view pass, const auto& knob, auto& knobs) {
     set(knob, knobs, rung(knob.ladder, quality));
+    // A float says as many digits as tell it from its neighbours: 0.01, not 0.009999999776482582.
+    const bool is_float = knob.member.index() == 1;
     const auto text = [&](double v) {
-      return knob.choices.empty() ? fmt::format("{}", v) : std::string(knob.choices[size_t(v)]);
+      if (!knob.choices.empty()) return std::string(knob.choices[size_t(v)]);
+      return is_float ? fmt::format("{}", float(v)) : fmt::format("{}", v);
     };
     std::vector<std::string> ladder;
     for (const double v : knob.ladder) ladder.push_back(text(v));

@@ -37,6 +37,7 @@ class DeviceSession : public Session {
 
   Expected<void> open();
   Expected<FrameResult> render(double time_s, bool hash_outputs) override;
+  void set_camera(const CameraRequest& camera) override { job_.camera = camera; }
   const Scene& scene() const override { return scene_; }
   const gpu::Device& device() const override { return *device_; }
   const Timings& opening() const override { return opening_; }

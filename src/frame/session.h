@@ -56,6 +56,8 @@ class Session {
                                                  const RunSettings& settings);
   virtual ~Session() = default;
   virtual Expected<FrameResult> render(double time_s, bool hash_outputs = false) = 0;  // GpuError becomes an Error here
+  // Frames from now on are seen from there.
+  virtual void set_camera(const CameraRequest& camera) = 0;
   virtual const Scene& scene() const = 0;
   virtual const gpu::Device& device() const = 0;
   virtual const Timings& opening() const = 0;  // load, decode, upload

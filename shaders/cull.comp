@@ -1,17 +1,29 @@
 #version 460
-// Counts, for each group of items, how many survive the frustum test. cull_compact turns the counts into stable places.
+// A bit for each view and item that stays, and how many stay of each group of items. cull_compact turns the counts into
+// stable places.
 #include "lib/cull.glsl"
 
-shared uint survivors;
+shared uint words[cull_mask_words];
 
 void main() {
-  const uint g = group_index();
-  if (g >= pc.group_count) return;  // the whole workgroup
-  const CullGroup group = CullGroupsRef(pc.groups).g[g];
-  if (gl_LocalInvocationIndex == 0u) survivors = 0u;
+  const uint t = gl_LocalInvocationIndex;
+  const uint flat_place = flat_group();
+  if (flat_place >= pc.group_count * pc.view_count) return;  // the whole workgroup
+  const uint view = HAS_VIEW_TABLE != 0 ? flat_place / pc.group_count : 0u;
+  const CullGroup group = CullGroupsRef(pc.groups).g[flat_place - view * pc.group_count];
+  uint item_count = group.item_count;
+  if (HAS_VIEW_TABLE != 0) {  // a run without room is one that the view does not draw
+    const uint region = view * pc.run_count + group.run;
+    if (RegionsRef(pc.regions).first[region] == RegionsRef(pc.regions).first[region + 1u]) item_count = 0u;
+  }
+  if (t < cull_mask_words) words[t] = 0u;
   barrier();
-  if (gl_LocalInvocationIndex < group.item_count &&
-      item_survives(group.first_item + gl_LocalInvocationIndex)) atomicAdd(survivors, 1u);
+  if (t < item_count && item_survives(view, group.first_item + t)) atomicOr(words[t / 32u], 1u << (t % 32u));
   barrier();
-  if (gl_LocalInvocationIndex == 0u) CountsRef(pc.survivors).n[g] = survivors;
+  if (t < cull_mask_words) MasksRef(pc.masks).m[flat_place * cull_mask_words + t] = words[t];
+  if (t == 0u) {
+    uint count = 0u;
+    for (uint w = 0u; w < cull_mask_words; ++w) count += uint(bitCount(words[w]));
+    CountsRef(pc.survivors).n[flat_place] = count;
+  }
 }

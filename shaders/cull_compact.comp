@@ -1,44 +1,43 @@
 #version 460
-// Writes the surviving items' draw commands without gaps, in item order: the place of a command is the number of
-// survivors before it, summed from the counts of `cull` and a prefix sum inside the group. No atomics, so every run
-// gives the same order.
+// Writes the draw commands of the items that stay without gaps, in item order: the place of a command is the number of
+// bits before its own, summed from the counts of `cull` and the words of its group. No atomics, so every run gives the
+// same order.
 #include "lib/cull.glsl"
 
-shared uint prefix[cull_group_size];
-shared uint before;
+shared uint part[cull_group_size];
+shared uint words[cull_mask_words];
 
 void main() {
   const uint t = gl_LocalInvocationIndex;
-  const uint g = group_index();
-  if (g >= pc.group_count) return;  // the whole workgroup
-  const CullGroup group = CullGroupsRef(pc.groups).g[g];
+  const uint flat_place = flat_group();
+  if (flat_place >= pc.group_count * pc.view_count) return;  // the whole workgroup
+  const uint view = HAS_VIEW_TABLE != 0 ? flat_place / pc.group_count : 0u;
+  const uint first_of_view = view * pc.group_count;
+  const CullGroup group = CullGroupsRef(pc.groups).g[flat_place - first_of_view];
   // Survivors of the run's earlier groups: each thread sums a stride, then a tree adds the threads.
   uint sum = 0u;
-  for (uint i = group.first_group + t; i < g; i += cull_group_size) sum += CountsRef(pc.survivors).n[i];
-  prefix[t] = sum;
+  for (uint i = first_of_view + group.first_group + t; i < flat_place; i += cull_group_size)
+    sum += CountsRef(pc.survivors).n[i];
+  part[t] = sum;
+  if (t < cull_mask_words) words[t] = MasksRef(pc.masks).m[flat_place * cull_mask_words + t];
   barrier();
   for (uint step = cull_group_size / 2u; step > 0u; step /= 2u) {
-    if (t < step) prefix[t] += prefix[t + step];
+    if (t < step) part[t] += part[t + step];
     barrier();
   }
-  if (t == 0u) before = prefix[0];
-  barrier();
-  const bool survives = t < group.item_count && item_survives(group.first_item + t);
-  prefix[t] = survives ? 1u : 0u;
-  barrier();
-  for (uint step = 1u; step < cull_group_size; step *= 2u) {  // inclusive scan (Hillis and Steele 1986)
-    const uint left = t >= step ? prefix[t - step] : 0u;
-    barrier();
-    prefix[t] += left;
-    barrier();
-  }
-  // A run's commands begin at its first item's place: the groups of a run follow one another.
-  const uint run_first_item = CullGroupsRef(pc.groups).g[group.first_group].first_item;
-  if (survives) {
+  const uint before = part[0];
+  // Without a table a run's commands begin at its first item's place: the groups of a run follow one another.
+  const uint region = view * pc.run_count + group.run;
+  const uint first_command = HAS_VIEW_TABLE != 0
+      ? RegionsRef(pc.regions).first[region] : CullGroupsRef(pc.groups).g[group.first_group].first_item;
+  const uint bit = 1u << (t % 32u);
+  if ((words[t / 32u] & bit) != 0u) {
+    uint place = first_command + before + uint(bitCount(words[t / 32u] & (bit - 1u)));
+    for (uint w = 0u; w < t / 32u; ++w) place += uint(bitCount(words[w]));
     const uint index = group.first_item + t;
     const Item item = ItemsRef(frame.items).i[index];
-    DrawCommandsRef(pc.commands).d[run_first_item + before + prefix[t] - 1u] = DrawCommand(item.index_count, 1u,
-        item.first_index, 0, index);
+    DrawCommandsRef(pc.commands).d[place] = DrawCommand(item.index_count, 1u, item.first_index, 0, index);
   }
-  if (t == 0u && group.is_last != 0u) CountsRef(pc.counts).n[group.run] = before + prefix[cull_group_size - 1u];
+  if (t == 0u && group.is_last != 0u)
+    CountsRef(pc.counts).n[region] = before + CountsRef(pc.survivors).n[flat_place];
 }

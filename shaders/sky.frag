@@ -4,14 +4,18 @@
 #include "lib/bindless.glsl"
 #include "lib/frame.glsl"
 
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { SkyPush pc; };
+layout(constant_id = 14) const int IS_SUBSAMPLE = 0;
 layout(location = 0) in vec2 in_ndc;
 layout(location = 0) out vec4 out_radiance;
 const float PI = 3.14159265358979323846;
 
 void main() {
   vec3 direction = -frame.camera_back;
+  const vec2 ndc = IS_SUBSAMPLE != 0 ? in_ndc + pc.subsample_ndc : in_ndc;
   if (frame.perspective != 0u)
-    direction += in_ndc.x * frame.tan_half.x * frame.camera_right - in_ndc.y * frame.tan_half.y * frame.camera_up;
+    direction += ndc.x * frame.tan_half.x * frame.camera_right - ndc.y * frame.tan_half.y * frame.camera_up;
   direction = normalize(direction);
   // The middle of the image is +X, and u grows towards +Z, as three.js places an environment (scene/environment.h
   // agrees).

@@ -21,7 +21,8 @@ Varyings load_varyings() {
 // devices keep 20 bits.
 vec3 direction_to_viewer() {
   if (frame.perspective == 0u) return frame.camera_back;
-  const vec2 ndc = 2.0 * gl_FragCoord.xy / vec2(frame.size_px) - 1.0;
+  vec2 ndc = 2.0 * gl_FragCoord.xy / vec2(frame.size_px) - 1.0;
+  if (IS_SUBSAMPLE != 0) ndc += pc.subsample_ndc;
   return normalize(frame.camera_back - ndc.x * frame.tan_half.x * frame.camera_right +
       ndc.y * frame.tan_half.y * frame.camera_up);
 }

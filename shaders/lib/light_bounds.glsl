@@ -1,7 +1,7 @@
 // Whether a light can touch a cell of the light grid. Every test errs towards yes: volumes are inflated
-// (frame/light_grid.cpp) and comparisons give way by SLACK of the distances involved (the range is inflated by far more
-// than its own rounding), so that rounding never loses a light; NaN counts as yes. Space: view, x right, y up, z
-// forward. Needs `frame`, lib/light_cells.glsl.
+// (passes/lights/light_grid.cpp) and comparisons give way by SLACK of the distances involved (the range is inflated by
+// far more than its own rounding), so that rounding never loses a light; NaN counts as yes. Space: view, x right, y up,
+// z forward. Needs `frame`, lib/light_cells.glsl.
 
 // Rounding of a sum of a few products, as a share of the largest term.
 const float SLACK = 4e-6;

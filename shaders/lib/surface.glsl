@@ -23,8 +23,13 @@ vec2 texture_uv(TextureRef r, Varyings v) {
   return vec2(dot(r.u_row, vec3(uv, 1.0)), dot(r.v_row, vec3(uv, 1.0)));
 }
 vec4 sample_texture(TextureRef r, Varyings v) {
-  return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
-      samplers[nonuniformEXT(r.sampler_index)])), texture_uv(r, v));
+  const vec2 uv = texture_uv(r, v);
+  if (IS_SUBSAMPLE != 0)
+    return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
+                                           samplers[nonuniformEXT(r.sampler_index)])),
+                   uv, pc.subsample_lod);
+  return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)], samplers[nonuniformEXT(r.sampler_index)])),
+                 uv);
 }
 
 // Base colour with alpha: all that the depth pre-pass and unlit surfaces need.

@@ -17,29 +17,54 @@ struct DrawCommand {
   int vertex_offset;
   uint first_instance;
 };
+
+// A view from which the scene's items are culled and their depth drawn: a cascade, a cube's face, a spot. Relative
+// space; inside of a plane is dot(n, p) + w >= 0 with n of unit length; a plane of zeros holds everything.
+struct View {
+  mat4 clip_from_relative;
+  vec4 planes[6];  // an item wholly outside one of them is not drawn
+  vec4 served[4];  // an item wholly inside all of them is not drawn: a finer view serves what it can darken
+  float least_px;  // orthographic views: an item narrower and lower than this, in texels, is not drawn; 0: none
+  uint flags;      // view_*
+  uvec2 origin_px, size_px;  // of the viewport in its layer
+  uint layer;                // of the image that the view is drawn to
+};
+
 struct CullPush {
-  uint64_t groups, survivors, commands, counts;
+  uint64_t groups;
+  uint64_t masks;      // cull_mask_words words a view and group: a bit for each item that stays
+  uint64_t survivors;  // a count for each view and group
+  uint64_t commands;
+  uint64_t counts;   // of commands, for each view and run
+  uint64_t views;    // View; the first of the range
+  uint64_t regions;  // the first command of each view and run, and where the last region ends
+  uint group_count, run_count, view_count;
   uint culling;  // 0: everything is kept
-  uint group_count;
 };
 
 SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-inline constexpr uint cull_group_size = 256;
+enum : uint { view_has_served = 1u };
+inline constexpr uint cull_group_size = 256, cull_mask_words = cull_group_size / 32;
 // Groups beyond what one dimension of a dispatch takes on every device (65535) go to the second.
 inline uvec2 cull_threads(uint groups) {
   const uint row = groups < 65535 ? groups : 65535;
   return {row * cull_group_size, (groups + 65534) / 65535};
 }
-static_assert(sizeof(CullGroup) == 20 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 40);
+static_assert(sizeof(CullGroup) == 20 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 72);
+static_assert(sizeof(View) == 252 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
 }  // namespace candela::shared
 #else
-const uint cull_group_size = 256u;
+const uint view_has_served = 1u;
+const uint cull_group_size = 256u, cull_mask_words = cull_group_size / 32u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CullGroupsRef { CullGroup g[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewsRef { View v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RegionsRef { uint first[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DrawCommandsRef { DrawCommand d[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountsRef { uint n[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MasksRef { uint m[]; };
 #endif
 
 #endif

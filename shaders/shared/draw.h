@@ -5,6 +5,18 @@ SHARED_BEGIN
 struct DrawPush {  // every pass that draws the scene
   uint64_t deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
+  // Of a supersampled frame: where this sample lies off the pixel's middle, and what its smaller footprint takes from a
+  // texture's level of detail.
+  vec2 subsample_ndc;
+  float subsample_lod;
+};
+struct SkyPush {
+  vec2 subsample_ndc;  // by which this sample lies off the pixel's middle (passes/post/supersample.h)
+};
+struct SupersamplePush {
+  uint source, before, target;
+  float share;
+  uvec2 size_px;
 };
 struct BackgroundPush {
   vec4 color;  // premultiplied, pre-exposed

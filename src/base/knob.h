@@ -1,8 +1,11 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -13,12 +16,12 @@ namespace candela {
 // What a knob changes. `look` is how the picture is meant to be, where no value is more exact than another.
 enum class Trades { error, time, look };
 
-// One row of a pass's knob table. Every approximation has a ladder whose last rung is the exact thing (DESIGN section
-// 3). Values are numbers; a knob that names choices lists them in `choices` and its value is the index. K is the pass's
-// plain Knobs struct; member points at a float, int, bool (stored as int) field.
+// One row of a knob table. Every approximation has a ladder whose last rung is the exact thing (DESIGN section 3).
+// Values are numbers; a knob that names choices lists them in `choices` and its value is the index.
+// K is a plain struct of knobs; member points at a float or int (flags are ints) of it.
 template <class K>
 struct Knob {
-  std::string_view name;  // "samples": set by --set PASS.NAME=VALUE
+  std::string_view name;  // "samples": set by --set TABLE.NAME=VALUE
   std::variant<int K::*, float K::*> member;
   std::string_view unit;                  // "px", "m", "" for a count
   double lowest, highest;                 // outside is an error, never a clamp
@@ -28,9 +31,34 @@ struct Knob {
   Trades kind = Trades::error;
   // What `bench --error` walks: the ladder's last value and others, which presets need not take; empty: the ladder.
   std::vector<double> walk = {};
-  // Passes whose work it changes; empty: the one whose table this is. With plans that keep none of them it does
-  // nothing.
+  // Passes whose work it changes; empty: the one that the table is named after. With plans that keep none of them it
+  // does nothing.
   std::vector<std::string_view> passes = {};
+  std::vector<double> only = {};  // the values it takes; empty: all from lowest to highest
+
+  double value(const K& knobs) const {
+    return std::visit([&](auto m) { return double(knobs.*m); }, member);
+  }
+  void set(K& knobs, double to) const {
+    std::visit([&](auto m) { knobs.*m = std::remove_reference_t<decltype(knobs.*m)>(to); }, member);
+  }
+  // As it is printed and as --set takes it: a choice by its name, a float by its shortest digits.
+  std::string text(double v) const {
+    if (!choices.empty()) return std::string(choices[size_t(v)]);
+    return std::holds_alternative<float K::*>(member) ? fmt::format("{}", float(v)) : fmt::format("{}", v);
+  }
+};
+
+// A table of knobs is a plain struct with a name (the TABLE of --set) and its rows:
+//   struct Knobs {
+//     static constexpr std::string_view name = "bloom";
+//     int levels = 6;
+//     static std::span<const Knob<Knobs>> table();
+//   };
+template <class K>
+concept KnobTable = requires {
+  { K::name } -> std::convertible_to<std::string_view>;
+  { K::table() } -> std::same_as<std::span<const Knob<K>>>;
 };
 
 // What --set and the quality presets ask for: pass, knob, value text, in the order given.

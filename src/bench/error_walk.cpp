@@ -7,7 +7,6 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "bench/error_views.h"
-#include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
 #include "gltf/gltf.h"
 
@@ -25,9 +24,8 @@ std::string_view bytes_of(const std::vector<T>& values) {
 }
 
 // Of all that knobs decide about a frame's work.
-Hash128 work_of(const PlannedFrame& f, const Job& job) {
+Hash128 work_of(const PlannedFrame& f) {
   std::string work = plan_hash(f.graph.plan).hex();
-  work += frame_knobs(job)->cull_enabled ? "culled " : "all ";
   work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
   for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
                                        bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
@@ -98,8 +96,8 @@ class Walker {
       const auto planned = plan_frame(job, PlanContext{scene_, layout_},
                                       {.linear = true, .display = whole_.output == "both"}, view.time_s);
       if (!planned) return std::unexpected(planned.error());
-      all += work_of(*planned, job).hex();
-      for (const PlanPass& pass : planned->graph.plan.passes) work.passes.insert(pass.name);
+      all += work_of(*planned).hex();
+      for (const PlanPass& pass : planned->graph.plan.passes) work.passes.emplace(pass.pass());
     }
     work.hash = hash128(all);
     return work;

@@ -22,6 +22,11 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
   command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")
       ->capture_default_str()
       ->type_name("NAME");
+  command
+      .add_option("--effects", o.effects,
+                  "auto (truth by quality, look by the look file), none, or names separated by commas (docs/design.md)")
+      ->capture_default_str()
+      ->type_name("LIST");
   command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
       ->allow_extra_args(false)
       ->type_name("PASS.KNOB=VALUE");
@@ -60,7 +65,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   command.add_option("--sky", o.sky, "Equirectangular .hdr or .exr that lights the scene and fills the background")
       ->type_name("FILE");
-  command.add_option("--look", o.look, "Look file (JSON): fog")->type_name("FILE");
+  command.add_option("--look", o.look, "Look file (JSON): fog, the sun's disc")->type_name("FILE");
   command.add_option("--exposure", o.exposure_ev, "Stops")->capture_default_str()->type_name("EV");
   command.add_option("--tonemap", o.tonemap, "Tone curve of PNG: agx, none, reinhard, aces, neutral or rec709")
       ->capture_default_str()
@@ -101,6 +106,11 @@ void add_device_options(CLI::App& command, JobOptions& o) {
   command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
       ->capture_default_str()
       ->type_name("SECONDS");
+  command
+      .add_option("--queues", o.queues, "1: all passes on one queue, also where the device has a second for compute")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str()
+      ->type_name("N");
 }
 }  // namespace
 
@@ -231,6 +241,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.samples = o.samples;
   job.technique = o.technique;
   job.quality = o.quality;
+  job.effects = o.effects;
   job.sky = o.sky;
   job.look = o.look;
   job.exposure_ev = o.exposure_ev;
@@ -258,6 +269,7 @@ Expected<RunSettings> run_settings_of(const JobOptions& o) {
   settings.validate = o.validate;
   settings.shader_folder = o.shader_folder;
   settings.timeout_s = o.timeout_s;
+  settings.queues = o.queues;
   return settings;
 }
 

@@ -16,6 +16,7 @@
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/reference_frame.h"
+#include "render/reference_layers.h"
 
 namespace candela::cli {
 namespace {
@@ -257,12 +258,12 @@ struct Traced {
 
 Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
                        const std::atomic<int>& interrupted) {
-  const Hash128 identity = film_identity(plan.job, frame, plan.settings, plan.accel);
-  const bool with_fog = frame.world->medium() != nullptr;
-  reference::Film film(plan.job.width_px, plan.job.height_px, with_fog);
+  const reference::FilmParts parts = film_parts(frame, plan.layers);
+  const Hash128 identity = film_identity(plan.job, frame, plan.settings, plan.accel, parts.terms);
+  reference::Film film(plan.job.width_px, plan.job.height_px, parts);
   std::error_code failed;
   if (o.resume && fs::exists(o.state, failed)) {
-    auto loaded = reference::Film::load(o.state, identity, film.width(), film.height(), with_fog);
+    auto loaded = reference::Film::load(o.state, identity, film.width(), film.height(), parts);
     if (!loaded) return std::unexpected(loaded.error());
     film = std::move(*loaded);
     log::info("goes on after {} samples a pixel", film.samples());

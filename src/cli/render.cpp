@@ -25,6 +25,7 @@ struct RenderOptions {
   BudgetOptions budget;
   std::vector<std::string> outputs;
   std::string timings, trace;
+  bool overlap = false;
   std::optional<int> check_determinism;  // number of runs
 };
 
@@ -146,6 +147,9 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   if (!settings) return std::unexpected(settings.error());
   const auto plan = plan_render(command, o);
   if (!plan) return std::unexpected(plan.error());
+  if (o.overlap && o.timings.empty() && !o.job.json)
+    return fail(ErrorKind::usage, "--overlap", "is written with the times; add --timings FILE or --json");
+  settings->overlap = o.overlap;
   settings->timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
   auto session = Session::open(plan->job, plan->wanted, *settings);
   if (!session) return std::unexpected(session.error());
@@ -196,6 +200,8 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("--timings", o->timings, "Times of every pass and stage as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")
       ->type_name("FILE");
+  command->add_flag("--overlap", o.overlap,
+                    "With the times: the frame as a whole with passes side by side on two queues, and on one");
   command
       ->add_option("--check-determinism", o->check_determinism,
                    "Render N times and compare what every pass wrote; exit 1 when it differs")

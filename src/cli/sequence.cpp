@@ -22,6 +22,7 @@ struct SequenceOptions {
   std::string frames, shard = "1/1", video, audio, timings, trace;
   std::vector<std::string> outputs;
   bool resume = false;
+  int in_flight = 0;
 };
 
 Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job) {
@@ -48,6 +49,7 @@ Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job)
   settings.frames = shard_of(*frames, *shard);
   settings.rate = *rate;
   settings.resume = o.resume;
+  settings.in_flight = o.in_flight;
   settings.video = o.video;
   settings.audio = o.audio;
   settings.keep_spans = !o.trace.empty();
@@ -163,6 +165,10 @@ void add_sequence(CLI::App& app, Action& action) {
   command->add_option("--video", o->video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
   command->add_option("--audio", o->audio, "Sound of the film")->type_name("FILE");
   command->add_flag("--resume", o->resume, "Leave out frames whose files are whole and hold this job's picture");
+  command->add_option("--in-flight", o->in_flight, "Frames on their way to the device at once; 0: as suits the device")
+      ->check(CLI::Range(0, 8))
+      ->capture_default_str()
+      ->type_name("N");
   command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")
       ->capture_default_str()
       ->type_name("I/N");

@@ -14,10 +14,11 @@ std::vector<int> device_samples(const gpu::Device& device) {
 Expected<void> check_samples(const Job& job, const std::vector<int>& possible, const std::string& device) {
   const auto knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
-  if (std::find(possible.begin(), possible.end(), knobs->samples) != possible.end()) return {};
+  const int samples = knobs->get<Resolve::Knobs>().samples;
+  if (std::find(possible.begin(), possible.end(), samples) != possible.end()) return {};
   std::vector<std::string> names;
   for (const int n : possible) names.push_back(fmt::format("{}", n));
-  return fail(ErrorKind::device, "--samples", "{} has no {} samples a pixel; it has {}", device, knobs->samples,
+  return fail(ErrorKind::device, "--samples", "{} has no {} samples a pixel; it has {}", device, samples,
               joined(names));
 }
 

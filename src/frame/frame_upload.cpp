@@ -113,30 +113,10 @@ void set_view(const View& view, const FrameRequest& request, shared::FrameConsta
   c.tan_half = {float(view.tan_x), float(view.tan_y)};
   c.size_px = {uint32_t(request.width_px), uint32_t(request.height_px)};
   c.perspective = view.perspective ? 1 : 0;
-  c.pre_exposure = std::exp2(pre_exposure_ev(request.exposure_ev));
+  c.pre_exposure = std::exp2(request.pre_exposure_ev);
 }
 
-}  // namespace
-
-FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
-                              const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
-                              const AmbientSh& ambient) {
-  FrameUpload upload;
-  set_view(view, request, upload.constants);
-  for (size_t i = 0; i < 9; ++i) upload.constants.ambient_sh[i] = glm::vec4(ambient[i], 0);
-  for (const glm::mat4& m : data.relative_from_local) upload.transforms.push_back(shared_transform(m));
-  upload.geometries.resize(layout.geometry_count);
-  for (const auto& mesh : layout.sections)
-    for (const SectionLayout& l : mesh) upload.geometries[l.geometry] = static_geometry(l);
-  for (const Deformation& d : data.deformations) add_deformation(scene, d, layout.sections[d.mesh][d.section], upload);
-  add_items(data, draws, layout, uint32_t(pose.materials.size()), upload);
-  add_groups(draws, upload);
-  for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
-  upload.constants.light_count = uint32_t(upload.lights.size());
-  upload.constants.item_count = uint32_t(upload.items.size());
-  return upload;
-}
-
+// Without its textures' indices, which only a device knows.
 shared::Material shared_material(const Material& m, uint32_t id) {
   shared::Material out{};
   out.base_color = m.base_color;
@@ -157,6 +137,30 @@ shared::Material shared_material(const Material& m, uint32_t id) {
               (m.orm_has_occlusion ? shared::material_orm_occlusion : 0u) |
               (m.orm_has_metallic_roughness ? shared::material_orm_metallic_roughness : 0u);
   return out;
+}
+
+}  // namespace
+
+FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
+                              const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
+                              const AmbientSh& ambient) {
+  FrameUpload upload;
+  set_view(view, request, upload.constants);
+  for (size_t i = 0; i < 9; ++i) upload.constants.ambient_sh[i] = glm::vec4(ambient[i], 0);
+  for (const glm::mat4& m : data.relative_from_local) upload.transforms.push_back(shared_transform(m));
+  upload.geometries.resize(layout.geometry_count);
+  for (const auto& mesh : layout.sections)
+    for (const SectionLayout& l : mesh) upload.geometries[l.geometry] = static_geometry(l);
+  for (const Deformation& d : data.deformations) add_deformation(scene, d, layout.sections[d.mesh][d.section], upload);
+  add_items(data, draws, layout, uint32_t(pose.materials.size()), upload);
+  add_groups(draws, upload);
+  for (size_t m = 0; m < pose.materials.size(); ++m)
+    upload.materials.push_back(shared_material(pose.materials[m], uint32_t(m)));
+  upload.materials.push_back(shared_material(Material{}, shared::absent));
+  for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
+  upload.constants.light_count = uint32_t(upload.lights.size());
+  upload.constants.item_count = uint32_t(upload.items.size());
+  return upload;
 }
 
 }  // namespace candela

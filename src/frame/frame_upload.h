@@ -13,10 +13,6 @@
 
 namespace candela {
 
-// The part of an exposure that is in the linear pictures: enough to keep bright light within a half's range, little
-// enough that nothing leaves a float's. Tone mapping applies the rest.
-inline float pre_exposure_ev(float exposure_ev) { return std::clamp(exposure_ev, -20.0f, 20.0f); }
-
 // What the CPU makes anew for every frame, in the layout of shaders/shared. Pure; device addresses and texture indices
 // are filled in by GpuScene.
 struct FrameUpload {
@@ -24,6 +20,7 @@ struct FrameUpload {
   std::vector<shared::Transform> transforms;
   std::vector<shared::Geometry> geometries;  // static sections first, then one for each deformation
   std::vector<shared::Item> items;           // in draw order
+  std::vector<shared::Material> materials;   // the pose's, and the default one; GpuScene fills in their textures
   std::vector<shared::Light> lights;
   std::vector<shared::CullGroup> groups;
   std::vector<shared::DeformJob> deform_jobs;
@@ -32,8 +29,5 @@ struct FrameUpload {
 FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
                               const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
                               const AmbientSh& ambient);
-
-// A material without its textures' indices, which only a device knows.
-shared::Material shared_material(const Material& material, uint32_t id);
 
 }  // namespace candela

@@ -6,6 +6,8 @@
 #include <cstring>
 
 #include "frame/mip_chain.h"
+#include "frame/split_sum.h"
+#include "frame/upload_table.h"
 #include "scene/scene_images.h"
 #include "scene/texture_slots.h"
 
@@ -26,7 +28,8 @@ VkSamplerAddressMode address_mode(Wrap w) {
                             : VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
 }
 
-VkSamplerCreateInfo sampler_info(const Sampler& s) {
+// Anisotropy is for footprints wider than a texel; nearest filtering asks for texels as they are.
+VkSamplerCreateInfo sampler_info(const Sampler& s, int anisotropy = 1) {
   VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   info.magFilter = s.mag == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
   info.minFilter = s.min == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
@@ -35,6 +38,9 @@ VkSamplerCreateInfo sampler_info(const Sampler& s) {
   info.addressModeU = address_mode(s.wrap_u);
   info.addressModeV = address_mode(s.wrap_v);
   info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  info.anisotropyEnable =
+      anisotropy > 1 && s.mipmaps && s.mag == Filter::linear && s.min == Filter::linear && s.mip == Filter::linear;
+  info.maxAnisotropy = info.anisotropyEnable ? float(anisotropy) : 1.0f;
   // 0.25 without mipmaps: the specification's way to keep both filters and level 0 alone.
   info.maxLod = s.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;
   return info;
@@ -42,20 +48,19 @@ VkSamplerCreateInfo sampler_info(const Sampler& s) {
 
 // Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when
 // they do not fit.
-void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, const void* data, size_t size, size_t room) {
-  const size_t least = std::max(size, room);
+void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, std::span<const std::byte> bytes, size_t room) {
+  const size_t least = std::max(bytes.size(), room);
   if (!buffer || buffer.size() < least)
     buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least),
                          storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Buffer::Memory::upload,
                          gpu::Device::Purpose::frame, name);
-  if (size) std::memcpy(buffer.mapped(), data, size);
+  std::memcpy(buffer.mapped(), bytes.data(), bytes.size());
 }
 
 }  // namespace
 
 GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout)
     : device_(device), bindless_(bindless), scene_(scene), layout_(layout) {
-  for (const Sampler& s : scene.samplers) samplers_.push_back(bindless.add_sampler(sampler_info(s)));
   for (const Material& m : scene.materials)
     for_each_slot(m, [&](const TextureSlot& slot, bool srgb) {
       if (slot) mipmapped_[{slot.image, srgb}] |= scene.samplers[size_t(slot.sampler)].mipmaps;
@@ -65,21 +70,24 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
   pack_geometry(scene, layout, words, indices);
   using Memory = gpu::Buffer::Memory;
   using Purpose = gpu::Device::Purpose;
-  vertices_ = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::device,
-                          Purpose::scene, "scene.vertices");
-  indices_ =
+  gpu::Buffer& vertex_buffer = scene_buffers_["scene.vertices"];
+  gpu::Buffer& index_buffer = scene_buffers_["scene.indices"];
+  vertex_buffer = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                              Memory::device, Purpose::scene, "scene.vertices");
+  index_buffer =
       gpu::Buffer(device, indices.size() * 4, VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                   Memory::device, Purpose::scene, "scene.indices");
   gpu::Uploader uploader(device);
-  uploader.to_buffer(vertices_, 0, std::as_bytes(std::span(words)));
-  uploader.to_buffer(indices_, 0, std::as_bytes(std::span(indices)));
+  uploader.to_buffer(vertex_buffer, 0, std::as_bytes(std::span(words)));
+  uploader.to_buffer(index_buffer, 0, std::as_bytes(std::span(indices)));
   uploader.flush();
 }
 
 GpuScene::~GpuScene() {
   for (const auto& [key, loaded] : textures_)
     if (loaded.index != shared::absent) bindless_.remove_sampled(loaded.index);
-  if (environment_index_ != shared::absent) bindless_.remove_sampled(environment_index_);
+  for (const uint32_t index : {environment_index_, split_sum_index_})
+    if (index != shared::absent) bindless_.remove_sampled(index);
 }
 
 void GpuScene::set_environment(const DecodedImage& image) {
@@ -93,6 +101,38 @@ void GpuScene::set_environment(const DecodedImage& image) {
   sampler.wrap_v = Wrap::clamp;
   environment_sampler_ = bindless_.add_sampler(sampler_info(sampler));
   environment_size_ = {image.width, image.height};
+}
+
+void GpuScene::set_samplers(const TextureKnobs& knobs) {
+  if (!samplers_.empty() && knobs.anisotropy == texture_knobs_.anisotropy) return;
+  texture_knobs_ = knobs;
+  samplers_.clear();
+  for (const Sampler& s : scene_.samplers)
+    samplers_.push_back(bindless_.add_sampler(sampler_info(s, knobs.anisotropy)));
+}
+
+// Once, for the first frame with ambient light on a surface.
+void GpuScene::load_split_sum(const PlannedFrame& frame) {
+  const bool ambient = frame.facts.environment || frame.request.neutral_light;
+  if (!ambient || frame.facts.lit_items + frame.facts.blend_lit_items == 0 || split_sum_index_ != shared::absent)
+    return;
+  constexpr uint32_t columns = shared::split_sum_columns, rows = shared::split_sum_rows;
+  std::vector<uint16_t> texels;
+  for (uint32_t i = 0; i < columns * rows; ++i)
+    texels.insert(texels.end(),
+                  {split_sum_table[2 * i], split_sum_table[2 * i + 1], split_sum_grazing[i % columns], uint16_t(0)});
+  gpu::TextureData data{VK_FORMAT_R16G16B16A16_UNORM, columns, rows, {}};
+  const auto bytes = std::as_bytes(std::span(texels));
+  data.levels.emplace_back(bytes.begin(), bytes.end());
+  split_sum_ = gpu::Texture(device_, data, "split_sum");
+  gpu::Uploader uploader(device_);
+  uploader.to_texture(split_sum_, data);
+  uploader.flush();
+  split_sum_index_ = bindless_.add_sampled(split_sum_.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  Sampler sampler;
+  sampler.wrap_u = sampler.wrap_v = Wrap::clamp;
+  sampler.mipmaps = false;
+  split_sum_sampler_ = bindless_.add_sampler(sampler_info(sampler));
 }
 
 void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
@@ -118,7 +158,7 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
       decoded[i] = std::unexpected(image.error());
   });
   uploaded.decode_ms = ms_since(start);
-  gpu::Uploader uploader(device_);
+  const auto uploader = std::make_shared<gpu::Uploader>(device_);
   for (size_t i = 0; i < list.size(); ++i) {
     LoadedTexture& loaded = textures_[list[i].first];
     if (!decoded[i]) {
@@ -126,10 +166,11 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
       continue;
     }
     loaded.texture = gpu::Texture(device_, *decoded[i], scene_.images[size_t(list[i].first.image)].place.c_str());
-    uploader.to_texture(loaded.texture, *decoded[i]);
+    uploader->to_texture(loaded.texture, *decoded[i]);
     loaded.index = bindless_.add_sampled(loaded.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
-  uploader.flush();
+  uploader->submit();
+  uploaded.keep.push_back(uploader);
 }
 
 shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) const {
@@ -147,8 +188,7 @@ shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) con
   return ref;
 }
 
-shared::Material GpuScene::material_with_textures(const Material& m, uint32_t id) const {
-  shared::Material out = shared_material(m, id);
+void GpuScene::set_textures(const Material& m, shared::Material& out) const {
   out.base_texture = texture_ref(m.base_color_texture, true);
   out.orm_texture = texture_ref(m.orm_texture, false);
   out.occlusion_texture = texture_ref(m.occlusion_texture, false);
@@ -156,51 +196,51 @@ shared::Material GpuScene::material_with_textures(const Material& m, uint32_t id
   out.emissive_texture = texture_ref(m.emissive_texture, true);
   out.specular_texture = texture_ref(m.specular_texture, false);
   out.specular_color_texture = texture_ref(m.specular_color_texture, true);
-  return out;
+}
+
+std::shared_ptr<GpuScene::Buffers> GpuScene::free_buffers() {
+  for (const auto& buffers : frame_buffers_)
+    if (buffers.use_count() == 1) return buffers;
+  return frame_buffers_.emplace_back(std::make_shared<Buffers>());
 }
 
 GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   Uploaded uploaded;
+  set_samplers(frame.textures);
   load_textures(frame, uploaded);
+  load_split_sum(frame);
   const auto start = Clock::now();
-  FrameUpload& u = frame.upload;
-  std::vector<shared::Material> materials;
-  for (size_t m = 0; m < frame.pose.materials.size(); ++m)
-    materials.push_back(material_with_textures(frame.pose.materials[m], uint32_t(m)));
-  materials.push_back(material_with_textures(Material{}, shared::absent));
-  const auto put = [&](int resource, gpu::Buffer& buffer, const char* name, const auto& values,
-                       size_t room = 0) -> uint64_t {
-    if (resource < 0) return 0;
-    fill(device_, buffer, name, values.data(), values.size() * sizeof(values[0]), room * sizeof(values[0]));
-    uploaded.imports[resource] = &buffer;
-    return buffer.address();
-  };
-  shared::FrameConstants& c = u.constants;
-  c.items = put(frame.imports.items, items_, "frame.items", u.items);
-  c.transforms = put(frame.imports.transforms, transforms_, "frame.transforms", u.transforms);
-  c.geometries = put(frame.imports.geometries, geometries_, "frame.geometries", u.geometries);
-  c.materials = put(frame.imports.materials, materials_, "frame.materials", materials);
-  const uint64_t lights = put(frame.imports.lights, lights_, "frame.lights", u.lights);
-  const LightGrid& grid = frame.light_grid;
-  put(frame.imports.light_bounds, light_bounds_, "frame.light_bounds", grid.bounds, std::bit_ceil(grid.bounds.size()));
-  put(frame.imports.light_chunks, light_chunks_, "frame.light_chunks", grid.chunks, std::bit_ceil(grid.chunks.size()));
-  c.grid.globals = put(frame.imports.light_globals, light_globals_, "frame.light_globals", grid.globals);
-  // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be
-  // valid.
-  if (c.grid.globals == 0) c.grid.globals = lights;
-  put(frame.imports.cull_groups, groups_, "frame.cull_groups", u.groups);
-  put(frame.imports.deform_jobs, jobs_, "frame.deform_jobs", u.deform_jobs);
-  put(frame.imports.joints, joints_, "frame.joints", frame.data.joint_matrices);
-  put(frame.imports.weights, weights_, "frame.weights", frame.data.morph_weights);
-  c.vertices = vertices_.address();
+  const std::shared_ptr<Buffers> own = free_buffers();
+  uploaded.keep.push_back(own);
+  for (size_t m = 0; m < frame.upload.materials.size(); ++m)
+    set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : Material{}, frame.upload.materials[m]);
+  shared::FrameConstants& c = frame.upload.constants;
   c.sky_texture = environment_index_;
   c.sky_sampler = environment_sampler_;
   c.sky_size_px = environment_size_;
-  put(frame.imports.constants, constants_, "frame.constants", std::span(&c, 1));
-  if (frame.imports.vertices >= 0) uploaded.imports[frame.imports.vertices] = &vertices_;
-  if (frame.imports.indices >= 0) uploaded.imports[frame.imports.indices] = &indices_;
+  c.split_sum_texture = split_sum_index_;
+  c.split_sum_sampler = split_sum_sampler_;
+  const std::vector<UploadRow> rows = upload_table(frame, layout_);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const UploadRow& row = rows[i];
+    if (frame.imports[i] < 0) continue;
+    // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must
+    // be valid.
+    if (c.grid.globals == 0 && &row == &rows.back()) c.grid.globals = address_in(*own, "frame.lights");
+    gpu::Buffer& buffer = (row.bytes.empty() ? scene_buffers_ : *own)[row.name];
+    if (!row.bytes.empty()) fill(device_, buffer, row.name, row.bytes, row.size_bytes);
+    uploaded.imports[frame.imports[i]] = &buffer;
+    if (row.address_offset == UploadRow::no_address) continue;
+    const uint64_t address = buffer.address();
+    std::memcpy(reinterpret_cast<std::byte*>(&c) + row.address_offset, &address, sizeof address);
+  }
   uploaded.upload_ms = ms_since(start);
   return uploaded;
+}
+
+uint64_t GpuScene::address_in(const Buffers& buffers, const char* name) {
+  const auto found = buffers.find(name);
+  return found == buffers.end() ? 0 : found->second.address();
 }
 
 }  // namespace candela

@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,7 +14,8 @@
 namespace candela {
 
 // A scene on a device. Vertices and indices are uploaded once; textures when a frame first uses them; the rest for
-// every frame, into buffers that the device reads in place and that grow as needed.
+// every frame, into buffers that the device reads in place and that grow as needed. A frame in flight keeps its
+// buffers: there are as many sets of them as frames were in flight at once.
 class GpuScene {
  public:
   GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout);
@@ -22,12 +24,13 @@ class GpuScene {
   void set_environment(const DecodedImage& image);
 
   struct Uploaded {
-    std::map<int, const gpu::Buffer*> imports;  // for FrameRunner::run
+    std::map<int, const gpu::Buffer*> imports;      // for FrameRunner::submit
+    std::vector<std::shared_ptr<const void>> keep;  // likewise: while held, the buffers are not written again
     double decode_ms = 0, upload_ms = 0;
     std::vector<std::string> warnings;  // textures that could not be decoded
   };
-  // Fills every imported buffer of the plan. The frame before must have finished. An image that no decoder takes is a
-  // warning and the texture is left out. Throws GpuError.
+  // Fills every imported buffer of the plan. An image that no decoder takes is a warning and the texture is left out.
+  // Throws GpuError.
   Uploaded upload(PlannedFrame& frame);
 
  private:
@@ -36,27 +39,34 @@ class GpuScene {
     bool srgb;
     auto operator<=>(const TextureKey&) const = default;
   };
+  void set_samplers(const TextureKnobs& knobs);
+  void load_split_sum(const PlannedFrame& frame);
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
   shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
-  shared::Material material_with_textures(const Material& material, uint32_t id) const;
+  void set_textures(const Material& material, shared::Material& out) const;
 
   gpu::Device& device_;
   gpu::Bindless& bindless_;
   const Scene& scene_;
   const GeometryLayout& layout_;
-  gpu::Buffer vertices_, indices_;
-  gpu::Buffer constants_, items_, transforms_, geometries_, materials_, lights_, light_bounds_, light_chunks_,
-      light_globals_, groups_, jobs_, joints_, weights_;
+  using Buffers = std::map<std::string, gpu::Buffer, std::less<>>;  // of the upload table, by name
+  std::shared_ptr<Buffers> free_buffers();
+  static uint64_t address_in(const Buffers& buffers, const char* name);  // 0: there is no such buffer
+  Buffers scene_buffers_;
+  std::vector<std::shared_ptr<Buffers>> frame_buffers_;
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;  // absent: could not be decoded
   };
   std::map<TextureKey, LoadedTexture> textures_;
   std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another
-  std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers
+  std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers, filtered as the knobs say
+  TextureKnobs texture_knobs_;
   gpu::Texture environment_;
   uint32_t environment_index_ = shared::absent, environment_sampler_ = 0;
   glm::vec2 environment_size_{0};
+  gpu::Texture split_sum_;
+  uint32_t split_sum_index_ = shared::absent, split_sum_sampler_ = 0;
 };
 
 }  // namespace candela

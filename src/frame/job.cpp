@@ -51,6 +51,7 @@ std::string job_json(const Job& job) {
     j["set"] = Json::array();
     for (const KnobSetting& s : job.settings) j["set"].push_back(setting_text(s));
   }
+  if (job.effects != "auto") j["effects"] = job.effects;
   if (!job.sky.empty()) j["sky"] = job.sky;
   if (!job.look.empty()) j["look"] = job.look;
   j["exposure"] = shortest(job.exposure_ev);
@@ -153,6 +154,7 @@ const std::map<std::string, Reader>& readers() {
       {"technique", text_into(&Job::technique)},
       {"quality", text_into(&Job::quality)},
       {"set", read_settings},
+      {"effects", text_into(&Job::effects)},
       {"sky", text_into(&Job::sky)},
       {"look", text_into(&Job::look)},
       {"exposure",

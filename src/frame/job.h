@@ -34,6 +34,7 @@ struct Job {
   std::string technique = "clustered";
   std::string quality = "high";       // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings;  // --set PASS.KNOB=VALUE, over the quality
+  std::string effects = "auto";       // auto (by quality and look), none, or names separated by commas
   std::string sky;                    // equirectangular .hdr or .exr
   std::string look;                   // look file: fog
   float exposure_ev = 0;
@@ -66,6 +67,8 @@ struct RunSettings {
   std::string shader_folder;
   bool timed = false;
   double timeout_s = 600;
+  int queues = 2;        // 1: no second queue, whatever the device has
+  bool overlap = false;  // times the frame as a whole with both queues and with one (Timings::overlap)
 };
 
 }  // namespace candela

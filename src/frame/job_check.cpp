@@ -67,6 +67,9 @@ Expected<void> check_job(const Job& job) {
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
   if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;
   if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
+  if (job.effects != "auto" && job.effects != "none")
+    for (const std::string& effect : split(job.effects, ','))
+      if (auto known = check_name("--effects", "effect", effect, effect_names()); !known) return known;
   for (const std::string& layer : job.layers)
     if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
   if (auto good = check_background(job.background); !good) return good;

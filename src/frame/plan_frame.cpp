@@ -6,12 +6,9 @@
 #include <cmath>
 
 #include "frame/frame_knobs.h"
-#include "passes/debug/layers.h"
-#include "passes/debug/light_heat.h"
+#include "frame/job_look.h"
+#include "frame/upload_table.h"
 #include "passes/geometry/features.h"
-#include "passes/post/readback.h"
-#include "passes/post/resolve.h"
-#include "passes/post/tonemap.h"
 #include "scene/neutral_light.h"
 #include "techniques/technique.h"
 
@@ -22,6 +19,10 @@ using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
+
+// The part of an exposure that is in the linear pictures: enough to keep bright light within a half's range, little
+// enough that nothing leaves a float's. Tone mapping applies the rest.
+constexpr float most_pre_exposure_ev = 20;
 
 Expected<std::array<float, 4>> parse_background(const std::string& text, float pre_exposure) {
   if (text == "transparent") return std::array<float, 4>{0, 0, 0, 0};
@@ -39,19 +40,28 @@ Expected<std::array<float, 4>> parse_background(const std::string& text, float p
   return std::array<float, 4>{rgb[0] * pre_exposure, rgb[1] * pre_exposure, rgb[2] * pre_exposure, 1};
 }
 
-FrameRequest make_request(const Job& job, const FrameKnobValues& knobs, const WantedOutputs& wanted) {
+FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedOutputs& wanted, double time_s) {
   FrameRequest request;
   request.width_px = job.width_px;
   request.height_px = job.height_px;
-  request.samples = knobs.samples;
+  // Supersampling takes the place of multisampling.
+  request.samples = knobs.get<Supersample::Knobs>().n > 1 ? 1 : knobs.get<Resolve::Knobs>().samples;
   request.want_linear = wanted.linear;
   request.want_display = wanted.display;
   request.layers = wanted.linear ? job.layers : std::vector<std::string>{};
   request.view = job.view;
   if (wanted.display && job.view != "beauty" && !request.has_layer(job.view)) request.layers.push_back(job.view);
   request.technique = job.technique;
+  request.quality = job.quality;
+  request.effects = job.effects;
   request.tonemap = job.tonemap;
   request.exposure_ev = job.exposure_ev;
+  request.pre_exposure_ev = std::clamp(job.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
+  request.display_bits = wanted.display_bits;
+  request.dither = job.dither;
+  // Noise differs from frame to frame, and depends on nothing but the job and the time.
+  const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
+  request.noise_seed = uint32_t(noise ^ (noise >> 32));
   return request;
 }
 
@@ -78,34 +88,13 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
 SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, PlannedFrame& f) {
   const FrameUpload& u = f.upload;
   SceneInputs s;
-  const auto import = [&](const char* name, uint64_t bytes, BufferHandle& handle, int& resource) {
-    if (bytes == 0) return;
-    handle = builder.import_buffer(BufferDesc{name, bytes});
-    resource = handle.resource;
-  };
-  import("frame.constants", sizeof(shared::FrameConstants), s.constants, f.imports.constants);
-  if (!u.items.empty()) {
-    import("scene.vertices", context.layout.vertex_words * 4, s.vertices, f.imports.vertices);
-    import("scene.indices", context.layout.index_count * 4, s.indices, f.imports.indices);
-    import("frame.items", u.items.size() * sizeof(shared::Item), s.items, f.imports.items);
-    import("frame.transforms", u.transforms.size() * sizeof(shared::Transform), s.transforms, f.imports.transforms);
-    import("frame.geometries", u.geometries.size() * sizeof(shared::Geometry), s.geometries, f.imports.geometries);
-    import("frame.materials", (f.pose.materials.size() + 1) * sizeof(shared::Material), s.materials,
-           f.imports.materials);
-    import("frame.lights", u.lights.size() * sizeof(shared::Light), s.lights, f.imports.lights);
-    const LightGrid& g = f.light_grid;
-    // Sizes in powers of two: lights that move do not change the plan.
-    import("frame.light_bounds", std::bit_ceil(g.bounds.size()) * sizeof(shared::LightBounds) * !g.bounds.empty(),
-           s.light_bounds, f.imports.light_bounds);
-    import("frame.light_chunks", std::bit_ceil(g.chunks.size()) * sizeof(shared::LightChunk) * !g.chunks.empty(),
-           s.light_chunks, f.imports.light_chunks);
-    import("frame.light_globals", g.globals.size() * sizeof(uint32_t), s.light_globals, f.imports.light_globals);
-    s.light_grid = g.shape;
-    import("frame.cull_groups", u.groups.size() * sizeof(shared::CullGroup), s.cull_groups, f.imports.cull_groups);
-    import("frame.deform_jobs", u.deform_jobs.size() * sizeof(shared::DeformJob), s.deform_jobs, f.imports.deform_jobs);
-    import("frame.joints", f.data.joint_matrices.size() * sizeof(glm::mat4), s.joints, f.imports.joints);
-    import("frame.weights", f.data.morph_weights.size() * sizeof(float), s.weights, f.imports.weights);
+  for (const UploadRow& row : upload_table(f, context.layout)) {
+    f.imports.push_back(-1);
+    if (row.size_bytes == 0) continue;
+    s.*row.input = builder.import_buffer(BufferDesc{row.name, row.size_bytes});
+    f.imports.back() = (s.*row.input).resource;
   }
+  s.light_grid = f.light_grid.shape;
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
   s.item_count = uint32_t(u.items.size());
@@ -118,39 +107,11 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   return s;
 }
 
-// Resolve, tone mapping and read-back: the same for every technique.
-void finish(Frame& frame, const SceneInputs& s, const FrameImages& images, const Job& job, const WantedOutputs& wanted,
-            double time_s, PlannedFrame& f) {
-  const ImageHandle resolved = frame.add(Resolve{}, {images.color, s.width_px, s.height_px, s.samples}).resolved;
-  const ImageHandle linear = resolved ? resolved : images.color;
-  Tonemap::In tone{linear, s.width_px, s.height_px};
-  const auto curves = tone_curve_names();
-  tone.curve = ToneCurve(std::find(curves.begin(), curves.end(), job.tonemap) - curves.begin());
-  tone.bits = uint32_t(wanted.display_bits);
-  tone.dither = job.dither;
-  tone.exposure = std::exp2(job.exposure_ev - pre_exposure_ev(job.exposure_ev));
-  // Noise differs from frame to frame, and depends on nothing but the job and the time.
-  const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
-  tone.seed = uint32_t(noise ^ (noise >> 32));
-  const ImageHandle display = frame.add(Tonemap{}, tone).display;
-
-  Readback::In readback;
-  const uint64_t pixels = uint64_t(s.width_px) * s.height_px;
-  const auto want = [&](std::string layer, ImageHandle image) {
-    if (!image) return;
-    const VkFormat format = std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format;
-    readback.sources.push_back({layer, image, pixels * format_bytes(format)});
-    f.outputs.push_back({std::move(layer), format, -1});
-  };
-  if (wanted.linear) want("beauty", linear);
-  want("display", display);
-  for (const auto& [name, image] : images.layers) want(name, image);
-  const auto buffers = frame.add(Readback{}, readback).buffers;
-  for (size_t i = 0; i < buffers.size(); ++i) f.outputs[i].resource = buffers[i].resource;
-}
-
-void add_notes(PlannedFrame& f) {
+void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   for (const std::string& note : f.view.notes) f.notes.push_back(note);
+  if (knobs.get<Supersample::Knobs>().n > 1 && knobs.get<Resolve::Knobs>().samples > 1)
+    f.notes.push_back(fmt::format("supersampling ({0} x {0} a pixel) takes the place of multisampling",
+                                  knobs.get<Supersample::Knobs>().n));
   for (const std::string& warning : f.pose.warnings) f.notes.push_back(warning);
   if (f.request.neutral_light)
     f.notes.push_back(
@@ -166,7 +127,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
   auto start = Clock::now();
   PlannedFrame f;
-  const Expected<FrameKnobValues> knobs = frame_knobs(job);
+  const Expected<KnobValues> knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
   const auto animations = choose_animations(context.scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
@@ -176,18 +137,24 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!view) return std::unexpected(view.error());
   f.view = std::move(*view);
   f.data = make_frame_data(context.scene, f.pose, f.view);
-  f.request = make_request(job, *knobs, wanted);
+  f.request = make_request(job, *knobs, wanted, time_s);
+  auto look = look_of(job, time_s);
+  if (!look) return std::unexpected(look.error());
+  f.request.look = std::move(*look);
+  if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
+  f.textures = knobs->get<TextureKnobs>();
   f.facts = survey(context.scene, f.pose, f.data, context.environment != nullptr);
   if (!has_light(context.scene) && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
     f.request.neutral_light = true;
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false);
   }
-  const uint32_t bounded = apply_light_floor(f.data.lights, knobs->lights.floor_lux);
+  const float floor_lux = knobs->get<LightRangeKnobs>().floor_lux;
+  const uint32_t bounded = apply_light_floor(f.data.lights, floor_lux);
   if (bounded > 0)
     f.notes.push_back(fmt::format(
         "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
-        bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", knobs->lights.floor_lux));
+        bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data);
   const AmbientSh ambient = context.environment       ? *context.environment
                             : f.request.neutral_light ? neutral_ambient()
@@ -200,7 +167,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
                                       [&](const Technique& t) { return t.name == job.technique; });
   const DrawnExtent extent = drawn_extent(f.data, f.view);
   f.light_grid = make_light_grid(technique->light_grid, f.data.lights, f.upload.constants, extent.farthest_m,
-                                 extent.reach_m, knobs->lights);
+                                 extent.reach_m, knobs->get<LightKnobs>());
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
   f.light_grid_ms = ms_since(start);
@@ -211,12 +178,12 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   GraphBuilder builder;
   SceneInputs inputs = import_scene(builder, context, f);
   inputs.background = *background;
-  Frame frame{builder, f.facts, f.request};
-  finish(frame, inputs, technique->build(frame, inputs, {knobs->cull_enabled}), job, wanted, time_s, f);
-  for (size_t r = 0; r < builder.resources().size(); ++r)
-    if (builder.resources()[r].name() == "light.lost") f.light_losses = int(r);
+  Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
+  build_frame(frame, inputs, *technique);
+  f.outputs = std::move(frame.outputs);
+  f.reports = std::move(frame.reports);
   f.graph = compile_graph(builder);
-  add_notes(f);
+  add_notes(f, *knobs);
   f.plan_ms = ms_since(start);
   return f;
 }
@@ -239,13 +206,28 @@ std::vector<std::string> technique_names() {
   return names;
 }
 std::vector<std::string> layer_names() {
-  std::vector<std::string> names(layer_name_table().begin(), layer_name_table().end());
-  names.insert(names.end(), LightHeat::layers.begin(), LightHeat::layers.end());
+  std::vector<std::string> names;
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    if constexpr (HasLayers<P>)
+      for (const LayerName& layer : P::layers) names.emplace_back(layer.name);
+  });
+  return names;
+}
+std::vector<std::string> effect_names() {
+  std::vector<std::string> names;
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    if constexpr (IsEffect<P>)
+      if (std::find(names.begin(), names.end(), P::effect) == names.end()) names.emplace_back(P::effect);
+  });
   return names;
 }
 std::vector<std::string> view_names() {
   std::vector<std::string> names = {"beauty"};
-  names.insert(names.end(), LightHeat::layers.begin(), LightHeat::layers.end());
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    if constexpr (HasLayers<P>)
+      for (const LayerName& layer : P::layers)
+        if (layer.viewable) names.emplace_back(layer.name);
+  });
   return names;
 }
 std::vector<std::string> tonemap_names() { return {tone_curve_names().begin(), tone_curve_names().end()}; }

@@ -1,9 +1,10 @@
 #include "frame/session.h"
 
-#include <cstring>
 #include <future>
 
+#include "base/check.h"
 #include "base/files.h"
+#include "base/statistics.h"
 #include "frame/content_hash.h"
 #include "frame/device_samples.h"
 #include "frame/gpu_scene.h"
@@ -18,25 +19,15 @@ Error as_error(const gpu::GpuError& e) {
   return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
 }
 
-// The knob lights.cap shows what other renderers' caps lose; it must not do so in silence.
-void report_losses(FrameResult& result, int buffer, int cap) {
-  const auto found = result.readbacks.find(buffer);
-  if (found == result.readbacks.end()) return;
-  uint32_t lost[3] = {};
-  std::memcpy(lost, found->second->bytes().data(), sizeof lost);
-  if (lost[0] > 0)
-    result.warnings.push_back(fmt::format(
-        "lights.cap={}: {} lights of {} cells are LOST (the longest list has {}); the picture lacks their light", cap,
-        lost[0], lost[1], lost[2]));
-}
-
 class DeviceSession : public Session {
  public:
   DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
       : job_(std::move(job)), wanted_(wanted), settings_(std::move(settings)) {}
 
   Expected<void> open();
-  Expected<FrameResult> render(double time_s, bool hash_outputs) override;
+  Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
+  Expected<FrameResult> finish(FrameTicket ticket) override;
+  int in_flight() const override;
   void set_camera(const CameraRequest& camera) override { job_.camera = camera; }
   const Scene& scene() const override { return scene_; }
   const gpu::Device& device() const override { return *device_; }
@@ -45,7 +36,15 @@ class DeviceSession : public Session {
 
  private:
   Expected<void> load();
-  Expected<FrameResult> render_planned(PlannedFrame& planned, double time_s, bool hash_outputs);
+  // What a frame's result needs beside what the device leaves.
+  struct Begun {
+    FrameResult result;
+    std::vector<FrameReport> reports;
+    double submit_us = 0;  // when recording began
+  };
+  Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
+  Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports);
+  void take_run(gpu::FrameRun run, Begun& begun);
 
   Job job_;
   WantedOutputs wanted_;
@@ -61,6 +60,7 @@ class DeviceSession : public Session {
   std::unique_ptr<gpu::Bindless> bindless_;
   std::unique_ptr<GpuScene> gpu_scene_;
   std::unique_ptr<gpu::FrameRunner> runner_;
+  std::map<FrameTicket, Begun> begun_;
 };
 
 Expected<void> DeviceSession::load() {
@@ -90,7 +90,7 @@ Expected<void> DeviceSession::open() {
   // The device opens while the scene loads; an error of the scene is the more useful one to name.
   auto opening_device = std::async(std::launch::async, [&] {
     const double start = process_clock_us();
-    auto device = gpu::Device::open({settings_.device, settings_.validate});
+    auto device = gpu::Device::open({settings_.device, settings_.validate, settings_.queues});
     return std::pair(std::move(device), std::pair(start, process_clock_us() - start));
   });
   const auto loaded = load();
@@ -102,8 +102,8 @@ Expected<void> DeviceSession::open() {
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   try {
     const StageTimer timer(opening_, "upload");
-    // An image may be uploaded twice, as sRGB and as linear; the sky is one more.
-    const size_t textures = std::min<size_t>(2 * scene_.images.size() + 1, gpu::Bindless::most_textures);
+    // An image may be uploaded twice, as sRGB and as linear; the sky and the split sum are one more each.
+    const size_t textures = std::min<size_t>(2 * scene_.images.size() + 2, gpu::Bindless::most_textures);
     bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
     if (sky_) gpu_scene_->set_environment(*sky_);
@@ -118,38 +118,48 @@ Expected<void> DeviceSession::open() {
   return {};
 }
 
-Expected<FrameResult> DeviceSession::render(double time_s, bool hash_outputs) {
+Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   const double start = process_clock_us();
   auto planned =
       plan_frame(job_, PlanContext{scene_, layout_, job_.sky.empty() ? nullptr : &environment_}, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
-    auto result = render_planned(*planned, time_s, hash_outputs);
-    if (result) {
-      result->timings.spans.insert(
-          result->timings.spans.begin(),
-          {{"animate", "cpu", start, planned->animate_ms * 1000},
-           {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
-           {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->plan_ms * 1000}});
-      if (settings_.validate)
-        if (const auto messages = device_->validation_messages(); !messages.empty())
-          return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
-                      messages.front());
-    }
-    return result;
+    Begun begun;
+    FrameResult& result = begun.result;
+    result.time_s = time_s;
+    result.timings.spans = {
+        {"animate", "cpu", start, planned->animate_ms * 1000},
+        {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
+        {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->plan_ms * 1000}};
+    const auto ticket = begin_planned(*planned, begun, hash_outputs);
+    if (!ticket) return ticket;
+    result.width_px = job_.width_px;
+    result.height_px = job_.height_px;
+    result.view = planned->view;
+    result.request = planned->request;
+    result.outputs = planned->outputs;
+    result.pre_exposure = planned->upload.constants.pre_exposure;
+    result.plan_hash = plan_hash(planned->graph.plan);
+    result.left_out = planned->graph.plan.left_out;
+    result.plan = std::move(planned->graph.plan);
+    result.notes = std::move(planned->notes);
+    if (!left_out_.empty()) result.warnings.push_back(left_out_);
+    begun.reports = std::move(planned->reports);
+    begun_.emplace(*ticket, std::move(begun));
+    return ticket;
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
 }
 
-Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, double time_s, bool hash_outputs) {
-  FrameResult result;
-  Timings& t = result.timings;
+Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
+  Timings& t = begun.result.timings;
   t.add("animate", planned.animate_ms);
   if (planned.light_grid.shape.reason.empty()) t.add("light_grid", planned.light_grid_ms);
   t.add("plan", planned.plan_ms);
   const double upload_start = process_clock_us();
-  const GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
+  GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
+  begun.result.warnings = std::move(uploaded.warnings);
   t.add("decode", uploaded.decode_ms);
   t.add("upload", (process_clock_us() - upload_start) / 1000 - uploaded.decode_ms);
   t.spans.push_back({"decode and upload", "cpu", upload_start, process_clock_us() - upload_start});
@@ -166,38 +176,85 @@ Expected<FrameResult> DeviceSession::render_planned(PlannedFrame& planned, doubl
     const StageTimer timer(t, "warm_up");
     runner_->run(planned.graph, uploaded.imports, {});
   }
-  const double run_start = process_clock_us();
-  gpu::FrameRun run = runner_->run(planned.graph, uploaded.imports, {settings_.timed, hash_outputs});
+  if (settings_.overlap) {
+    const StageTimer timer(t, "overlap");
+    t.overlap = measure_overlap(planned.graph, uploaded.imports);
+  }
+  const double submit_start = process_clock_us();
+  const FrameTicket ticket =
+      runner_->submit(planned.graph, uploaded.imports, {settings_.timed, hash_outputs}, std::move(uploaded.keep));
+  t.spans.push_back({"record and submit", "cpu", submit_start, process_clock_us() - submit_start});
+  begun.submit_us = submit_start;
+  return ticket;
+}
+
+Timings::Overlap DeviceSession::measure_overlap(const CompiledGraph& graph,
+                                                const std::map<int, const gpu::Buffer*>& imports) {
+  constexpr int runs = 15;
+  std::vector<double> all, one;
+  for (int i = 0; i <= runs; ++i)  // the first of each warms up
+    for (const bool one_queue : {false, true}) {
+      const double ms = runner_->run(graph, imports, {.whole = true, .one_queue = one_queue}).whole_ms;
+      if (i > 0) (one_queue ? one : all).push_back(ms);
+    }
+  return {device_->has_second_queue() ? 2 : 1, std::max(1, int(graph.plan.batches.size())), runs, median(all),
+          median(one)};
+}
+
+Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
+  const auto found = begun_.find(ticket);
+  CHECK_MSG(found != begun_.end(), "finish of a frame that was not begun");
+  Begun begun = std::move(found->second);
+  begun_.erase(found);
+  try {
+    const double start = process_clock_us();
+    gpu::FrameRun run = runner_->collect(ticket);
+    begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
+    take_run(std::move(run), begun);
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+  if (settings_.validate)
+    if (const auto messages = device_->validation_messages(); !messages.empty())
+      return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
+                  messages.front());
+  return std::move(begun.result);
+}
+
+void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
+  FrameResult& result = begun.result;
+  Timings& t = result.timings;
   t.add("record", run.record_ms);
   t.add("wait", run.submit_ms + run.wait_ms);
-  t.spans.push_back({"record, submit, wait", "cpu", run_start, process_clock_us() - run_start});
-  double gpu_at = run_start + run.record_ms * 1000;
+  double gpu_at = begun.submit_us + run.record_ms * 1000;
   for (const gpu::PassTime& pass : run.passes) {
     t.spans.push_back({pass.name, "gpu", gpu_at, pass.gpu_ms * 1000});
     gpu_at += pass.gpu_ms * 1000;
   }
   t.gpu_ms = std::move(run.passes);
   t.frame_gpu_ms = run.frame_gpu_ms;
-  result.width_px = job_.width_px;
-  result.height_px = job_.height_px;
-  result.time_s = time_s;
-  result.view = planned.view;
-  result.request = planned.request;
-  result.outputs = planned.outputs;
   result.readbacks = std::move(run.readbacks);
-  result.pre_exposure = planned.upload.constants.pre_exposure;
-  result.plan_hash = plan_hash(planned.graph.plan);
-  result.left_out = planned.graph.plan.left_out;
-  result.plan = std::move(planned.graph.plan);
   result.hashes = std::move(run.hashes);
-  result.notes = std::move(planned.notes);
-  result.warnings = uploaded.warnings;
-  if (!left_out_.empty()) result.warnings.push_back(left_out_);
-  if (planned.light_losses >= 0) report_losses(result, planned.light_losses, planned.light_grid.shape.knobs.cap);
-  return result;
+  for (const FrameReport& report : begun.reports) {
+    const auto found = result.readbacks.find(report.resource);
+    if (found == result.readbacks.end()) continue;
+    const std::span<const std::byte> bytes = found->second->bytes();
+    for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (!report.notes) continue;
+    for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));
+  }
 }
 
+// The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.
+int DeviceSession::in_flight() const { return settings_.timed || device_->info().is_cpu ? 1 : 2; }
+
 }  // namespace
+
+Expected<FrameResult> Session::render(double time_s, bool hash_outputs) {
+  const auto ticket = begin(time_s, hash_outputs);
+  if (!ticket) return std::unexpected(ticket.error());
+  return finish(*ticket);
+}
 
 Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted,
                                                  const RunSettings& settings) {

@@ -92,6 +92,12 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
     for (const gpu::PassTime& pass : frame.timings.gpu_ms)
       passes[pass.name] = passes.value(pass.name, 0.0) + pass.gpu_ms;
   }
+  if (const auto& overlap = frame.timings.overlap)
+    j["overlap"] = {{"queues", overlap->queues},
+                    {"batches", overlap->batches},
+                    {"runs", overlap->runs},
+                    {"all_queues_ms", overlap->all_queues_ms},
+                    {"one_queue_ms", overlap->one_queue_ms}};
   j["cpu_ms"] = cpu_json(session.opening(), frame.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
   j["memory"] = memory_json(session, frame.plan);

@@ -33,6 +33,7 @@ constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
     {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics},
     {"textureCompressionBC", &VkPhysicalDeviceFeatures::textureCompressionBC},
     {"shaderInt16", &VkPhysicalDeviceFeatures::shaderInt16},
+    {"imageCubeArray", &VkPhysicalDeviceFeatures::imageCubeArray},
 };
 constexpr Feature<VkPhysicalDeviceVulkan11Features> required_11[] = {
     {"shaderDrawParameters", &VkPhysicalDeviceVulkan11Features::shaderDrawParameters},
@@ -45,12 +46,18 @@ constexpr Feature<VkPhysicalDeviceVulkan12Features> required_12[] = {
      &VkPhysicalDeviceVulkan12Features::descriptorBindingSampledImageUpdateAfterBind},
     {"descriptorBindingStorageImageUpdateAfterBind",
      &VkPhysicalDeviceVulkan12Features::descriptorBindingStorageImageUpdateAfterBind},
+    {"descriptorBindingUpdateUnusedWhilePending",
+     &VkPhysicalDeviceVulkan12Features::descriptorBindingUpdateUnusedWhilePending},
+    {"timelineSemaphore", &VkPhysicalDeviceVulkan12Features::timelineSemaphore},
     {"shaderSampledImageArrayNonUniformIndexing",
      &VkPhysicalDeviceVulkan12Features::shaderSampledImageArrayNonUniformIndexing},
     {"bufferDeviceAddress", &VkPhysicalDeviceVulkan12Features::bufferDeviceAddress},
     {"scalarBlockLayout", &VkPhysicalDeviceVulkan12Features::scalarBlockLayout},
     {"drawIndirectCount", &VkPhysicalDeviceVulkan12Features::drawIndirectCount},
     {"hostQueryReset", &VkPhysicalDeviceVulkan12Features::hostQueryReset},
+};
+constexpr Feature<VkPhysicalDeviceVulkan12Features> optional_12[] = {
+    {"shaderOutputLayer", &VkPhysicalDeviceVulkan12Features::shaderOutputLayer},
 };
 constexpr Feature<VkPhysicalDeviceVulkan13Features> required_13[] = {
     {"synchronization2", &VkPhysicalDeviceVulkan13Features::synchronization2},
@@ -208,20 +215,12 @@ std::string why_unusable(VkPhysicalDevice physical, const DeviceInfo& info) {
   return missing.empty() ? "" : fmt::format("lacks {}: {}", missing, remedy(info));
 }
 
-// The queue family that does graphics and compute; the families are one bit set each, and the first that fits is taken.
-bool find_queue(Candidate& candidate) {
+bool find_queues(Candidate& candidate) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, families.data());
-  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  for (uint32_t i = 0; i < count; ++i) {
-    if ((families[i].queueFlags & needed) != needed) continue;
-    candidate.queue_family = i;
-    candidate.timestamp_bits = families[i].timestampValidBits;
-    return true;
-  }
-  return false;
+  return choose_queues(families, candidate);
 }
 
 bool has_validation_layer() {
@@ -256,6 +255,7 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
   enable(wanted.core.features, optional_core, &present.core.features);
   enable(wanted.v11, required_11);
   enable(wanted.v12, required_12);
+  enable(wanted.v12, optional_12, &present.v12);
   enable(wanted.v13, required_13);
 }
 
@@ -270,7 +270,7 @@ std::vector<Candidate> find_candidates(VkInstance instance) {
     candidate.physical = physical[i];
     candidate.info = describe_physical(physical[i], int(i));
     candidate.info.unusable = why_unusable(physical[i], candidate.info);
-    if (!find_queue(candidate) && candidate.info.unusable.empty())
+    if (!find_queues(candidate) && candidate.info.unusable.empty())
       candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical[i], &properties);
@@ -278,6 +278,25 @@ std::vector<Candidate> find_candidates(VkInstance instance) {
     candidates.push_back(std::move(candidate));
   }
   return candidates;
+}
+
+bool choose_queues(std::span<const VkQueueFamilyProperties> families, Candidate& candidate) {
+  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const auto main = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& family) {
+    return (family.queueFlags & needed) == needed;
+  });
+  if (main == families.end()) return false;
+  candidate.queue_family = uint32_t(main - families.begin());
+  candidate.timestamp_bits = main->timestampValidBits;
+  const auto alone = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& family) {
+    return (family.queueFlags & needed) == VK_QUEUE_COMPUTE_BIT && family.queueCount > 0;
+  });
+  const auto second = alone != families.end() ? alone : main;
+  candidate.second_queue = second != main || main->queueCount > 1;
+  candidate.compute_family = uint32_t(second - families.begin());
+  candidate.compute_index = second == main && candidate.second_queue ? 1 : 0;
+  candidate.compute_timestamp_bits = second->timestampValidBits;
+  return true;
 }
 
 Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_view which) {

@@ -1,5 +1,6 @@
 #include "gpu/frame_runner.h"
 
+#include <array>
 #include <chrono>
 
 #include "base/check.h"
@@ -30,44 +31,114 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// A submitted frame, and what must live until the device is done with it.
+struct PendingFrame {
+  FrameTicket ticket = 0;
+  FrameRun result;
+  std::vector<std::string> passes;
+  std::vector<std::shared_ptr<ReadbackPool::Pooled>> readbacks;  // those of the result
+  std::shared_ptr<Physical> physical;
+  std::vector<std::shared_ptr<const void>> keep;
+};
+
+// What one frame in flight has for itself. Its number is that of its descriptor sets in Physical.
+struct FrameSlot {
+  size_t index;
+  Timing timing;
+  std::optional<PendingFrame> pending;  // from submit to collect
+  bool given_up = false;                // a wait failed; whatever it holds stays until the device is done
+  QueueWork work;                       // last: its end waits for the device, before what the device uses goes
+
+  FrameSlot(Device& device, QueueTimelines& timelines, size_t i) : index(i), timing(device), work(device, timelines) {}
+  void wait(size_t first, size_t last, double timeout_s);
+  void finish(double timeout_s);
+  void wait_if_given_up();
+};
+
+// Waits for the passes [first, last) of one submission. Their marks or posts tell how far the device came.
+void FrameSlot::wait(size_t first, size_t last, double timeout_s) {
+  const auto names_from = [&](size_t from) {
+    std::string names;
+    for (size_t i = from; i < last; ++i) names += (names.empty() ? "" : ", ") + pending->passes[i];
+    return names;
+  };
+  try {
+    if (work.wait(timeout_s)) return;
+  } catch (const GpuError& error) {
+    throw GpuError(error.result, fmt::format("waiting for the passes {}", names_from(first)));
+  }
+  size_t begun = first;
+  for (size_t i = first; i < last && last - first > 1; ++i)
+    if (timing.reached(uint32_t(i))) begun = i;
+  throw GpuError(VK_TIMEOUT,
+                 fmt::format("the frame did not end within {} s; not finished: {}", timeout_s, names_from(begun)));
+}
+
+// Waits for the whole frame, unless that is done, and lets go of what the device no longer needs.
+void FrameSlot::finish(double timeout_s) {
+  Stopwatch watch;
+  if (work.pending()) {
+    try {
+      wait(0, pending->passes.size(), timeout_s);
+    } catch (...) {
+      given_up = true;
+      throw;
+    }
+    pending->result.wait_ms += watch.lap_ms();
+  }
+  pending->physical.reset();
+  pending->keep.clear();
+}
+
+void FrameSlot::wait_if_given_up() {
+  if (!given_up) return;
+  work.wait_for_end();
+  pending.reset();
+  given_up = false;
+}
+
 }  // namespace
 
 struct FrameRunner::Hidden {
   Device& device;
   Bindless& bindless;
   Pipelines pipelines;
-  Physical physical;
+  std::shared_ptr<Physical> physical;  // of the last plan; frames in flight own theirs too
   std::shared_ptr<ReadbackPool> readbacks = std::make_shared<ReadbackPool>();
-  Timing timing;
   OutputHasher hasher;
-  QueueWork work;  // last: its end waits for the device, before what the device uses goes
   std::vector<const Pipeline*> of_plan;
   std::optional<Hash128> prepared;   // hash of the plan that `physical` and `of_plan` belong to
   std::optional<Hash128> allocated;  // physical_key of what `physical` holds
   bool copyable = false;
   std::array<uint32_t, 3> max_groups{};
+  FrameTicket last_ticket = 0;
+  QueueTimelines timelines;
+  std::vector<std::unique_ptr<FrameSlot>> slots;  // as many as frames were ever in flight at once
 
   Hidden(Device& d, Bindless& b, ShaderCompiler compiler, std::filesystem::path cache_folder)
       : device(d),
         bindless(b),
         pipelines(d, b, std::move(compiler), std::move(cache_folder)),
-        physical(d, b),
-        timing(d),
         hasher(d, b, pipelines),
-        work(d) {
+        timelines(d) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(d.physical(), &properties);
     std::copy_n(properties.limits.maxComputeWorkGroupCount, 3, max_groups.begin());
   }
 
-  void rebuild(const FramePlan& plan, bool to_copy);
-  FrameContext context(const FramePlan& plan, const std::map<int, const Buffer*>& imports, FrameRun& result);
+  void rebuild(const FramePlan& plan, bool to_copy, double timeout_s);
+  bool in_flight() const;
+  void finish_all(double timeout_s);
+  FrameSlot& take_slot();
+  FrameContext context(const FramePlan& plan, const std::map<int, const Buffer*>& imports, FrameSlot& slot);
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
-  void wait(const FramePlan& plan, size_t first, size_t last, double timeout_s);
-  void run_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed, double timeout_s, FrameRun& result);
+  void submit_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed, FrameSlot& slot);
+  void submit_batches(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options,
+                      FrameSlot& slot);
+  void read_times(const FramePlan& plan, const RunOptions& options, FrameSlot& slot) const;
   void run_isolated(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options, double timeout_s,
-                    FrameRun& result);
+                    FrameSlot& slot);
 };
 
 FrameRunner::FrameRunner(Device& device, Bindless& bindless, ShaderCompiler compiler,
@@ -85,10 +156,9 @@ Expected<PrepareTimes> FrameRunner::prepare(const CompiledGraph& graph) {
   if (!pipelines) return std::unexpected(pipelines.error());
   h.of_plan = std::move(*pipelines);
   if (const Hash128 key = physical_key(graph.plan); h.allocated != key) {
-    VK_CHECK(vkQueueWaitIdle(h.device.queue()));  // a frame that was given up on may still use the old images
     Stopwatch watch;
     h.readbacks->trim();
-    h.rebuild(graph.plan, false);
+    h.rebuild(graph.plan, false, timeout_s);
     times.allocated = true;
     times.allocate_ms = watch.lap_ms();
   }
@@ -96,19 +166,53 @@ Expected<PrepareTimes> FrameRunner::prepare(const CompiledGraph& graph) {
   return times;
 }
 
-// A rebuild that throws, for want of memory, leaves nothing prepared.
-void FrameRunner::Hidden::rebuild(const FramePlan& plan, bool to_copy) {
+// Frames in flight keep what they use; without any, the old goes before the new is made. A rebuild that throws, for
+// want of memory, leaves nothing prepared.
+void FrameRunner::Hidden::rebuild(const FramePlan& plan, bool to_copy, double timeout_s) {
   prepared.reset();
   allocated.reset();
-  physical.rebuild(plan, to_copy);
+  physical.reset();
+  const auto make = [&] {
+    auto made = std::make_shared<Physical>(device, bindless);
+    made->rebuild(plan, to_copy);
+    return made;
+  };
+  try {
+    physical = make();
+  } catch (const GpuError& error) {
+    // Two plans' images do not fit beside each other: then one after the other.
+    if (!error.out_of_memory() || !in_flight()) throw;
+    finish_all(timeout_s);
+    physical = make();
+  }
   copyable = to_copy;
   allocated = physical_key(plan);
   prepared = plan_hash(plan);
 }
 
+bool FrameRunner::Hidden::in_flight() const {
+  return std::any_of(slots.begin(), slots.end(), [](const auto& slot) { return slot->work.pending(); });
+}
+
+// What they left waits for collect.
+void FrameRunner::Hidden::finish_all(double timeout_s) {
+  for (const auto& slot : slots) {
+    slot->wait_if_given_up();
+    if (slot->pending) slot->finish(timeout_s);
+  }
+}
+
+FrameSlot& FrameRunner::Hidden::take_slot() {
+  for (const auto& slot : slots) slot->wait_if_given_up();
+  for (const auto& slot : slots)
+    if (!slot->pending) return *slot;
+  slots.push_back(std::make_unique<FrameSlot>(device, timelines, slots.size()));
+  return *slots.back();
+}
+
 FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const std::map<int, const Buffer*>& imports,
-                                          FrameRun& result) {
-  FrameContext frame{device, bindless, plan, physical, {}, of_plan, max_groups};
+                                          FrameSlot& slot) {
+  FrameContext frame{device, bindless, plan, *physical, {}, of_plan, max_groups, slot.index};
   frame.buffers.resize(plan.resources.size(), nullptr);
   for (size_t i = 0; i < plan.resources.size(); ++i) {
     const PlanResource& resource = plan.resources[i];
@@ -124,9 +228,10 @@ FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const std::map<
           resource.buffer_usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
       auto pooled = readbacks->take(device, desc.size_bytes, usage, desc.name);
       frame.buffers[i] = &pooled->buffer();
-      result.readbacks[int(i)] = std::move(pooled);
+      slot.pending->result.readbacks[int(i)] = pooled;
+      slot.pending->readbacks.push_back(std::move(pooled));
     } else {
-      frame.buffers[i] = &physical.buffer(int(i));
+      frame.buffers[i] = &physical->buffer(int(i));
     }
   }
   return frame;
@@ -147,46 +252,26 @@ void FrameRunner::Hidden::fill_buffers(const FrameContext& frame, VkCommandBuffe
 
 void FrameRunner::Hidden::record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass,
                                       VkCommandBuffer commands) const {
-  const PlanPass& planned = graph.plan.passes[pass];
-  device.begin_label(commands, planned.name);
-  record_barriers(frame, planned.barriers, commands);
-  CommandListImpl list(frame, pass, commands);
-  graph.record[pass](list);
-  CHECK_MSG(!list.rendering(), fmt::format("pass '{}' does not end its rendering", planned.name));
+  device.begin_label(commands, graph.plan.passes[pass].name);
+  record_steps(frame, pass, graph.record[pass], commands);
   device.end_label(commands);
 }
 
-// Waits for the passes [first, last) of one submission. Their marks or posts tell how far the device came.
-void FrameRunner::Hidden::wait(const FramePlan& plan, size_t first, size_t last, double timeout_s) {
-  const auto names_from = [&](size_t from) {
-    std::string names;
-    for (size_t i = from; i < last; ++i) names += (names.empty() ? "" : ", ") + plan.passes[i].name;
-    return names;
-  };
-  try {
-    if (work.wait(timeout_s)) return;
-  } catch (const GpuError& error) {
-    throw GpuError(error.result, fmt::format("waiting for the passes {}", names_from(first)));
-  }
-  size_t begun = first;
-  for (size_t i = first; i < last && last - first > 1; ++i)
-    if (timing.reached(uint32_t(i))) begun = i;
-  throw GpuError(VK_TIMEOUT,
-                 fmt::format("the frame did not end within {} s; not finished: {}", timeout_s, names_from(begun)));
-}
-
-void FrameRunner::Hidden::run_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed, double timeout_s,
-                                    FrameRun& result) {
+void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed,
+                                       FrameSlot& slot) {
   const uint32_t passes = uint32_t(graph.plan.passes.size());
+  FrameRun& result = slot.pending->result;
   Stopwatch watch;
-  VkCommandBuffer commands = work.begin();
-  timing.reset(passes + 1);
+  const bool after_another = in_flight();
+  VkCommandBuffer commands = slot.work.begin();
+  slot.timing.reset(passes + 1);
   const auto stamp = [&](uint32_t index) {
     if (timed)
-      timing.post(commands, index);
-    else if (timing.available())
-      timing.mark(commands, index);
+      slot.timing.post(commands, index);
+    else if (slot.timing.available())
+      slot.timing.mark(commands, index);
   };
+  if (after_another) full_barrier(commands);  // its images and buffers are the frame before's
   stamp(0);
   fill_buffers(frame, commands, false);
   for (uint32_t pass = 0; pass < passes; ++pass) {
@@ -195,61 +280,153 @@ void FrameRunner::Hidden::run_whole(const FrameContext& frame, const CompiledGra
   }
   record_barriers(frame, graph.plan.final_barriers, commands);
   result.record_ms = watch.lap_ms();
-  work.submit();
+  slot.work.submit();
   result.submit_ms = watch.lap_ms();
-  wait(graph.plan, 0, passes, timeout_s);
-  result.wait_ms = watch.lap_ms();
-  for (uint32_t pass = 0; timed && pass < passes; ++pass)
-    result.passes.push_back({graph.plan.passes[pass].name, timing.between_ms(pass, pass + 1)});
+}
+
+// A command buffer for each batch, and around them one that fills buffers and one that ends the frame. The first waits
+// for the frame before, and every other, by the order of its queue or by what it waits for, for the first.
+void FrameRunner::Hidden::submit_batches(const FrameContext& frame, const CompiledGraph& graph,
+                                         const RunOptions& options, FrameSlot& slot) {
+  const FramePlan& plan = graph.plan;
+  const uint32_t passes = uint32_t(plan.passes.size());
+  FrameRun& result = slot.pending->result;
+  Stopwatch watch;
+  const bool after_another = in_flight();
+  slot.work.restart();
+  slot.timing.reset(passes + 2);
+  const bool whole = options.whole && slot.timing.available();
+  QueueWork::Point filled, ended;
+  VkCommandBuffer commands = slot.work.add(Queue::main, {}, filled);
+  if (after_another) full_barrier(commands);
+  if (whole) slot.timing.post(commands, passes);
+  fill_buffers(frame, commands, false);
+
+  std::vector<QueueBatch> batches = plan.batches;
+  if (batches.empty()) batches.resize(1);
+  for (int pass = 0; plan.batches.empty() && pass < int(passes); ++pass) batches[0].passes.push_back(pass);
+  std::vector<int> order = options.batch_order;
+  for (int batch = 0; order.size() < batches.size(); ++batch) order.push_back(batch);
+  std::vector<QueueWork::Point> reached(batches.size());
+  std::array<std::optional<QueueWork::Point>, 2> last;
+  for (const int index : order) {
+    const QueueBatch& batch = batches[size_t(index)];
+    std::vector<QueueWork::Point> waits;
+    if (!last[size_t(batch.queue)]) waits.push_back(filled);
+    for (const int wait : batch.waits) waits.push_back(reached[size_t(wait)]);
+    QueueWork::Point& point = reached[size_t(index)];
+    commands = slot.work.add(options.one_queue ? Queue::main : batch.queue, std::move(waits), point);
+    last[size_t(batch.queue)] = point;
+    const bool marks = slot.timing.available() && (point.queue == Queue::main || device.compute_timestamps());
+    for (const int pass : batch.passes) {
+      if (marks) slot.timing.mark(commands, uint32_t(pass));
+      record_pass(frame, graph, size_t(pass), commands);
+    }
+  }
+  std::vector<QueueWork::Point> waits;
+  for (const auto& point : last)
+    if (point) waits.push_back(*point);
+  commands = slot.work.add(Queue::main, std::move(waits), ended);
+  record_barriers(frame, plan.final_barriers, commands);
+  if (whole) slot.timing.post(commands, passes + 1);
+  result.record_ms = watch.lap_ms();
+  slot.work.submit();
+  result.submit_ms = watch.lap_ms();
+}
+
+void FrameRunner::Hidden::read_times(const FramePlan& plan, const RunOptions& options, FrameSlot& slot) const {
+  const uint32_t passes = uint32_t(plan.passes.size());
+  FrameRun& result = slot.pending->result;
+  for (uint32_t pass = 0; options.timed && pass < passes; ++pass)
+    result.passes.push_back({plan.passes[pass].name, slot.timing.between_ms(pass, pass + 1)});
+  if (options.whole)
+    result.whole_ms = device.info().is_cpu || !slot.timing.available() ? result.submit_ms + result.wait_ms
+                                                                       : slot.timing.between_ms(passes, passes + 1);
 }
 
 // Every pass is its own submission with two stamps of its own, waited for: what a CPU driver needs for honest times
 // (DESIGN section 6), and what hashing needs to look at each pass's outputs. Without timestamps the host's clock is
 // read instead.
 void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options,
-                                       double timeout_s, FrameRun& result) {
+                                       double timeout_s, FrameSlot& slot) {
   const size_t passes = graph.plan.passes.size();
+  FrameRun& result = slot.pending->result;
+  const Timing& timing = slot.timing;
   for (size_t pass = 0; pass < passes; ++pass) {
     Stopwatch watch;
-    VkCommandBuffer commands = work.begin();
+    VkCommandBuffer commands = slot.work.begin();
     const bool stamps = options.timed && timing.available();
-    if (stamps) timing.reset(2);
+    if (!frame.plan.batches.empty()) full_barrier(commands);  // stands for what a batch waits for
+    if (stamps) slot.timing.reset(2);
     if (stamps) timing.post(commands, 0);
     if (pass == 0) fill_buffers(frame, commands, options.hash_outputs);
     record_pass(frame, graph, pass, commands);
     if (pass + 1 == passes) record_barriers(frame, graph.plan.final_barriers, commands);
     if (stamps) timing.post(commands, 1);
     result.record_ms += watch.lap_ms();
-    work.submit();
+    slot.work.submit();
     const double submit_ms = watch.lap_ms();
     result.submit_ms += submit_ms;
-    wait(graph.plan, pass, pass + 1, timeout_s);
+    slot.wait(pass, pass + 1, timeout_s);
     const double wait_ms = watch.lap_ms();
     result.wait_ms += wait_ms;
     if (options.timed)
       result.passes.push_back({graph.plan.passes[pass].name, stamps ? timing.between_ms(0, 1) : submit_ms + wait_ms});
-    if (options.hash_outputs) hasher.hash_outputs(frame, pass, work, result.hashes);
+    if (options.hash_outputs) hasher.hash_outputs(frame, pass, slot.work, result.hashes);
   }
 }
 
-FrameRun FrameRunner::run(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports,
-                          const RunOptions& options) {
+FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports,
+                                const RunOptions& options, std::vector<std::shared_ptr<const void>> keep) {
   Hidden& h = *hidden_;
-  CHECK_MSG(h.prepared == plan_hash(graph.plan), "run() of a plan that was not prepared");
+  CHECK_MSG(h.prepared == plan_hash(graph.plan), "a frame of a plan that was not prepared");
   CHECK(graph.record.size() == graph.plan.passes.size());
-  FrameRun result;
-  if (graph.plan.passes.empty()) return result;
-  if (options.hash_outputs && !h.copyable) h.rebuild(graph.plan, true);
-  FrameContext frame = h.context(graph.plan, imports, result);
-  frame.hashed = options.hash_outputs;
-  h.physical.bind_uniforms(graph.plan, frame.buffers);
-  const bool isolated = options.hash_outputs || (options.timed && (h.device.info().is_cpu || !h.timing.available()));
-  if (isolated)
-    h.run_isolated(frame, graph, options, timeout_s, result);
-  else
-    h.run_whole(frame, graph, options.timed, timeout_s, result);
+  const bool alone = options.timed || options.hash_outputs || options.whole;
+  if (alone) h.finish_all(timeout_s);
+  if (options.hash_outputs && !h.copyable) h.rebuild(graph.plan, true, timeout_s);
+  FrameSlot& slot = h.take_slot();
+  slot.pending.emplace();
+  slot.pending->ticket = ++h.last_ticket;
+  slot.pending->physical = h.physical;
+  slot.pending->keep = std::move(keep);
+  for (const PlanPass& pass : graph.plan.passes) slot.pending->passes.push_back(pass.name);
+  if (graph.plan.passes.empty()) return slot.pending->ticket;
+  try {
+    FrameContext frame = h.context(graph.plan, imports, slot);
+    frame.hashed = options.hash_outputs;
+    h.physical->bind_uniforms(graph.plan, slot.index, frame.buffers);
+    if (options.hash_outputs || (options.timed && (h.device.info().is_cpu || !slot.timing.available()))) {
+      h.run_isolated(frame, graph, options, timeout_s, slot);
+    } else {
+      if (options.whole || (!options.timed && !graph.plan.batches.empty()))
+        h.submit_batches(frame, graph, options, slot);
+      else
+        h.submit_whole(frame, graph, options.timed, slot);
+      if (alone) {
+        slot.finish(timeout_s);
+        h.read_times(graph.plan, options, slot);
+      }
+    }
+  } catch (...) {
+    slot.given_up = slot.work.pending();
+    if (!slot.given_up) slot.pending.reset();
+    throw;
+  }
+  return slot.pending->ticket;
+}
+
+FrameRun FrameRunner::collect(FrameTicket ticket) {
+  Hidden& h = *hidden_;
+  const auto found = std::find_if(h.slots.begin(), h.slots.end(), [&](const auto& slot) {
+    return slot->pending && !slot->given_up && slot->pending->ticket == ticket;
+  });
+  CHECK_MSG(found != h.slots.end(), "collect of a frame that is not in flight");
+  FrameSlot& slot = **found;
+  slot.finish(timeout_s);
+  for (const auto& readback : slot.pending->readbacks) readback->buffer().invalidate();
+  FrameRun result = std::move(slot.pending->result);
+  slot.pending.reset();
   for (const PassTime& pass : result.passes) result.frame_gpu_ms += pass.gpu_ms;
-  for (const auto& [resource, readback] : result.readbacks) frame.buffers[size_t(resource)]->invalidate();
   return result;
 }
 

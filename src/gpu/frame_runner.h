@@ -31,6 +31,10 @@ class Readback {
 struct RunOptions {
   bool timed = false;  // stamps per pass; on a CPU device every pass is then its own submission (DESIGN section 6)
   bool hash_outputs = false;  // after each pass, hash everything it wrote and count non-finite values (debugging; slow)
+  // The frame's time as a whole (FrameRun::whole_ms), whatever runs side by side in it.
+  bool whole = false;
+  bool one_queue = false;        // passes of the compute queue run on the main one
+  std::vector<int> batch_order;  // of the plan's batches; empty: the plan's own
 };
 struct PassHash {
   std::string pass, resource;
@@ -40,6 +44,7 @@ struct PassHash {
 struct FrameRun {
   std::vector<PassTime> passes;                        // when timed; they sum to frame_gpu_ms
   double frame_gpu_ms = 0;                             // the sum of passes: isolated timing, nothing overlaps
+  double whole_ms = 0;                                 // on the device, or the host's wait for it where that is a CPU
   double record_ms = 0, submit_ms = 0, wait_ms = 0;    // CPU
   std::map<int, std::shared_ptr<Readback>> readbacks;  // by resource of sink buffers with memory host_read
   std::vector<PassHash> hashes;
@@ -52,9 +57,18 @@ struct PrepareTimes {
   int shaders = 0, shaders_from_cache = 0, pipelines = 0;
 };
 
+using FrameTicket = uint64_t;  // of a frame that was submitted and not yet collected
+
 // Runs compiled graphs. Owns pipelines (made once, kept by description, saved in a VkPipelineCache on disk), the
-// physical images and buffers of the last plan (kept while plans differ only in what they import), command pool, query
-// pool and readback pool.
+// physical images and buffers of the last plan (kept while plans differ only in what they import) and the readback
+// pool; for each frame in flight a command pool, a fence, a query pool and descriptor sets.
+//
+// Frames in flight share the plan's images and device buffers: a frame begins on the device when the one before has
+// ended there, so what overlaps is the host's work with the device's. What an older plan owned lives until the frames
+// that use it are done.
+//
+// Batches of a plan with two queues run on both where the device has a second one, ordered by timeline semaphores, else
+// one after another on the one queue. Timed and hashed runs are serial.
 class FrameRunner {
  public:
   FrameRunner(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);
@@ -62,9 +76,18 @@ class FrameRunner {
   // Compiles in parallel what the plan holds and allocates what it names. Errors (input) for a shader that does not
   // compile.
   Expected<PrepareTimes> prepare(const CompiledGraph& graph);
-  // imports: the physical buffer for each imported resource of the plan. Throws GpuError. A wait longer than timeout_s
-  // (default 600) is an error that names the passes not finished.
-  FrameRun run(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports, const RunOptions& options);
+  // Records the frame and hands it to the device. imports: the physical buffer for each imported resource of the plan;
+  // keep: whatever must live, and stay as it is, until the device is done with the frame. A timed or hashed run has the
+  // device to itself: it waits for the frames before it, and is over when submit returns. Throws GpuError.
+  FrameTicket submit(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports, const RunOptions& options,
+                     std::vector<std::shared_ptr<const void>> keep = {});
+  // Waits for the frame and gives what it left; each ticket once. A wait longer than timeout_s (default 600) is an
+  // error that names the passes not finished; the next frame waits for what was given up on. Throws GpuError.
+  FrameRun collect(FrameTicket ticket);
+  FrameRun run(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports, const RunOptions& options,
+               std::vector<std::shared_ptr<const void>> keep = {}) {
+    return collect(submit(graph, imports, options, std::move(keep)));
+  }
   double timeout_s = 600;
 
  private:

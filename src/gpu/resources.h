@@ -37,6 +37,16 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
+// Of a buffer or an image to be made: usable by both queues (Device::shared_families).
+template <class CreateInfo>
+void share(const Device& device, CreateInfo& info) {
+  const std::span<const uint32_t> families = device.shared_families();
+  if (families.empty()) return;
+  info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+  info.queueFamilyIndexCount = uint32_t(families.size());
+  info.pQueueFamilyIndices = families.data();
+}
+
 // One mip chain of a texture on the CPU, tightly packed levels.
 struct TextureData {
   VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
@@ -61,14 +71,16 @@ class Texture {  // sampled image, device memory
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
 };
 
-// Copies bytes into device buffers and textures through staging memory; flush() submits and waits.
+// Copies bytes into device buffers and textures through staging memory. What is submitted after submit() or flush() on
+// the same queue sees them.
 class Uploader {
  public:
   explicit Uploader(Device& device);
-  ~Uploader();
+  ~Uploader();  // waits for what was submitted
   void to_buffer(Buffer& target, uint64_t offset, std::span<const std::byte> bytes);
   void to_texture(Texture& target, const TextureData& data);  // ends in SHADER_READ_ONLY_OPTIMAL
-  void flush();
+  void submit();                                              // without waiting; nothing may be added after it
+  void flush();                                               // and waits
 
  private:
   struct Hidden;

@@ -41,7 +41,7 @@ struct Uploader::Hidden {
   VkCommandPool pool = VK_NULL_HANDLE;
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VkFence fence = VK_NULL_HANDLE;
-  bool recording = false;
+  bool recording = false, submitted = false;
 
   explicit Hidden(Device& d)
       : device(d),
@@ -59,12 +59,14 @@ struct Uploader::Hidden {
     device.set_name(VK_OBJECT_TYPE_COMMAND_BUFFER, uint64_t(commands), "upload");
   }
   ~Hidden() {
+    if (submitted) vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, UINT64_MAX);
     vkDestroyFence(device.handle(), fence, nullptr);
     vkDestroyCommandPool(device.handle(), pool, nullptr);
   }
 
   void begin() {
     if (recording) return;
+    CHECK(!submitted);
     VK_CHECK(vkResetCommandPool(device.handle(), pool, 0));
     VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -72,7 +74,7 @@ struct Uploader::Hidden {
     recording = true;
   }
 
-  void submit_and_wait() {
+  void submit() {
     if (!recording) return;
     // Everything uploaded is visible to whatever the queue does later.
     VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
@@ -90,9 +92,16 @@ struct Uploader::Hidden {
     submit.commandBufferInfoCount = 1;
     submit.pCommandBufferInfos = &buffer;
     VK_CHECK(vkQueueSubmit2(device.queue(), 1, &submit, fence));
+    recording = false;
+    submitted = true;
+  }
+
+  void submit_and_wait() {
+    submit();
+    if (!submitted) return;
     VK_CHECK(vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, UINT64_MAX));
     VK_CHECK(vkResetFences(device.handle(), 1, &fence));
-    recording = false;
+    submitted = false;
     used = 0;
   }
 
@@ -155,6 +164,7 @@ void Uploader::to_texture(Texture& target, const TextureData& data) {
                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
+void Uploader::submit() { hidden_->submit(); }
 void Uploader::flush() { hidden_->submit_and_wait(); }
 
 }  // namespace candela::gpu

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -26,26 +27,45 @@ class GraphBuilder {
   // Resources filled before the frame by the scene upload; read-only in the graph.
   BufferHandle import_buffer(BufferDesc desc);
 
-  // Opens a pass; every declaration up to end_pass belongs to it.
+  // Opens a pass; every declaration up to end_pass belongs to it. A frame's passes have different names: what stands in
+  // a frame several times has a name for each instance, "blur.wide" (times, hashes and plans tell them apart).
   void begin_pass(std::string name, Queue queue = Queue::main);
+  // A knob's value, as text, that the open pass works with: part of the plan and of its hash, whatever way it takes to
+  // the shader.
+  void knob(std::string name, std::string value);
   ImageHandle create(ImageDesc desc);  // version 0: nothing in it yet; must be written before it is read
   BufferHandle create(BufferDesc desc);
   // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns. A
   // zeroed buffer may be read at version 0. host_read is no access of a pass: sink() stands for it.
-  void read(ImageHandle image, Access access, std::string_view what);
   void read(BufferHandle buffer, Access access, std::string_view what);
+  // Of an image: which mips and layers, and what the shader sees them as. By default a 3D image is seen as one, a range
+  // that holds all layers as what the image is, one layer as 2D, and others as an array; storage images and attachments
+  // see cubes as arrays. Attachments and storage images are of one mip.
+  void read(ImageHandle image, Access access, std::string_view what, ImageRange range = {},
+            std::optional<ImageKind> view = {});
   // The same for an optional input: returns false for an empty handle, and nothing is declared.
-  bool read_optional(ImageHandle image, Access access);
+  bool read_optional(ImageHandle image, Access access, ImageRange range = {}, std::optional<ImageKind> view = {});
   bool read_optional(BufferHandle buffer, Access access);
   // The new version. An empty handle counts as a missing required input, and comes back empty.
-  ImageHandle write(ImageHandle image, Access access);
+  ImageHandle write(ImageHandle image, Access access, ImageRange range = {}, std::optional<ImageKind> view = {});
   BufferHandle write(BufferHandle buffer, Access access);
+  // Opens the next step of the pass: the graph orders steps like passes, with a barrier before each, and `record` is
+  // called once for each (CommandList::step). The pass is timed once. What was declared before the first step belongs
+  // to every step.
+  void begin_step();
   PipelineHandle pipeline(ComputePipelineDesc desc);
   PipelineHandle pipeline(GraphicsPipelineDesc desc);
   // Closes the pass. Returns false when a required input was missing: then nothing of it is kept and the reason is.
   bool end_pass(RecordFunction record);
 
-  void leave_out(std::string pass, std::string reason);
+  // Both return the place among absences() that the handles which the pass would have given carry.
+  int leave_out(std::string pass, std::string reason);
+  int absent(std::string reason);
+  int last_absence() const { return int(absences_.size()) - 1; }
+  const std::vector<std::string>& absences() const { return absences_; }
+  // An image that the frame can give under a layer's name (--layers, --view), where a pass of the frame makes one.
+  void publish(std::string layer, ImageHandle image);
+  const std::vector<std::pair<std::string, ImageHandle>>& published() const { return published_; }
   // Marks what the frame is for: these keep their producers alive. Buffers with memory host_read, usually. An empty
   // handle is no sink: what it stood for was left out.
   void sink(BufferHandle buffer);
@@ -56,7 +76,9 @@ class GraphBuilder {
     Queue queue;
     std::vector<PlanUse> uses;
     std::vector<int> pipelines;  // into pipelines()
+    std::vector<PlanKnob> knobs;
     RecordFunction record;
+    int steps = 0;  // opened with begin_step
   };
   struct Resource {
     std::variant<ImageDesc, BufferDesc> desc;
@@ -64,6 +86,7 @@ class GraphBuilder {
     int version = 0;    // newest
     int creator = -1;   // declared pass that made it
     int left_out = -1;  // into left_out(): made by a pass that was left out; its handles are refused, the place stays
+    std::vector<ImageRange> written;  // of images: what each version wrote, from version 1
     const std::string& name() const {
       return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
     }
@@ -78,10 +101,16 @@ class GraphBuilder {
  private:
   template <class Handle>
   Resource& resource_of(Handle handle);  // refuses stale, foreign and discarded handles
+  struct Part {                          // of an image, as declared
+    ImageRange range;
+    std::optional<ImageKind> view;
+  };
   template <class Handle>
-  void read_any(Handle handle, Access access, std::string_view what);
+  void read_any(Handle handle, Access access, std::string_view what, const Part& part = {});
   template <class Handle>
-  Handle write_any(Handle handle, Access access);
+  Handle write_any(Handle handle, Access access, const Part& part = {});
+  PlanUse use_of(const Resource& resource, PlanUse use, const Part& part) const;
+  void check_written(const Resource& resource, const PlanUse& use) const;
   template <class Desc>
   int create_any(Desc desc);
   template <class Desc>
@@ -89,7 +118,7 @@ class GraphBuilder {
   void check_fits(const Resource& resource, Access access) const;
   void check_together(const Resource& resource, const PlanUse& use) const;
   void require_open(std::string_view call) const;
-  std::string missing_reason(std::string_view what) const;
+  std::string missing_reason(std::string_view what, int absence) const;
   void discard_pass();
   [[noreturn]] void refuse(std::string_view resource, std::string_view problem) const;
 
@@ -97,6 +126,8 @@ class GraphBuilder {
   std::vector<Resource> resources_;
   std::vector<PipelineDesc> pipelines_;  // without duplicates
   std::vector<LeftOut> left_out_;
+  std::vector<std::string> absences_;
+  std::vector<std::pair<std::string, ImageHandle>> published_;
   std::vector<int> sinks_;
   bool open_ = false;    // passes_.back() is being declared
   std::string missing_;  // why the open pass will be left out

@@ -3,6 +3,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <vector>
 
 #include "base/knob.h"
 #include "gpu/command_list.h"
@@ -21,7 +23,7 @@ inline Need needed_if(bool condition, std::string_view otherwise) {
   return condition ? Need{} : Need{false, std::string(otherwise)};
 }
 
-// DESIGN section 3. No base class: a pass is a plain struct of this shape.
+// docs/design.md, "A pass". No base class: a pass is a plain struct of this shape.
 template <class P>
 concept Pass = requires(const P pass, const SceneFacts& facts, const FrameRequest& request, GraphBuilder& builder,
                         const typename P::In& in, const typename P::Out& out, CommandList& commands) {
@@ -29,6 +31,58 @@ concept Pass = requires(const P pass, const SceneFacts& facts, const FrameReques
   { pass.needed(facts, request) } -> std::same_as<Need>;
   { pass.declare(builder, in) } -> std::same_as<typename P::Out>;
   { pass.record(commands, in, out) } -> std::same_as<void>;
+};
+
+// Optional parts of a pass.
+
+// Knobs of its own, in the member `knobs`, which the frame fills in before it asks anything of the pass.
+template <class P>
+concept HasKnobs = requires(P pass) {
+  requires KnobTable<typename P::Knobs>;
+  { pass.knobs } -> std::convertible_to<typename P::Knobs>;
+};
+// Knobs of other tables that change its work on other ways than by a member: std::tuple of the tables.
+template <class P>
+concept SharesKnobs = requires {
+  std::tuple_size<typename P::SharedKnobs>::value;
+};
+
+// Knobs of its tables that do nothing in this frame (tile sizes where there are no tiles): they are not among the
+// plan's, so that equal work is one plan.
+template <class P>
+concept IgnoresKnobs = requires(const P pass) {
+  { pass.ignores(std::string_view{}) } -> std::same_as<bool>;
+};
+
+// Layers that it can give (--layers): it publishes their images in declare(). `viewable`: counts that PNG can show in
+// colours with a legend (--view).
+struct LayerName {
+  std::string_view name;
+  bool viewable = false;
+};
+template <class P>
+concept HasLayers = requires {
+  {std::span<const LayerName>(P::layers)};
+};
+
+// An effect, which --effects can leave out or ask for by this name. Several passes may be parts of one.
+template <class P>
+concept IsEffect = requires {
+  { P::effect } -> std::convertible_to<std::string_view>;
+};
+
+// Numbers that it counts for the host: Report is a struct of 32-bit words, Out::report a buffer of its size with memory
+// host_read, which the pass also makes a sink; empty where there is nothing to count. warnings() says what a user must
+// know of it.
+template <class P>
+concept Reports = requires(const P pass, const typename P::Out out, const typename P::Report& report) {
+  { out.report } -> std::convertible_to<BufferHandle>;
+  { pass.warnings(report) } -> std::same_as<std::vector<std::string>>;
+};
+// The same with what is worth telling, but no cause for concern.
+template <class P>
+concept ReportsNotes = requires(const P pass, const typename P::Report& report) {
+  { pass.notes(report) } -> std::same_as<std::vector<std::string>>;
 };
 
 }  // namespace candela

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "graph/builder.h"
+#include "passes/geometry/views.h"
 #include "passes/lights/light_lists.h"
 #include "scene/draw_list.h"
 
@@ -20,15 +21,15 @@ struct SceneInputs {
   std::vector<uint32_t> deform_vertices;  // vertex count of each deform job
   uint32_t deformed_words = 0;            // size of the deformed buffer
   uint32_t width_px = 0, height_px = 0, samples = 1;
+  // Of one picture of a supersampled frame: normalised device coordinates off the middle of the pixel, and a bias of
+  // textures' level of detail.
+  bool is_subsample = false;
+  glm::vec2 subsample_ndc{0};
+  float subsample_lod = 0;
   std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed
 };
 
 inline constexpr VkFormat color_format = VK_FORMAT_R32G32B32A32_SFLOAT;
 inline constexpr VkFormat depth_format = VK_FORMAT_D32_SFLOAT;
-
-// What culling leaves: indirect commands at each run's first item, and a count a run.
-struct Draws {
-  BufferHandle commands, counts;
-};
 
 }  // namespace candela

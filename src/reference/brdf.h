@@ -33,16 +33,14 @@ struct Surface {
 
 // f(l, v) (n.l), 1/sr; 0 for light from below the shading normal. l and v are unit and point away from the surface.
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
+// The part of it that the base reflects diffusely.
+glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 
 // Choosing a light direction by the BRDF: the cosine lobe, or visible GGX normals (Heitz, "Sampling the GGX
 // Distribution of Visible Normals", 2018), with a probability by the lobes' estimated albedos. The density is of the
 // whole mixture.
 glm::dvec3 sample_brdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u);
 double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);  // 1/sr
-
-// Directional albedo of the specular lobe per f0 and f90: the split sum's analytic fit that the raster techniques use
-// (Karis, "Physically Based Shading on Mobile", 2014).
-glm::dvec2 specular_scale_bias(double roughness, double n_v);
 
 double luminance(glm::dvec3 rec709);
 double largest(glm::dvec3 c);  // of its components

@@ -227,6 +227,19 @@ glm::dvec3 evaluate_bsdf(const Surface& s, glm::dvec3 l, glm::dvec3 v, bool punc
   return shares.through * (4 * facets * v_h * facets_per_direction(s, l, v, h) / (s.eta * s.eta));
 }
 
+glm::dvec3 diffuse_share(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  const glm::dvec3 all = evaluate_bsdf(s, l, v);
+  if (all == glm::dvec3(0)) return all;
+  glm::dvec3 diffuse(0);
+  if (!s.glass) {
+    diffuse = diffuse_brdf(s, l, v);
+  } else if (const double n_l = glm::dot(s.normal, l); n_l > 0) {
+    diffuse = shares_at(s, glm::dot(v, facet_between(s, l, v))).diffuse * (n_l / pi);
+  }
+  for (int c = 0; c < 3; ++c) diffuse[c] = all[c] > 0 ? std::min(diffuse[c] / all[c], 1.0) : 0;
+  return diffuse;
+}
+
 double bsdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   if (!s.glass) return brdf_pdf(s, l, v);
   const double n_l = glm::dot(s.normal, l), n_v = glm::dot(s.normal, v), alpha = alpha_of(s);

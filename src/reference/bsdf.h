@@ -37,6 +37,8 @@ glm::dvec3 straight_share(const Surface& s, glm::dvec3 v);
 // nothing else can.
 glm::dvec3 evaluate_bsdf(const Surface& s, glm::dvec3 l, glm::dvec3 v, bool punctual = false);
 double bsdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);  // 1/sr
+// Of evaluate_bsdf()'s light, the share that the base reflects diffusely, channel by channel.
+glm::dvec3 diffuse_share(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 
 // Whether light in direction l, counted away from the surface, is on the same side of the triangle as of the shading
 // normal, and that side is open to light.

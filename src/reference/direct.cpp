@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "math/spherical_harmonics.h"
+#include "reference/albedo.h"
 #include "reference/glass_light.h"
 #include "reference/integrator.h"
 
@@ -22,30 +23,31 @@ glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band) {
   return glm::max(sum, glm::dvec3(0));
 }
 
-glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
-  const glm::dvec2 ab = specular_scale_bias(s.roughness, std::clamp(glm::dot(s.normal, v), 1e-4, 1.0));
-  const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
-  const double left = 1 - std::max({dielectric.x, dielectric.y, dielectric.z});
+HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
+  const DirectionalAlbedo a = directional_albedo(s.roughness, std::clamp(glm::dot(s.normal, v), 0.0, 1.0));
+  const glm::dvec3 dielectric = s.dielectric_f0 * a.scale + s.dielectric_f90 * a.bias,
+                   metal = s.base_color * a.scale + a.bias;
+  const double f0 = largest(s.dielectric_f0), left = 1 - (f0 + (s.dielectric_f90 - f0) * a.grazing);
   const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
-  return diffuse + glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal));
+  return {diffuse, glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal))};
 }
 
-PixelSample Integrator::sample(int x, int y, uint64_t index) const {
+PixelSample Integrator::sample(int x, int y, uint64_t index, TermSample* terms) const {
   SampleStream stream(settings_.sampler, x, y, index);
-  return sample_through(glm::dvec2(x, y) + stream.pixel(), stream);
+  return sample_through(glm::dvec2(x, y) + stream.pixel(), stream, terms);
 }
 
 PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index) const {
   SampleStream stream(settings_.sampler, int(std::floor(place_px.x)), int(std::floor(place_px.y)), index);
-  return sample_through(place_px, stream);
+  return sample_through(place_px, stream, nullptr);
 }
 
-PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream) const {
+PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream, TermSample* terms) const {
   const CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
-  return settings_.mode == Mode::direct ? sample_direct(ray, stream) : sample_path(ray, stream);
+  return settings_.mode == Mode::direct ? sample_direct(ray, stream, terms) : sample_path(ray, stream, terms);
 }
 
-PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream) const {
+PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
   PixelSample out;
   const Ray ray = rounded(camera);
   const glm::dvec3 onward = glm::normalize(camera.direction);
@@ -62,14 +64,21 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     }
     if (s.coverage > 0) {
       stream.start(4 + uint32_t(layer) * dimensions_a_layer);
+      TermSample own;
+      own[Term::emission] = s.unlit ? s.base_color : s.emission;
+      const SurfacePoint point = world_.accel().surface(*hit);
       const glm::dvec3 radiance =
-          s.unlit ? s.base_color : s.emission + direct_light(s, world_.accel().surface(*hit), to_viewer, stream);
+          s.unlit ? s.base_color : s.emission + direct_light(s, point, to_viewer, stream, terms ? &own : nullptr);
       const double here_m = glm::dot(s.position - camera.origin, onward);
       const glm::dvec3 clear =
           fog_before(camera.origin, onward, {before_m, here_m}, through, uint32_t(layer), stream, out);
       before_m = here_m;
       out.radiance += through * s.coverage * clear * radiance;
       out.fog_through += through * s.coverage * (clear - 1.0);
+      if (terms) {
+        terms->add(own, through * s.coverage * clear);
+        if (!s.unlit) terms->shadow -= through * s.coverage * (1 - sun_visibility(s, point, stream.next2()));
+      }
       out.alpha += through * s.coverage;
       through *= 1 - s.coverage;
     }
@@ -81,6 +90,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     const glm::dvec4 background = world_.background(camera.direction);
     const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, endless}, through, most_layers, stream, out);
     out.radiance += through * clear * glm::dvec3(background);
+    if (terms) (*terms)[Term::background] += through * clear * glm::dvec3(background);
     out.fog_through += through * (clear - 1.0);
     out.alpha += through * (world_.medium() ? 1 - luminance(clear) * (1 - background.w) : background.w);
   }
@@ -88,19 +98,24 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   return out;
 }
 
-glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
-                                    SampleStream& stream) const {
-  glm::dvec3 sum = punctual(s, point, v);
-  if (!world_.sky() || settings_.ambient == Ambient::off) return sum;
+glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                                    TermSample* terms) const {
   // What the material says of its own small hollows belongs to this term, as glTF says; tracing adds what the geometry
   // does.
-  sum += s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream)
-                                                             : occluded_ambient(s, point, v, stream));
-  return sum;
+  TermSample parts;
+  TermSample* const wanted = terms ? &parts : nullptr;
+  glm::dvec3 ambient(0);
+  if (world_.sky() && settings_.ambient != Ambient::off) {
+    ambient = s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream, wanted)
+                                                                  : occluded_ambient(s, point, v, stream, wanted));
+    if (terms) terms->add(parts, glm::dvec3(s.occlusion));
+  }
+  return punctual(s, point, v, stream.next2(), terms) + ambient;
 }
 
-Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const {
-  const Arrival a = arriving(light, s.position);
+Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v,
+                                             glm::dvec2 on_disc) const {
+  const Arrival a = arriving(light, s.position, on_disc);
   if (a.illuminance == glm::dvec3(0)) return {};
   return {a.illuminance * evaluate_bsdf(s, a.l, v, true), a.l, a.distance_m, {}};
 }
@@ -115,10 +130,32 @@ glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const Surface
                                   offer.end ? &*offer.end : nullptr);
 }
 
-glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const {
+glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc,
+                                TermSample* terms) const {
   glm::dvec3 sum(0);
-  for (const PunctualLight& light : world_.punctual_lights()) sum += taken(punctual_offer(light, s, v), s, point);
+  for (size_t i = 0; i < world_.punctual_lights().size(); ++i) {
+    const PunctualLight& light = world_.punctual_lights()[i];
+    const glm::dvec3 radiance = taken(punctual_offer(light, s, v, own_place(on_disc, i)), s, point);
+    sum += radiance;
+    if (terms) (*terms)[direct_term(light.type)] += radiance;
+  }
   return sum;
+}
+
+// Traced apart from the light itself, which needs no shadow ray where the material shows none of it.
+double Integrator::sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const {
+  double all = 0, open = 0;
+  for (const uint32_t index : world_.directional()) {
+    const Arrival a = arriving(world_.punctual_lights()[index], s.position, own_place(on_disc, index));
+    const double weight = luminance(a.illuminance) * std::max(glm::dot(s.normal, a.l), 0.0);
+    if (!(weight > 0)) continue;
+    all += weight;
+    if (!settings_.visibility)
+      open += weight;
+    else if (is_open(s, a.l))
+      open += weight * luminance(light_through(world_, point, a.l, a.distance_m, bodies_towards(s, a.l)));
+  }
+  return all > 0 ? open / all : 1;
 }
 
 glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
@@ -129,8 +166,8 @@ glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& poin
   return clear * light_through(world_, point, l, distance_m, bodies_towards(s, l));
 }
 
-glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
-                                      SampleStream& stream) const {
+glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                                      TermSample* terms) const {
   glm::dvec3 sum(0);
   const glm::dvec2 for_lobe = stream.next2();
   const glm::dvec3 l = sample_brdf(s, v, stream.next(), for_lobe);
@@ -140,17 +177,23 @@ glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& poin
     const glm::dvec3 f = pdf > 0 ? evaluate_brdf(s, direction, v) : glm::dvec3(0);
     if (f == glm::dvec3(0)) return;
     const glm::dvec3 radiance = world_.sky().radiance(direction) * f * (pdf / (pdf * pdf + other * other));
-    if (radiance != glm::dvec3(0)) sum += radiance * sky_visibility(s, point, direction);
+    if (radiance == glm::dvec3(0)) return;
+    const glm::dvec3 arriving = radiance * sky_visibility(s, point, direction);
+    sum += arriving;
+    if (terms) terms->add_ambient(arriving * diffuse_share(s, direction, v), arriving);
   };
   add(choice.direction, choice.pdf, brdf_pdf(s, choice.direction, v));
   add(l, brdf_pdf(s, l, v), world_.sky().pdf(l));
   return sum;
 }
 
-glm::dvec3 Integrator::occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
-                                        SampleStream& stream) const {
-  const glm::dvec3 ambient = harmonic_ambient(world_.ambient_sh(), s, v);
-  return ambient * sky_visibility(s, point, cosine_direction(s.normal, stream.next2()));
+glm::dvec3 Integrator::occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                                        TermSample* terms) const {
+  const auto [diffuse, specular] = harmonic_ambient(world_.ambient_sh(), s, v);
+  const glm::dvec3 ambient = diffuse + specular;
+  const glm::dvec3 open = sky_visibility(s, point, cosine_direction(s.normal, stream.next2()));
+  if (terms) terms->add_ambient(diffuse * open, ambient * open);
+  return ambient * open;
 }
 
 }  // namespace candela::reference

@@ -26,11 +26,19 @@ struct FileHead {
 
 }  // namespace
 
-Film::Film(int width_px, int height_px, bool with_fog)
+Film::Film(int width_px, int height_px, FilmParts parts)
     : width_(width_px),
       height_(height_px),
       sums_(size_t(width_px) * size_t(height_px)),
-      fog_(with_fog ? sums_.size() : 0) {}
+      fog_(parts.fog ? sums_.size() : 0),
+      terms_(parts.terms ? sums_.size() : 0) {}
+
+glm::dvec3 Film::term(Term term, size_t pixel) const {
+  const double* v = terms_.at(pixel).light[size_t(term)];
+  return glm::dvec3(v[0], v[1], v[2]) / double(std::max<uint64_t>(samples_, 1));
+}
+
+double Film::shadow(size_t pixel) const { return terms_.at(pixel).shadow / double(std::max<uint64_t>(samples_, 1)); }
 
 glm::dvec3 Film::fog_light(size_t pixel) const {
   if (fog_.empty()) return glm::dvec3(0);
@@ -90,6 +98,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
   // A batch that is given up must leave the film as it was.
   std::vector<Sums> sums = sums_;
   std::vector<FogSums> fog = fog_;
+  std::vector<TermSums> terms = terms_;
   std::atomic<bool> stopped = false;
   std::mutex reporting;
   int done = 0;
@@ -101,7 +110,8 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
         const size_t at = size_t(y) * size_t(width_) + size_t(x);
         Sums& pixel = sums[at];
         for (uint64_t i = samples_; i < samples_ + uint64_t(count); ++i) {
-          const PixelSample s = integrator.sample(x, y, i);
+          TermSample divided;
+          const PixelSample s = integrator.sample(x, y, i, terms.empty() ? nullptr : &divided);
           for (int c = 0; c < 3; ++c) {
             pixel.value[c] += s.radiance[c];
             pixel.square[c] += s.radiance[c] * s.radiance[c];
@@ -111,6 +121,10 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
           pixel.traversal += s.traversal;
           for (int c = 0; c < 3 && !fog.empty(); ++c)
             fog[at].light[c] += s.fog_light[c], fog[at].through[c] += s.fog_through[c];
+          if (terms.empty()) continue;
+          for (size_t t = 0; t < term_count; ++t)
+            for (int c = 0; c < 3; ++c) terms[at].light[t][c] += divided.light[t][c];
+          terms[at].shadow += divided.shadow;
         }
       }
     const std::lock_guard lock(reporting);
@@ -119,6 +133,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
   if (stopped) return false;
   sums_ = std::move(sums);
   fog_ = std::move(fog);
+  terms_ = std::move(terms);
   samples_ += uint64_t(count);
   return true;
 }
@@ -130,7 +145,8 @@ Expected<void> Film::save(const std::filesystem::path& path, const Hash128& iden
   head.width = width_, head.height = height_;
   head.samples = samples_;
   std::vector<std::byte> bytes(sizeof head);
-  for (const std::span<const std::byte> sums : {std::as_bytes(std::span(sums_)), std::as_bytes(std::span(fog_))})
+  for (const std::span<const std::byte> sums :
+       {std::as_bytes(std::span(sums_)), std::as_bytes(std::span(fog_)), std::as_bytes(std::span(terms_))})
     bytes.insert(bytes.end(), sums.begin(), sums.end());
   head.content = hash128(std::span(bytes).subspan(sizeof head));
   std::memcpy(bytes.data(), &head, sizeof head);
@@ -138,7 +154,7 @@ Expected<void> Film::save(const std::filesystem::path& path, const Hash128& iden
 }
 
 Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px,
-                          bool with_fog) {
+                          FilmParts parts) {
   const auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
   FileHead head{};
@@ -148,15 +164,19 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
   if (head.identity != identity || head.width != width_px || head.height != height_px)
     return fail(
         ErrorKind::input, path.string(),
-        "belongs to another picture: scene, camera, size, mode, sampler and all that decides a pixel must be the same");
-  Film film(width_px, height_px, with_fog);
-  const std::span<const std::byte> body = std::span(*bytes).subspan(sizeof head);
-  const std::span<std::byte> sums = std::as_writable_bytes(std::span(film.sums_)),
-                             fog = std::as_writable_bytes(std::span(film.fog_));
-  if (body.size() != sums.size() + fog.size() || hash128(body) != head.content)
+        "belongs to another picture: scene, camera, size, mode, sampler and all that decides a pixel must be the "
+        "same, and so must be whether layers of single terms are asked for");
+  Film film(width_px, height_px, parts);
+  std::span<const std::byte> body = std::span(*bytes).subspan(sizeof head);
+  const std::span<std::byte> all[] = {std::as_writable_bytes(std::span(film.sums_)),
+                                      std::as_writable_bytes(std::span(film.fog_)),
+                                      std::as_writable_bytes(std::span(film.terms_))};
+  if (body.size() != all[0].size() + all[1].size() + all[2].size() || hash128(body) != head.content)
     return fail(ErrorKind::input, path.string(), "is damaged; remove it to begin anew");
-  std::memcpy(sums.data(), body.data(), sums.size());
-  if (!fog.empty()) std::memcpy(fog.data(), body.data() + sums.size(), fog.size());
+  for (const std::span<std::byte> sums : all) {
+    std::copy_n(body.begin(), sums.size(), sums.begin());
+    body = body.subspan(sums.size());
+  }
   film.samples_ = head.samples;
   return film;
 }

@@ -9,11 +9,16 @@
 
 namespace candela::reference {
 
+// What a film keeps beside the radiance.
+struct FilmParts {
+  bool fog = false, terms = false;
+};
+
 // Sums over the samples of each pixel, in double, added in the order of the samples: any sharing of the work gives the
 // same bytes, and so does an interruption.
 class Film {
  public:
-  Film(int width_px, int height_px, bool with_fog = false);
+  Film(int width_px, int height_px, FilmParts parts = {});
   int width() const { return width_; }
   int height() const { return height_; }
   uint64_t samples() const { return samples_; }  // of every pixel
@@ -24,6 +29,9 @@ class Film {
   bool has_fog() const { return !fog_.empty(); }
   glm::dvec3 fog_light(size_t pixel) const;    // mean light of fog, a part of mean(); 0 without fog
   glm::dvec3 fog_through(size_t pixel) const;  // mean transmittance; 1 without fog
+  bool has_terms() const { return !terms_.empty(); }
+  glm::dvec3 term(Term term, size_t pixel) const;  // mean of one; with fog_light() they sum to mean()
+  double shadow(size_t pixel) const;               // mean TermSample::shadow
   size_t pixels() const { return size_t(width_) * size_t(height_); }
 
   // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared
@@ -41,7 +49,7 @@ class Film {
   // The file that a later run goes on from. `identity` says which picture and settings it belongs to.
   Expected<void> save(const std::filesystem::path& path, const Hash128& identity) const;
   static Expected<Film> load(const std::filesystem::path& path, const Hash128& identity, int width_px, int height_px,
-                             bool with_fog = false);
+                             FilmParts parts = {});
 
  private:
   struct Sums {
@@ -50,6 +58,9 @@ class Film {
   struct FogSums {
     double light[3] = {}, through[3] = {};
   };
+  struct TermSums {
+    double light[term_count][3] = {}, shadow = 0;
+  };
   // The mean over pixels and channels of a quarter of the squared difference of the halves over scale(mean).
   template <class Scale>
   double mean_of_halves(Scale&& scale) const;
@@ -57,7 +68,8 @@ class Film {
   int width_, height_;
   uint64_t samples_ = 0;
   std::vector<Sums> sums_;
-  std::vector<FogSums> fog_;  // empty: none
+  std::vector<FogSums> fog_;     // empty: none
+  std::vector<TermSums> terms_;  // empty: none
 };
 
 // How long a film is made better. Every limit may be given; the first that is reached ends the work.

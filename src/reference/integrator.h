@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "reference/sampling.h"
+#include "reference/terms.h"
 #include "reference/world.h"
 
 namespace candela::reference {
@@ -43,21 +44,28 @@ class Integrator {
  public:
   Integrator(const World& world, const TraceSettings& settings, int width_px, int height_px)
       : world_(world), settings_(settings), width_px_(width_px), height_px_(height_px) {}
-  PixelSample sample(int x, int y, uint64_t index) const;
+  // terms: adds the sample's terms. They have sums of their own, so that asking for them changes no bit of the rest.
+  PixelSample sample(int x, int y, uint64_t index, TermSample* terms = nullptr) const;
   // Through a place of the image in pixels, y down.
   PixelSample sample_at(glm::dvec2 place_px, uint64_t index) const;
 
   // Radiance towards `to_viewer` of light that comes straight from its source. For tests of single points.
-  glm::dvec3 direct_light(const Surface& surface, const SurfacePoint& point, glm::dvec3 to_viewer,
-                          SampleStream& stream) const;
+  glm::dvec3 direct_light(const Surface& surface, const SurfacePoint& point, glm::dvec3 to_viewer, SampleStream& stream,
+                          TermSample* terms = nullptr) const;
 
  private:
-  PixelSample sample_through(glm::dvec2 place_px, SampleStream& stream) const;
-  PixelSample sample_direct(const CameraRay& ray, SampleStream& stream) const;
-  PixelSample sample_path(const CameraRay& ray, SampleStream& stream) const;
-  glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v) const;
-  glm::dvec3 traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const;
-  glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream) const;
+  PixelSample sample_through(glm::dvec2 place_px, SampleStream& stream, TermSample* terms) const;
+  PixelSample sample_direct(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
+  PixelSample sample_path(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
+  // `terms` may be null in all of these.
+  glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc,
+                      TermSample* terms) const;
+  glm::dvec3 traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                            TermSample* terms) const;
+  glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                              TermSample* terms) const;
+  // TermSample::shadow of one surface.
+  double sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
   glm::dvec3 sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
   // What a light would give if nothing stood between.
   struct Offer {
@@ -75,11 +83,12 @@ class Integrator {
    private:
     double weight_ = 0, total_ = 0;
   };
-  Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const;
+  Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc = {}) const;
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
-  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
-                        SampleStream& stream) const;
+  // terms: only with `every`.
+  glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream,
+                        TermSample* terms) const;
   // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces
   // in front leave `share`, and returns the transmittance from the camera to the span's end.
   glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
@@ -112,8 +121,8 @@ class Integrator {
   FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce,
                    uint32_t number, bool every, SampleStream& stream, PixelSample& out) const;
   glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, bool every, double which, SampleStream& stream) const;
-  // Each light that is chosen at a point a place of its own, as even as the first (the R2 sequence's steps).
-  static glm::dvec2 on_triangle(glm::dvec2 first, size_t light);
+  // Each light at a point a place of its own, as even as the first (the R2 sequence's steps).
+  static glm::dvec2 own_place(glm::dvec2 first, size_t light);
 
   const World& world_;
   TraceSettings settings_;
@@ -125,6 +134,9 @@ glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band = glm
 
 // The ambient term of the raster techniques (shaders: lib/ambient), in double: spherical harmonics up to l = 2 for
 // diffuse light, and for reflections as well.
-glm::dvec3 harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v);
+struct HarmonicAmbient {
+  glm::dvec3 diffuse{0}, specular{0};
+};
+HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v);
 
 }  // namespace candela::reference

@@ -78,7 +78,7 @@ void Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
   }
 }
 
-glm::dvec2 Integrator::on_triangle(glm::dvec2 first, size_t light) {
+glm::dvec2 Integrator::own_place(glm::dvec2 first, size_t light) {
   const glm::dvec2 turned = first + double(light) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
   return turned - glm::floor(turned);
 }
@@ -96,23 +96,31 @@ bool Integrator::survives(double u, int bounce, glm::dvec3& through, double comp
 // (Talbot et al., "Importance Resampling for Global Illumination", 2005): lamps close to the point, which a common
 // estimate of their cluster misses, are the ones that matter.
 glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
-                                  SampleStream& stream) const {
-  glm::dvec3 sum(0);
-  for (const uint32_t index : world_.directional())
-    sum += taken(punctual_offer(world_.punctual_lights()[index], s, v), s, point);
+                                  SampleStream& stream, TermSample* terms) const {
   const glm::dvec2 for_sky = stream.next2();
+  const double which = stream.next();
+  double pick = stream.next();
+  const glm::dvec2 on_light = stream.next2(), on_disc = stream.next2();
+  glm::dvec3 sum(0);
+  for (const uint32_t index : world_.directional()) {
+    const glm::dvec3 radiance =
+        taken(punctual_offer(world_.punctual_lights()[index], s, v, own_place(on_disc, index)), s, point);
+    sum += radiance;
+    if (terms) (*terms)[Term::direct_sun] += radiance;
+  }
   if (world_.sky() && settings_.strategy != Strategy::brdf) {
     const Sky::Choice choice = world_.sky().sample(for_sky);
     const glm::dvec3 f = choice.pdf > 0 ? evaluate_bsdf(s, choice.direction, v) : glm::dvec3(0);
     if (f != glm::dvec3(0)) {
       const double w = weight(choice.pdf, bsdf_pdf(s, choice.direction, v), Strategy::light);
       const glm::dvec3 radiance = world_.sky().radiance(choice.direction) * f * (w / choice.pdf);
-      if (radiance != glm::dvec3(0)) sum += radiance * sky_visibility(s, point, choice.direction);
+      if (radiance != glm::dvec3(0)) {
+        const glm::dvec3 arriving = radiance * sky_visibility(s, point, choice.direction);
+        sum += arriving;
+        if (terms) terms->add_ambient(arriving * diffuse_share(s, choice.direction, v), arriving);
+      }
     }
   }
-  const double which = stream.next();
-  double pick = stream.next();
-  const glm::dvec2 on_light = stream.next2();
   static thread_local std::vector<LightTree::Choice> chosen;
   world_.light_tree().choose(s.position, lit_side(s), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
@@ -120,22 +128,28 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
   for (size_t i = 0; i < chosen.size(); ++i) {
     const LightTree::Choice& choice = chosen[i];
     Offer offer;
+    Term term = Term::indirect;
     if (choice.light < points) {
-      offer = punctual_offer(world_.punctual_lights()[world_.tree_punctual()[choice.light]], s, v);
+      const PunctualLight& light = world_.punctual_lights()[world_.tree_punctual()[choice.light]];
+      term = direct_term(light.type);
+      offer = punctual_offer(light, s, v);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
-      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, on_triangle(on_light, i));
+      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, own_place(on_light, i));
     }
-    if (every)
-      sum += taken(offer, s, point);
-    else
+    if (every) {
+      const glm::dvec3 radiance = taken(offer, s, point);
+      sum += radiance;
+      if (terms) (*terms)[term] += radiance;
+    } else {
       best.consider(offer, is_open(s, offer.l) ? largest(offer.radiance) : 0, pick);
+    }
   }
   if (!every) sum += taken(best.offer, s, point) * best.scale();
   return sum;
 }
 
-PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& stream) const {
+PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
   PixelSample out;
   glm::dvec3 through(1), origin = camera.origin, direction = camera.direction;
   Ray ray = rounded(camera);
@@ -150,10 +164,16 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   int bounce = 0;
   uint32_t shaded = 0, fogged = 0;  // surfaces, among them those that the ray goes straight through, and spans of fog
   GlassWay way;
-  double compressed = 1;  // what refraction has made of radiance alone, not of its share
-  double clear_m = 0;     // fog up to here is behind the ray already
-  glm::dvec3 seen(1);     // what fog leaves of what the camera sees
-  bool in_fog = false;    // the camera's ray ended there
+  double compressed = 1;     // what refraction has made of radiance alone, not of its share
+  double clear_m = 0;        // fog up to here is behind the ray already
+  glm::dvec3 seen(1);        // what fog leaves of what the camera sees
+  bool in_fog = false;       // the camera's ray ended there
+  glm::dvec3 before_fog(0);  // light of surfaces that it went straight through before
+  glm::dvec3 diffuse(0);     // share of the first surface's light in the direction of the first bounce
+  const auto gain = [&](Term term, glm::dvec3 light) {
+    out.radiance += light;
+    if (terms && !in_fog) (*terms)[term] += light;
+  };
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
     const std::optional<Hit> hit =
@@ -184,6 +204,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     if (first) out.alpha = hit ? 1 : world_.background(direction).w;
     // Bodies of glass hold no fog.
     if (world_.medium() && !in_body) {
+      const glm::dvec3 light = out.radiance, of_surfaces = light - out.fog_light;
       const FogStep step = fog_step(origin - v * clear_m, -v, here_m - clear_m, through, bounce, fogged++,
                                     bounce < shadowed_bounces, stream, out);
       if (first) {
@@ -191,10 +212,11 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
         out.fog_through = seen;
         out.alpha = 1 - luminance(seen) * (1 - out.alpha);
       }
+      if (terms && !first && !in_fog) (*terms)[Term::indirect] += out.radiance - light;
+      if (first && step.scattered) in_fog = true, before_fog = of_surfaces;
       through = step.through;
       if (through == glm::dvec3(0)) break;
       if (step.scattered) {
-        in_fog |= first;
         ++bounce;
         from_mirror = false;
         brdf_density = step.density, last_normal = glm::dvec3(0), last_position = step.position;
@@ -207,16 +229,22 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     }
     if (!hit) {
       if (first) {
-        out.radiance += through * glm::dvec3(world_.background(direction));
+        gain(Term::background, through * glm::dvec3(world_.background(direction)));
       } else if (world_.sky()) {
         const double w = from_mirror ? 1 : weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
-        out.radiance += through * world_.sky().radiance(direction) * w;
+        const glm::dvec3 light = through * world_.sky().radiance(direction) * w;
+        if (bounce > 1) {
+          gain(Term::indirect, light);
+        } else {
+          out.radiance += light;
+          if (terms && !in_fog) terms->add_ambient(light * diffuse, light);
+        }
       }
       break;
     }
     if (s.unlit) {
       // A picture, not a lamp: it is seen, also in reflections, and takes no light and is not chosen as a light.
-      out.radiance += through * s.base_color;
+      gain(first ? Term::emission : Term::indirect, through * s.base_color);
       break;
     }
     if (s.emission != glm::dvec3(0) && emits_towards(world_, *hit)) {
@@ -230,7 +258,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
         const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
         w = weight(brdf_density, pdf, Strategy::brdf);
       }
-      out.radiance += through * s.emission * w;
+      gain(first ? Term::emission : Term::indirect, through * s.emission * w);
     }
     // After the last bounce light still goes straight through what lies between.
     const bool last = settings_.most_bounces > 0 && bounce >= settings_.most_bounces;
@@ -239,11 +267,22 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     stream.start(4 + shaded++ * dimensions_a_bounce);
     const glm::dvec2 for_lobe = stream.next2();
     const double lobe = stream.next(), roulette = stream.next();
-    if (!last) out.radiance += through * next_event(s, point, v, bounce < shadowed_bounces, stream);
+    TermSample own;
+    const bool divided = terms && first;
+    if (!last) {
+      const glm::dvec3 light =
+          through * next_event(s, point, v, bounce < shadowed_bounces, stream, divided ? &own : nullptr);
+      if (divided)
+        out.radiance += light, terms->add(own, through);
+      else
+        gain(Term::indirect, light);
+    }
+    if (divided) terms->shadow = sun_visibility(s, point, stream.next2());
 
     const std::optional<BsdfSample> next = sample_bsdf(s, v, lobe, for_lobe);
     if (!next || (last && !next->straight)) break;
     through *= next->weight;
+    if (terms && first && !next->straight) diffuse = next->pdf > 0 ? diffuse_share(s, next->l, v) : glm::dvec3(0);
     if (next->through) way.cross();
     if (next->straight) {
       if (through == glm::dvec3(0)) break;
@@ -260,7 +299,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     origin = ray.origin, direction = next->l, clear_m = 0;
     way.start_ray();
   }
-  if (in_fog) out.fog_light = out.radiance;
+  if (in_fog) out.fog_light = out.radiance - before_fog;
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
 }

@@ -83,6 +83,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.accel = accel;
   input.glass = path;
   input.fog = look->fog;
+  if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (sky) {
     input.sky = reference::Sky(*sky);
     input.ambient_sh = project_environment(*sky);
@@ -126,7 +127,7 @@ std::string settings_json(const reference::TraceSettings& s, const AccelOptions&
 }
 
 Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings,
-                      const AccelOptions& accel) {
+                      const AccelOptions& accel, bool with_terms) {
   Job picture;
   picture.animation = job.animation;
   picture.camera = job.camera;
@@ -134,13 +135,14 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.background = job.background;
   picture.sky = job.sky.empty() ? "" : "sky";
   picture.look = job.look.empty() ? "" : "look";
-  return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(picture),
-                             settings_json(settings, accel), frame.scene_content.hex(), frame.time_s));
+  return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),
+                             settings_json(settings, accel), frame.scene_content.hex(), frame.time_s,
+                             with_terms ? "\nterms" : ""));
 }
 
 std::vector<std::string> reference_layer_names() {
   std::vector<std::string> names = {"variance", "fog.L", "fog.T"};
-  for (const std::vector<std::string>& more : {surface_layer_names(), reference_view_names()})
+  for (const std::vector<std::string>& more : {term_layer_names(), surface_layer_names(), reference_view_names()})
     names.insert(names.end(), more.begin(), more.end());
   return names;
 }
@@ -173,9 +175,12 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
     for (size_t i = 0; i < film.pixels(); ++i) plane[i] = float(film.mean(i)[c]);
   }
   add_surface_layers(image, frame, layers, type);
+  add_term_layers(image, film, layers, type);
+  const auto names = [](const std::vector<std::string>& these, const std::string& layer) {
+    return std::find(these.begin(), these.end(), layer) != these.end();
+  };
   for (const std::string& layer : layers) {
-    if (std::find(surface_layer_names().begin(), surface_layer_names().end(), layer) != surface_layer_names().end())
-      continue;
+    if (names(surface_layer_names(), layer) || names(term_layer_names(), layer)) continue;
     if (layer.starts_with("heatmap.")) {
       add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);
       continue;

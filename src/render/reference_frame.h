@@ -35,12 +35,12 @@ std::string_view name_of(reference::Ambient ambient);
 std::string_view name_of(BvhBuilder builder);
 
 // Of all that decides the sums of a film. How they are shown and stored, and their number where the sampler does not
-// need it, is left out: those may change between a run and its resumption.
+// need it, is left out: those may change between a run and its resumption. with_terms: the film keeps terms.
 Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings,
-                      const AccelOptions& accel);
+                      const AccelOptions& accel, bool with_terms = false);
 
 // Layers that the reference can write beside beauty.
-std::vector<std::string> reference_layer_names();  // variance, fog.L, fog.T, surface_layer_names(), and
+std::vector<std::string> reference_layer_names();  // variance, fog.L, fog.T, terms, surface layers, and
 std::vector<std::string>
 reference_view_names();  // heatmap.traversal, heatmap.leaves: counts, which PNG can show as well
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/check.h"
 #include "reference/centre_surface.h"
 
 namespace candela {
@@ -46,19 +47,53 @@ void add_vectors(FloatImage& image, const Centres& centres, const std::string& l
   }
 }
 
+auto is_in(const std::vector<std::string>& layers) {
+  return [&layers](const std::string& name) { return std::find(layers.begin(), layers.end(), name) != layers.end(); };
+}
+
 }  // namespace
 
 const std::vector<std::string>& surface_layer_names() {
-  static const std::vector<std::string> names = {"depth", "normal", "albedo", "object_id", "material_id", "emission"};
+  static const std::vector<std::string> names = {"depth", "normal", "albedo", "object_id", "material_id"};
   return names;
+}
+
+const std::vector<std::string>& term_layer_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (size_t t = 0; t < reference::term_count; ++t) all.emplace_back(name_of(reference::Term(t)));
+    all.emplace_back("shadow");
+    return all;
+  }();
+  return names;
+}
+
+reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<std::string>& layers) {
+  return {.fog = frame.world->medium() != nullptr, .terms = std::ranges::any_of(term_layer_names(), is_in(layers))};
+}
+
+void add_term_layers(FloatImage& image, const reference::Film& film, const std::vector<std::string>& layers,
+                     ChannelType type) {
+  if (std::ranges::none_of(term_layer_names(), is_in(layers))) return;
+  CHECK(film.has_terms());
+  const auto add = [&](const std::string& name, auto&& value) {
+    Channel& channel = image.channels.emplace_back();
+    channel.name = name, channel.type = type;
+    for (size_t i = 0; i < film.pixels(); ++i) channel.f.push_back(float(value(i)));
+  };
+  for (size_t t = 0; t < reference::term_count; ++t) {
+    const std::string name(name_of(reference::Term(t)));
+    if (!is_in(layers)(name)) continue;
+    for (int c = 0; c < 3; ++c)
+      add(name + "." + "RGB"[c], [&](size_t i) { return film.term(reference::Term(t), i)[c]; });
+  }
+  if (is_in(layers)("shadow")) add("shadow.Y", [&](size_t i) { return film.shadow(i); });
 }
 
 void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers,
                         ChannelType type) {
   using reference::CentreSurface, reference::Surface;
-  const auto wanted = [&](const std::string& name) {
-    return std::find(layers.begin(), layers.end(), name) != layers.end();
-  };
+  const auto wanted = is_in(layers);
   const std::vector<std::string>& all = surface_layer_names();
   if (std::none_of(all.begin(), all.end(), wanted)) return;
   const Centres centres = centres_of(frame, image.width, image.height);
@@ -73,10 +108,6 @@ void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const st
     add_ids(image, centres, "object_id", [&](const CentreSurface& c) { return item_of(c).node; });
   if (wanted("material_id"))
     add_ids(image, centres, "material_id", [&](const CentreSurface& c) { return uint32_t(item_of(c).material); });
-  // What unlit surfaces show counts as emission, as it does on the GPU.
-  if (wanted("emission"))
-    add_vectors(image, centres, "emission", "RGB", type,
-                [](const Surface& s) { return s.unlit ? s.base_color : s.emission; });
 }
 
 }  // namespace candela

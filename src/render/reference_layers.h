@@ -7,12 +7,21 @@
 
 namespace candela {
 
-// Layers of the reference that `render` has too: depth, normal, albedo, object_id, material_id, emission, in its units
-// and channels.
+// Layers of the reference that `render` has too, of the surface at the pixel's centre: depth, normal, albedo,
+// object_id, material_id, in its units and channels.
 const std::vector<std::string>& surface_layer_names();
+
+// Layers that the film holds as means over its samples: the terms that beauty is the sum of, together with fog.L
+// (reference/terms.h), and shadow, which is no light.
+const std::vector<std::string>& term_layer_names();
+// What the film of these layers must keep.
+reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<std::string>& layers);
 
 // Adds those of `layers` that are surface layers. type: of normal and colours; depth is always float.
 void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers,
                         ChannelType type);
+// Adds those of `layers` that are terms.
+void add_term_layers(FloatImage& image, const reference::Film& film, const std::vector<std::string>& layers,
+                     ChannelType type);
 
 }  // namespace candela

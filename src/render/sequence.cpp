@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <deque>
 #include <set>
 
 #include "base/log.h"
@@ -84,31 +85,45 @@ class Run {
   Expected<void> render_all() {
     EncoderThread encoder([this](FinishedFrame& frame) { return encode(frame); });
     start_us_ = process_clock_us();
-    Expected<void> failed;
+    const Expected<void> rendered = begin_and_finish(encoder);
+    drop_begun();
+    // Frames in hand are still written, and an encoder's error came first.
+    if (auto finished = encoder.finish(); !finished) return finished;
+    return rendered;
+  }
+
+  // Frame N + 1 is begun before N is finished, as far as the session has room for both.
+  Expected<void> begin_and_finish(EncoderThread& encoder) {
+    const size_t room = size_t(settings_.in_flight > 0 ? settings_.in_flight : session_.in_flight()) - 1;
     for (const int64_t number : settings_.frames) {
       if (settings_.stop && *settings_.stop != 0) {
         result_.stopped = true;
         break;
       }
-      const auto going = one(number, encoder);
-      if (!going) failed = std::unexpected(going.error());
-      if (!going || !*going) break;
+      if (settings_.resume && is_done(number, settings_.rate.seconds(number))) {
+        ++result_.skipped;
+        report();
+        continue;
+      }
+      auto ticket = session_.begin(settings_.rate.seconds(number));
+      if (ticket) begun_.push_back({number, *ticket});
+      // Before an error of this frame, those of the frames before it: the first frame that fails is the one named.
+      const auto going = finish_down_to(ticket ? room : 0, encoder);
+      if (!going) return std::unexpected(going.error());
+      if (!ticket) return std::unexpected(in_frame(number, ticket.error()));
+      if (!*going) return {};
     }
-    // Frames in hand are still written, and an encoder's error came first.
-    if (auto finished = encoder.finish(); !finished) return finished;
-    return failed;
+    if (const auto going = finish_down_to(0, encoder); !going) return std::unexpected(going.error());
+    return {};
   }
 
   // False: the encoder has failed, and the run ends.
-  Expected<bool> one(int64_t number, EncoderThread& encoder) {
-    const double time_s = settings_.rate.seconds(number);
-    if (settings_.resume && is_done(number, time_s)) {
-      ++result_.skipped;
-    } else {
-      auto frame = session_.render(time_s);
-      if (!frame)
-        return std::unexpected(
-            Error{frame.error().kind, fmt::format("frame {}: {}", number, frame.error().message), frame.error().place});
+  Expected<bool> finish_down_to(size_t left, EncoderThread& encoder) {
+    while (begun_.size() > left) {
+      const auto [number, ticket] = begun_.front();
+      begun_.pop_front();
+      auto frame = session_.finish(ticket);
+      if (!frame) return std::unexpected(in_frame(number, frame.error()));
       if (settings_.rendered)
         if (auto accepted = settings_.rendered(number, *frame); !accepted) return std::unexpected(accepted.error());
       const Hash128 hash = frame->plan_hash;
@@ -117,9 +132,21 @@ class Run {
       result_.plan = frame->plan;
       if (!encoder.push({std::move(*frame), number})) return false;
       ++result_.rendered;
+      report();
     }
-    report();
     return true;
+  }
+
+  // After an error the frames behind it are not written, but the device must be done with them.
+  void drop_begun() {
+    for (const auto& [number, ticket] : begun_)
+      if (const auto dropped = session_.finish(ticket); !dropped)
+        log::debug("frame {}: {}", number, dropped.error().text());
+    begun_.clear();
+  }
+
+  static Error in_frame(int64_t number, const Error& error) {
+    return {error.kind, fmt::format("frame {}: {}", number, error.message), error.place};
   }
 
   bool is_done(int64_t number, double time_s) const {
@@ -145,10 +172,7 @@ class Run {
     const size_t said = frame.warnings.size();
     auto written =
         write_outputs(frame, job_, session_, finished.number, settings_.rate, paths_of(settings_, finished.number));
-    if (!written)
-      return std::unexpected(Error{written.error().kind,
-                                   fmt::format("frame {}: {}", finished.number, written.error().message),
-                                   written.error().place});
+    if (!written) return std::unexpected(in_frame(finished.number, written.error()));
     for (size_t i = said; i < frame.warnings.size(); ++i)
       log::warning("frame {}: {}", finished.number, frame.warnings[i]);
     if (video_)
@@ -162,6 +186,11 @@ class Run {
   const SequenceSettings& settings_;
   SequenceResult result_;
   std::unique_ptr<VideoWriter> video_;
+  struct Begun {
+    int64_t number;
+    FrameTicket ticket;
+  };
+  std::deque<Begun> begun_;  // in order
   double start_us_ = 0;
 };
 

@@ -21,8 +21,9 @@ struct SequenceSettings {
   std::vector<FramePattern> patterns;
   bool resume = false;  // leave out frames whose files all are whole and hold this job's picture
   std::filesystem::path video, audio;
-  bool keep_spans = false;                                // for a trace; grows with the number of frames
-  const std::atomic<int>* stop = nullptr;                 // not 0: end after the frame in hand
+  int in_flight = 0;                       // frames begun before the first of them is finished; 0: as the session says
+  bool keep_spans = false;                 // for a trace; grows with the number of frames
+  const std::atomic<int>* stop = nullptr;  // not 0: end after the frames in hand
   std::function<void(const SequenceProgress&)> progress;  // after each frame, from the rendering thread
   // Before a frame is encoded; an error ends the run, and the frame is not written.
   std::function<Expected<void>(int64_t, const FrameResult&)> rendered;
@@ -41,8 +42,9 @@ struct SequenceResult {
 Expected<void> check_sequence(const SequenceSettings& settings);
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job);
 
-// Renders the frames; read-back copies, encoding and writing of one overlap the rendering of the next. Every file
-// appears whole or not at all. The first error ends the run; frames written before it stay.
+// Renders the frames; read-back copies, encoding and writing of one overlap the rendering of the next, and where the
+// session has several in flight, planning and upload of the next too. Every file appears whole or not at all. The first
+// error ends the run and names its frame; frames before it are written.
 Expected<SequenceResult> run_sequence(Session& session, const Job& job, const SequenceSettings& settings);
 
 }  // namespace candela

@@ -1,5 +1,7 @@
 #include "scene/survey.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -161,6 +163,11 @@ std::string facts_json(const SceneFacts& f) {
       {"images_used", indices(f.image_used)},
   };
   return json.dump(2);
+}
+
+bool FrameRequest::names_effect(std::string_view effect) const {
+  const std::vector<std::string> names = split(effects, ',');
+  return std::find(names.begin(), names.end(), effect) != names.end();
 }
 
 }  // namespace candela

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scene/frame_data.h"
+#include "scene/look.h"
 #include "scene/scene.h"
 
 namespace candela {
@@ -42,8 +43,24 @@ struct FrameRequest {
   std::string view = "beauty";      // what display output shows: beauty, or a layer
   std::string technique = "clustered";
   std::string tonemap = "agx";
-  float exposure_ev = 0;       // stops; multiplies by 2^ev before tone mapping
-  bool neutral_light = false;  // no light and no sky: light the object so that it is seen
+  float exposure_ev = 0;         // stops; multiplies by 2^ev before tone mapping
+  float pre_exposure_ev = 0;     // the part of it that linear pictures inside the frame have already
+  int display_bits = 8;          // 8 or 16
+  bool dither = true;            // before 8 bits
+  uint32_t noise_seed = 0;       // differs from frame to frame
+  std::string quality = "high";  // draft, normal, high, exact
+  std::string effects = "auto";  // auto, none, or names of effects separated by commas
+  Look look;                     // of the frame's time
+  bool neutral_light = false;    // no light and no sky: light the object so that it is seen
+  // Whether an effect is wanted that belongs to the truth of a scene (shadows, occlusion): from quality normal up.
+  bool wants_true(std::string_view effect) const {
+    return effects == "auto" ? quality != "draft" : names_effect(effect);
+  }
+  // The same for one that belongs to the look (bloom, fog): where the look has it.
+  bool wants_looked(std::string_view effect, bool in_look) const {
+    return effects == "auto" ? in_look : names_effect(effect);
+  }
+  bool names_effect(std::string_view effect) const;
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)
       if (l == name) return true;

@@ -20,7 +20,7 @@ Expected<FogPicture> fog_picture(const Job& job, reference::Mode mode,
   settings.sampler = {reference::SamplerKind::uniform, 1, 0};  // every sample at the pixel's centre
   settings.most_bounces = direct ? 0 : 1;
   settings.fog_steps = 4096;
-  reference::Film film(job.width_px, job.height_px, true);
+  reference::Film film(job.width_px, job.height_px, {.fog = true});
   film.add(reference::Integrator(world, settings, film.width(), film.height()), samples, [](double) { return true; });
 
   FogPicture made;

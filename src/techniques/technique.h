@@ -1,59 +1,57 @@
 #pragma once
-#include <array>
-#include <span>
-#include <string_view>
-
-#include "graph/builder.h"
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
-#include "scene/survey.h"
+#include "techniques/frame.h"
 
 namespace candela {
 
-// A graph under construction, with what passes ask to know whether they are needed.
-struct Frame {
-  GraphBuilder& builder;
-  const SceneFacts& facts;
-  const FrameRequest& request;
+// A frame is surfaces -> lighting -> composite -> post. Each is a function that techniques share; a technique is how
+// surfaces meet lights.
 
-  // Adds a pass and returns its outputs; empty ones when the pass says it is not needed, or a required input is empty
-  // (DESIGN section 4). The reason is kept in the plan.
-  template <Pass P>
-  typename P::Out add(const P& pass, typename P::In in) {
-    if (const Need need = pass.needed(facts, request); !need) {
-      builder.leave_out(std::string(P::name), need.reason);
-      return {};
-    }
-    builder.begin_pass(std::string(P::name));
-    typename P::Out out = pass.declare(builder, in);
-    if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); }))
-      return {};
-    return out;
-  }
+// What the camera sees of the opaque and masked geometry.
+struct Surfaces {
+  Draws draws;            // what culling left
+  BufferHandle deformed;  // vertices of skinned and morphed sections; may be empty
+  ImageHandle depth;      // of the nearest surface at every sample; empty: nothing is opaque or masked
 };
+Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);
+// The same geometry seen by one picture of a supersampled frame: a depth of its own.
+Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, std::string_view instance);
 
-// Knobs that the job sets, for passes that have them.
-struct FrameKnobs {
-  bool cull_enabled = true;
+// What surfaces are lit by, beside what the scene's buffers hold.
+struct Lighting {
+  CellLists lists;
 };
+Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
+                        std::string_view instance = {});
 
-// How a technique wants the frame's light lists laid out (frame/light_grid.h).
-enum class LightGridKind { none, clusters, tiles };
+// Everything that is not an opaque or masked surface, over and behind them, in order. `shaded` may be empty. Returns
+// linear radiance with premultiplied alpha, multisampled where the request is.
+ImageHandle composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                      ImageHandle shaded, std::string_view instance = {});
 
-// What a technique leaves: linear radiance (multisampled when the request is), and single-sample layers.
-struct FrameImages {
-  ImageHandle color;
-  std::vector<std::pair<std::string, ImageHandle>> layers;  // by name, those that were wanted
-};
+// Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
+void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
 
-using TechniqueFunction = FrameImages (*)(Frame&, const SceneInputs&, const FrameKnobs&);
+// From a frame's radiance to what the host gets: resolve, tone mapping, read-back of all outputs and layers that are
+// asked for.
+void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance);
+
+// Shades the opaque and masked surfaces: empty when there are none.
+using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,
+                                      std::string_view instance);
 struct Technique {
   std::string_view name, description;
-  TechniqueFunction build;
+  ShadeFunction shade;
   LightGridKind light_grid;
 };
 std::span<const Technique> techniques();
 
-FrameImages forward(Frame& frame, const SceneInputs& scene, const FrameKnobs& knobs);
+// The whole frame.
+void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique);
+
+ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                    std::string_view instance);
+
+// A pass that draws over an image gives it a new version; one that was left out leaves the old.
+inline ImageHandle newest(ImageHandle made, ImageHandle before) { return made ? made : before; }
 
 }  // namespace candela

@@ -78,6 +78,38 @@ TEST(Reference, WritesTheLayersThatRenderWrites) {
   EXPECT_LT(by_name["depth"]["metrics"]["depth-rel-p99"], 1e-4) << json;
 }
 
+// Terms of beauty: they sum to it in the file, beauty is the same with and without them, and a state file of the one
+// kind is refused for the other.
+TEST(Reference, WritesTheTermsOfBeauty) {
+  const TestFolder folder;
+  const std::vector<std::string> terms = {"direct.sun",       "direct.point", "direct.spot", "ambient.diffuse",
+                                          "ambient.specular", "emission",     "background",  "indirect"};
+  const std::string layers = fmt::format("{},shadow", fmt::join(terms, ","));
+  const auto run = [&](const std::string& name, const std::string& wanted, std::vector<std::string> more = {}) {
+    std::vector<std::string> options = {"--spp", "4", "--exr-type", "float", "--layers", wanted};
+    options.insert(options.end(), more.begin(), more.end());
+    return candela(traced(folder / name, options));
+  };
+  const Ended divided = run("terms.exr", layers, {"--state", folder / "s"});
+  ASSERT_EQ(divided.code, 0) << divided.err;
+  ASSERT_EQ(run("alone.exr", "none").code, 0);
+  const auto with = read_image(folder / "terms.exr"), without = read_image(folder / "alone.exr");
+  ASSERT_TRUE(with && without);
+  ASSERT_TRUE(with->find("shadow.Y"));
+  for (const char* c : {"R", "G", "B"}) {
+    const std::vector<float>& beauty = with->find(c)->f;
+    EXPECT_EQ(beauty, without->find(c)->f);
+    for (size_t i = 0; i < beauty.size(); ++i) {
+      double sum = 0;
+      for (const std::string& term : terms) sum += with->find(term + "." + c)->f[i];
+      EXPECT_NEAR(sum, beauty[i], 1e-6 * (1 + beauty[i])) << c << " of pixel " << i;
+    }
+  }
+  const Ended refused = run("more.exr", "none", {"--state", folder / "s", "--resume"});
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("layers of single terms"), std::string::npos) << refused.err;
+}
+
 TEST(Reference, AResumedRunHasTheBytesOfAWholeOne) {
   const TestFolder folder;
   const std::vector<std::string> path = {"--mode", "path", "--bounces", "2"};

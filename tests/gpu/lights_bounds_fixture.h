@@ -1,5 +1,5 @@
 #pragma once
-#include "frame/light_grid.h"
+#include "passes/lights/light_grid.h"
 #include "passes_fixture.h"
 #include "shared/scene.h"
 

@@ -1,63 +1,6 @@
-#include <limits>
-
-#include "math/bounds.h"
-#include "math/transforms.h"
-#include "passes/geometry/cull.h"
-#include "passes/geometry/cull_compact.h"
-#include "passes_fixture.h"
-#include "shared/cull.h"
-#include "shared/scene.h"
+#include "passes_cull_fixture.h"
 
 namespace candela::gpu::test {
-namespace {
-
-constexpr float infinite = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-
-shared::Item item(glm::vec3 centre, glm::vec3 extent, uint32_t number) {
-  shared::Item out{};
-  out.bounds_centre = centre;
-  out.bounds_extent = extent;
-  out.first_index = 1000 + 7 * number;  // every item has its own, so that a wrong place shows
-  out.index_count = 3 + number % 11;
-  return out;
-}
-
-glm::vec3 random_vector(Rng& rng, double size) {
-  return {rng.uniform(-size, size), rng.uniform(-size, size), rng.uniform(-size, size)};
-}
-
-std::vector<shared::Item> random_items(size_t count, Rng& rng) {
-  std::vector<shared::Item> items;
-  for (size_t i = 0; i < count; ++i)
-    items.push_back(
-        item(random_vector(rng, 30), glm::abs(random_vector(rng, rng.uniform() < 0.1 ? 20 : 1)), uint32_t(i)));
-  return items;
-}
-
-glm::dmat4 rotation() { return glm::mat4_cast(glm::normalize(glm::dquat(0.8, 0.3, -0.4, 0.2))); }
-
-// How far the box reaches over the planes' inner side, in double, on the numbers that the device gets; the least of all
-// planes. And the scale by which rounding of the device's arithmetic is measured.
-struct Margin {
-  double reach = std::numeric_limits<double>::infinity(), scale = 0;
-};
-Margin margin(const shared::Item& item, const shared::FrameConstants& frame) {
-  Margin least;
-  for (const glm::vec4& p : frame.planes) {
-    const glm::dvec3 n(p), c(item.bounds_centre), e(item.bounds_extent);
-    const double outwards = glm::dot(glm::abs(n), e);
-    const double reach = glm::dot(n, c) + double(p.w) + outwards;
-    if (reach >= least.reach) continue;
-    least = {reach, glm::dot(glm::abs(n), glm::abs(c)) + outwards + std::abs(double(p.w))};
-  }
-  return least;
-}
-bool is_finite(const shared::Item& item) {
-  const glm::vec3 sum = item.bounds_centre + item.bounds_extent;
-  return std::isfinite(sum.x + sum.y + sum.z);
-}
-
-}  // namespace
 
 class Culling : public PassTest {
  protected:
@@ -70,16 +13,7 @@ class Culling : public PassTest {
   Result cull(shared::FrameConstants frame, const std::vector<shared::Item>& items, const std::vector<uint32_t>& runs,
               bool enabled = true) {
     imports.clear();
-    std::vector<shared::CullGroup> groups;
-    uint32_t first = 0;
-    for (uint32_t r = 0; r < runs.size(); ++r) {
-      const uint32_t first_group = uint32_t(groups.size());
-      for (uint32_t at = 0; at < runs[r]; at += shared::cull_group_size) {
-        const uint32_t count = std::min(shared::cull_group_size, runs[r] - at);
-        groups.push_back({first + at, count, r, first_group, at + count == runs[r] ? 1u : 0u});
-      }
-      first += runs[r];
-    }
+    const std::vector<shared::CullGroup> groups = cull_groups(runs);
     const Buffer item_buffer = upload(items, "items"), group_buffer = upload(groups, "groups");
     frame.items = item_buffer.address();
     frame.item_count = uint32_t(items.size());
@@ -95,8 +29,8 @@ class Culling : public PassTest {
     scene.cull_group_count = uint32_t(groups.size());
     Cull pass;
     pass.knobs.enabled = enabled ? 1 : 0;
-    const BufferHandle survivors = add(builder, pass, {scene}).survivors;
-    const Draws draws = add(builder, CullCompact{}, {scene, survivors, enabled}).draws;
+    const Cull::Out culled = add(builder, pass, {scene});
+    const Draws draws = add(builder, CullCompact{}, {scene, culled.masks, culled.survivors}).draws;
     const BufferHandle commands =
         read_words(builder, "commands", draws.commands, items.size() * sizeof(shared::DrawCommand));
     const BufferHandle counts = read_words(builder, "counts", draws.counts, runs.size() * 4);
@@ -114,7 +48,7 @@ class Culling : public PassTest {
     for (size_t r = 0; r < runs.size(); ++r) {
       uint32_t place = 0;
       for (uint32_t i = first; i < first + runs[r]; ++i) {
-        const Margin m = margin(items[i], frame);
+        const Margin m = margin(items[i], frame.planes);
         const bool kept = place < result.counts[r] && result.commands[first + place].first_instance == i;
         if (!is_finite(items[i]) || m.reach >= 0) {
           EXPECT_TRUE(kept) << "run " << r << " item " << i << " reaches " << m.reach << " m inside";
@@ -214,7 +148,7 @@ TEST_F(Culling, BoxesThatTouchAPlaneWithinRoundingStay) {
     const Result result = cull(frame, items, {1000});
     EXPECT_EQ(result.counts[0], 1000u);
     uint32_t outside = 0;
-    for (const shared::Item& i : items) outside += margin(i, frame).reach < 0;
+    for (const shared::Item& i : items) outside += margin(i, frame.planes).reach < 0;
     EXPECT_GT(outside, 200u);  // rounding does put many of them outside
   }
 }

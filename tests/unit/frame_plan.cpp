@@ -63,6 +63,30 @@ TEST(Plan, AnUnlitBoxTakesNoLightAndNoSky) {
   EXPECT_EQ(reason(frame, "shade_forward"), "the scene has no opaque or masked surface that takes light");
 }
 
+// A knob changes the plan's hash whatever way its value takes to the shader, and its text shows it.
+TEST(Plan, KnobsOfKeptPassesArePartOfIt) {
+  const Scene scene = generated("spheres");
+  Job off = small_job();
+  off.settings = {{"cull", "enabled", "0"}};
+  const FramePlan with = plan(scene).graph.plan, without = plan(scene, off).graph.plan;
+  EXPECT_NE(plan_hash(with), plan_hash(without));
+  EXPECT_NE(plan_text(without).find("cull.enabled"), std::string::npos);
+  EXPECT_NE(plan_json(without).find("\"cull.enabled\": \"0\""), std::string::npos);
+  // That of a pass which is left out does not: the work is the same.
+  Job tiles = small_job();
+  tiles.settings = {{"lights", "tile_px", "64"}};
+  const Scene unlit = generated("unlit-box");
+  EXPECT_EQ(plan_hash(plan(unlit, tiles).graph.plan), plan_hash(plan(unlit).graph.plan));
+}
+
+// What is missing says which pass would have made it, and why that was left out.
+TEST(Plan, AnEmptyHandleCarriesItsReason) {
+  const PlannedFrame frame = plan(generated("unlit-box"));
+  EXPECT_EQ(reason(frame, "light_fill"), "the scene has no lights");
+  const Scene blended = generated("alpha");
+  EXPECT_FALSE(reason(plan(blended), "tile_depth").empty());
+}
+
 // Every pass of the table either runs or is left out for a reason that says something, in every scene.
 TEST(Plan, EveryPassRunsOrSaysWhyNot) {
   for (const std::string_view name : scene_names()) {

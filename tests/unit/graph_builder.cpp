@@ -199,5 +199,20 @@ TEST_F(GraphBuilderTest, RecordingClosuresFollowTheirPasses) {
   EXPECT_EQ(graph.plan.passes[0].declared, 2);
 }
 
+TEST(GraphInstances, ASecondPassOfOneNameIsRefused) {
+  GraphBuilder builder;
+  builder.begin_pass("blur");
+  builder.end_pass({});
+  EXPECT_THROW(builder.begin_pass("blur"), GraphError);
+  builder.begin_pass("blur.wide");
+  builder.knob("blur.radius", "3");
+  builder.sink(builder.write(builder.create(BufferDesc{"out", 4}), Access::compute_write));
+  builder.end_pass({});
+  const FramePlan plan = compile_graph(builder).plan;
+  ASSERT_EQ(plan.passes.size(), 1u);
+  EXPECT_EQ(plan.passes[0].pass(), "blur");
+  EXPECT_EQ(plan_knobs(plan), (std::vector<PlanKnob>{{"blur.radius", "3"}}));
+}
+
 }  // namespace
 }  // namespace candela

@@ -14,7 +14,7 @@ struct Buffers {
     for (const auto& [handle, what] : required) builder.read(handle, Access::compute_read, what);
     for (const BufferHandle handle : optional) builder.read_optional(handle, Access::compute_read);
     const BufferHandle out = builder.write(builder.create(BufferDesc{name + "_out", 64}), Access::compute_write);
-    return builder.end_pass({}) ? out : BufferHandle{};
+    return builder.end_pass({}) ? out : BufferHandle{.absence = builder.last_absence()};
   }
   static std::string names(const FramePlan& plan) {
     std::string result;
@@ -98,8 +98,8 @@ TEST(GraphPrune, PruningNarrowsUsage) {
 
 TEST(GraphPrune, AbsenceFlowsForwardWithItsReason) {
   Buffers g;
-  g.builder.leave_out("shadow_map", "no light casts a shadow");
-  const BufferHandle blur = g.pass("shadow_blur", {{BufferHandle{}, "the shadow map"}});
+  const BufferHandle map{.absence = g.builder.leave_out("shadow_map", "no light casts a shadow")};
+  const BufferHandle blur = g.pass("shadow_blur", {{map, "the shadow map"}});
   const BufferHandle fog = g.pass("fog", {{blur, "shadow_blur_out"}});
   g.builder.sink(g.pass("shade", {}, {fog, blur}));
   const FramePlan plan = compile_graph(g.builder).plan;
@@ -113,7 +113,7 @@ TEST(GraphPrune, AbsenceFlowsForwardWithItsReason) {
       "pass makes; shadow_map was left out: no light casts a shadow");
 }
 
-TEST(GraphPrune, AnUnknownOrDoubtfulProducerIsNotNamed) {
+TEST(GraphPrune, AHandleWithoutAReasonNamesNoPass) {
   Buffers g;
   g.builder.leave_out("depth_prepass", "nothing is opaque");
   g.builder.leave_out("depth_pyramid", "culling is off");

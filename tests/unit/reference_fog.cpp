@@ -386,7 +386,7 @@ TEST(Fog, AFilmOfItIsResumed) {
   const std::filesystem::path file = ::testing::TempDir() + "candela_fog_state";
   const Film film = traced(*t, TraceSettings{}, camera, 4);
   ASSERT_TRUE(film.save(file, {}));
-  const auto loaded = Film::load(file, {}, camera.width, camera.height, true);
+  const auto loaded = Film::load(file, {}, camera.width, camera.height, {.fog = true});
   ASSERT_TRUE(loaded) << loaded.error().text();
   for (size_t i = 0; i < film.pixels(); ++i) {
     EXPECT_EQ(loaded->fog_light(i), film.fog_light(i));

@@ -142,9 +142,9 @@ TEST(Transport, OcclusionScalesTheHarmonicAmbient) {
   s.base_color = {1, 1, 1};
   s.dielectric_f0 = glm::dvec3(0), s.dielectric_f90 = 0;
   // Of the neutral sky a surface that looks up gets 0.45 + 0.25 * 2/3.
-  EXPECT_NEAR(harmonic_ambient(neutral_ambient(), s, {0, 1, 0}).x, 0.45 + 0.25 * 2 / 3, 1e-6);
+  EXPECT_NEAR(harmonic_ambient(neutral_ambient(), s, {0, 1, 0}).diffuse.x, 0.45 + 0.25 * 2 / 3, 1e-6);
   s.normal = {0, -1, 0};
-  EXPECT_NEAR(harmonic_ambient(neutral_ambient(), s, {0, -1, 0}).x, 0.45 - 0.25 * 2 / 3, 1e-6);
+  EXPECT_NEAR(harmonic_ambient(neutral_ambient(), s, {0, -1, 0}).diffuse.x, 0.45 - 0.25 * 2 / 3, 1e-6);
 }
 
 // Each way of meeting a light has the same mean as both together.

@@ -8,15 +8,9 @@ constexpr float no_id = -1;  // clear values travel as floats; -1 wraps to 0xfff
 
 }  // namespace
 
-std::span<const std::string_view> layer_name_table() {
-  static constexpr std::string_view names[] = {"depth",       "normal",   "albedo", "object_id",
-                                               "material_id", "emission", "direct"};
-  return names;
-}
-
 Need Layers::needed(const SceneFacts&, const FrameRequest& request) const {
-  for (const std::string_view layer : layer_name_table())
-    if (request.has_layer(layer)) return {};
+  for (const LayerName& layer : layers)
+    if (request.has_layer(layer.name)) return {};
   return {false, "no layer beside beauty is wanted (--layers)"};
 }
 
@@ -32,7 +26,7 @@ Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
   // Only wanted layers are attachments, and outputs of the shader, in the order of the table.
   for (uint32_t i = 0; i < layer_count; ++i) {
     if (!in.wanted[i]) continue;
-    std::string define(layer_name_table()[i]);
+    std::string define(layers[i].name);
     std::transform(define.begin(), define.end(), define.begin(), [](unsigned char c) { return char(std::toupper(c)); });
     choice.desc.fragment_shader += fmt::format("#{}={}", define, choice.desc.color_formats.size());
     choice.desc.color_formats.push_back(formats[i]);
@@ -43,10 +37,11 @@ Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
                             Access::depth_attachment);
   for (uint32_t i = 0; i < layer_count; ++i) {
     if (!in.wanted[i]) continue;
-    ImageDesc desc{"layers." + std::string(layer_name_table()[i]), formats[i], in.scene.width_px, in.scene.height_px};
+    ImageDesc desc{"layers." + std::string(layers[i].name), formats[i], in.scene.width_px, in.scene.height_px};
     if (Layer(i) == Layer::depth) desc.clear = {1e10f, 0, 0, 0};
     if (Layer(i) == Layer::object_id || Layer(i) == Layer::material_id) desc.clear = {no_id, 0, 0, 0};
     out.images[i] = builder.write(builder.create(desc), Access::color_attachment);
+    builder.publish(std::string(layers[i].name), out.images[i]);
   }
   return out;
 }

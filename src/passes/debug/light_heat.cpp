@@ -3,8 +3,8 @@
 namespace candela {
 
 Need LightHeat::needed(const SceneFacts&, const FrameRequest& request) const {
-  for (const std::string_view layer : layers)
-    if (request.has_layer(layer)) return {};
+  for (const LayerName& layer : layers)
+    if (request.has_layer(layer.name)) return {};
   return {false, "no heat map of the light lists is wanted (--view, --layers)"};
 }
 
@@ -13,7 +13,7 @@ LightHeat::Out LightHeat::declare(GraphBuilder& builder, const In& in) const {
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = "light_heat.frag";
-  choice.desc.color_formats.assign(layers.size(), VK_FORMAT_R32_SFLOAT);
+  choice.desc.color_formats.assign(std::size(layers), VK_FORMAT_R32_SFLOAT);
   choice.desc.depth_format = depth_format;
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
@@ -23,10 +23,12 @@ LightHeat::Out LightHeat::declare(GraphBuilder& builder, const In& in) const {
   const uint32_t width = in.scene.width_px, height = in.scene.height_px;
   out.depth =
       builder.write(builder.create(ImageDesc{"heatmap.z", depth_format, width, height}), Access::depth_attachment);
-  for (size_t i = 0; i < layers.size(); ++i)
+  for (size_t i = 0; i < std::size(layers); ++i) {
+    const std::string layer(layers[i].name);
     out.counts[i] =
-        builder.write(builder.create(ImageDesc{std::string(layers[i]), VK_FORMAT_R32_SFLOAT, width, height}),
-                      Access::color_attachment);
+        builder.write(builder.create(ImageDesc{layer, VK_FORMAT_R32_SFLOAT, width, height}), Access::color_attachment);
+    builder.publish(layer, out.counts[i]);
+  }
   return out;
 }
 

@@ -9,7 +9,7 @@ namespace candela {
 // masked surface, at the pixel's centre. Walks every light for every pixel: for looking, not for frames that are timed.
 struct LightHeat {
   static constexpr std::string_view name = "light_heat";
-  static constexpr std::array<std::string_view, 3> layers = {"heatmap.lights", "heatmap.waste", "heatmap.missed"};
+  static constexpr LayerName layers[3] = {{"heatmap.lights", true}, {"heatmap.waste", true}, {"heatmap.missed", true}};
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -4,7 +4,7 @@
 
 namespace candela {
 
-std::span<const Knob<Cull::Knobs>> Cull::knob_table() {
+std::span<const Knob<Cull::Knobs>> Cull::Knobs::table() {
   static const Knob<Knobs> table[] = {
       {"enabled",
        &Knobs::enabled,
@@ -29,10 +29,18 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   for (const BufferHandle b : {in.scene.items, in.scene.cull_groups})
     builder.read(b, Access::compute_read, "the scene");
+  ComputePipelineDesc pipeline{"cull.comp", {}};
+  if (!in.views.is_camera()) {
+    for (const BufferHandle b : {in.views.table, in.views.regions}) builder.read(b, Access::compute_read, "the views");
+    pipeline.constants = {{0, "HAS_VIEW_TABLE", 1}};
+  }
+  const uint64_t groups = uint64_t(in.scene.cull_group_count) * in.views.count;
   Out out;
-  out.survivors = builder.create(BufferDesc{"cull.survivors", in.scene.cull_group_count * sizeof(uint32_t)});
+  out.masks = builder.create(BufferDesc{"cull.masks", groups * shared::cull_mask_words * sizeof(uint32_t)});
+  out.masks = builder.write(out.masks, Access::compute_write);
+  out.survivors = builder.create(BufferDesc{"cull.survivors", groups * sizeof(uint32_t)});
   out.survivors = builder.write(out.survivors, Access::compute_write);
-  out.pipeline = builder.pipeline(ComputePipelineDesc{"cull.comp", {}});
+  out.pipeline = builder.pipeline(pipeline);
   return out;
 }
 
@@ -40,11 +48,18 @@ void Cull::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::CullPush push{};
   push.groups = commands.address(in.scene.cull_groups);
+  push.masks = commands.address(out.masks);
   push.survivors = commands.address(out.survivors);
-  push.culling = uint32_t(knobs.enabled);
+  if (!in.views.is_camera()) {
+    push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
+    push.regions = commands.address(in.views.regions);
+  }
   push.group_count = in.scene.cull_group_count;
+  push.run_count = uint32_t(in.scene.runs->size());
+  push.view_count = in.views.count;
+  push.culling = uint32_t(knobs.enabled);
   commands.push(push);
-  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count);
+  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count * in.views.count);
   commands.dispatch(threads.x, threads.y);
 }
 

@@ -4,14 +4,15 @@
 
 namespace candela {
 
-// Second half of culling: prefix sums over the survivors' counts give every surviving item its place, so the indirect
-// commands come without gaps and in item order, whatever the device's scheduling (TECHNIQUES 2.1, determinism).
+// Second half of culling: prefix sums over the survivors' counts and bits give every item that stays its place, so the
+// indirect commands of all views and runs of the range lie in one buffer, each region without gaps and in item order,
+// whatever the device's scheduling (TECHNIQUES 2.1, determinism).
 struct CullCompact {
   static constexpr std::string_view name = "cull_compact";
   struct In {
     SceneInputs scene;
-    BufferHandle survivors;
-    bool culling = true;
+    BufferHandle masks, survivors;
+    ViewRange views{};
   };
   struct Out {
     Draws draws;

@@ -56,6 +56,8 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
                  const RunPipelines& pipelines, const CellLists* lists) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
+  push.subsample_ndc = scene.subsample_ndc;
+  push.subsample_lod = scene.subsample_lod;
   push.deformed = deformed ? commands.address(deformed) : 0;
   if (lists && scene.lights) {
     // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.

@@ -16,7 +16,8 @@ SpecConstant constant(Feature f) {
                                       "HAS_AMBIENT",
                                       "IS_MASKED",
                                       "IS_UNLIT",
-                                      "HAS_TEXTURES"};
+                                      "HAS_TEXTURES",
+                                      "IS_SUBSAMPLE"};
   return {uint32_t(f), names[uint32_t(f)], 1};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -26,6 +27,7 @@ bool concerns_base_color(const SpecConstant& c) {
     case Feature::uv1:
     case Feature::texture_transform:
     case Feature::textures:
+    case Feature::subsample:
       return true;
     default:
       return false;
@@ -55,9 +57,19 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
   return list;
 }
 
+std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features) {
+  features.push_back(constant(Feature::subsample));
+  return features;
+}
+
 std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,
                                         bool masked, bool unlit) {
-  if (desc.fragment_shader.empty()) return {};
+  if (desc.fragment_shader.empty()) {
+    // The vertex shader alone: it only places.
+    for (const SpecConstant& c : scene)
+      if (Feature(c.id) == Feature::subsample) return {c};
+    return {};
+  }
   const bool base_only = unlit || desc.color_formats.empty();
   std::vector<SpecConstant> list = desc.constants;
   for (const SpecConstant& c : scene)

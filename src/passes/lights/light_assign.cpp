@@ -8,6 +8,10 @@ Need LightAssign::needed(const SceneFacts&, const FrameRequest&) const {
   return needed_if(grid.reason.empty(), grid.reason);
 }
 
+bool LightAssign::ignores(std::string_view knob) const {
+  return grid.tiled ? knob == "tile_px" || knob == "slices_per_octave" : knob == "mask";
+}
+
 LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})

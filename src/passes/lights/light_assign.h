@@ -10,6 +10,7 @@ namespace candela {
 // capsules (TECHNIQUES 6.3, 6.4).
 struct LightAssign {
   static constexpr std::string_view name = "light_assign";
+  using SharedKnobs = std::tuple<LightKnobs>;
   struct In {
     SceneInputs scene;
     BufferHandle tiles;  // of tile_depth; optional, empty for clusters
@@ -19,6 +20,7 @@ struct LightAssign {
     BufferHandle sums, hits;  // compact: counts of groups of cells, a bit a thread
     PipelineHandle pipeline;
   };
+  bool ignores(std::string_view knob) const;
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

@@ -8,7 +8,7 @@ const std::vector<std::string_view> list_passes = {"tile_depth", "light_assign",
                                                    "light_sort", "shade_forward", "transparent"};
 }  // namespace
 
-std::span<const Knob<LightKnobs>> LightKnobs::knob_table() {
+std::span<const Knob<LightKnobs>> LightKnobs::table() {
   static const Knob<LightKnobs> table[] = {
       {"test",
        &LightKnobs::test,
@@ -65,7 +65,8 @@ std::span<const Knob<LightKnobs>> LightKnobs::knob_table() {
        {},
        Trades::time,
        {1, 2, 8, 16, 4},
-       list_passes},
+       list_passes,
+       {1, 2, 4, 8, 16}},
       {"few",
        &LightKnobs::few,
        "",
@@ -99,8 +100,14 @@ std::span<const Knob<LightKnobs>> LightKnobs::knob_table() {
        Trades::error,
        {4, 16, 64, 256, 0},
        list_passes},
+  };
+  return table;
+}
+
+std::span<const Knob<LightRangeKnobs>> LightRangeKnobs::table() {
+  static const Knob<LightRangeKnobs> table[] = {
       {"floor_lux",
-       &LightKnobs::floor_lux,
+       &LightRangeKnobs::floor_lux,
        "lux",
        0,
        1e6,
@@ -109,7 +116,7 @@ std::span<const Knob<LightKnobs>> LightKnobs::knob_table() {
        {},
        Trades::error,
        {},
-       list_passes},
+       {"shade_forward", "transparent"}},
   };
   return table;
 }

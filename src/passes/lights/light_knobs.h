@@ -6,8 +6,8 @@
 
 namespace candela {
 
-// How light lists are made: the knobs `lights.*`, shared by the passes that make and walk them. Apart from floor_lux
-// and cap they change time and memory, never a bit of the picture.
+// How light lists are made: the knobs `lights.*`, shared by the passes that make and walk them. Apart from cap they
+// change time and memory, never a bit of the picture.
 enum class LightTest : int { aabb, cone_sphere, capsule, capsule_joint };
 enum class LightList : int { automatic, bitmask, compact };
 struct LightKnobs {
@@ -20,8 +20,14 @@ struct LightKnobs {
   int few = 8;
   int memory_mb = 512;
   int cap = 0;
+  static std::span<const Knob<LightKnobs>> table();
+};
+
+// Where lights without a range end, for the passes that shade under them.
+struct LightRangeKnobs {
+  static constexpr std::string_view name = "lights";
   float floor_lux = 0;
-  static std::span<const Knob<LightKnobs>> knob_table();
+  static std::span<const Knob<LightRangeKnobs>> table();
 };
 
 }  // namespace candela

@@ -7,7 +7,10 @@
 
 namespace candela {
 
-// The shape of a frame's light lists, decided before the graph is built (frame/light_grid.h).
+// How a technique wants the frame's light lists laid out (passes/lights/light_grid.h).
+enum class LightGridKind { none, clusters, tiles };
+
+// The shape of a frame's light lists, decided before the graph is built (passes/lights/light_grid.h).
 struct LightGridShape {
   std::string reason;    // why there are no lists: every pixel walks every light. Empty: there are
   bool tiled = false;    // tiles bounded by the depth pre-pass, with columns behind them; otherwise clusters

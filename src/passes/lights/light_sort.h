@@ -13,9 +13,14 @@ struct LightSort {
   };
   struct Out {
     BufferHandle entries;
-    BufferHandle lost;  // host: entries lost to the cap, cells that lost some, longest list; empty without a cap
+    BufferHandle report;  // empty without a cap
     PipelineHandle pipeline;
   };
+  // What the cap loses: it must not do so in silence.
+  struct Report {
+    uint32_t lost, cells, longest;  // entries lost, cells that lost some, entries of the longest list
+  };
+  std::vector<std::string> warnings(const Report& report) const;
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

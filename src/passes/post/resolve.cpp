@@ -4,7 +4,7 @@
 
 namespace candela {
 
-std::span<const Knob<Resolve::Knobs>> Resolve::knob_table() {
+std::span<const Knob<Resolve::Knobs>> Resolve::Knobs::table() {
   static const Knob<Knobs> table[] = {
       {"samples",
        &Knobs::samples,
@@ -16,7 +16,8 @@ std::span<const Knob<Resolve::Knobs>> Resolve::knob_table() {
        {},
        Trades::error,
        {},
-       {"resolve", "depth_prepass", "shade_forward", "shade_unlit", "sky", "background", "transparent"}},
+       {"resolve", "depth_prepass", "shade_forward", "shade_unlit", "sky", "background", "transparent"},
+       {1, 2, 4, 8}},
   };
   return table;
 }

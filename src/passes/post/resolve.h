@@ -9,7 +9,9 @@ namespace candela {
 struct Resolve {
   static constexpr std::string_view name = "resolve";
   struct Knobs {
+    static constexpr std::string_view name = "resolve";
     int samples = 4;
+    static std::span<const Knob<Knobs>> table();
   };
   struct In {
     ImageHandle color;
@@ -19,7 +21,6 @@ struct Resolve {
     ImageHandle resolved;
     PipelineHandle pipeline;
   };
-  static std::span<const Knob<Knobs>> knob_table();
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

@@ -21,6 +21,7 @@ Sky::Out Sky::declare(GraphBuilder& builder, const In& in) const {
   desc.depth_test = tested;
   desc.depth_compare = VK_COMPARE_OP_EQUAL;
   Out out;
+  if (in.scene.is_subsample) desc.constants.push_back({14, "IS_SUBSAMPLE", 1});
   out.pipeline = builder.pipeline(desc);
   out.color = write_color(builder, in.scene, in.color);
   return out;
@@ -30,6 +31,7 @@ void Sky::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
   commands.bind(out.pipeline);
+  commands.push(shared::SkyPush{in.scene.subsample_ndc});
   commands.set_cull(false, false);
   commands.draw(3);
   commands.end_rendering();

@@ -1,4 +1,4 @@
-#include "frame/light_grid.h"
+#include "passes/lights/light_grid.h"
 
 #include <tbb/parallel_for.h>
 

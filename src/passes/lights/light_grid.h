@@ -6,7 +6,6 @@
 #include "scene/frame_data.h"
 #include "scene/view.h"
 #include "shared/scene.h"
-#include "techniques/technique.h"
 
 namespace candela {
 

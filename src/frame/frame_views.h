@@ -1,0 +1,30 @@
+#pragma once
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/draw_list.h"
+#include "shared/cull.h"
+#include "shared/scene.h"
+
+namespace candela {
+
+// The frame's views beside the camera's, as uploaded, and the room that each of them gets for its draw commands.
+struct FrameViews {
+  std::vector<shared::View> table;
+  std::vector<uint32_t> first_command;  // of each view and run, and the end of all: the buffer of regions
+};
+
+// Room for the draw commands of every view and run: as many as the CPU counts with a test that never culls what the
+// device keeps (its allowance for rounding is four times as wide), so nothing can run out on the device. Runs of
+// blended, line and point items get none: they cast no shadow. More than `budget` commands over all views is an error
+// that names what is needed, at most what a 32-bit place can hold.
+// culling: 0 in the pass means that every item of a run that is drawn at all needs room.
+Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
+                                 std::span<const DrawRun> runs, bool culling, uint64_t budget);
+
+// Whether any device keeps the item in the view: the counting test of place_views.
+bool may_keep(const shared::View& view, const shared::Item& item);
+
+}  // namespace candela

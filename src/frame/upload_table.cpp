@@ -1,0 +1,45 @@
+#include "frame/upload_table.h"
+
+#include <bit>
+
+#include "frame/plan_frame.h"
+
+namespace candela {
+
+std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLayout& layout) {
+  const FrameUpload& u = frame.upload;
+  const LightGrid& grid = frame.light_grid;
+  using Inputs = SceneInputs;
+  using Constants = shared::FrameConstants;
+  std::vector<UploadRow> rows;
+  const auto add = [&](const char* name, BufferHandle Inputs::*input, const auto& values,
+                       size_t address = UploadRow::no_address, size_t room = 0) {
+    const auto bytes = std::as_bytes(std::span(values));
+    rows.push_back({name, input, std::max(bytes.size(), room * sizeof(values[0])), bytes, address});
+  };
+  // Lists of lights have sizes in powers of two: lights that move do not change the plan.
+  const auto add_rounded = [&](const char* name, BufferHandle Inputs::*input, const auto& values) {
+    if (!values.empty()) add(name, input, values, UploadRow::no_address, std::bit_ceil(values.size()));
+  };
+  if (!u.items.empty()) {
+    rows.push_back({"scene.vertices", &Inputs::vertices, layout.vertex_words * 4, {}, offsetof(Constants, vertices)});
+    rows.push_back({"scene.indices", &Inputs::indices, layout.index_count * 4, {}});
+    add("frame.items", &Inputs::items, u.items, offsetof(Constants, items));
+    add("frame.transforms", &Inputs::transforms, u.transforms, offsetof(Constants, transforms));
+    add("frame.geometries", &Inputs::geometries, u.geometries, offsetof(Constants, geometries));
+    add("frame.materials", &Inputs::materials, u.materials, offsetof(Constants, materials));
+    add("frame.lights", &Inputs::lights, u.lights);
+    add_rounded("frame.light_bounds", &Inputs::light_bounds, grid.bounds);
+    add_rounded("frame.light_chunks", &Inputs::light_chunks, grid.chunks);
+    add("frame.light_globals", &Inputs::light_globals, grid.globals,
+        offsetof(Constants, grid) + offsetof(shared::LightGrid, globals));
+    add("frame.cull_groups", &Inputs::cull_groups, u.groups);
+    add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);
+    add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
+    add("frame.weights", &Inputs::weights, frame.data.morph_weights);
+  }
+  rows.push_back({"frame.constants", &Inputs::constants, sizeof(Constants), std::as_bytes(std::span(&u.constants, 1))});
+  return rows;
+}
+
+}  // namespace candela

@@ -1,0 +1,28 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "passes/scene_inputs.h"
+#include "shared/scene.h"
+
+namespace candela {
+
+struct PlannedFrame;
+struct GeometryLayout;
+
+// A buffer that comes from the host: its name in the plan, where passes find its handle, what it holds, and where its
+// device address stands among the frame's constants.
+struct UploadRow {
+  const char* name;
+  BufferHandle SceneInputs::*input;
+  uint64_t size_bytes = 0;           // in the plan; 0: the frame has none
+  std::span<const std::byte> bytes;  // empty: of the scene, which GpuScene has under this name
+  size_t address_offset = no_address;
+  static constexpr size_t no_address = size_t(-1);
+};
+
+// Every buffer of the scene and of the frame, each declared here and nowhere else; the constants, which hold the
+// others' addresses, come last. The spans point into `frame`.
+std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLayout& layout);
+
+}  // namespace candela

@@ -1,0 +1,118 @@
+#pragma once
+#include <type_traits>
+
+#include "passes/debug/layers.h"
+#include "passes/debug/light_heat.h"
+#include "passes/geometry/cull.h"
+#include "passes/geometry/cull_compact.h"
+#include "passes/geometry/deform.h"
+#include "passes/geometry/depth_prepass.h"
+#include "passes/lights/light_assign.h"
+#include "passes/lights/light_fill.h"
+#include "passes/lights/light_scan.h"
+#include "passes/lights/light_sort.h"
+#include "passes/lights/tile_depth.h"
+#include "passes/post/bloom.h"
+#include "passes/post/readback.h"
+#include "passes/post/resolve.h"
+#include "passes/post/supersample.h"
+#include "passes/post/tonemap.h"
+#include "passes/sky/background.h"
+#include "passes/sky/sky.h"
+#include "passes/surfaces/surface_pass.h"
+#include "passes/surfaces/transparent.h"
+
+namespace candela {
+
+template <class... P>
+struct PassList {
+  // f(std::type_identity<P>{}) for every pass.
+  template <class F>
+  static void each(F&& f) {
+    (f(std::type_identity<P>{}), ...);
+  }
+};
+
+// The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
+// and the layers derive from it.
+using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, TileDepth, LightAssign, LightScan, LightFill,
+                           LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, LightHeat,
+                           Supersample, Resolve, BloomPass, Tonemap, Readback>;
+
+namespace knobs_detail {
+template <class Tuple, class K>
+struct Append;
+template <class... Ks, class K>
+struct Append<std::tuple<Ks...>, K> {
+  using type = std::conditional_t<(std::is_same_v<Ks, K> || ...), std::tuple<Ks...>, std::tuple<Ks..., K>>;
+};
+template <class Tuple, class More>
+struct AppendAll {
+  using type = Tuple;
+};
+template <class Tuple, class K, class... More>
+struct AppendAll<Tuple, std::tuple<K, More...>> : AppendAll<typename Append<Tuple, K>::type, std::tuple<More...>> {};
+
+template <class P>
+auto tables_of() {
+  if constexpr (HasKnobs<P> && SharesKnobs<P>)
+    return typename AppendAll<std::tuple<typename P::Knobs>, typename P::SharedKnobs>::type{};
+  else if constexpr (HasKnobs<P>)
+    return std::tuple<typename P::Knobs>{};
+  else if constexpr (SharesKnobs<P>)
+    return typename P::SharedKnobs{};
+  else
+    return std::tuple<>{};
+}
+
+template <class Tuple, class... P>
+struct Collect {
+  using type = Tuple;
+};
+template <class Tuple, class P, class... More>
+struct Collect<Tuple, P, More...> : Collect<typename AppendAll<Tuple, decltype(tables_of<P>())>::type, More...> {};
+template <class List>
+struct TablesOf;
+template <class... P>
+struct TablesOf<PassList<P...>> : Collect<std::tuple<>, P...> {};
+}  // namespace knobs_detail
+
+// One value of every knob table that some pass has or shares.
+class KnobValues {
+ public:
+  template <class K>
+  const K& get() const {
+    return std::get<K>(tables_);
+  }
+  template <class K>
+  K& get() {
+    return std::get<K>(tables_);
+  }
+  // f(table's name, row, its struct) for every knob.
+  template <class F>
+  void each(F&& f) {
+    const auto table = [&]<class K>(K& knobs) {
+      for (const Knob<K>& row : K::table()) f(K::name, row, knobs);
+    };
+    std::apply([&](auto&... knobs) { (table(knobs), ...); }, tables_);
+  }
+  // Tells an open pass of the builder the values that it works with. A table may say that it does nothing in a scene.
+  template <class P>
+  void declare(GraphBuilder& builder, const P& pass, const SceneFacts& facts) const {
+    const auto table = [&]<class K>(const K&) {
+      if constexpr (requires { K::matter(facts); })
+        if (!K::matter(facts)) return;
+      for (const Knob<K>& row : K::table()) {
+        if constexpr (IgnoresKnobs<P>)
+          if (pass.ignores(row.name)) continue;
+        builder.knob(std::string(K::name) + "." + std::string(row.name), row.text(row.value(get<K>())));
+      }
+    };
+    std::apply([&](const auto&... knobs) { (table(knobs), ...); }, knobs_detail::tables_of<P>());
+  }
+
+ private:
+  knobs_detail::TablesOf<AllPasses>::type tables_;
+};
+
+}  // namespace candela

@@ -1,0 +1,26 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "graph/handle.h"
+
+namespace candela {
+
+// What culling, compaction and depth drawing work on: consecutive views of the frame's table (shaders/shared/cull.h),
+// or the camera alone, whose planes and matrix are in the frame's constants. Not a pass.
+struct ViewRange {
+  BufferHandle table, regions;  // empty: the camera
+  uint32_t first = 0, count = 1;
+  // As uploaded in `regions`: the first command of each view and run, run by run within a view, and the end of all.
+  // Where a region is empty the view does not draw the run. Null: the camera, with room for every item.
+  std::shared_ptr<const std::vector<uint32_t>> first_command;
+  bool is_camera() const { return first_command == nullptr; }
+};
+
+// The commands that culling leaves for a range of views, and their counts.
+struct Draws {
+  BufferHandle commands, counts;
+  std::shared_ptr<const std::vector<uint32_t>> first_command;  // of the range
+};
+
+}  // namespace candela

@@ -1,0 +1,42 @@
+#include "passes/surfaces/surface_pass.h"
+
+namespace candela {
+
+template <bool lit>
+Need SurfacePass<lit>::needed(const SceneFacts& facts, const FrameRequest&) const {
+  if (lit) return needed_if(facts.lit_items > 0, "the scene has no opaque or masked surface that takes light");
+  return needed_if(facts.unlit_items > 0, "the scene has no opaque or masked unlit surface");
+}
+
+template <bool lit>
+typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.depth, Access::depth_test, "depth");
+  if (lit) declare_lights(builder, in.scene, in.lists);
+  RunPipelineChoice choice;
+  choice.desc.vertex_shader = "draw.vert";
+  choice.desc.fragment_shader = lit ? "shade_forward.frag" : "shade_unlit.frag";
+  choice.desc.color_formats = {color_format};
+  choice.desc.depth_format = depth_format;
+  choice.desc.samples = in.scene.samples;
+  choice.desc.depth_test = true;
+  choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
+  Out out;
+  out.pipelines = declare_runs(
+      builder, in.scene, in.draws, in.deformed,
+      [](const DrawRun& r) { return r.alpha != AlphaMode::blend && r.unlit != lit; }, choice);
+  out.color = write_color(builder, in.scene, in.color);
+  return out;
+}
+
+template <bool lit>
+void SurfacePass<lit>::record(CommandList& commands, const In& in, const Out& out) const {
+  const CommandList::Attachment color{out.color};
+  commands.begin_rendering({&color, 1}, in.depth);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, lit ? &in.lists : nullptr);
+  commands.end_rendering();
+}
+
+template struct SurfacePass<true>;
+template struct SurfacePass<false>;
+
+}  // namespace candela

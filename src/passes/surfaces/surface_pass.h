@@ -1,0 +1,37 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+#include "passes/surfaces/texture_knobs.h"
+
+namespace candela {
+
+// Radiance of the opaque and masked surfaces that won the depth pre-pass (EQUAL test), each fragment once. Units: cd/m2
+// times the pre-exposure.
+//   shade_forward (lit): glTF 2.0 metallic-roughness under every punctual light that reaches the point (each pixel
+//   walks its cell's list, or all lights, in light order), plus ambient light and emission. Leaves wrong: no shadows,
+//   ambient reflections as blurred as diffuse light. shade_unlit: KHR_materials_unlit, and lines and points without
+//   normals: base colour goes out as radiance.
+template <bool lit>
+struct SurfacePass {
+  static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";
+  using SharedKnobs = std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs>, std::tuple<TextureKnobs>>;
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    CellLists lists;        // empty: every light for every pixel
+    ImageHandle depth;      // of the pre-pass
+    ImageHandle color;      // optional: without one the pass makes it
+  };
+  struct Out {
+    ImageHandle color;
+    RunPipelines pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+using ShadeForward = SurfacePass<true>;
+using ShadeUnlit = SurfacePass<false>;
+
+}  // namespace candela

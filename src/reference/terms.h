@@ -1,0 +1,50 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string_view>
+
+#include "scene/scene.h"
+
+namespace candela::reference {
+
+// What beauty is the sum of, beside the light of fog (PixelSample::fog_light). Each holds what arrives at the camera:
+// after fog and behind blended surfaces.
+//
+// direct: light of the punctual lights, by their kind, with visibility. ambient: the sky's light, by the lobe that
+// reflects it. emission: what surfaces give off that the camera sees, unlit ones their colour. background: sky or
+// background behind everything. indirect: what path adds to direct: light that met another surface or fog on its way,
+// and light of emissive surfaces.
+enum class Term : uint8_t {
+  direct_sun,
+  direct_point,
+  direct_spot,
+  ambient_diffuse,
+  ambient_specular,
+  emission,
+  background,
+  indirect
+};
+inline constexpr size_t term_count = 8;
+std::string_view name_of(Term term);  // as the layer is called: direct.sun
+Term direct_term(LightType type);
+
+// One sample of one pixel, or the light of one surface.
+struct TermSample {
+  std::array<glm::dvec3, term_count> light{};
+  // Of the directional lights' light on what the pixel shows, weighed by the cosine, the share that nothing blocks; 1
+  // where none of them faces the surface, and on what takes no light.
+  double shadow = 1;
+
+  glm::dvec3& operator[](Term term) { return light[size_t(term)]; }
+  const glm::dvec3& operator[](Term term) const { return light[size_t(term)]; }
+  void add(const TermSample& surface, glm::dvec3 share) {
+    for (size_t t = 0; t < term_count; ++t) light[t] += share * surface.light[t];
+  }
+  void add_ambient(glm::dvec3 diffuse, glm::dvec3 all) {
+    (*this)[Term::ambient_diffuse] += diffuse;
+    (*this)[Term::ambient_specular] += all - diffuse;
+  }
+};
+
+}  // namespace candela::reference

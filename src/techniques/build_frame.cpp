@@ -1,0 +1,48 @@
+#include <cmath>
+
+#include "passes/geometry/features.h"
+#include "techniques/technique.h"
+
+namespace candela {
+namespace {
+
+// The mean of n x n pictures, each from its own point of every pixel. Lists of lights that follow a depth are made for
+// each picture; those of clusters serve all.
+ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
+                         const Lighting& lighting, uint32_t n) {
+  SceneInputs sample = scene;
+  sample.is_subsample = true;
+  sample.features = with_subsample(scene.features);
+  sample.subsample_lod = -std::log2(float(n));
+  ImageHandle sum;
+  for (uint32_t i = 0; i < n * n; ++i) {
+    const std::string instance = fmt::format("s{:02}", i);
+    sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(n, i) / glm::dvec2(scene.width_px, scene.height_px));
+    const Surfaces seen = seen_again(frame, sample, surfaces, instance);
+    const Lighting lit = scene.light_grid.tiled ? light_surfaces(frame, sample, seen, instance) : lighting;
+    const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
+    const ImageHandle radiance = composite(frame, sample, seen, lit, shaded, instance);
+    sum = frame.add(Supersample{}, {radiance, sum, scene.width_px, scene.height_px}, instance).sum;
+  }
+  return sum;
+}
+
+}  // namespace
+
+void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique) {
+  const uint32_t n = uint32_t(frame.knobs.get<Supersample::Knobs>().n);
+  const Surfaces surfaces = visible_surfaces(frame, scene);
+  const Lighting lighting = light_surfaces(frame, scene, surfaces);
+  ImageHandle radiance;
+  if (n > 1) {
+    radiance = supersampled(frame, scene, technique, surfaces, lighting, n);
+  } else {
+    frame.add(Supersample{}, {});
+    const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting, {});
+    radiance = composite(frame, scene, surfaces, lighting, shaded);
+  }
+  describe(frame, scene, surfaces, lighting);
+  post(frame, scene, radiance);
+}
+
+}  // namespace candela

@@ -1,0 +1,82 @@
+#pragma once
+#include <cstring>
+#include <functional>
+#include <span>
+
+#include "base/fields.h"
+#include "passes/all_passes.h"
+
+namespace candela {
+
+// An image that the frame gives to the host, in a buffer of tightly packed rows from the top.
+struct FrameOutput {
+  std::string layer;  // "beauty" (linear, pre-exposed, premultiplied alpha), "display" (tone-mapped), "depth", ...
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  int resource = -1;  // the buffer in the plan
+};
+
+// What a pass counted, by the buffer in the plan, and how to say it.
+struct FrameReport {
+  int resource = -1;
+  std::function<std::vector<std::string>(std::span<const std::byte>)> warnings, notes;
+};
+
+// A graph under construction, with what passes ask to know whether they are needed, and what the frame gives.
+struct Frame {
+  GraphBuilder& builder;
+  const SceneFacts& facts;
+  const FrameRequest& request;
+  const KnobValues& knobs;
+  std::vector<FrameOutput> outputs;
+  std::vector<FrameReport> reports;
+
+  // Adds a pass and returns its outputs; empty ones, which carry the reason, when the pass says it is not needed or a
+  // required input is empty (docs/design.md, "Leaving out"). A pass that stands in the frame several times has an
+  // instance's name.
+  template <Pass P>
+  typename P::Out add(P pass, typename P::In in, std::string_view instance = {}) {
+    std::string name(P::name);
+    if (!instance.empty()) name.append(".").append(instance);
+    if constexpr (HasKnobs<P>) pass.knobs = knobs.get<typename P::Knobs>();
+    if (const Need need = pass.needed(facts, request); !need)
+      return absent<typename P::Out>(builder.leave_out(name, need.reason));
+    builder.begin_pass(name);
+    knobs.declare(builder, pass, facts);
+    typename P::Out out = pass.declare(builder, in);
+    if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); }))
+      return absent<typename P::Out>(builder.last_absence());
+    if constexpr (Reports<P>)
+      if (out.report) reports.push_back(report_of(pass, out.report));
+    return out;
+  }
+
+ private:
+  template <class P>
+  static FrameReport report_of(const P& pass, BufferHandle buffer) {
+    const auto read = [](std::span<const std::byte> bytes) {
+      typename P::Report report;
+      std::memcpy(&report, bytes.data(), sizeof report);
+      return report;
+    };
+    FrameReport result{buffer.resource, [pass, read](auto bytes) { return pass.warnings(read(bytes)); }, {}};
+    if constexpr (ReportsNotes<P>) result.notes = [pass, read](auto bytes) { return pass.notes(read(bytes)); };
+    return result;
+  }
+  template <class T>
+  static T absent(int reason) {
+    T value{};
+    mark(value, reason);
+    return value;
+  }
+  template <class T>
+  static void mark(T& value, int reason) {
+    if constexpr (std::is_same_v<T, ImageHandle> || std::is_same_v<T, BufferHandle>)
+      value.absence = reason;
+    else if constexpr (requires { std::tuple_size<T>::value; })
+      for (auto& each : value) mark(each, reason);
+    else if constexpr (std::is_aggregate_v<T> && std::is_class_v<T>)
+      for_each_field(value, [&](auto& field) { mark(field, reason); });
+  }
+};
+
+}  // namespace candela

@@ -1,0 +1,61 @@
+#define GLM_ENABLE_EXPERIMENTAL
+#include <cmath>
+#include <glm/gtx/component_wise.hpp>
+
+#include "frame_fixture.h"
+
+namespace candela::test {
+namespace {
+
+class Supersampling : public FrameTest {
+ protected:
+  static Job sampled(const std::string& name, int n) {
+    Job job = job_for(scene(name), 48, 27);
+    job.settings = {{"supersample", "n", fmt::format("{}", n)}};
+    return job;
+  }
+};
+
+// n x n samples a pixel are the pixels of a picture n times as large: same positions, same footprints.
+TEST_F(Supersampling, IsTheMeanOfALargerPicturesPixels) {
+  for (const char* name : {"street", "texture-transform", "alpha", "normal-mapped"})
+    for (const int n : {2, 4}) {
+      Job large = job_for(scene(name), 48 * n, 27 * n);
+      const Image truth = images_of(large)["beauty"], mean = images_of(sampled(name, n))["beauty"];
+      double worst = 0, sum = 0;
+      for (int y = 0; y < 27; ++y)
+        for (int x = 0; x < 48; ++x) {
+          glm::dvec4 expected(0);
+          for (int s = 0; s < n * n; ++s)
+            expected += glm::dvec4(truth.at<glm::vec4>(x * n + s % n, y * n + s / n)) / double(n * n);
+          const glm::dvec4 difference = glm::abs(expected - glm::dvec4(mean.at<glm::vec4>(x, y)));
+          const double relative = glm::compMax(difference) / (0.05 + glm::compMax(glm::abs(expected)));
+          worst = std::max(worst, relative);
+          sum += relative;
+        }
+      // Corners are rounded to parts of a pixel, of another size in both: samples next to an edge may change sides.
+      EXPECT_LT(sum / (48 * 27), 2e-3) << name << " " << n;
+      EXPECT_LT(worst, 1.5) << name << " " << n;
+    }
+}
+
+// All techniques shade the same samples.
+TEST_F(Supersampling, TechniquesAgree) {
+  Job job = sampled("street", 2);
+  const Image clustered = images_of(job)["beauty"];
+  for (const char* technique : {"forward-plus", "brute-force"}) {
+    job.technique = technique;
+    EXPECT_EQ(images_of(job)["beauty"], clustered) << technique;
+  }
+}
+
+// Layers are of the pixel's middle, whatever the number of samples.
+TEST_F(Supersampling, LayersStayWhereTheyAre) {
+  Job one = sampled("spheres", 1), many = sampled("spheres", 2);
+  one.layers = many.layers = {"depth", "normal", "object_id"};
+  const Images a = images_of(one), b = images_of(many);
+  for (const std::string& layer : one.layers) EXPECT_EQ(a[layer], b[layer]) << layer;
+}
+
+}  // namespace
+}  // namespace candela::test

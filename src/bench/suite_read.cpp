@@ -90,6 +90,38 @@ Expected<SuiteScene> scene_of(const Json& j, const Place& place) {
   return scene;
 }
 
+// A number of views, or a list of them: {"eye": [..], "target": [..], "time": 2}.
+Expected<void> read_views(const Json& j, const Place& place, Suite& suite) {
+  if (!j.is_array()) return read_whole(j, place, 1, suite.view_count);
+  struct Read {
+    SuiteScene camera;
+    double time_s = 0;
+  };
+  static const Readers<Read> readers = {
+      {"camera",
+       [](const Json& v, const Place& at, Read& view) { return read_text(v, at, view.camera.camera.camera); }},
+      {"yfov", [](const Json& v, const Place& at,
+                  Read& view) { return read_positive(v, at, view.camera.camera.yfov_deg.emplace()); }},
+      {"eye",
+       [](const Json& v, const Place& at, Read& view) { return read_point<&CameraRequest::eye>(v, at, view.camera); }},
+      {"target", [](const Json& v, const Place& at,
+                    Read& view) { return read_point<&CameraRequest::target>(v, at, view.camera); }},
+      {"time",
+       [](const Json& v, const Place& at, Read& view) -> Expected<void> {
+         const auto time = time_of(v, at);
+         if (!time) return std::unexpected(time.error());
+         view.time_s = *time;
+         return {};
+       }},
+  };
+  auto view_of = [](const Json& v, const Place& at) -> Expected<BenchView> {
+    Read view;
+    if (auto read = read_keys(v, at, readers, view); !read) return std::unexpected(read.error());
+    return BenchView{view.camera.camera, view.time_s};
+  };
+  return read_list(j, place, suite.views, view_of);
+}
+
 Expected<SuiteTechnique> technique_of(const Json& j, const Place& place) {
   if (j.is_string()) return SuiteTechnique{j.get<std::string>(), {}};
   static const Readers<SuiteTechnique> readers = {
@@ -151,6 +183,7 @@ const Readers<Suite>& suite_readers() {
       {"times", list_into(&Suite::times_s, time_of)},
       {"frames", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},  // with fps, below
       {"fps", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},
+      {"views", [](const Json& j, const Place& at, Suite& s) { return read_views(j, at, s); }},
       {"output", text_into(&Suite::output)},
       {"reference", text_into(&Suite::reference)},
       {"picture_knobs", list_into(&Suite::picture_knobs, text_of)},

@@ -21,7 +21,7 @@ using Kind = GoldenOutcome::Kind;
 
 struct GoldenOptions {
   std::string root = "golden", assets, filter, report, why, device_class, device;
-  bool validate = false, json = false, quiet = false;
+  bool validate = false, json = false, quiet = false, allow_blank = false;
 };
 
 // The assets lie beside the repository unless said otherwise.
@@ -105,7 +105,7 @@ Expected<int> run_check(const GoldenOptions& o) {
   std::vector<GoldenRow> report;
   for (const GoldenManifest& golden : *goldens) {
     const GoldenOutcome outcome =
-        check_golden(golden, run_settings(o), o.report.empty() ? scratch.path() : fs::path(o.report));
+        check_golden(golden, run_settings(o), o.allow_blank, o.report.empty() ? scratch.path() : fs::path(o.report));
     log::info("{}: {}{}", golden.name, verdict(outcome), outcome.message.empty() ? "" : ": " + outcome.message);
     ++count[outcome.kind];
     const auto flip = outcome.gate.comparison.metrics.find("flip");
@@ -168,7 +168,7 @@ Expected<void> note_changes(const fs::path& root, const std::vector<std::string>
 Expected<bool> update_one(const GoldenOptions& o, const GoldenManifest& golden, const fs::path& scratch,
                           GoldenPicture& picture) {
   const fs::path fresh = scratch / (golden.name + golden.picture().extension().string());
-  const auto rendered = render_golden(golden, run_settings(o), fresh);
+  const auto rendered = render_golden(golden, run_settings(o), o.allow_blank, fresh);
   if (!rendered) return std::unexpected(Error{rendered.error().kind, rendered.error().text(), golden.name});
   picture = *rendered;
   if (!o.device_class.empty() && o.device_class != picture.device_class)
@@ -233,6 +233,7 @@ void add_shared(CLI::App& command, GoldenOptions& o) {
   command.add_option("--device", o.device, "As for render")->type_name("DEVICE");
   command.add_flag("--validate", o.validate,
                    "Khronos validation layer with synchronization checks; a message fails the golden");
+  command.add_flag("--allow-blank", o.allow_blank, "Goldens in which nothing is drawn are not refused");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
 }
 

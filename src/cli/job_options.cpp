@@ -119,13 +119,32 @@ void add_device_options(CLI::App& command, JobOptions& o) {
 
 void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_device_options(command, o);
-  command.add_flag("--strict", o.strict, "A warning about the scene or an ignored extension is exit 3");
+  command.add_flag("--strict", o.strict,
+                   "A warning about the scene, an ignored extension or a frame in which nothing is drawn is exit 3");
+  if (renderer == Renderer::gpu)
+    command.add_flag("--allow-blank", o.allow_blank, "A frame in which nothing is drawn passes --strict");
   command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")
       ->type_name("FILE");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
   command.add_flag("--verbose", o.verbose, "More on stderr");
   command.add_flag("--json", o.json, "The result as JSON on stdout");
 }
+
+namespace {
+CLI::Validator number_from(bool zero) {
+  const auto check = [zero](std::string& text) -> std::string {
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto [at, error] = std::from_chars(text.data(), end, value);
+    if (error == std::errc{} && at == end && std::isfinite(value) && (value > 0 || (zero && value == 0))) return {};
+    return fmt::format("'{}' is not a number {}", text, zero ? "of at least 0" : "above 0");
+  };
+  return {check, ""};
+}
+}  // namespace
+
+CLI::Validator positive_number() { return number_from(false); }
+CLI::Validator non_negative_number() { return number_from(true); }
 
 void add_moment_options(CLI::App& command, MomentOptions& moment) {
   moment.frame_option = command.add_option("--frame", moment.frame, "Frame number; its time is frame/fps")

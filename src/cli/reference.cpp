@@ -213,9 +213,9 @@ Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o
       display.dither = plan.job.dither;
       display.alpha = plan.job.background == "transparent" && plan.job.sky.empty();
       display.seed = uint32_t(noise ^ (noise >> 32));
-      const DisplayImage image = o.view == "beauty"
-                                     ? reference::display_image(film, display)
-                                     : count_view(reference_counts(film, frame, o.view), film.width(), film.height());
+      const DisplayImage image = o.view == "beauty" ? reference::display_image(film, display)
+                                                    : count_view(reference_counts(film, frame, o.view), film.width(),
+                                                                 film.height(), count_title(o.view));
       written = write_png(path, image, {{"candela:reference", settings}});
     }
     if (!written) return written;

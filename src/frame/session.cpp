@@ -29,6 +29,7 @@ class DeviceSession : public Session {
   Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
   Expected<FrameResult> finish(FrameTicket ticket) override;
   int in_flight() const override;
+  void set_camera(const CameraRequest& camera) override { job_.camera = camera; }
   const Scene& scene() const override { return scene_; }
   const gpu::Device& device() const override { return *device_; }
   const Timings& opening() const override { return opening_; }

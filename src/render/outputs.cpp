@@ -184,7 +184,7 @@ DisplayImage view_image(const FrameResult& frame, const Job& job) {
     if (output.layer != job.view) continue;
     std::vector<float> counts(size_t(frame.width_px) * size_t(frame.height_px));
     std::memcpy(counts.data(), readback_bytes(frame, output).data(), counts.size() * sizeof(float));
-    DisplayImage image = count_view(counts, frame.width_px, frame.height_px);
+    DisplayImage image = count_view(counts, frame.width_px, frame.height_px, count_title(job.view));
     if (job.png_bits == 8) return image;
     DisplayImage wide = {.width = image.width, .height = image.height, .channels = image.channels, .bits = 16};
     for (const std::byte b : image.pixels) wide.pixels.insert(wide.pixels.end(), 2, b);  // times 257

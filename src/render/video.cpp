@@ -30,7 +30,7 @@ bool on_path(const std::string& program) {
 
 std::vector<std::string> arguments(const fs::path& out, const fs::path& audio, int width_px, int height_px,
                                    FrameRate rate) {
-  // H.264 with 4:2:0 chroma wants even sides: odd ones are repeated by a row or column. Rec.709 is said in the stream,
+  // H.264 with 4:2:0 chroma wants even sides: odd ones grow by a black row or column. Rec.709 is said in the stream,
   // because players guess it from the height otherwise.
   std::vector<std::string> a = {"ffmpeg",
                                 "-hide_banner",

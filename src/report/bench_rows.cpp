@@ -52,6 +52,7 @@ Json row_json(const BenchRow& row) {
   j["size"] = {row.width_px, row.height_px};
   j["samples"] = row.samples;
   j["time_s"] = row.time_s;
+  if (row.views != 1) j["views"] = row.views;
   j["output"] = row.output;
   j["device"] = {{"name", row.device}, {"driver", row.driver}, {"class", row.device_class}, {"type", row.device_type}};
   j["machine"] = {{"processor", row.machine}, {"cores", row.cores}};
@@ -59,6 +60,8 @@ Json row_json(const BenchRow& row) {
   j["plan_hash"] = row.plan_hash;
   j["knob_hash"] = row.knob_hash;
   j["job"] = row.job.empty() ? Json() : own_json(row.job);
+  if (row.run != 0) j["run"] = row.run;
+  if (!row.same_work.empty()) j["same_work"] = same_work_json(row.same_work);
   j["remarks"] = row.remarks;
   if (!row.left_out.empty()) j["left_out"] = row.left_out;
   if (!row.error.empty()) j["error"] = {{"message", row.error}, {"kind", row.error_kind}};
@@ -134,6 +137,8 @@ BenchRow row_from(const Json& j) {
   row.plan_hash = j.at("plan_hash"), row.knob_hash = j.at("knob_hash");
   row.job = j.at("job").dump();
   row.remarks = j.at("remarks").get<std::vector<std::string>>();
+  row.views = j.value("views", 1), row.run = j.value("run", 0);
+  if (j.contains("same_work")) row.same_work = same_work_from(j["same_work"]);
   row.left_out = j.value("left_out", "");
   if (j.contains("error")) row.error = j["error"].at("message"), row.error_kind = j["error"].at("kind");
   row.warm_up_frames = j.at("warm_up_frames");
@@ -195,9 +200,16 @@ std::string csv_line(const std::vector<std::string>& cells) {
 }  // namespace
 
 Json bench_json(const BenchRun& run) {
-  Json j = {{"candela_bench", 1}, {"wall_s", rounded(run.wall_s)}, {"notes", run.notes}, {"rows", Json::array()}};
+  Json j = {{"candela_bench", 1},
+            {"wall_s", rounded(run.wall_s)},
+            {"opening_s", rounded(run.opening_s)},
+            {"notes", run.notes},
+            {"rows", Json::array()}};
   for (const BenchRow& row : run.rows) j["rows"].push_back(row_json(row));
-  if (Json findings = error_findings_json(run); !findings.is_null()) j["error_findings"] = std::move(findings);
+  if (Json findings = error_findings_json(run); !findings.is_null()) {
+    j["error_findings"] = std::move(findings);
+    j["unswept_knobs"] = unswept_knobs(run.rows);
+  }
   return j;
 }
 
@@ -219,6 +231,7 @@ Expected<BenchRun> read_bench_rows(const std::filesystem::path& file) {
     for (const Json& note : j["notes"])
       if (note.is_string()) run.notes.push_back(note);
   if (j.contains("wall_s") && j["wall_s"].is_number()) run.wall_s = j["wall_s"];
+  if (j.contains("opening_s") && j["opening_s"].is_number()) run.opening_s = j["opening_s"];
   return run;
 }
 

@@ -154,9 +154,10 @@ class Walker {
     std::vector<Hash128> works = {exact_work.hash};
     std::vector<std::string> skipped;
     for (const std::string& value : knob.walk) {
-      if (value == knob.value_now) continue;
+      if (value == knob.value_now && knob.beside.empty()) continue;
       Configuration changed = exact;
       changed.job.settings = {{knob.pass, knob.knob, value}};
+      if (!knob.beside.empty()) changed.job.settings.push_back(*parse_knob_setting(knob.beside));
       const auto work = work_of_all(place, changed.job);
       if (work && std::find(works.begin(), works.end(), work->hash) != works.end()) {
         skipped.push_back(name + "=" + value);

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/text.h"
 #include "frame/frame_knobs.h"
 #include "frame/job_look.h"
+#include "frame/not_drawn.h"
 #include "frame/upload_table.h"
 #include "passes/geometry/features.h"
 #include "scene/neutral_light.h"
@@ -117,6 +119,8 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   if (f.request.neutral_light)
     f.notes.push_back(
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
+  if (const std::vector<std::string> missing = not_drawn(f.facts, f.pose); !missing.empty())
+    f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
   if (f.facts.draw_items == 0)
     f.notes.push_back("nothing is visible at this time: the image holds the background alone");
 }

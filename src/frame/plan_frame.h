@@ -66,6 +66,7 @@ struct KnobRow {
   std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names
   std::string kind;                                                // what it trades: error, time or look
   std::vector<std::string> walk;    // values that a sweep of errors measures, the exact one last
+  std::string beside;               // a setting that must stand beside it, or it does nothing
   std::vector<std::string> passes;  // whose work it changes
 };
 std::vector<KnobRow> knob_rows(const std::string& quality);

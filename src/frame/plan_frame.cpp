@@ -10,6 +10,7 @@
 #include "frame/upload_table.h"
 #include "passes/geometry/features.h"
 #include "scene/neutral_light.h"
+#include "scene/scene_images.h"
 #include "techniques/technique.h"
 
 namespace candela {
@@ -193,7 +194,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
   if (!layout) return std::unexpected(layout.error());
   AmbientSh environment;
   if (!job.sky.empty()) {
-    const auto image = read_environment(job.sky);
+    const auto image = read_sky(job.sky, scene);
     if (!image) return std::unexpected(image.error());
     environment = project_environment(*image);
   }

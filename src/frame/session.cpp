@@ -11,6 +11,7 @@
 #include "frame/job_look.h"
 #include "frame/timings.h"
 #include "gltf/gltf.h"
+#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -72,7 +73,7 @@ Expected<void> DeviceSession::load() {
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
   if (!job_.sky.empty()) {
-    auto image = read_environment(job_.sky);
+    auto image = read_sky(job_.sky, scene_);
     if (!image) return std::unexpected(image.error());
     environment_ = project_environment(*image);
     sky_ = std::move(*image);

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "base/json.h"
 #include "bench/error_analysis.h"
 #include "bench/error_truth.h"
 #include "bench/error_views.h"
@@ -125,7 +126,7 @@ Json same_work_json(const std::vector<SameWork>& all) {
               {"technique", same.technique},
               {"quality", same.quality},
               {"settings", same.settings},
-              {"job", Json::parse(same.job, nullptr, false)}};
+              {"job", same.job.empty() ? Json() : own_json(same.job)}};
     if (!same.knobs.empty()) j["knobs"] = knobs_json(same.knobs);
     if (same.exact) j["exact"] = error_json(*same.exact);
     list.push_back(std::move(j));

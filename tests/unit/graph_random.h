@@ -121,8 +121,10 @@ class RandomGraph {
     if (!image.has(range) || taken(image, range)) return;
     used_.push_back({image.handle.resource, range});
     if (!image.depth) {
-      builder_.read(image.handle, pick({Access::sampled_fragment, Access::sampled_compute, Access::transfer_source}),
-                    "image", range);
+      Access access = pick(
+          {Access::sampled_fragment, Access::sampled_compute, Access::transfer_source, Access::storage_image_read});
+      if (access == Access::storage_image_read && range.mip_count != 1) access = Access::sampled_compute;
+      builder_.read(image.handle, access, "image", range);
       return;
     }
     builder_.read(image.handle, sampled ? Access::sampled_fragment : Access::depth_test, "depth", range);

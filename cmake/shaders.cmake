@@ -11,3 +11,6 @@ add_custom_command(OUTPUT ${embedded}
   DEPENDS ${shader_paths} ${CMAKE_SOURCE_DIR}/cmake/embed.cmake VERBATIM)
 add_library(candela_shaders STATIC ${embedded})
 target_include_directories(candela_shaders PUBLIC ${CMAKE_SOURCE_DIR}/src)
+if(CANDELA_MUTATE)
+  candela_shaders_with_faults(${embedded})
+endif()

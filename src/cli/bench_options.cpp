@@ -1,6 +1,7 @@
 #include "cli/bench_options.h"
 
 #include "base/text.h"
+#include "cli/input_options.h"
 #include "cli/job_options.h"
 #include "frame/plan_frame.h"
 #include "stability/stability.h"
@@ -202,6 +203,7 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_flag("--large", o.large, "With --suite stability: ten million triangles in a pixel, 8192x8192 pixels");
   command.add_option("--assets", o.assets, "Folder of scenes named assets:...; by default ../shared/assets")
       ->type_name("DIR");
+  add_input_options(command);
   command.add_option("--report", o.report, "Folder for an HTML page and the rows as JSON and CSV")->type_name("DIR");
   command.add_option("--json", o.json, "The rows, or the comparison, as JSON; - is stdout")->type_name("FILE");
   command.add_option("--csv", o.csv, "The rows as CSV; - is stdout")->type_name("FILE");

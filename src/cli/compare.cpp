@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/input_options.h"
 #include "image/io.h"
 #include "metrics/heatmap.h"
 #include "metrics/limits.h"
@@ -169,6 +170,7 @@ void add_compare(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->type_name("auto|off|START,STOP,COUNT");
   command->add_option("--heatmap", o->heatmap, "FLIP of every pixel as colours")->type_name("FILE.png");
+  add_decode_budget(*command);
   command->add_flag("--quiet", o->quiet, "Only warnings and errors on stderr");
   command->add_flag("--json", o->json, "As JSON");
   command->callback([o, &action] { action = [o] { return run_compare(*o); }; });

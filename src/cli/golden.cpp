@@ -1,13 +1,14 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "base/files.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/golden_run.h"
+#include "cli/input_options.h"
 #include "render/frame_names.h"
 #include "report/golden_report.h"
 
@@ -131,9 +132,9 @@ Expected<int> run_check(const GoldenOptions& o) {
 
 // The manifest with where its picture was made.
 Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture& picture) {
-  Json j = Json::parse(golden.text);
+  Json j = own_json(golden.text);  // read once already
   // A new golden starts with the limits that the program proposes, written out so that they can be seen and changed.
-  const Json proposed = Json::parse(gate_limits_json({}));
+  const Json proposed = own_json(gate_limits_json({}));
   for (const auto& [limit, value] : proposed["gate"].items())
     if (!j["gate"].contains(limit)) j["gate"][limit] = value;
   j["made"] = {{"device_class", picture.device_class},
@@ -227,6 +228,7 @@ void add_shared(CLI::App& command, GoldenOptions& o) {
       .add_option("--assets", o.assets,
                   "Folder of scenes named assets:...; by default ../shared/assets beside the repository")
       ->type_name("DIR");
+  add_input_options(command);
   command.add_option("--filter", o.filter, "Only goldens with this in their name")->type_name("TEXT");
   command.add_option("--device", o.device, "As for render")->type_name("DEVICE");
   command.add_flag("--validate", o.validate,

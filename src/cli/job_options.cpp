@@ -1,10 +1,12 @@
 #include "cli/job_options.h"
 
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 
+#include "base/files.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "cli/input_options.h"
 
 namespace candela::cli {
 
@@ -91,6 +93,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
     command.add_flag("--metadata-timings", o.metadata_timings,
                      "Write timings into the EXR header; its bytes then differ from run to run");
   command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
+  add_input_options(command);
 }
 
 namespace {
@@ -136,9 +139,12 @@ void add_moment_options(CLI::App& command, MomentOptions& moment) {
 
 Expected<void> read_config(CLI::App& command, const std::string& file) {
   if (file.empty()) return {};
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
   std::vector<CLI::ConfigItem> items;
   try {
-    items = CLI::ConfigTOML().from_file(file);
+    std::istringstream stream(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
+    items = CLI::ConfigTOML().from_config(stream);
   } catch (const CLI::Error& error) {
     return fail(ErrorKind::input, file, "cannot be read as INI or TOML: {}", error.what());
   }

@@ -199,7 +199,7 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("--timings", o->timings, "Times of every pass and stage as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")
       ->type_name("FILE");
-  command->add_flag("--overlap", o.overlap,
+  command->add_flag("--overlap", o->overlap,
                     "With the times: the frame as a whole with passes side by side on two queues, and on one");
   command
       ->add_option("--check-determinism", o->check_determinism,

@@ -1,8 +1,8 @@
 #include "render/sequence.h"
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
@@ -76,7 +76,7 @@ Expected<void> write_reports(const SequenceOptions& o, const Job& job, const Seq
                              const Session& session, const std::vector<std::string>& warnings) {
   if (!o.timings.empty()) {
     Json timings = sequence_timings(result, session);
-    timings["job"] = Json::parse(job_json(job));
+    timings["job"] = own_json(job_json(job));
     if (auto written = write_text_output(o.timings, timings.dump(2) + "\n"); !written) return written;
   }
   if (!o.trace.empty()) {

@@ -6,9 +6,11 @@
 #include <cmath>
 
 #include "frame/frame_knobs.h"
+#include "frame/job_look.h"
 #include "frame/upload_table.h"
 #include "passes/geometry/features.h"
 #include "scene/neutral_light.h"
+#include "scene/scene_images.h"
 #include "techniques/technique.h"
 
 namespace candela {
@@ -137,6 +139,10 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.view = std::move(*view);
   f.data = make_frame_data(context.scene, f.pose, f.view);
   f.request = make_request(job, *knobs, wanted, time_s);
+  auto look = look_of(job, time_s);
+  if (!look) return std::unexpected(look.error());
+  f.request.look = std::move(*look);
+  if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();
   f.facts = survey(context.scene, f.pose, f.data, context.environment != nullptr);
   if (!has_light(context.scene) && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
@@ -188,7 +194,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
   if (!layout) return std::unexpected(layout.error());
   AmbientSh environment;
   if (!job.sky.empty()) {
-    const auto image = read_environment(job.sky);
+    const auto image = read_sky(job.sky, scene);
     if (!image) return std::unexpected(image.error());
     environment = project_environment(*image);
   }

@@ -11,6 +11,7 @@
 #include "frame/job_look.h"
 #include "frame/timings.h"
 #include "gltf/gltf.h"
+#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -71,7 +72,7 @@ Expected<void> DeviceSession::load() {
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
   if (!job_.sky.empty()) {
-    auto image = read_environment(job_.sky);
+    auto image = read_sky(job_.sky, scene_);
     if (!image) return std::unexpected(image.error());
     environment_ = project_environment(*image);
     sky_ = std::move(*image);
@@ -234,10 +235,14 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
   t.frame_gpu_ms = run.frame_gpu_ms;
   result.readbacks = std::move(run.readbacks);
   result.hashes = std::move(run.hashes);
-  for (const FrameReport& report : begun.reports)
-    if (const auto found = result.readbacks.find(report.resource); found != result.readbacks.end())
-      for (std::string& warning : report.warnings(found->second->bytes()))
-        result.warnings.push_back(std::move(warning));
+  for (const FrameReport& report : begun.reports) {
+    const auto found = result.readbacks.find(report.resource);
+    if (found == result.readbacks.end()) continue;
+    const std::span<const std::byte> bytes = found->second->bytes();
+    for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (!report.notes) continue;
+    for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));
+  }
 }
 
 // The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.

@@ -92,7 +92,8 @@ void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint3
   device_.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, uint64_t(images.set), pass.name);
   for (const PlanUse& use : pass.uses) {
     const bool sampled = use.access == Access::sampled_fragment || use.access == Access::sampled_compute;
-    const bool storage = use.access == Access::storage_image_write || use.access == Access::storage_image_read_write;
+    const bool storage = use.access == Access::storage_image_write || use.access == Access::storage_image_read_write ||
+                         use.access == Access::storage_image_read;
     if ((!sampled && !storage) || !use.in_step(step)) continue;
     auto& places = sampled ? images.sampled : images.storage;
     const ViewKey key = view_key(use);
@@ -166,7 +167,8 @@ void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalI
   }
   image.sampled = info.usage & VK_IMAGE_USAGE_SAMPLED_BIT;
   VK_CHECK(vkCreateImage(device_.handle(), &info, nullptr, &image.image));
-  image.aspect = is_depth_format(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  image.texels = is_depth_format(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  image.aspect = image.texels | (has_stencil(desc.format) ? VK_IMAGE_ASPECT_STENCIL_BIT : 0);
   device_.set_name(VK_OBJECT_TYPE_IMAGE, uint64_t(image.image), desc.name);
 }
 
@@ -214,6 +216,7 @@ void Physical::make_views(const FramePlan& plan) {
       info.viewType = view_type(use.view);
       info.format = desc.format;
       info.subresourceRange = subresources(image, use.range);
+      if (!view_key(use).drawn) info.subresourceRange.aspectMask = image.texels;
       VkImageView& view = views_[view_key(use)];
       VK_CHECK(vkCreateImageView(device_.handle(), &info, nullptr, &view));
       device_.set_name(VK_OBJECT_TYPE_IMAGE_VIEW, uint64_t(view), desc.name + range_text(use.range, desc));

@@ -237,8 +237,9 @@ class Walk {
     if (state.layout == VK_IMAGE_LAYOUT_UNDEFINED) {
       for (const int before : predecessors_in_block(need.resource))
         for (const State& part : states_[before]) {
-          source.stages |= part.last().stages;
-          source.access |= part.last().access;
+          const Scope other = part.last();
+          source.stages |= other.stages;
+          source.access |= other.access;
           elsewhere |= part.elsewhere;
         }
     }
@@ -250,8 +251,8 @@ class Walk {
             need.all.access, state.layout,  need.layout,     range};
   }
 
-  // The images that had the memory block before, newest first, back to one that is as large: a smaller one took over
-  // only its part of the memory, and the rest is still as an older one left it.
+  // The images that had the memory block before, newest first, back to one that is as large and was used whole: a
+  // smaller one took over only its part of the memory, and the rest is still as an older one left it.
   std::vector<int> predecessors_in_block(int resource) const {
     const PlanResource& image = plan_.resources[resource];
     std::vector<int> before;
@@ -263,7 +264,11 @@ class Walk {
     }
     std::sort(before.begin(), before.end(),
               [&](int a, int b) { return plan_.resources[a].last_pass > plan_.resources[b].last_pass; });
-    const auto covers = [&](int other) { return plan_.resources[other].bytes >= image.bytes; };
+    const auto covers = [&](int other) {
+      return plan_.resources[other].bytes >= image.bytes &&
+             std::all_of(states_[other].begin(), states_[other].end(),
+                         [](const State& part) { return part.layout != VK_IMAGE_LAYOUT_UNDEFINED; });
+    };
     const auto last = std::find_if(before.begin(), before.end(), covers);
     if (last != before.end()) before.erase(last + 1, before.end());
     return before;

@@ -20,15 +20,22 @@ Json to_json(const GraphicsPipelineDesc& desc) {
   Json formats = Json::array();
   for (const VkFormat format : desc.color_formats) formats.push_back(format_name(format));
   constexpr const char* blends[] = {"none", "premultiplied_over", "additive"};
-  return {{"kind", "graphics"},
-          {"vertex_shader", desc.vertex_shader},
-          {"fragment_shader", desc.fragment_shader},
-          {"constants", constants_json(desc.constants)},
-          {"color_formats", formats},
-          {"samples", desc.samples},
-          {"depth_test", desc.depth_test},
-          {"depth_write", desc.depth_write},
-          {"blend", blends[int(desc.blend)]}};
+  Json result = {{"kind", "graphics"},
+                 {"vertex_shader", desc.vertex_shader},
+                 {"fragment_shader", desc.fragment_shader},
+                 {"constants", constants_json(desc.constants)},
+                 {"color_formats", formats},
+                 {"samples", desc.samples},
+                 {"depth_test", desc.depth_test},
+                 {"depth_write", desc.depth_write},
+                 {"blend", blends[int(desc.blend)]}};
+  for (const AttachmentState& a : desc.attachments)
+    result["attachments"].push_back({{"blend", blends[int(a.blend)]}, {"write_mask", a.write_mask}});
+  if (desc.stencil_test) result["stencil_test"] = true;
+  if (desc.depth_bias_constant != 0 || desc.depth_bias_slope != 0)
+    result["depth_bias"] = {desc.depth_bias_constant, desc.depth_bias_slope};
+  if (desc.depth_clamp) result["depth_clamp"] = true;
+  return result;
 }
 
 Json knobs_json(const std::vector<PlanKnob>& knobs) {

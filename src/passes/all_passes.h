@@ -12,6 +12,7 @@
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
 #include "passes/lights/tile_depth.h"
+#include "passes/post/bloom.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
@@ -36,7 +37,7 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, TileDepth, LightAssign, LightScan, LightFill,
                            LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, LightHeat,
-                           Supersample, Resolve, Tonemap, Readback>;
+                           Supersample, Resolve, BloomPass, Tonemap, Readback>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "frame/timings.h"
+#include "image/exr.h"
 #include "image/png_text.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
@@ -225,12 +226,13 @@ bool holds_frame(const fs::path& path, const std::string& identity) {
   const auto format = output_format(path);
   std::error_code failed;
   if (!format || !fs::is_regular_file(path, failed)) return false;
+  const auto bytes = read_file(path);
+  if (!bytes) return false;
   if (*format == OutputFormat::png) {
-    const auto bytes = read_file(path);
-    const auto text = bytes ? png_text(*bytes, identity_name, path.string()) : std::unexpected(bytes.error());
+    const auto text = png_text(*bytes, identity_name, path.string());
     return text && *text == identity;
   }
-  const auto image = read_image(path);
+  const auto image = decode_exr(*bytes, path.string(), true);
   if (!image) return false;
   for (const MetadataEntry& entry : image->metadata)
     if (entry.name == identity_name) return entry.text == identity;

@@ -1,8 +1,6 @@
 #include "report/bench_rows.h"
 
-#include <nlohmann/json.hpp>
-
-#include "base/files.h"
+#include "base/json.h"
 #include "base/statistics.h"
 #include "bench/error_analysis.h"
 #include "report/error_rows.h"
@@ -60,7 +58,7 @@ Json row_json(const BenchRow& row) {
   j["version"] = row.version;
   j["plan_hash"] = row.plan_hash;
   j["knob_hash"] = row.knob_hash;
-  j["job"] = Json::parse(row.job, nullptr, false);
+  j["job"] = row.job.empty() ? Json() : own_json(row.job);
   j["remarks"] = row.remarks;
   if (!row.left_out.empty()) j["left_out"] = row.left_out;
   if (!row.error.empty()) j["error"] = {{"message", row.error}, {"kind", row.error_kind}};
@@ -204,12 +202,10 @@ Json bench_json(const BenchRun& run) {
 }
 
 Expected<BenchRun> read_bench_rows(const std::filesystem::path& file) {
-  const auto bytes = read_file(file);
-  if (!bytes) return std::unexpected(bytes.error());
-  const Json j = Json::parse(reinterpret_cast<const char*>(bytes->data()),
-                             reinterpret_cast<const char*>(bytes->data()) + bytes->size(), nullptr, false);
-  if (j.is_discarded() || !j.is_object() || j.value("candela_bench", Json()) != 1 || !j.contains("rows") ||
-      !j["rows"].is_array())
+  const auto read = read_json_file(file);
+  if (!read) return std::unexpected(read.error());
+  const Json& j = *read;
+  if (!j.is_object() || j.value("candela_bench", Json()) != 1 || !j.contains("rows") || !j["rows"].is_array())
     return fail(ErrorKind::input, file.string(), "is not a file of `candela bench --json`");
   BenchRun run;
   for (size_t i = 0; i < j["rows"].size(); ++i) {

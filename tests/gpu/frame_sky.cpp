@@ -65,6 +65,36 @@ TEST_F(FrameSky, ShowsItsImageInTheRightDirection) {
     }
 }
 
+// Where a texel covers more than a pixel, the sky is its bilinear image at full detail: no level coarser is mixed in.
+TEST_F(FrameSky, ShowsItsTexelsWhereTheyAreLargerThanPixels) {
+  constexpr int sky_width = 256, sky_height = 128;
+  const auto texel = [](int x, int y) { return double((x * 7 + y * 13 + x * y % 5) % 4) / 4; };
+  const std::string sky = write_sky([&](glm::dvec3 d) {
+    const int x = int((std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5) * sky_width);
+    const int y = int(std::acos(d.y) / std::numbers::pi * sky_height);
+    return glm::dvec3(texel(x, y));
+  });
+  GltfBuilder b = empty_scene();
+  add_node(b, {{"name", "nothing"}});
+  Job job = job_for(write(b), width, height);
+  job.sky = sky;
+  look(job, {0, 0, 0}, {1, 0, 0}, 40);  // a pixel of the middle is 0.82 of a texel
+  const Images images = images_of(job);
+  double sum = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec3 d = direction({-1, 0, 0}, 40, x, y);
+      const double u = (std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5) * sky_width - 0.5,
+                   v = std::acos(d.y) / std::numbers::pi * sky_height - 0.5;
+      const int x0 = int(std::floor(u)), y0 = int(std::floor(v));
+      const double fx = u - x0, fy = v - y0;
+      const double wanted = (1 - fy) * ((1 - fx) * texel(x0, y0) + fx * texel(x0 + 1, y0)) +
+                            fy * ((1 - fx) * texel(x0, y0 + 1) + fx * texel(x0 + 1, y0 + 1));
+      sum += std::abs(images["beauty"].at<glm::vec4>(x, y).x - wanted);
+    }
+  EXPECT_LT(sum / (width * height), 0.005);  // filters have weights of eight bits
+}
+
 // A diffuse surface under the sky reflects the mean radiance around its normal: 2 + 2/3 of the normal's component.
 TEST_F(FrameSky, LightsADiffuseSurfaceByItsMeanRadiance) {
   GltfBuilder b = empty_scene();
@@ -84,14 +114,15 @@ TEST_F(FrameSky, LightsADiffuseSurfaceByItsMeanRadiance) {
 // Under a uniform sky a surface gives back the integral of its BRDF, whatever its roughness, metal and angle: one
 // square a case, all seen from +Z without perspective. What is left is the table between its nodes.
 TEST_F(FrameSky, ReflectsTheIntegralOfTheBrdfUnderAUniformSky) {
-  constexpr std::array roughness = {0.0, 0.2, 0.5, 0.8, 1.0}, metallic = {0.0, 0.4, 1.0};
+  constexpr std::array roughness = {0.0, 0.2, 0.5, 0.8, 1.0};
+  constexpr std::array metallic = {0.0, 0.4, 1.0};
   constexpr std::array degrees = {0.0, 35.0, 60.0, 75.0, 84.0};
   constexpr int cell = 15, columns = int(roughness.size() * metallic.size()), rows = int(degrees.size());
   const glm::dvec3 color(0.9, 0.4, 0);
   GltfBuilder b = empty_scene();
   use_materials(b);
   for (int x = 0; x < columns; ++x) {
-    Json pbr = base_color(color.r, color.g, color.b);
+    Json pbr = base_color(color.x, color.y, color.z);
     pbr["roughnessFactor"] = roughness[size_t(x) % roughness.size()];
     pbr["metallicFactor"] = metallic[size_t(x) / roughness.size()];
     const int mesh = add_square_mesh(b, 0.45f, add_material(b, {{"pbrMetallicRoughness", pbr}}));

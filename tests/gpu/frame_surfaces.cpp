@@ -132,6 +132,37 @@ TEST_F(FrameSurfaces, BlendedSquaresCoverBackToFrontFromBothSides) {
   EXPECT_EQ(centre(images_of(job)), glm::vec4(0.5, 0, 0.5, 1));
 }
 
+// A blended surface covers with its emission as with everything else: a quarter of a lamp is a quarter as bright.
+TEST_F(FrameSurfaces, BlendedEmissionIsCoveredToo) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json material = with_alpha(diffuse_material(0, 0, 0), "BLEND", 0.25);
+  material["emissiveFactor"] = {0.5, 0.25, 1};
+  add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, material))}});
+  add_node(b, {{"mesh", add_square_mesh(b, 2, add_material(b, unlit_material(1, 1, 1)))}, {"translation", {0, 0, -1}}});
+  for (const int samples : {1, 4}) {
+    Job job = job_for(write(b), 32, 32, samples);
+    look(job, {0, 0, 5}, {0, 0, 0}, 10);
+    EXPECT_EQ(centre(images_of(job)), glm::vec4(0.875, 0.8125, 1, 1));
+  }
+}
+
+// glTF 2.0, 3.9.4: what is at least the cutoff is solid, so alpha that equals it is.
+TEST_F(FrameSurfaces, AMaskKeepsWhatEqualsItsCutoff) {
+  for (const bool unlit : {false, true}) {
+    GltfBuilder b = empty_scene();
+    use_materials(b);
+    Json material = with_alpha(unlit ? unlit_material(1, 1, 1, 1) : diffuse_material(1, 1, 1), "MASK", 0.375);
+    material["alphaCutoff"] = 0.375;
+    add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, material))}});
+    Job job = with_layers(job_for(write(b), 16, 16));
+    look(job, {0, 0, 5}, {0, 0, 0}, 10);
+    const Images images = images_of(job);
+    EXPECT_EQ(centre(images).w, 1.0f);
+    EXPECT_EQ(images["object_id"].at<uint32_t>(8, 8), 0u);
+  }
+}
+
 // A mask by vertex colours whose alpha falls from 1 to 0: solid up to the cutoff, then gone, in beauty and layers
 // alike.
 TEST_F(FrameSurfaces, AMaskCutsAtItsCutoff) {

@@ -11,6 +11,17 @@
 namespace candela {
 namespace {
 
+// Between two ranks the value lies on the line between theirs.
+TEST(Percentile, LiesBetweenTheRanks) {
+  const std::vector<double> samples = {40, 10, 30, 20};
+  EXPECT_EQ(median(samples), 25);
+  EXPECT_DOUBLE_EQ(percentile(samples, 0.25), 17.5);
+  EXPECT_EQ(percentile(samples, 0), 10);
+  EXPECT_EQ(percentile(samples, 1), 40);
+  EXPECT_EQ(percentile({}, 0.5), 0);
+  EXPECT_EQ(mad(samples), 10);
+}
+
 TEST(MedianInterval, DegenerateSamples) {
   EXPECT_EQ(median_interval({}).high, 0);
   const std::vector<double> one = {3}, same = {2, 2, 2, 2};

@@ -131,6 +131,7 @@ VkImageLayout expected_layout(Access access, VkFormat format) {
     case Access::sampled_compute:
       return depth ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     case Access::storage_image_write:
+    case Access::storage_image_read:
     case Access::storage_image_read_write:
       return VK_IMAGE_LAYOUT_GENERAL;
     case Access::transfer_source:

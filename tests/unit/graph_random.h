@@ -129,7 +129,9 @@ class RandomGraph {
     if (!image.has(range) || taken(image, range)) return;
     used_.push_back({image.handle.resource, range});
     if (!image.depth) {
-      const Access access = pick({Access::sampled_fragment, Access::sampled_compute, Access::transfer_source});
+      Access access = pick(
+          {Access::sampled_fragment, Access::sampled_compute, Access::transfer_source, Access::storage_image_read});
+      if (access == Access::storage_image_read && range.mip_count != 1) access = Access::sampled_compute;
       builder_.read(image.handle, on_queue(access, Access::sampled_compute), "image", range);
       return;
     }

@@ -42,6 +42,22 @@ TEST(Gate, Rungs) {
   EXPECT_NE(failed.message, "");
 }
 
+// FLIP does not see alpha, the first rung does.
+TEST(Gate, AlphaCounts) {
+  FloatImage golden = ramp();
+  Channel& alpha = golden.channels.emplace_back();
+  alpha.name = "A";
+  alpha.f.assign(64 * 64, 1.0f);
+  FloatImage thinner = golden;
+  for (float& a : thinner.channels.back().f) a = 0.5f;
+  const GateResult result = judge_golden(golden, thinner, {});
+  EXPECT_EQ(result.rung, GateRung::flagged);
+  EXPECT_EQ(result.small_share, 1);
+  thinner = golden;
+  for (float& a : thinner.channels.back().f) a = 254.0f / 255;
+  EXPECT_EQ(judge_golden(golden, thinner, {}).rung, GateRung::nearly_identical);
+}
+
 // A small patch may be hidden by the mean: the 99th percentile sees it.
 TEST(Gate, PercentileSeesASmallPatch) {
   const FloatImage golden = ramp();

@@ -114,7 +114,6 @@ class ReferenceParity : public FrameTest {
     return out;
   }
 
- private:
   static void add_lamp(const std::filesystem::path& scene_file, Json& json) {
     const auto scene = load_gltf(scene_file);
     ASSERT_TRUE(scene) << scene.error().text();

@@ -14,6 +14,7 @@ void main() {
   const Item item = load_item(gl_InstanceIndex);
   const Geometry g = load_geometry(item.geometry);
   gl_Position = pc.clip_from_relative * vec4(relative_position(item, g, gl_VertexIndex), 1.0);
+  gl_Position.z = min(gl_Position.z, gl_Position.w);  // what lies before the near plane is flattened onto it
   if (IS_MASKED != 0) {
     const uint v = gl_VertexIndex;
     out_material = item.material;

@@ -8,19 +8,21 @@ vec3 ambient_radiance(vec3 n) {
            sh[7].rgb * (1.092548 * n.x * n.z) + sh[8].rgb * (0.546274 * (n.x * n.x - n.y * n.y));
   return max(e, vec3(0.0));
 }
-// Scale and bias of f0 in the split sum, an analytic fit (Karis, "Physically Based Shading on Mobile", 2014).
-vec2 environment_brdf(float roughness, float n_v) {
-  const vec4 c0 = vec4(-1.0, -0.0275, -0.572, 0.022), c1 = vec4(1.0, 0.0425, 1.04, -0.04);
-  const vec4 r = roughness * c0 + c1;
-  const float a004 = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
-  return vec2(-1.04, 1.04) * a004 + r.zw;
+// Scale of f0, bias of f90, and what the half vectors' Schlick term takes of a diffuse lobe (frame/split_sum.h). Needs
+// lib/brdf.glsl.
+vec3 split_sum(float roughness, float n_v) {
+  const vec2 size = vec2(split_sum_columns, split_sum_rows);
+  const float low = sqrt(least_roughness);
+  const vec2 at = vec2(sqrt(n_v), (sqrt(max(roughness, least_roughness)) - low) / (1.0 - low));
+  return textureLod(sampler2D(textures[frame.split_sum_texture], samplers[frame.split_sum_sampler]),
+      (at * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
 vec3 ambient_light(Surface s, vec3 v) {
-  const float n_v = clamp(dot(s.normal, v), 1e-4, 1.0);
-  const vec2 ab = environment_brdf(s.roughness, n_v);
-  const vec3 f_dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y;
-  const vec3 f_metal = s.base_color * ab.x + ab.y;
-  const float diffuse_left = 1.0 - max(f_dielectric.r, max(f_dielectric.g, f_dielectric.b));
+  const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
+  const vec3 f_dielectric = s.dielectric_f0 * albedo.x + s.dielectric_f90 * albedo.y;
+  const vec3 f_metal = s.base_color * albedo.x + albedo.y;
+  const float f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
+  const float diffuse_left = 1.0 - (f0_max + (s.dielectric_f90 - f0_max) * albedo.z);
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * ambient_radiance(s.normal);
   const vec3 specular = mix(f_dielectric, f_metal, s.metallic) * ambient_radiance(reflect(-v, s.normal));
   return (diffuse + specular) * s.occlusion;

@@ -1,9 +1,7 @@
 // Metallic-roughness BRDF of glTF 2.0, appendix B: GGX (Walter et al. 2007), height-correlated Smith (Heitz 2014),
 // Schlick.
+#include "shared/split_sum.h"
 const float PI = 3.14159265358979323846;
-
-// alpha below this overflows D at its peak in 32-bit float arithmetic (TECHNIQUES 9.1: perceptual roughness 0.045).
-const float MIN_PERCEPTUAL_ROUGHNESS = 0.045;
 
 // What all lights of a shaded point share. The mix of the dielectric and the metal is linear in both Fresnel terms, and
 // what a dielectric's strongest channel reflects is the Fresnel term of its strongest f0.
@@ -21,7 +19,7 @@ BrdfTerms brdf_terms(Surface s, vec3 v) {
   b.normal = s.normal;
   b.to_viewer = v;
   b.n_v = max(abs(dot(s.normal, v)), 1e-4);
-  const float roughness = max(s.roughness, MIN_PERCEPTUAL_ROUGHNESS);
+  const float roughness = max(s.roughness, least_roughness);
   b.alpha = roughness * roughness;
   b.alpha2 = b.alpha * b.alpha;
   b.smith_v = sqrt(b.n_v * b.n_v * (1.0 - b.alpha2) + b.alpha2);

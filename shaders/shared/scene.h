@@ -82,6 +82,7 @@ struct FrameConstants {
   uint light_count, item_count;
   uint perspective;
   uint sky_texture, sky_sampler;
+  uint split_sum_texture, split_sum_sampler;  // absent without ambient light
   vec2 sky_size_px;
   float pre_exposure;
   LightGrid grid;
@@ -105,8 +106,8 @@ static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) 
 static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture) == 76);
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
-static_assert(offsetof(FrameConstants, pre_exposure) == 408 && offsetof(FrameConstants, grid) == 416 &&
-              sizeof(FrameConstants) == 496);
+static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 &&
+              sizeof(FrameConstants) == 504);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

@@ -183,7 +183,8 @@ std::span<const DrawnKnob> drawn_knobs() {
 }
 
 std::span<const std::string_view> picture_changing_knobs() {
-  static constexpr std::string_view names[] = {"lights.cap", "lights.floor_lux", "resolve.samples"};
+  static constexpr std::string_view names[] = {"lights.cap", "lights.floor_lux", "resolve.samples", "supersample.n",
+                                               "textures.anisotropy"};
   return names;
 }
 

@@ -49,7 +49,7 @@ struct Suite {
   std::string output = "exr";             // what a timed frame leaves: exr (linear), png (tone-mapped) or both
   std::string reference = "brute-force";  // technique whose pixels the others must have
   // Knobs that change the picture: the reference is rendered with them too. All others must not change a bit.
-  std::vector<std::string> picture_knobs = {"lights.floor_lux", "resolve.samples"};
+  std::vector<std::string> picture_knobs = {"lights.floor_lux", "resolve.samples", "textures.anisotropy"};
   std::map<std::string, int> max_lights;  // by technique: configurations beyond are left out, with this as the reason
   int reference_max_lights = 0;  // the reference is rendered, though not measured, up to here; 0: as max_lights says
   SamplingRules sampling;

@@ -65,7 +65,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   command.add_option("--sky", o.sky, "Equirectangular .hdr or .exr that lights the scene and fills the background")
       ->type_name("FILE");
-  command.add_option("--look", o.look, "Look file (JSON): fog")->type_name("FILE");
+  command.add_option("--look", o.look, "Look file (JSON): fog, the sun's disc")->type_name("FILE");
   command.add_option("--exposure", o.exposure_ev, "Stops")->capture_default_str()->type_name("EV");
   command.add_option("--tonemap", o.tonemap, "Tone curve of PNG: agx, none, reinhard, aces, neutral or rec709")
       ->capture_default_str()

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "frame/mip_chain.h"
+#include "frame/split_sum.h"
 #include "frame/upload_table.h"
 #include "scene/scene_images.h"
 #include "scene/texture_slots.h"
@@ -27,7 +28,8 @@ VkSamplerAddressMode address_mode(Wrap w) {
                             : VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
 }
 
-VkSamplerCreateInfo sampler_info(const Sampler& s) {
+// Anisotropy is for footprints wider than a texel; nearest filtering asks for texels as they are.
+VkSamplerCreateInfo sampler_info(const Sampler& s, int anisotropy = 1) {
   VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   info.magFilter = s.mag == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
   info.minFilter = s.min == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
@@ -36,6 +38,9 @@ VkSamplerCreateInfo sampler_info(const Sampler& s) {
   info.addressModeU = address_mode(s.wrap_u);
   info.addressModeV = address_mode(s.wrap_v);
   info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  info.anisotropyEnable =
+      anisotropy > 1 && s.mipmaps && s.mag == Filter::linear && s.min == Filter::linear && s.mip == Filter::linear;
+  info.maxAnisotropy = info.anisotropyEnable ? float(anisotropy) : 1.0f;
   // 0.25 without mipmaps: the specification's way to keep both filters and level 0 alone.
   info.maxLod = s.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;
   return info;
@@ -56,7 +61,6 @@ void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, std::span<
 
 GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout)
     : device_(device), bindless_(bindless), scene_(scene), layout_(layout) {
-  for (const Sampler& s : scene.samplers) samplers_.push_back(bindless.add_sampler(sampler_info(s)));
   for (const Material& m : scene.materials)
     for_each_slot(m, [&](const TextureSlot& slot, bool srgb) {
       if (slot) mipmapped_[{slot.image, srgb}] |= scene.samplers[size_t(slot.sampler)].mipmaps;
@@ -82,7 +86,8 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
 GpuScene::~GpuScene() {
   for (const auto& [key, loaded] : textures_)
     if (loaded.index != shared::absent) bindless_.remove_sampled(loaded.index);
-  if (environment_index_ != shared::absent) bindless_.remove_sampled(environment_index_);
+  for (const uint32_t index : {environment_index_, split_sum_index_})
+    if (index != shared::absent) bindless_.remove_sampled(index);
 }
 
 void GpuScene::set_environment(const DecodedImage& image) {
@@ -96,6 +101,38 @@ void GpuScene::set_environment(const DecodedImage& image) {
   sampler.wrap_v = Wrap::clamp;
   environment_sampler_ = bindless_.add_sampler(sampler_info(sampler));
   environment_size_ = {image.width, image.height};
+}
+
+void GpuScene::set_samplers(const TextureKnobs& knobs) {
+  if (!samplers_.empty() && knobs.anisotropy == texture_knobs_.anisotropy) return;
+  texture_knobs_ = knobs;
+  samplers_.clear();
+  for (const Sampler& s : scene_.samplers)
+    samplers_.push_back(bindless_.add_sampler(sampler_info(s, knobs.anisotropy)));
+}
+
+// Once, for the first frame with ambient light on a surface.
+void GpuScene::load_split_sum(const PlannedFrame& frame) {
+  const bool ambient = frame.facts.environment || frame.request.neutral_light;
+  if (!ambient || frame.facts.lit_items + frame.facts.blend_lit_items == 0 || split_sum_index_ != shared::absent)
+    return;
+  constexpr uint32_t columns = shared::split_sum_columns, rows = shared::split_sum_rows;
+  std::vector<uint16_t> texels;
+  for (uint32_t i = 0; i < columns * rows; ++i)
+    texels.insert(texels.end(),
+                  {split_sum_table[2 * i], split_sum_table[2 * i + 1], split_sum_grazing[i % columns], uint16_t(0)});
+  gpu::TextureData data{VK_FORMAT_R16G16B16A16_UNORM, columns, rows, {}};
+  const auto bytes = std::as_bytes(std::span(texels));
+  data.levels.emplace_back(bytes.begin(), bytes.end());
+  split_sum_ = gpu::Texture(device_, data, "split_sum");
+  gpu::Uploader uploader(device_);
+  uploader.to_texture(split_sum_, data);
+  uploader.flush();
+  split_sum_index_ = bindless_.add_sampled(split_sum_.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  Sampler sampler;
+  sampler.wrap_u = sampler.wrap_v = Wrap::clamp;
+  sampler.mipmaps = false;
+  split_sum_sampler_ = bindless_.add_sampler(sampler_info(sampler));
 }
 
 void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
@@ -169,7 +206,9 @@ std::shared_ptr<GpuScene::Buffers> GpuScene::free_buffers() {
 
 GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   Uploaded uploaded;
+  set_samplers(frame.textures);
   load_textures(frame, uploaded);
+  load_split_sum(frame);
   const auto start = Clock::now();
   const std::shared_ptr<Buffers> own = free_buffers();
   uploaded.keep.push_back(own);
@@ -179,6 +218,8 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   c.sky_texture = environment_index_;
   c.sky_sampler = environment_sampler_;
   c.sky_size_px = environment_size_;
+  c.split_sum_texture = split_sum_index_;
+  c.split_sum_sampler = split_sum_sampler_;
   const std::vector<UploadRow> rows = upload_table(frame, layout_);
   for (size_t i = 0; i < rows.size(); ++i) {
     const UploadRow& row = rows[i];

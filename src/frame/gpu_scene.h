@@ -39,6 +39,8 @@ class GpuScene {
     bool srgb;
     auto operator<=>(const TextureKey&) const = default;
   };
+  void set_samplers(const TextureKnobs& knobs);
+  void load_split_sum(const PlannedFrame& frame);
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
   shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
   void set_textures(const Material& material, shared::Material& out) const;
@@ -58,10 +60,13 @@ class GpuScene {
   };
   std::map<TextureKey, LoadedTexture> textures_;
   std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another
-  std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers
+  std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers, filtered as the knobs say
+  TextureKnobs texture_knobs_;
   gpu::Texture environment_;
   uint32_t environment_index_ = shared::absent, environment_sampler_ = 0;
   glm::vec2 environment_size_{0};
+  gpu::Texture split_sum_;
+  uint32_t split_sum_index_ = shared::absent, split_sum_sampler_ = 0;
 };
 
 }  // namespace candela

@@ -140,6 +140,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.view = std::move(*view);
   f.data = make_frame_data(context.scene, f.pose, f.view);
   f.request = make_request(job, *knobs, wanted, time_s);
+  f.textures = knobs->get<TextureKnobs>();
   f.facts = survey(context.scene, f.pose, f.data, context.environment != nullptr);
   if (!has_light(context.scene) && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
     f.request.neutral_light = true;

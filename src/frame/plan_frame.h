@@ -8,6 +8,7 @@
 #include "frame/job.h"
 #include "graph/builder.h"
 #include "passes/lights/light_grid.h"
+#include "passes/surfaces/texture_knobs.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
 #include "scene/geometry_layout.h"
@@ -31,6 +32,7 @@ struct PlannedFrame {
   FrameUpload upload;
   LightGrid light_grid;
   FrameSuns suns;
+  TextureKnobs textures;
   CompiledGraph graph;
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
   std::vector<FrameReport> reports;

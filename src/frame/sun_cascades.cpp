@@ -147,8 +147,9 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
   const Slice all = slice_of(view, near_m, far_m);
   double low = light.of(all.centre).z - all.radius_m, high = low + 2 * all.radius_m;
   if (is_bounded) {
+    // Casters before the receivers are flattened onto the near plane, unless there is depth to spare for them.
     low = std::max(low, drawn.min.z);
-    high = std::min(high, drawn.max.z);
+    high = drawn.max.z - low < 4 * (high - low) ? drawn.max.z : std::min(high, drawn.max.z);
     if (single) low = drawn.min.z, high = drawn.max.z;
   }
   const double slack = std::max((high - low) * 1e-3, 1e-6);

@@ -7,9 +7,10 @@ namespace candela::gpu {
 
 // The descriptor sets of shaders/lib/bindless.glsl, and the one pipeline layout: both sets, and 128 bytes of push
 // constants visible to all stages.
-//   set 0, update-after-bind and partially bound: binding 0 sampled textures of the scene, binding 1 samplers
-//   set 1, one for each pass of a plan (Physical makes them): binding 0 sampled images of the graph, binding 1 storage
-//   images, binding 2 the pass's block of uniforms
+//   set 0, update-after-bind and partially bound: binding 0 sampled textures of the scene, binding 1 samplers,
+//   binding 2 the fixed samplers of graph images (shared/samplers.h)
+//   set 1, one for each step of a plan's passes (Physical makes them): binding 0 sampled images of the graph, binding 1
+//   storage images, binding 2 the pass's block of uniforms
 class Bindless {
  public:
   static constexpr uint32_t most_textures = 16384;

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "graph/handle.h"
+#include "graph/image_range.h"
 #include "graph/pipeline_desc.h"
 
 namespace candela {
@@ -16,11 +17,17 @@ class CommandList {
  public:
   virtual ~CommandList() = default;
 
-  // Places in the pass's own descriptor set (shaders/lib/bindless.glsl, set 1), for the access the pass declared.
-  virtual uint32_t sampled(ImageHandle image) = 0;  // pass_images, pass_multisampled_images, pass_uint_images
-  virtual uint32_t storage(ImageHandle image) = 0;  // storage_images
+  // Which step of its pass is recorded; 0 in a pass without steps. What a step did not declare is refused in it.
+  virtual uint32_t step() const = 0;
+
+  // Places in the step's own descriptor set (shaders/lib/bindless.glsl and lib/image_kinds.glsl, set 1), for the access
+  // that was declared. The range and view are those of the declaration; without them, the only ones that there are.
+  using View = std::optional<ImageKind>;
+  virtual uint32_t sampled(ImageHandle image, ImageRange range = {}, View view = {}) = 0;  // pass_images, ...
+  virtual uint32_t storage(ImageHandle image, ImageRange range = {}, View view = {}) = 0;  // storage_images, ...
   virtual uint64_t address(BufferHandle buffer) = 0;
-  virtual glm::uvec2 size(ImageHandle image) = 0;
+  virtual glm::uvec2 size(ImageHandle image, uint32_t mip = 0) = 0;
+  virtual glm::uvec3 size_3d(ImageHandle image, uint32_t mip = 0) = 0;
 
   virtual void bind(PipelineHandle pipeline) = 0;
   virtual void push_bytes(const void* data, uint32_t bytes) = 0;
@@ -34,11 +41,12 @@ class CommandList {
   virtual void dispatch(uint32_t threads_x, uint32_t threads_y = 1, uint32_t threads_z = 1) = 0;
 
   struct Attachment {
-    ImageHandle image;      // version written by this pass; version 1 clears, later ones load
+    ImageHandle image;      // the first write of its range clears, later ones load
     ImageHandle resolve{};  // optional
+    ImageRange range{};     // of image; as for sampled
   };
-  virtual void begin_rendering(std::span<const Attachment> colors,
-                               ImageHandle depth) = 0;  // viewport and scissor: whole image
+  // Viewport and scissor: the whole mip. Several layers: the vertex shader chooses with gl_Layer.
+  virtual void begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range = {}) = 0;
   virtual void end_rendering() = 0;
   // cull: none, or back faces; mirrored: front faces are clockwise (negative determinant).
   virtual void set_cull(bool cull_back, bool mirrored) = 0;
@@ -47,7 +55,8 @@ class CommandList {
   virtual void draw_indexed_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
                                            uint64_t counts_offset, uint32_t max_draws) = 0;
 
-  virtual void copy_to_buffer(ImageHandle image, BufferHandle buffer) = 0;  // tightly packed rows
+  // Tightly packed: mip by mip, and within a mip layer by layer.
+  virtual void copy_to_buffer(ImageHandle image, BufferHandle buffer, ImageRange range = {}) = 0;
 };
 
 }  // namespace candela

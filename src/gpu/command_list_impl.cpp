@@ -1,6 +1,7 @@
 #include "gpu/command_list_impl.h"
 
 #include "base/check.h"
+#include "gpu/image_copy.h"
 #include "graph/access.h"
 #include "graph/formats.h"
 
@@ -28,7 +29,7 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
     image.newLayout = b.new_layout;
     image.srcQueueFamilyIndex = image.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     image.image = frame.physical.image(b.resource).image;
-    image.subresourceRange = {frame.physical.image(b.resource).aspect, 0, 1, 0, 1};
+    image.subresourceRange = subresources(frame.physical.image(b.resource), b.range);
     images.push_back(image);
   }
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
@@ -39,27 +40,56 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
   vkCmdPipelineBarrier2(commands, &info);
 }
 
-CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, VkCommandBuffer commands)
+void record_steps(const FrameContext& frame, size_t pass, const RecordFunction& record, VkCommandBuffer commands) {
+  const PlanPass& planned = frame.plan.passes[pass];
+  for (uint32_t step = 0; step < planned.steps(); ++step) {
+    record_barriers(frame, planned.barriers_before(step), commands);
+    CommandListImpl list(frame, pass, step, commands);
+    record(list);
+    CHECK_MSG(!list.rendering(), fmt::format("pass '{}' does not end its rendering", planned.name));
+  }
+}
+
+CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, uint32_t step, VkCommandBuffer commands)
     : frame_(frame),
       pass_(frame.plan.passes[pass]),
-      images_(frame.physical.pass_images(frame.slot, pass)),
+      step_(step),
+      images_(frame.physical.step_images(frame.slot, pass, step)),
       commands_(commands) {
   const VkDescriptorSet sets[] = {frame.bindless.set(), images_.set};
   for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
     vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);
 }
 
-const PlanUse& CommandListImpl::use_of(int resource, int version, std::initializer_list<Access> accesses) const {
-  const bool known = resource >= 0 && size_t(resource) < frame_.plan.resources.size();
-  for (const PlanUse& use : pass_.uses)
-    if (use.resource == resource && use.version == version &&
-        std::find(accesses.begin(), accesses.end(), use.access) != accesses.end())
-      return use;
-  std::string wanted;
-  for (const Access access : accesses) wanted += (wanted.empty() ? "" : " or ") + std::string(access_info(access).name);
-  CHECK_MSG(false,
-            fmt::format("pass '{}' uses version {} of '{}' without having declared it as {}", pass_.name, version,
-                        known ? frame_.plan.resources[size_t(resource)].name() : "an empty handle", wanted));
+const PlanUse& CommandListImpl::use_of(const Wanted& wanted, std::initializer_list<Access> accesses) const {
+  const bool known = wanted.resource >= 0 && size_t(wanted.resource) < frame_.plan.resources.size();
+  const PlanResource* resource = known ? &frame_.plan.resources[size_t(wanted.resource)] : nullptr;
+  ImageRange range = wanted.range;
+  if (const auto* image = resource ? std::get_if<ImageDesc>(&resource->desc) : nullptr; image && !range.is_default())
+    range = resolved(range, *image);
+  // A pass that writes a resource part by part holds the handle of the last version, so any version it knows will do.
+  bool version_known = false;
+  const PlanUse* found = nullptr;
+  bool several = false;
+  for (const PlanUse& use : pass_.uses) {
+    if (use.resource != wanted.resource) continue;
+    version_known |= use.version == wanted.version;
+    if (!use.in_step(step_) || std::find(accesses.begin(), accesses.end(), use.access) == accesses.end()) continue;
+    if (!range.is_default() && range != use.range) continue;
+    if (wanted.view && *wanted.view != use.view) continue;
+    several |= found && (found->range != use.range || found->view != use.view);
+    if (!found) found = &use;
+  }
+  const std::string name = resource ? resource->name() : "an empty handle";
+  CHECK_MSG(!found || !several,
+            fmt::format("pass '{}' declared several parts of '{}'; give range and view", pass_.name, name));
+  if (found && version_known) return *found;
+  std::string as;
+  for (const Access access : accesses) as += (as.empty() ? "" : " or ") + std::string(access_info(access).name);
+  const auto* image = resource ? std::get_if<ImageDesc>(&resource->desc) : nullptr;
+  CHECK_MSG(false, fmt::format("pass '{}' uses version {} of '{}{}' without having declared it as {}{}", pass_.name,
+                               wanted.version, name, image && !range.is_default() ? range_text(range, *image) : "", as,
+                               pass_.steps() > 1 ? fmt::format(" in step {}", step_) : ""));
   return pass_.uses.front();
 }
 
@@ -73,14 +103,13 @@ const Buffer& CommandListImpl::buffer(int resource) const {
   return *buffer;
 }
 
-uint32_t CommandListImpl::sampled(ImageHandle image) {
-  use_of(image, {Access::sampled_fragment, Access::sampled_compute});
-  return images_.sampled.at(image.resource);
+uint32_t CommandListImpl::sampled(ImageHandle image, ImageRange range, View view) {
+  return images_.sampled.at(view_key(use_of(image, {Access::sampled_fragment, Access::sampled_compute}, range, view)));
 }
 
-uint32_t CommandListImpl::storage(ImageHandle image) {
-  use_of(image, {Access::storage_image_write, Access::storage_image_read_write});
-  return images_.storage.at(image.resource);
+uint32_t CommandListImpl::storage(ImageHandle image, ImageRange range, View view) {
+  return images_.storage.at(
+      view_key(use_of(image, {Access::storage_image_write, Access::storage_image_read_write}, range, view)));
 }
 
 uint64_t CommandListImpl::address(BufferHandle handle) {
@@ -91,11 +120,15 @@ uint64_t CommandListImpl::address(BufferHandle handle) {
   return address;
 }
 
-glm::uvec2 CommandListImpl::size(ImageHandle image) {
+glm::uvec2 CommandListImpl::size(ImageHandle image, uint32_t mip) { return size_3d(image, mip); }
+
+glm::uvec3 CommandListImpl::size_3d(ImageHandle image, uint32_t mip) {
   const bool used = std::any_of(pass_.uses.begin(), pass_.uses.end(),
                                 [&](const PlanUse& use) { return use.resource == image.resource; });
   CHECK_MSG(used, fmt::format("pass '{}' asks for the size of an image that it did not declare", pass_.name));
-  return {desc_of(image.resource).width_px, desc_of(image.resource).height_px};
+  const VkExtent3D extent = mip_extent(desc_of(image.resource), mip);
+  CHECK_MSG(mip < desc_of(image.resource).mips, pass_.name);
+  return {extent.width, extent.height, extent.depth};
 }
 
 void CommandListImpl::bind(PipelineHandle pipeline) {
@@ -126,9 +159,10 @@ void CommandListImpl::dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t 
 VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const {
   const ImageDesc& desc = desc_of(use.resource);
   VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  info.imageView = frame_.physical.image(use.resource).view;
+  info.imageView = frame_.physical.view(view_key(use));
   info.imageLayout = image_layout(use.access, desc.format);
-  info.loadOp = !use.writes || use.version != 1  ? VK_ATTACHMENT_LOAD_OP_LOAD
+  const bool first = use.writes && use.first && (use.step != PlanUse::every_step || step_ == 0);
+  info.loadOp = !first                           ? VK_ATTACHMENT_LOAD_OP_LOAD
                 : desc.covered && !frame_.hashed ? VK_ATTACHMENT_LOAD_OP_DONT_CARE
                                                  : VK_ATTACHMENT_LOAD_OP_CLEAR;
   info.storeOp = use.writes ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_NONE;
@@ -145,34 +179,42 @@ VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const 
   return info;
 }
 
-void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageHandle depth) {
+void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range) {
   CHECK_MSG(!rendering_ && (!colors.empty() || depth), pass_.name);
-  const ImageDesc& shape = desc_of(colors.empty() ? depth.resource : colors[0].image.resource);
+  const PlanUse* shape = nullptr;
+  const auto drawn = [&](const PlanUse& use) -> const PlanUse& {
+    if (!shape) shape = &use;
+    CHECK_MSG(shape->range.layer_count == use.range.layer_count,
+              fmt::format("pass '{}' draws to {} layers and to {}", pass_.name, shape->range.layer_count,
+                          use.range.layer_count));
+    return use;
+  };
   std::vector<VkRenderingAttachmentInfo> color_infos;
   for (const Attachment& color : colors) {
-    VkRenderingAttachmentInfo info = attachment(use_of(color.image, {Access::color_attachment}));
+    VkRenderingAttachmentInfo info = attachment(drawn(use_of(color.image, {Access::color_attachment}, color.range)));
     if (color.resolve) {
       const PlanUse& resolve = use_of(color.resolve, {Access::resolve_attachment});
       const VkFormat format = desc_of(resolve.resource).format;
       info.resolveMode = is_integer(format) ? VK_RESOLVE_MODE_SAMPLE_ZERO_BIT : VK_RESOLVE_MODE_AVERAGE_BIT;
-      info.resolveImageView = frame_.physical.image(resolve.resource).view;
+      info.resolveImageView = frame_.physical.view(view_key(resolve));
       info.resolveImageLayout = image_layout(resolve.access, format);
     }
     color_infos.push_back(info);
   }
   VkRenderingAttachmentInfo depth_info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  if (depth) depth_info = attachment(use_of(depth, {Access::depth_attachment, Access::depth_test}));
+  if (depth) depth_info = attachment(drawn(use_of(depth, {Access::depth_attachment, Access::depth_test}, depth_range)));
 
-  const VkRect2D area{{0, 0}, {shape.width_px, shape.height_px}};
+  const VkExtent3D extent = mip_extent(desc_of(shape->resource), shape->range.first_mip);
+  const VkRect2D area{{0, 0}, {extent.width, extent.height}};
   VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
   info.renderArea = area;
-  info.layerCount = 1;
+  info.layerCount = shape->range.layer_count;
   info.colorAttachmentCount = uint32_t(color_infos.size());
   info.pColorAttachments = color_infos.data();
   info.pDepthAttachment = depth ? &depth_info : nullptr;
   vkCmdBeginRendering(commands_, &info);
   rendering_ = true;
-  const VkViewport viewport{0, 0, float(shape.width_px), float(shape.height_px), 0, 1};
+  const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
   vkCmdSetViewport(commands_, 0, 1, &viewport);
   vkCmdSetScissor(commands_, 0, 1, &area);
   set_cull(false, false);
@@ -209,18 +251,15 @@ void CommandListImpl::draw_indexed_indirect_count(BufferHandle commands, uint64_
                                 sizeof(VkDrawIndexedIndirectCommand));
 }
 
-void CommandListImpl::copy_to_buffer(ImageHandle image, BufferHandle target) {
-  const PlanUse& source = use_of(image, {Access::transfer_source});
+void CommandListImpl::copy_to_buffer(ImageHandle image, BufferHandle target, ImageRange range) {
+  const PlanUse& source = use_of(image, {Access::transfer_source}, range);
   use_of(target, {Access::transfer_destination});
   const ImageDesc& desc = desc_of(image.resource);
   const PhysicalImage& physical = frame_.physical.image(image.resource);
-  CHECK_MSG(buffer(target.resource).size() >= uint64_t(desc.width_px) * desc.height_px * format_bytes(desc.format),
-            pass_.name);
-  VkBufferImageCopy region{};
-  region.imageSubresource = {physical.aspect, 0, 0, 1};
-  region.imageExtent = {desc.width_px, desc.height_px, 1};
+  CHECK_MSG(buffer(target.resource).size() >= range_bytes(desc, source.range), pass_.name);
+  const std::vector<VkBufferImageCopy> regions = copy_regions(desc, physical, source.range);
   vkCmdCopyImageToBuffer(commands_, physical.image, image_layout(source.access, desc.format),
-                         buffer(target.resource).handle(), 1, &region);
+                         buffer(target.resource).handle(), uint32_t(regions.size()), regions.data());
 }
 
 }  // namespace candela::gpu

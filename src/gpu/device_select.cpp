@@ -33,6 +33,7 @@ constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
     {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics},
     {"textureCompressionBC", &VkPhysicalDeviceFeatures::textureCompressionBC},
     {"shaderInt16", &VkPhysicalDeviceFeatures::shaderInt16},
+    {"imageCubeArray", &VkPhysicalDeviceFeatures::imageCubeArray},
 };
 constexpr Feature<VkPhysicalDeviceVulkan11Features> required_11[] = {
     {"shaderDrawParameters", &VkPhysicalDeviceVulkan11Features::shaderDrawParameters},
@@ -54,6 +55,9 @@ constexpr Feature<VkPhysicalDeviceVulkan12Features> required_12[] = {
     {"scalarBlockLayout", &VkPhysicalDeviceVulkan12Features::scalarBlockLayout},
     {"drawIndirectCount", &VkPhysicalDeviceVulkan12Features::drawIndirectCount},
     {"hostQueryReset", &VkPhysicalDeviceVulkan12Features::hostQueryReset},
+};
+constexpr Feature<VkPhysicalDeviceVulkan12Features> optional_12[] = {
+    {"shaderOutputLayer", &VkPhysicalDeviceVulkan12Features::shaderOutputLayer},
 };
 constexpr Feature<VkPhysicalDeviceVulkan13Features> required_13[] = {
     {"synchronization2", &VkPhysicalDeviceVulkan13Features::synchronization2},
@@ -259,6 +263,7 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
   enable(wanted.core.features, optional_core, &present.core.features);
   enable(wanted.v11, required_11);
   enable(wanted.v12, required_12);
+  enable(wanted.v12, optional_12, &present.v12);
   enable(wanted.v13, required_13);
 }
 

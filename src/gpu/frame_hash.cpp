@@ -1,7 +1,9 @@
 #include "gpu/frame_hash.h"
 
 #include <cstring>
+#include <set>
 
+#include "gpu/image_copy.h"
 #include "gpu/timing.h"
 #include "graph/access.h"
 #include "graph/formats.h"
@@ -23,7 +25,8 @@ uint64_t count_full_exponents(std::span<const std::byte> bytes, Word exponent) {
   return count;
 }
 
-void change_layout(VkCommandBuffer commands, const PhysicalImage& image, VkImageLayout from, VkImageLayout to) {
+void change_layout(VkCommandBuffer commands, const PhysicalImage& image, const ImageRange& range, VkImageLayout from,
+                   VkImageLayout to) {
   VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
   barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -31,7 +34,7 @@ void change_layout(VkCommandBuffer commands, const PhysicalImage& image, VkImage
   barrier.newLayout = to;
   barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.image = image.image;
-  barrier.subresourceRange = {image.aspect, 0, 1, 0, 1};
+  barrier.subresourceRange = subresources(image, range);
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
   info.imageMemoryBarrierCount = 1;
   info.pImageMemoryBarriers = &barrier;
@@ -47,25 +50,46 @@ uint64_t count_nonfinite(VkFormat format, std::span<const std::byte> bytes) {
                                                    : count_full_exponents<uint32_t>(bytes, 0x7f800000);
 }
 
-void OutputHasher::record_image(const FrameContext& frame, const PlanUse& use, VkCommandBuffer commands) {
+namespace {
+// The layout that a pass leaves one subresource in: its last step that uses it decides.
+VkImageLayout layout_after(const PlanPass& pass, const ImageDesc& desc, int resource, const ImageRange& one) {
+  int last = -1;
+  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  for (const PlanUse& use : pass.uses) {
+    const int step = use.step == PlanUse::every_step ? int(pass.steps()) - 1 : use.step;
+    if (use.resource != resource || step < last || !use.range.overlaps(one)) continue;
+    last = step;
+    layout = image_layout(use.access, desc.format);
+  }
+  return layout;
+}
+}  // namespace
+
+void OutputHasher::record_image(const FrameContext& frame, const PlanPass& pass, const PlanUse& use,
+                                VkCommandBuffer commands) {
   const auto& desc = std::get<ImageDesc>(frame.plan.resources[size_t(use.resource)].desc);
   const PhysicalImage& image = frame.physical.image(use.resource);
-  const VkImageLayout before = image_layout(use.access, desc.format);
   const VkImageLayout read =
       desc.samples > 1 ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-  change_layout(commands, image, before, read);
+  const auto change_all = [&](bool to_read) {
+    for_subresources(use.range, desc.layers, [&](size_t subresource) {
+      const ImageRange one{uint32_t(subresource) / desc.layers, 1, uint32_t(subresource) % desc.layers, 1};
+      const VkImageLayout own = layout_after(pass, desc, use.resource, one);
+      change_layout(commands, image, one, to_read ? own : read, to_read ? read : own);
+    });
+  };
+  change_all(true);
   if (desc.samples > 1) {
-    samples_.record(commands, desc, image.view, staging_.address());
+    samples_.record(commands, desc, frame.physical.view(view_key(use)), staging_.address());
   } else {
-    VkBufferImageCopy region{};
-    region.imageSubresource = {image.aspect, 0, 0, 1};
-    region.imageExtent = {desc.width_px, desc.height_px, 1};
-    vkCmdCopyImageToBuffer(commands, image.image, read, staging_.handle(), 1, &region);
+    const std::vector<VkBufferImageCopy> regions = copy_regions(desc, image, use.range);
+    vkCmdCopyImageToBuffer(commands, image.image, read, staging_.handle(), uint32_t(regions.size()), regions.data());
   }
-  change_layout(commands, image, read, before);
+  change_all(false);
 }
 
-void OutputHasher::copy_and_wait(const FrameContext& frame, const PlanUse& use, QueueWork& work, uint64_t bytes) {
+void OutputHasher::copy_and_wait(const FrameContext& frame, const PlanPass& pass, const PlanUse& use, QueueWork& work,
+                                 uint64_t bytes) {
   constexpr VkBufferUsageFlags usage =
       VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   if (staging_.size() < bytes)
@@ -74,7 +98,7 @@ void OutputHasher::copy_and_wait(const FrameContext& frame, const PlanUse& use, 
   VkCommandBuffer commands = work.begin();
   full_barrier(commands);
   if (frame.plan.resources[size_t(use.resource)].is_image()) {
-    record_image(frame, use, commands);
+    record_image(frame, pass, use, commands);
   } else {
     const VkBufferCopy region{0, 0, bytes};
     vkCmdCopyBuffer(commands, frame.buffers[size_t(use.resource)]->handle(), staging_.handle(), 1, &region);
@@ -95,11 +119,13 @@ void OutputHasher::copy_and_wait(const FrameContext& frame, const PlanUse& use, 
 
 void OutputHasher::hash_outputs(const FrameContext& frame, size_t pass, QueueWork& work,
                                 std::vector<PassHash>& hashes) {
-  for (const PlanUse& use : frame.plan.passes[pass].uses) {
-    if (!use.writes) continue;
+  const PlanPass& planned = frame.plan.passes[pass];
+  std::set<std::pair<int, ImageRange>> seen;  // several steps may write the same
+  for (const PlanUse& use : planned.uses) {
+    if (!use.writes || !seen.emplace(use.resource, use.range).second) continue;
     const PlanResource& resource = frame.plan.resources[size_t(use.resource)];
-    PassHash hash{frame.plan.passes[pass].name, resource.name(), {}, 0};
     const auto* image = std::get_if<ImageDesc>(&resource.desc);
+    PassHash hash{planned.name, resource.name() + (image ? range_text(use.range, *image) : ""), {}, 0};
     const bool multisampled = image && image->samples > 1;
     if (multisampled && !frame.physical.image(use.resource).sampled) {
       hash.resource += " (multisampled, not hashed)";
@@ -115,10 +141,10 @@ void OutputHasher::hash_outputs(const FrameContext& frame, size_t pass, QueueWor
     if (multisampled)
       bytes = SampleReader::bytes(*image);
     else if (image)
-      bytes = uint64_t(image->width_px) * image->height_px * format_bytes(image->format);
+      bytes = range_bytes(*image, use.range);
     else
       bytes = frame.buffers[size_t(use.resource)]->size();
-    copy_and_wait(frame, use, work, bytes);
+    copy_and_wait(frame, planned, use, work, bytes);
     const std::span<const std::byte> contents(staging_.mapped(), bytes);
     hash.hash = hash128(contents);
     // Samples are read as 32-bit floats, whatever their format.

@@ -17,8 +17,9 @@ class OutputHasher {
   void hash_outputs(const FrameContext& frame, size_t pass, QueueWork& work, std::vector<PassHash>& hashes);
 
  private:
-  void copy_and_wait(const FrameContext& frame, const PlanUse& use, QueueWork& work, uint64_t bytes);
-  void record_image(const FrameContext& frame, const PlanUse& use, VkCommandBuffer commands);
+  void copy_and_wait(const FrameContext& frame, const PlanPass& pass, const PlanUse& use, QueueWork& work,
+                     uint64_t bytes);
+  void record_image(const FrameContext& frame, const PlanPass& pass, const PlanUse& use, VkCommandBuffer commands);
 
   SampleReader samples_;
   Buffer staging_;

@@ -244,12 +244,8 @@ void FrameRunner::Hidden::fill_buffers(const FrameContext& frame, VkCommandBuffe
 
 void FrameRunner::Hidden::record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass,
                                       VkCommandBuffer commands) const {
-  const PlanPass& planned = graph.plan.passes[pass];
-  device.begin_label(commands, planned.name);
-  record_barriers(frame, planned.barriers, commands);
-  CommandListImpl list(frame, pass, commands);
-  graph.record[pass](list);
-  CHECK_MSG(!list.rendering(), fmt::format("pass '{}' does not end its rendering", planned.name));
+  device.begin_label(commands, graph.plan.passes[pass].name);
+  record_steps(frame, pass, graph.record[pass], commands);
   device.end_label(commands);
 }
 

@@ -15,25 +15,28 @@ Hash128 physical_key(const FramePlan& plan) {
     key.insert(key.end(), {i, uint64_t(resource.lifetime), uint64_t(int64_t(resource.block)), resource.image_usage,
                            resource.buffer_usage});
     if (const auto* image = std::get_if<ImageDesc>(&resource.desc))
-      key.insert(key.end(), {uint64_t(image->format), image->width_px, image->height_px, image->samples});
+      key.insert(key.end(), {uint64_t(image->format), image->width_px, image->height_px, image->samples,
+                             uint64_t(image->kind), image->mips, image->layers, image->depth_px});
     else
       key.push_back(std::get<BufferDesc>(resource.desc).size_bytes);
   }
   for (const PlanPass& pass : plan.passes) {
-    key.push_back(pass.uses.size());
-    for (const PlanUse& use : pass.uses) key.insert(key.end(), {uint64_t(use.resource), uint64_t(use.access)});
+    key.insert(key.end(), {pass.uses.size(), pass.steps()});
+    for (const PlanUse& use : pass.uses)
+      key.insert(key.end(),
+                 {uint64_t(use.resource), uint64_t(use.access), uint64_t(int64_t(use.step)), uint64_t(use.view),
+                  use.range.first_mip, use.range.mip_count, use.range.first_layer, use.range.layer_count});
   }
   return hash128(std::as_bytes(std::span(key)));
 }
 
 void Physical::clear() {
-  for (PhysicalImage& image : images_) {
-    vkDestroyImageView(device_.handle(), image.view, nullptr);
-    vkDestroyImage(device_.handle(), image.image, nullptr);
-  }
+  for (const auto& [key, view] : views_) vkDestroyImageView(device_.handle(), view, nullptr);
+  for (PhysicalImage& image : images_) vkDestroyImage(device_.handle(), image.image, nullptr);
+  views_.clear();
   images_.clear();
   buffers_.clear();
-  for (const PassSets& sets : sets_) vkDestroyDescriptorPool(device_.handle(), sets.pool, nullptr);
+  for (const StepSets& sets : sets_) vkDestroyDescriptorPool(device_.handle(), sets.pool, nullptr);
   sets_.clear();
   for (VkDeviceMemory memory : blocks_) device_.release(memory);
   blocks_.clear();
@@ -57,25 +60,29 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
     }
   }
   bind_blocks(plan);
-  for (size_t i = 0; i < plan.resources.size(); ++i)
-    if (images_[i].image) make_view(plan.resources[i], images_[i]);
+  make_views(plan);
 }
 
-void Physical::make_pass_sets(const FramePlan& plan, PassSets& sets) {
-  const uint32_t passes = uint32_t(plan.passes.size());
-  if (passes == 0) return;
+void Physical::make_step_sets(const FramePlan& plan, StepSets& into) {
+  uint32_t sets = 0;
+  for (const PlanPass& pass : plan.passes) sets += pass.steps();
+  if (sets == 0) return;
   std::vector<VkDescriptorPoolSize> sizes(std::begin(Bindless::pass_sizes), std::end(Bindless::pass_sizes));
-  for (VkDescriptorPoolSize& size : sizes) size.descriptorCount *= passes;
+  for (VkDescriptorPoolSize& size : sizes) size.descriptorCount *= sets;
   VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  info.maxSets = passes;
+  info.maxSets = sets;
   info.poolSizeCount = uint32_t(sizes.size());
   info.pPoolSizes = sizes.data();
-  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &sets.pool));
-  sets.passes.resize(passes);
-  for (uint32_t i = 0; i < passes; ++i) write_pass_set(plan, plan.passes[i], sets.pool, sets.passes[i]);
+  VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &into.pool));
+  for (const PlanPass& pass : plan.passes) {
+    into.passes.emplace_back(pass.steps());
+    for (uint32_t step = 0; step < pass.steps(); ++step)
+      write_step_set(plan, pass, step, into.pool, into.passes.back()[step]);
+  }
 }
 
-void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, VkDescriptorPool pool, PassImages& images) {
+void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, VkDescriptorPool pool,
+                              StepImages& images) {
   const VkDescriptorSetLayout layout = bindless_.pass_set_layout();
   VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   info.descriptorPool = pool;
@@ -86,15 +93,15 @@ void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, VkDes
   for (const PlanUse& use : pass.uses) {
     const bool sampled = use.access == Access::sampled_fragment || use.access == Access::sampled_compute;
     const bool storage = use.access == Access::storage_image_write || use.access == Access::storage_image_read_write;
-    if (!sampled && !storage) continue;
+    if ((!sampled && !storage) || !use.in_step(step)) continue;
     auto& places = sampled ? images.sampled : images.storage;
-    if (places.contains(use.resource)) continue;
+    const ViewKey key = view_key(use);
+    if (places.contains(key)) continue;
     const uint32_t place = uint32_t(places.size());
     CHECK_MSG(place < (sampled ? Bindless::pass_sampled : Bindless::pass_storage), pass.name);
-    places[use.resource] = place;
+    places[key] = place;
     const VkFormat format = std::get<ImageDesc>(plan.resources[size_t(use.resource)].desc).format;
-    const VkDescriptorImageInfo image{VK_NULL_HANDLE, images_[size_t(use.resource)].view,
-                                      image_layout(use.access, format)};
+    const VkDescriptorImageInfo image{VK_NULL_HANDLE, view(key), image_layout(use.access, format)};
     const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                      nullptr,
                                      images.set,
@@ -109,22 +116,25 @@ void Physical::write_pass_set(const FramePlan& plan, const PlanPass& pass, VkDes
 
 void Physical::bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers) {
   if (slot >= sets_.size()) sets_.resize(slot + 1);
-  if (!sets_[slot].pool) make_pass_sets(plan, sets_[slot]);
+  if (!sets_[slot].pool) make_step_sets(plan, sets_[slot]);
   for (size_t i = 0; i < plan.passes.size(); ++i)
     for (const PlanUse& use : plan.passes[i].uses) {
       if (use.access != Access::uniform_read) continue;
       const VkDescriptorBufferInfo buffer{buffers[size_t(use.resource)]->handle(), 0,
                                           std::get<BufferDesc>(plan.resources[size_t(use.resource)].desc).size_bytes};
-      const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                       nullptr,
-                                       sets_[slot].passes[i].set,
-                                       2,
-                                       0,
-                                       1,
-                                       VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
-                                       nullptr,
-                                       &buffer};
-      vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+      for (uint32_t step = 0; step < plan.passes[i].steps(); ++step) {
+        if (!use.in_step(step)) continue;
+        const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                         nullptr,
+                                         sets_[slot].passes[i][step].set,
+                                         2,
+                                         0,
+                                         1,
+                                         VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                                         nullptr,
+                                         &buffer};
+        vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+      }
     }
 }
 
@@ -140,10 +150,13 @@ bool can_make(VkPhysicalDevice device, const VkImageCreateInfo& info, VkImageUsa
 void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalImage& image) {
   const auto& desc = std::get<ImageDesc>(resource.desc);
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
-  info.imageType = VK_IMAGE_TYPE_2D;
+  info.imageType = desc.kind == ImageKind::d3 ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D;
+  if (desc.kind == ImageKind::cube || desc.kind == ImageKind::cube_array)
+    info.flags = VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
   info.format = desc.format;
-  info.extent = {desc.width_px, desc.height_px, 1};
-  info.mipLevels = info.arrayLayers = 1;
+  info.extent = {desc.width_px, desc.height_px, desc.depth_px};
+  info.mipLevels = desc.mips;
+  info.arrayLayers = desc.layers;
   info.samples = VkSampleCountFlagBits(desc.samples);
   info.usage = resource.image_usage;
   if (copyable) {
@@ -177,19 +190,33 @@ void Physical::bind_blocks(const FramePlan& plan) {
       VK_CHECK(vkBindImageMemory(device_.handle(), images_[i].image, blocks_[size_t(plan.resources[i].block)], 0));
 }
 
-void Physical::make_view(const PlanResource& resource, PhysicalImage& image) {
-  const auto& desc = std::get<ImageDesc>(resource.desc);
+namespace {
+VkImageViewType view_type(ImageKind kind) {
+  constexpr VkImageViewType types[] = {VK_IMAGE_VIEW_TYPE_2D, VK_IMAGE_VIEW_TYPE_2D_ARRAY, VK_IMAGE_VIEW_TYPE_CUBE,
+                                       VK_IMAGE_VIEW_TYPE_CUBE_ARRAY, VK_IMAGE_VIEW_TYPE_3D};
+  return types[int(kind)];
+}
+}  // namespace
+
+void Physical::make_views(const FramePlan& plan) {
   constexpr VkImageUsageFlags viewable = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT |
                                          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
                                          VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  if (!(resource.image_usage & viewable)) return;  // only copied
-  VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-  info.image = image.image;
-  info.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  info.format = desc.format;
-  info.subresourceRange = {image.aspect, 0, 1, 0, 1};
-  VK_CHECK(vkCreateImageView(device_.handle(), &info, nullptr, &image.view));
-  device_.set_name(VK_OBJECT_TYPE_IMAGE_VIEW, uint64_t(image.view), desc.name);
+  for (const PlanPass& pass : plan.passes)
+    for (const PlanUse& use : pass.uses) {
+      if (!(access_info(use.access).image_usage & viewable) || views_.contains(view_key(use))) continue;
+      if (!plan.resources[size_t(use.resource)].is_image()) continue;
+      const auto& desc = std::get<ImageDesc>(plan.resources[size_t(use.resource)].desc);
+      const PhysicalImage& image = images_[size_t(use.resource)];
+      VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+      info.image = image.image;
+      info.viewType = view_type(use.view);
+      info.format = desc.format;
+      info.subresourceRange = subresources(image, use.range);
+      VkImageView& view = views_[view_key(use)];
+      VK_CHECK(vkCreateImageView(device_.handle(), &info, nullptr, &view));
+      device_.set_name(VK_OBJECT_TYPE_IMAGE_VIEW, uint64_t(view), desc.name + range_text(use.range, desc));
+    }
 }
 
 ReadbackPool::Pooled::~Pooled() {

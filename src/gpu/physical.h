@@ -15,15 +15,27 @@ namespace candela::gpu {
 
 struct PhysicalImage {
   VkImage image = VK_NULL_HANDLE;
-  VkImageView view = VK_NULL_HANDLE;
   VkImageAspectFlags aspect = 0;
   bool sampled = false;  // made with SAMPLED usage
 };
 
-// The images that one pass reaches through descriptors: its set 1, and each image's place in the two bindings.
-struct PassImages {
+inline VkImageSubresourceRange subresources(const PhysicalImage& image, const ImageRange& range) {
+  return {image.aspect, range.first_mip, range.mip_count, range.first_layer, range.layer_count};
+}
+
+// What a descriptor or an attachment sees of an image.
+struct ViewKey {
+  int resource = -1;
+  ImageRange range;  // in numbers
+  ImageKind kind = ImageKind::d2;
+  auto operator<=>(const ViewKey&) const = default;
+};
+inline ViewKey view_key(const PlanUse& use) { return {use.resource, use.range, use.view}; }
+
+// The images that one step of a pass reaches through descriptors: its set 1, and each view's place in the two bindings.
+struct StepImages {
   VkDescriptorSet set = VK_NULL_HANDLE;
-  std::map<int, uint32_t> sampled, storage;  // by resource
+  std::map<ViewKey, uint32_t> sampled, storage;
 };
 
 // Of everything that Physical::rebuild looks at: equal keys mean that the same images, buffers and sets serve both
@@ -42,8 +54,11 @@ class Physical {
   void rebuild(const FramePlan& plan, bool copyable);
   void clear();
   const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }
+  VkImageView view(const ViewKey& key) const { return views_.at(key); }
   // slot: of the frame in flight. Each slot has sets of its own, made when it is first bound.
-  const PassImages& pass_images(size_t slot, size_t pass) const { return sets_[slot].passes[pass]; }
+  const StepImages& step_images(size_t slot, size_t pass, uint32_t step) const {
+    return sets_[slot].passes[pass][step];
+  }
   // Writes the block of uniforms of each pass into the slot's sets, which no frame may be using. buffers: by resource.
   void bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers);
   const Buffer& buffer(int resource) const {
@@ -53,19 +68,21 @@ class Physical {
  private:
   void make_image(const PlanResource& resource, bool copyable, PhysicalImage& image);
   void bind_blocks(const FramePlan& plan);
-  void make_view(const PlanResource& resource, PhysicalImage& image);
-  struct PassSets {
+  void make_views(const FramePlan& plan);
+  struct StepSets {
     VkDescriptorPool pool = VK_NULL_HANDLE;
-    std::vector<PassImages> passes;
+    std::vector<std::vector<StepImages>> passes;  // by pass and step
   };
-  void make_pass_sets(const FramePlan& plan, PassSets& sets);
-  void write_pass_set(const FramePlan& plan, const PlanPass& pass, VkDescriptorPool pool, PassImages& images);
+  void make_step_sets(const FramePlan& plan, StepSets& into);
+  void write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, VkDescriptorPool pool,
+                      StepImages& images);
 
   Device& device_;
   Bindless& bindless_;
   std::vector<PhysicalImage> images_;  // by resource
   std::vector<Buffer> buffers_;        // by resource
-  std::vector<PassSets> sets_;         // by slot
+  std::map<ViewKey, VkImageView> views_;
+  std::vector<StepSets> sets_;  // by slot
   std::vector<VkDeviceMemory> blocks_;
 };
 

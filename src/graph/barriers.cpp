@@ -1,7 +1,8 @@
 #include "graph/builder.h"
 
-// One walk over the ordered passes with the state of every resource (DESIGN section 5): the last write, who can see it,
-// and the reads since. A change of layout counts as a write that happens between the stages of its own barrier.
+// One walk over the ordered passes and their steps with the state of every buffer and subresource (DESIGN section 5):
+// the last write, who can see it, and the reads since. A change of layout counts as a write that happens between the
+// stages of its own barrier.
 namespace candela {
 namespace {
 
@@ -16,9 +17,10 @@ struct Scope {
   VkAccessFlags2 access = 0;
 };
 
-// What one pass does to one resource, all its uses together.
+// What one step of a pass does to one buffer, or to one subresource of an image, all its uses together.
 struct Need {
   int resource = -1;
+  size_t subresource = 0;
   std::vector<Scope> scopes;
   Scope all;
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -53,22 +55,6 @@ struct State {
 struct Dependency {
   Scope source, destination;
 };
-
-std::vector<Need> needs_of(const PlanPass& pass, const FramePlan& plan) {
-  std::vector<Need> needs;
-  for (const PlanUse& use : pass.uses) {
-    auto need = std::find_if(needs.begin(), needs.end(), [&](const Need& n) { return n.resource == use.resource; });
-    if (need == needs.end()) need = needs.insert(need, {.resource = use.resource});
-    const AccessInfo& info = access_info(use.access);
-    need->scopes.push_back({info.stages, info.mask});
-    need->all.stages |= info.stages;
-    need->all.access |= info.mask;
-    need->writes |= use.writes;
-    if (const auto* image = std::get_if<ImageDesc>(&plan.resources[use.resource].desc))
-      need->layout = image_layout(use.access, image->format);
-  }
-  return needs;
-}
 
 // Read after write, write after write, write after read, with the layout unchanged. Empty where all is ordered and
 // visible.
@@ -112,70 +98,174 @@ void update(State& state, const Need& need, bool changed_layout) {
   state.layout = need.layout;
 }
 
-// The images that had the memory block before, newest first, back to one that is as large: a smaller one took over only
-// its part of the memory, and the rest is still as an older one left it.
-std::vector<int> predecessors_in_block(const FramePlan& plan, int resource) {
-  const PlanResource& image = plan.resources[resource];
-  std::vector<int> before;
-  if (image.block < 0) return before;
-  for (size_t i = 0; i < plan.resources.size(); ++i) {
-    const PlanResource& other = plan.resources[i];
-    if (other.block == image.block && other.first_pass >= 0 && other.last_pass < image.first_pass)
-      before.push_back(int(i));
-  }
-  std::sort(before.begin(), before.end(),
-            [&](int a, int b) { return plan.resources[a].last_pass > plan.resources[b].last_pass; });
-  const auto covers = [&](int other) { return plan.resources[other].bytes >= image.bytes; };
-  const auto last = std::find_if(before.begin(), before.end(), covers);
-  if (last != before.end()) before.erase(last + 1, before.end());
-  return before;
+uint32_t layers_of(const PlanResource& resource) {
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  return image ? image->layers : 1;
+}
+size_t subresources_of(const PlanResource& resource) {
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  return image ? size_t(image->mips) * image->layers : 1;
 }
 
-void place_before(PlanPass& pass, const FramePlan& plan, std::vector<State>& states) {
-  PassBarriers& barriers = pass.barriers;
-  barriers = {};
-  const std::vector<Need> needs = needs_of(pass, plan);
-  for (const Need& need : needs) {
-    const State& state = states[need.resource];
-    if (plan.resources[need.resource].is_image() && state.layout != need.layout) {
-      Scope source = state.last();
-      if (state.layout == VK_IMAGE_LAYOUT_UNDEFINED)
-        for (const int before : predecessors_in_block(plan, need.resource)) {
-          const Scope other = states[before].last();
-          source.stages |= other.stages;
-          source.access |= other.access;
-        }
-      barriers.images.push_back(
-          {need.resource, source.stages, need.all.stages, source.access, need.all.access, state.layout, need.layout});
-    } else {
-      const Dependency dependency = hazard(state, need);
-      barriers.source_stages |= dependency.source.stages;
-      barriers.source_access |= dependency.source.access;
-      barriers.destination_stages |= dependency.destination.stages;
-      barriers.destination_access |= dependency.destination.access;
+bool same_transition(const ImageBarrier& a, const ImageBarrier& b) {
+  return a.resource == b.resource && a.source_stages == b.source_stages && a.source_access == b.source_access &&
+         a.destination_stages == b.destination_stages && a.destination_access == b.destination_access &&
+         a.old_layout == b.old_layout && a.new_layout == b.new_layout;
+}
+
+// Equal neighbours are one barrier: `fresh` holds one for each subresource, mip by mip. Layers that follow one another
+// join first, then equal rows of mips that do.
+void add_merged(const std::vector<ImageBarrier>& fresh, std::vector<ImageBarrier>& barriers) {
+  std::vector<ImageBarrier> rows;
+  for (const ImageBarrier& b : fresh) {
+    const bool joins = !rows.empty() && same_transition(rows.back(), b) &&
+                       rows.back().range.first_mip == b.range.first_mip &&
+                       rows.back().range.first_layer + rows.back().range.layer_count == b.range.first_layer;
+    if (joins)
+      ++rows.back().range.layer_count;
+    else
+      rows.push_back(b);
+  }
+  const size_t begin = barriers.size();
+  for (const ImageBarrier& row : rows) {
+    const auto above = std::find_if(barriers.begin() + long(begin), barriers.end(), [&](const ImageBarrier& b) {
+      return same_transition(b, row) && b.range.first_mip + b.range.mip_count == row.range.first_mip &&
+             b.range.first_layer == row.range.first_layer && b.range.layer_count == row.range.layer_count;
+    });
+    if (above != barriers.end())
+      ++above->range.mip_count;
+    else
+      barriers.push_back(row);
+  }
+}
+
+class Walk {
+ public:
+  explicit Walk(const FramePlan& plan) : plan_(plan), states_(plan.resources.size()) {
+    for (size_t i = 0; i < states_.size(); ++i) {
+      states_[i].resize(subresources_of(plan.resources[i]));
+      const auto* buffer = std::get_if<BufferDesc>(&plan.resources[i].desc);
+      if (buffer && buffer->zeroed && !plan.resources[i].imported)  // filled by the executor before the first pass
+        states_[i][0].write = {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
     }
   }
-  for (State& state : states) profit(state, barriers);
-  for (const Need& need : needs) update(states[need.resource], need, states[need.resource].layout != need.layout);
-}
+  const State& buffer(size_t resource) const { return states_[resource][0]; }
+
+  PassBarriers before_step(const PlanPass& pass, uint32_t step) {
+    PassBarriers barriers;
+    const std::vector<Need> needs = needs_of(pass, step);
+    std::vector<ImageBarrier> fresh;
+    for (size_t i = 0; i < needs.size(); ++i) {
+      const Need& need = needs[i];
+      const State& state = states_[need.resource][need.subresource];
+      if (plan_.resources[need.resource].is_image() && state.layout != need.layout) {
+        fresh.push_back(transition(need, state));
+      } else {
+        const Dependency dependency = hazard(state, need);
+        barriers.source_stages |= dependency.source.stages;
+        barriers.source_access |= dependency.source.access;
+        barriers.destination_stages |= dependency.destination.stages;
+        barriers.destination_access |= dependency.destination.access;
+      }
+      if (i + 1 < needs.size() && needs[i + 1].resource == need.resource) continue;
+      add_merged(fresh, barriers.images);
+      fresh.clear();
+    }
+    for (std::vector<State>& states : states_)
+      for (State& state : states) profit(state, barriers);
+    for (const Need& need : needs) {
+      State& state = states_[need.resource][need.subresource];
+      update(state, need, state.layout != need.layout);
+    }
+    return barriers;
+  }
+
+ private:
+  // In the order in which the pass declares the resources, the subresources of each in theirs.
+  std::vector<Need> needs_of(const PlanPass& pass, uint32_t step) const {
+    std::vector<Need> needs;
+    for (size_t u = 0; u < pass.uses.size(); ++u) {
+      const int resource = pass.uses[u].resource;
+      const auto same = [&](const PlanUse& use) { return use.resource == resource && use.in_step(step); };
+      if (!pass.uses[u].in_step(step) || std::any_of(pass.uses.begin(), pass.uses.begin() + long(u), same)) continue;
+      std::vector<Need> own(states_[resource].size());
+      for (size_t later = u; later < pass.uses.size(); ++later)
+        if (same(pass.uses[later])) add_use(pass.uses[later], own);
+      for (Need& need : own)
+        if (!need.scopes.empty()) needs.push_back(std::move(need));
+    }
+    return needs;
+  }
+
+  void add_use(const PlanUse& use, std::vector<Need>& needs) const {
+    const PlanResource& resource = plan_.resources[use.resource];
+    const AccessInfo& info = access_info(use.access);
+    for_subresources(use.range, layers_of(resource), [&](size_t subresource) {
+      Need& need = needs[subresource];
+      need.resource = use.resource;
+      need.subresource = subresource;
+      need.scopes.push_back({info.stages, info.mask});
+      need.all.stages |= info.stages;
+      need.all.access |= info.mask;
+      need.writes |= use.writes;
+      if (const auto* image = std::get_if<ImageDesc>(&resource.desc))
+        need.layout = image_layout(use.access, image->format);
+    });
+  }
+
+  ImageBarrier transition(const Need& need, const State& state) const {
+    Scope source = state.last();
+    if (state.layout == VK_IMAGE_LAYOUT_UNDEFINED) {
+      for (const int before : predecessors_in_block(need.resource))
+        for (const State& part : states_[before]) {
+          source.stages |= part.last().stages;
+          source.access |= part.last().access;
+        }
+    }
+    const uint32_t layers = layers_of(plan_.resources[need.resource]);
+    const ImageRange range{uint32_t(need.subresource) / layers, 1, uint32_t(need.subresource) % layers, 1};
+    return {need.resource,   source.stages, need.all.stages, source.access,
+            need.all.access, state.layout,  need.layout,     range};
+  }
+
+  // The images that had the memory block before, newest first, back to one that is as large: a smaller one took over
+  // only its part of the memory, and the rest is still as an older one left it.
+  std::vector<int> predecessors_in_block(int resource) const {
+    const PlanResource& image = plan_.resources[resource];
+    std::vector<int> before;
+    if (image.block < 0) return before;
+    for (size_t i = 0; i < plan_.resources.size(); ++i) {
+      const PlanResource& other = plan_.resources[i];
+      if (other.block == image.block && other.first_pass >= 0 && other.last_pass < image.first_pass)
+        before.push_back(int(i));
+    }
+    std::sort(before.begin(), before.end(),
+              [&](int a, int b) { return plan_.resources[a].last_pass > plan_.resources[b].last_pass; });
+    const auto covers = [&](int other) { return plan_.resources[other].bytes >= image.bytes; };
+    const auto last = std::find_if(before.begin(), before.end(), covers);
+    if (last != before.end()) before.erase(last + 1, before.end());
+    return before;
+  }
+
+  const FramePlan& plan_;
+  std::vector<std::vector<State>> states_;  // by resource and subresource
+};
 
 }  // namespace
 
 void place_barriers(FramePlan& plan) {
-  std::vector<State> states(plan.resources.size());
-  for (size_t i = 0; i < states.size(); ++i) {
-    const auto* buffer = std::get_if<BufferDesc>(&plan.resources[i].desc);
-    if (buffer && buffer->zeroed && !plan.resources[i].imported)  // filled by the executor before the first pass
-      states[i].write = {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
+  Walk walk(plan);
+  for (PlanPass& pass : plan.passes) {
+    pass.barriers = walk.before_step(pass, 0);
+    for (uint32_t step = 1; step < pass.steps(); ++step) pass.step_barriers[step - 1] = walk.before_step(pass, step);
   }
-  for (PlanPass& pass : plan.passes) place_before(pass, plan, states);
 
   plan.final_barriers = {};
   const AccessInfo& host = access_info(Access::host_read);
-  for (size_t i = 0; i < states.size(); ++i) {
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
     if (plan.resources[i].lifetime != Lifetime::readback || plan.resources[i].first_pass < 0) continue;
-    plan.final_barriers.source_stages |= states[i].write.stages;
-    plan.final_barriers.source_access |= states[i].write.access;
+    plan.final_barriers.source_stages |= walk.buffer(i).write.stages;
+    plan.final_barriers.source_access |= walk.buffer(i).write.access;
     plan.final_barriers.destination_stages |= host.stages;
     plan.final_barriers.destination_access |= host.mask;
   }

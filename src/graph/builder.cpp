@@ -1,5 +1,7 @@
 #include "graph/builder.h"
 
+#include <bit>
+
 #include "base/check.h"
 
 namespace candela {
@@ -7,6 +9,29 @@ namespace {
 
 template <class Handle>
 constexpr bool is_image_handle = std::is_same_v<Handle, ImageHandle>;
+
+bool is_attachment(Access access) {
+  return access == Access::color_attachment || access == Access::depth_attachment || access == Access::depth_test ||
+         access == Access::resolve_attachment;
+}
+
+// flat: storage images and attachments, which see faces as layers.
+ImageKind natural_view(const ImageDesc& desc, const ImageRange& range, bool flat) {
+  if (desc.kind == ImageKind::d3) return ImageKind::d3;
+  if (range.layer_count == desc.layers && !flat) return desc.kind;
+  return range.layer_count == 1 ? ImageKind::d2 : ImageKind::d2_array;
+}
+
+const char* wrong_view(const ImageDesc& desc, const PlanUse& use, bool flat) {
+  const bool of_cubes = desc.kind == ImageKind::cube || desc.kind == ImageKind::cube_array;
+  if ((use.view == ImageKind::d3) != (desc.kind == ImageKind::d3)) return "only a 3D image is, and it is nothing else";
+  if (use.view == ImageKind::d2 && use.range.layer_count != 1) return "the range has several layers";
+  if (use.view != ImageKind::cube && use.view != ImageKind::cube_array) return nullptr;
+  if (flat) return "storage images and attachments see faces as layers";
+  if (!of_cubes) return "the image has no faces";
+  if (use.view == ImageKind::cube && use.range.layer_count != 6) return "a cube has 6 layers";
+  return use.range.layer_count % 6 ? "each cube has 6 layers" : nullptr;
+}
 
 }  // namespace
 
@@ -41,9 +66,30 @@ int GraphBuilder::create_any(Desc desc) {
   return int(resources_.size()) - 1;
 }
 
+namespace {
+
+// Why there can be no such image, or nothing.
+const char* wrong_shape(const ImageDesc& desc) {
+  if (desc.width_px == 0 || desc.height_px == 0 || desc.samples == 0 || desc.depth_px == 0 || desc.mips == 0 ||
+      desc.layers == 0)
+    return "an image without a texel";
+  const bool cube = desc.kind == ImageKind::cube || desc.kind == ImageKind::cube_array;
+  if (cube && desc.width_px != desc.height_px) return "a cube whose faces are not square";
+  if (desc.kind == ImageKind::cube && desc.layers != 6) return "a cube has 6 layers";
+  if (desc.kind == ImageKind::cube_array && desc.layers % 6 != 0) return "a cube array has 6 layers for each cube";
+  if ((desc.kind == ImageKind::d2 || desc.kind == ImageKind::d3) && desc.layers != 1)
+    return "layers in an image that is neither an array nor a cube";
+  if (desc.kind != ImageKind::d3 && desc.depth_px != 1) return "a depth in an image that is not 3D";
+  const uint32_t largest = std::max({desc.width_px, desc.height_px, desc.depth_px});
+  if (desc.mips > uint32_t(std::bit_width(largest))) return "more mips than it halves";
+  if (desc.samples > 1 && (desc.kind != ImageKind::d2 || desc.mips > 1)) return "a multisampled image has one mip, 2D";
+  return nullptr;
+}
+
+}  // namespace
+
 ImageHandle GraphBuilder::create(ImageDesc desc) {
-  const bool empty = desc.width_px == 0 || desc.height_px == 0 || desc.samples == 0;
-  if (empty && missing_.empty()) refuse(desc.name, "an image without a texel");
+  if (const char* wrong = wrong_shape(desc); wrong && missing_.empty()) refuse(desc.name, wrong);
   return {create_any(std::move(desc)), 0};
 }
 BufferHandle GraphBuilder::create(BufferDesc desc) {
@@ -84,11 +130,53 @@ void GraphBuilder::check_fits(const Resource& resource, Access access) const {
     refuse(resource.name(), "resolve_attachment into a multisampled image");
 }
 
-// One pass, one resource, several uses: nothing can be ordered inside a pass, and an image has one layout there.
+// The use with its step and, of an image, its range and view in full.
+PlanUse GraphBuilder::use_of(const Resource& resource, PlanUse use, const Part& part) const {
+  use.step = passes_.back().steps - 1;  // none opened: every step
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  if (!image || !missing_.empty()) return use;  // what a pass makes that will be left out may have any size
+  const AccessInfo& info = access_info(use.access);
+  use.range = resolved(part.range, *image);
+  if (!fits(use.range, *image))
+    refuse(resource.name(), fmt::format("a range outside its {} mips and {} layers", image->mips, image->layers));
+  const bool drawn = is_attachment(use.access), stored = info.image_usage & VK_IMAGE_USAGE_STORAGE_BIT;
+  if ((drawn || stored) && use.range.mip_count != 1)
+    refuse(resource.name(), fmt::format("{} of {} mips; give the range of one", info.name, use.range.mip_count));
+  if (drawn && image->kind == ImageKind::d3) refuse(resource.name(), fmt::format("{} of a 3D image", info.name));
+  use.view = part.view.value_or(natural_view(*image, use.range, drawn || stored));
+  if (const char* wrong = wrong_view(*image, use, drawn || stored))
+    refuse(resource.name(), fmt::format("seen as {}: {}", image_kind_name(use.view), wrong));
+  return use;
+}
+
+// Of a read: every subresource holds something. Of a drawing: all do or none does, for it clears or keeps them all.
+void GraphBuilder::check_written(const Resource& resource, const PlanUse& use) const {
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
+  if (resource.imported || (buffer && buffer->zeroed) || !missing_.empty()) return;
+  bool all = resource.version > 0, any = all;
+  if (image) {
+    std::vector<bool> holds(size_t(image->mips) * image->layers, false);
+    for (const ImageRange& range : resource.written)
+      for_subresources(range, image->layers, [&](size_t i) { holds[i] = true; });
+    all = true, any = false;
+    for_subresources(use.range, image->layers, [&](size_t i) { holds[i] ? any = true : all = false; });
+  }
+  const std::string part = image ? range_text(use.range, *image) : "";
+  if (!use.writes && !all) refuse(resource.name() + part, "read before anything was written");
+  if (use.access == Access::storage_image_read_write && !all)
+    refuse(resource.name() + part, "read before anything was written (storage_image_read_write)");
+  if (use.writes && is_attachment(use.access) && any && !all)
+    refuse(resource.name() + part, "drawn to where only a part was written before: write the rest first");
+}
+
+// One step, one subresource, several uses: nothing can be ordered inside a step, and an image has one layout there.
 void GraphBuilder::check_together(const Resource& resource, const PlanUse& use) const {
   const auto* image = std::get_if<ImageDesc>(&resource.desc);
   for (const PlanUse& other : passes_.back().uses) {
     if (other.resource != use.resource) continue;
+    if (other.step != use.step && other.step != PlanUse::every_step && use.step != PlanUse::every_step) continue;
+    if (image && !other.range.overlaps(use.range)) continue;
     const std::string_view a = access_info(other.access).name, b = access_info(use.access).name;
     if (other.writes && use.writes) refuse(resource.name(), fmt::format("written twice in one pass, {} and {}", a, b));
     if (other.writes)
@@ -99,7 +187,7 @@ void GraphBuilder::check_together(const Resource& resource, const PlanUse& use) 
 }
 
 template <class Handle>
-void GraphBuilder::read_any(Handle handle, Access access, std::string_view what) {
+void GraphBuilder::read_any(Handle handle, Access access, std::string_view what, const Part& part) {
   require_open(fmt::format("read of '{}'", what));
   if (!handle) {
     if (missing_.empty()) missing_ = missing_reason(what, handle.absence);
@@ -109,22 +197,23 @@ void GraphBuilder::read_any(Handle handle, Access access, std::string_view what)
   check_fits(resource, access);
   if (access_info(access).writes)
     refuse(resource.name(), fmt::format("read as {}, which writes", access_info(access).name));
-  const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
-  if (handle.version == 0 && !resource.imported && !(buffer && buffer->zeroed))
-    refuse(resource.name(), "read before anything was written");
-  const PlanUse use{handle.resource, access, handle.version, false};
+  const PlanUse use = use_of(resource, {handle.resource, access, handle.version, false}, part);
+  check_written(resource, use);
   std::vector<PlanUse>& uses = passes_.back().uses;
   if (std::find(uses.begin(), uses.end(), use) != uses.end()) return;
   check_together(resource, use);
   uses.push_back(use);
 }
 
-void GraphBuilder::read(ImageHandle image, Access access, std::string_view what) { read_any(image, access, what); }
+void GraphBuilder::read(ImageHandle image, Access access, std::string_view what, ImageRange range,
+                        std::optional<ImageKind> view) {
+  read_any(image, access, what, {range, view});
+}
 void GraphBuilder::read(BufferHandle buffer, Access access, std::string_view what) { read_any(buffer, access, what); }
 
-bool GraphBuilder::read_optional(ImageHandle image, Access access) {
+bool GraphBuilder::read_optional(ImageHandle image, Access access, ImageRange range, std::optional<ImageKind> view) {
   require_open("read_optional");
-  if (image) read_any(image, access, {});
+  if (image) read_any(image, access, {}, {range, view});
   return bool(image);
 }
 bool GraphBuilder::read_optional(BufferHandle buffer, Access access) {
@@ -134,7 +223,7 @@ bool GraphBuilder::read_optional(BufferHandle buffer, Access access) {
 }
 
 template <class Handle>
-Handle GraphBuilder::write_any(Handle handle, Access access) {
+Handle GraphBuilder::write_any(Handle handle, Access access, const Part& part) {
   require_open("write");
   if (!handle) {
     if (missing_.empty())
@@ -147,17 +236,24 @@ Handle GraphBuilder::write_any(Handle handle, Access access) {
   if (!access_info(access).writes)
     refuse(resource.name(), fmt::format("written as {}, which only reads", access_info(access).name));
   if (resource.imported) refuse(resource.name(), "an imported resource is written");
-  if (access == Access::storage_image_read_write && handle.version == 0)
-    refuse(resource.name(), "read before anything was written (storage_image_read_write)");
-  const PlanUse use{handle.resource, access, handle.version + 1, true};
+  const PlanUse use = use_of(resource, {handle.resource, access, handle.version + 1, true}, part);
+  check_written(resource, use);
   check_together(resource, use);
   passes_.back().uses.push_back(use);
   resource.version = use.version;
+  resource.written.push_back(use.range);
   return {handle.resource, use.version};
 }
 
-ImageHandle GraphBuilder::write(ImageHandle image, Access access) { return write_any(image, access); }
+ImageHandle GraphBuilder::write(ImageHandle image, Access access, ImageRange range, std::optional<ImageKind> view) {
+  return write_any(image, access, {range, view});
+}
 BufferHandle GraphBuilder::write(BufferHandle buffer, Access access) { return write_any(buffer, access); }
+
+void GraphBuilder::begin_step() {
+  require_open("begin_step");
+  ++passes_.back().steps;
+}
 
 template <class Desc>
 PipelineHandle GraphBuilder::pipeline_any(Desc desc) {
@@ -195,8 +291,12 @@ void GraphBuilder::publish(std::string layer, ImageHandle image) {
 // The versions it made never were, so what it read stays usable under the old handles.
 void GraphBuilder::discard_pass() {
   const Pass& pass = passes_.back();
-  for (const PlanUse& use : pass.uses)
-    if (use.writes) resources_[use.resource].version = use.version - 1;
+  for (const PlanUse& use : pass.uses) {
+    Resource& resource = resources_[use.resource];
+    if (!use.writes || resource.version < use.version) continue;
+    resource.version = use.version - 1;
+    resource.written.resize(size_t(resource.version));
+  }
   leave_out(pass.name, missing_);
   for (Resource& resource : resources_)
     if (resource.creator == int(passes_.size()) - 1) {

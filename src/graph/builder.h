@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -36,14 +37,22 @@ class GraphBuilder {
   BufferHandle create(BufferDesc desc);
   // A required input. An empty handle marks the pass as left out ("needs depth, which ..."), and the call returns. A
   // zeroed buffer may be read at version 0. host_read is no access of a pass: sink() stands for it.
-  void read(ImageHandle image, Access access, std::string_view what);
   void read(BufferHandle buffer, Access access, std::string_view what);
+  // Of an image: which mips and layers, and what the shader sees them as. By default a 3D image is seen as one, a range
+  // that holds all layers as what the image is, one layer as 2D, and others as an array; storage images and attachments
+  // see cubes as arrays. Attachments and storage images are of one mip.
+  void read(ImageHandle image, Access access, std::string_view what, ImageRange range = {},
+            std::optional<ImageKind> view = {});
   // The same for an optional input: returns false for an empty handle, and nothing is declared.
-  bool read_optional(ImageHandle image, Access access);
+  bool read_optional(ImageHandle image, Access access, ImageRange range = {}, std::optional<ImageKind> view = {});
   bool read_optional(BufferHandle buffer, Access access);
   // The new version. An empty handle counts as a missing required input, and comes back empty.
-  ImageHandle write(ImageHandle image, Access access);
+  ImageHandle write(ImageHandle image, Access access, ImageRange range = {}, std::optional<ImageKind> view = {});
   BufferHandle write(BufferHandle buffer, Access access);
+  // Opens the next step of the pass: the graph orders steps like passes, with a barrier before each, and `record` is
+  // called once for each (CommandList::step). The pass is timed once. What was declared before the first step belongs
+  // to every step.
+  void begin_step();
   PipelineHandle pipeline(ComputePipelineDesc desc);
   PipelineHandle pipeline(GraphicsPipelineDesc desc);
   // Closes the pass. Returns false when a required input was missing: then nothing of it is kept and the reason is.
@@ -69,6 +78,7 @@ class GraphBuilder {
     std::vector<int> pipelines;  // into pipelines()
     std::vector<PlanKnob> knobs;
     RecordFunction record;
+    int steps = 0;  // opened with begin_step
   };
   struct Resource {
     std::variant<ImageDesc, BufferDesc> desc;
@@ -76,6 +86,7 @@ class GraphBuilder {
     int version = 0;    // newest
     int creator = -1;   // declared pass that made it
     int left_out = -1;  // into left_out(): made by a pass that was left out; its handles are refused, the place stays
+    std::vector<ImageRange> written;  // of images: what each version wrote, from version 1
     const std::string& name() const {
       return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
     }
@@ -90,10 +101,16 @@ class GraphBuilder {
  private:
   template <class Handle>
   Resource& resource_of(Handle handle);  // refuses stale, foreign and discarded handles
+  struct Part {                          // of an image, as declared
+    ImageRange range;
+    std::optional<ImageKind> view;
+  };
   template <class Handle>
-  void read_any(Handle handle, Access access, std::string_view what);
+  void read_any(Handle handle, Access access, std::string_view what, const Part& part = {});
   template <class Handle>
-  Handle write_any(Handle handle, Access access);
+  Handle write_any(Handle handle, Access access, const Part& part = {});
+  PlanUse use_of(const Resource& resource, PlanUse use, const Part& part) const;
+  void check_written(const Resource& resource, const PlanUse& use) const;
   template <class Desc>
   int create_any(Desc desc);
   template <class Desc>

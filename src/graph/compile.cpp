@@ -28,6 +28,7 @@ void order(const GraphBuilder& builder, const std::vector<bool>& kept, CompiledG
     const GraphBuilder::Pass& pass = builder.passes()[i];
     PlanPass planned{
         .name = pass.name, .queue = pass.queue, .declared = int(i), .uses = pass.uses, .knobs = pass.knobs};
+    planned.step_barriers.resize(size_t(std::max(pass.steps, 1)) - 1);
     for (const int pipeline : pass.pipelines) {
       if (merged[pipeline] < 0) {
         merged[pipeline] = int(graph.plan.pipelines.size());
@@ -41,7 +42,10 @@ void order(const GraphBuilder& builder, const std::vector<bool>& kept, CompiledG
 }
 
 uint64_t size_bytes(const ImageDesc& image) {
-  return uint64_t(image.width_px) * image.height_px * image.samples * format_bytes(image.format);
+  uint64_t texels = 0;
+  for (uint32_t mip = 0; mip < image.mips; ++mip)
+    texels += uint64_t(mip_size(image.width_px, mip)) * mip_size(image.height_px, mip) * mip_size(image.depth_px, mip);
+  return texels * image.layers * image.samples * format_bytes(image.format);
 }
 uint64_t size_bytes(const BufferDesc& buffer) { return buffer.size_bytes; }
 
@@ -49,6 +53,23 @@ Lifetime lifetime_of(const GraphBuilder::Resource& resource) {
   if (resource.imported) return Lifetime::scene;
   const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
   return buffer && buffer->memory == BufferMemory::host_read ? Lifetime::readback : Lifetime::frame;
+}
+
+// Who writes first, of the passes that are kept: their attachments clear.
+void mark_first_writes(FramePlan& plan) {
+  std::vector<std::vector<bool>> written(plan.resources.size());
+  for (PlanPass& pass : plan.passes)
+    for (PlanUse& use : pass.uses) {
+      if (!use.writes) continue;
+      const auto* image = std::get_if<ImageDesc>(&plan.resources[use.resource].desc);
+      std::vector<bool>& own = written[use.resource];
+      own.resize(image ? size_t(image->mips) * image->layers : 1, false);
+      use.first = true;
+      for_subresources(use.range, image ? image->layers : 1, [&](size_t i) {
+        if (own[i]) use.first = false;
+        own[i] = true;
+      });
+    }
 }
 
 void make_physical(const GraphBuilder& builder, FramePlan& plan) {
@@ -88,6 +109,7 @@ CompiledGraph compile_graph(const GraphBuilder& builder) {
   const std::vector<bool> kept = prune(builder, graph.plan.left_out);
   order(builder, kept, graph);
   make_physical(builder, graph.plan);
+  mark_first_writes(graph.plan);
   alias_memory(graph.plan);
   place_barriers(graph.plan);
   return graph;

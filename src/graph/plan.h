@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "graph/access.h"
 #include "graph/handle.h"
+#include "graph/image_range.h"
 #include "graph/pipeline_desc.h"
 
 namespace candela {
@@ -20,6 +21,9 @@ struct ImageDesc {
   // The passes that write it cover every texel between them before anything reads it: the first finds what was there,
   // and does not clear. While outputs are hashed it does, for a hash may not see what the next pass covers.
   bool covered = false;
+  ImageKind kind = ImageKind::d2;
+  uint32_t mips = 1, layers = 1;  // a cube has 6 layers, a cube array a multiple of 6
+  uint32_t depth_px = 1;          // of a 3D image; halves from mip to mip like width and height
 };
 enum class BufferMemory : uint8_t { device, host_read };
 struct BufferDesc {
@@ -31,10 +35,16 @@ struct BufferDesc {
 };
 
 struct PlanUse {
+  static constexpr int every_step = -1;
   int resource = -1;
   Access access{};
   int version = 0;  // version read, or version made by a write
   bool writes = false;
+  ImageRange range{0, 1, 0, 1};    // images: which subresources, in numbers
+  ImageKind view = ImageKind::d2;  // images: what the shader or the attachment sees them as
+  int step = every_step;           // of the pass: the one that does it
+  bool first = false;              // writes: no kept pass wrote any of the range before
+  bool in_step(uint32_t s) const { return step == every_step || step == int(s); }
   bool operator==(const PlanUse&) const = default;
 };
 
@@ -43,9 +53,10 @@ struct ImageBarrier {
   VkPipelineStageFlags2 source_stages = 0, destination_stages = 0;
   VkAccessFlags2 source_access = 0, destination_access = 0;
   VkImageLayout old_layout = VK_IMAGE_LAYOUT_UNDEFINED, new_layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  ImageRange range{0, 1, 0, 1};  // in numbers
 };
-// At most one vkCmdPipelineBarrier2 a pass: one memory barrier for all buffers and same-layout images, and image
-// barriers where a layout changes or aliased memory is taken over.
+// At most one vkCmdPipelineBarrier2 a pass, or a step of it: one memory barrier for all buffers and same-layout images,
+// and image barriers where a layout changes or aliased memory is taken over.
 struct PassBarriers {
   VkPipelineStageFlags2 source_stages = 0, destination_stages = 0;
   VkAccessFlags2 source_access = 0, destination_access = 0;
@@ -67,9 +78,12 @@ struct PlanPass {
   Queue queue = Queue::main;
   int declared = -1;  // index in declaration order: finds the recording closure
   std::vector<PlanUse> uses;
-  std::vector<int> pipelines;   // into FramePlan::pipelines
-  std::vector<PlanKnob> knobs;  // in the order of their tables
-  PassBarriers barriers;        // before the pass
+  std::vector<int> pipelines;               // into FramePlan::pipelines
+  std::vector<PlanKnob> knobs;              // in the order of their tables
+  PassBarriers barriers;                    // before the pass, and so before its first step
+  std::vector<PassBarriers> step_barriers;  // before each further step; empty for a pass without steps
+  uint32_t steps() const { return 1 + uint32_t(step_barriers.size()); }
+  const PassBarriers& barriers_before(uint32_t step) const { return step ? step_barriers[step - 1] : barriers; }
 };
 
 enum class Lifetime : uint8_t { scene, frame, readback };  // imported, transient, read by the host
@@ -110,7 +124,8 @@ uint64_t transient_bytes_unaliased(const FramePlan& plan);
 Hash128 plan_hash(const FramePlan& plan);      // of passes, uses, pipelines, sizes, knobs: what timings depend on
 std::string plan_text(const FramePlan& plan);  // what runs, what was left out and why, each image's memory
 std::string plan_json(const FramePlan& plan);
-std::string plan_dot(const FramePlan& plan);  // Graphviz; left-out passes dimmed
-uint32_t format_bytes(VkFormat format);       // of one texel; CHECKs on a format the project does not use
+std::string plan_dot(const FramePlan& plan);          // Graphviz; left-out passes dimmed
+std::string image_size_text(const ImageDesc& image);  // "64x64", "64x64 cube, 7 mips"
+uint32_t format_bytes(VkFormat format);               // of one texel; CHECKs on a format the project does not use
 
 }  // namespace candela

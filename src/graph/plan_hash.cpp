@@ -9,6 +9,7 @@ namespace {
 class Text {
  public:
   void number(uint64_t value) { fmt::format_to(std::back_inserter(text_), "{};", value); }
+  void word(std::string_view value) { fmt::format_to(std::back_inserter(text_), "{};", value); }
   void string(const std::string& value) { fmt::format_to(std::back_inserter(text_), "{}:{};", value.size(), value); }
   const std::string& text() const { return text_; }
 
@@ -40,6 +41,26 @@ void add(Text& out, const ImageDesc& desc) {
   for (const uint32_t field : {uint32_t(desc.format), desc.width_px, desc.height_px, desc.samples}) out.number(field);
   for (const float channel : desc.clear) out.number(std::bit_cast<uint32_t>(channel));
   out.number(desc.covered);
+  if (desc.kind == ImageKind::d2 && desc.mips == 1) return;
+  out.word("shape");
+  for (const uint32_t field : {uint32_t(desc.kind), desc.mips, desc.layers, desc.depth_px}) out.number(field);
+}
+void add(Text& out, const ImageRange& range) {
+  for (const uint32_t field : {range.first_mip, range.mip_count, range.first_layer, range.layer_count})
+    out.number(field);
+}
+// Words that no number can be, and only where there is something to say: the plan of plain images keeps its hash.
+void add_part(Text& out, const PlanUse& use) {
+  const bool plain = use.range == ImageRange{0, 1, 0, 1} && use.view == ImageKind::d2;
+  if (!plain) {
+    out.word("part");
+    add(out, use.range);
+    out.number(uint64_t(use.view));
+  }
+  if (use.step != PlanUse::every_step) {
+    out.word("step");
+    out.number(uint64_t(use.step));
+  }
 }
 void add(Text& out, const BufferDesc& desc) {
   out.string(desc.name);
@@ -59,10 +80,16 @@ Hash128 plan_hash(const FramePlan& plan) {
     out.string(pass.name);
     out.number(uint64_t(pass.queue));
     out.number(pass.uses.size());
-    for (const PlanUse& use : pass.uses)
+    for (const PlanUse& use : pass.uses) {
       for (const uint64_t field :
            {uint64_t(use.resource), uint64_t(use.access), uint64_t(use.version), uint64_t(use.writes)})
         out.number(field);
+      add_part(out, use);
+    }
+    if (pass.steps() > 1) {
+      out.word("steps");
+      out.number(pass.steps());
+    }
     out.number(pass.pipelines.size());
     for (const int pipeline : pass.pipelines) out.number(uint64_t(pipeline));
     out.number(pass.knobs.size());

@@ -37,25 +37,41 @@ Json knobs_json(const std::vector<PlanKnob>& knobs) {
   return result;
 }
 
+Json use_json(const FramePlan& plan, const PlanUse& use) {
+  const PlanResource& resource = plan.resources[use.resource];
+  Json result = {{"resource", resource.name()},
+                 {"access", access_info(use.access).name},
+                 {"version", use.version},
+                 {"writes", use.writes}};
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  if (image && use.range != whole(*image)) {
+    result["mips"] = {use.range.first_mip, use.range.mip_count};  // first, count
+    result["layers"] = {use.range.first_layer, use.range.layer_count};
+  }
+  if (image && use.view != image->kind) result["view"] = image_kind_name(use.view);
+  if (use.step != PlanUse::every_step) result["step"] = use.step;
+  return result;
+}
+
 Json pass_json(const FramePlan& plan, const PlanPass& pass) {
   Json reads = Json::array(), writes = Json::array(), uses = Json::array(), pipelines = Json::array();
   for (const PlanUse& use : pass.uses) {
     const std::string& name = plan.resources[use.resource].name();
-    (use.writes ? writes : reads).push_back(name);
-    uses.push_back({{"resource", name},
-                    {"access", access_info(use.access).name},
-                    {"version", use.version},
-                    {"writes", use.writes}});
+    Json& side = use.writes ? writes : reads;
+    if (std::find(side.begin(), side.end(), name) == side.end()) side.push_back(name);
+    uses.push_back(use_json(plan, use));
   }
   for (const int pipeline : pass.pipelines)
     pipelines.push_back(std::visit([](const auto& desc) { return to_json(desc); }, plan.pipelines[pipeline]));
-  return {{"name", pass.name},
-          {"queue", pass.queue == Queue::compute ? "compute" : "main"},
-          {"reads", reads},
-          {"writes", writes},
-          {"uses", uses},
-          {"pipelines", pipelines},
-          {"knobs", knobs_json(pass.knobs)}};
+  Json result = {{"name", pass.name},
+                 {"queue", pass.queue == Queue::compute ? "compute" : "main"},
+                 {"reads", reads},
+                 {"writes", writes},
+                 {"uses", uses},
+                 {"pipelines", pipelines},
+                 {"knobs", knobs_json(pass.knobs)}};
+  if (pass.steps() > 1) result["steps"] = pass.steps();
+  return result;
 }
 
 Json resource_json(const PlanResource& resource) {
@@ -66,6 +82,12 @@ Json resource_json(const PlanResource& resource) {
     result["width"] = image->width_px;
     result["height"] = image->height_px;
     result["samples"] = image->samples;
+    if (image->kind != ImageKind::d2) {
+      result["shape"] = image_kind_name(image->kind);
+      result["layers"] = image->layers;
+      result["depth"] = image->depth_px;
+    }
+    if (image->mips > 1) result["mips"] = image->mips;
     result["block"] = resource.block;
   }
   result["bytes"] = resource.bytes;

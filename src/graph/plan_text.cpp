@@ -46,7 +46,12 @@ std::string human_bytes(uint64_t bytes) {
 }
 
 std::string use_text(const FramePlan& plan, const PlanUse& use) {
-  return fmt::format("{} ({})", plan.resources[use.resource].name(), access_info(use.access).name);
+  const PlanResource& resource = plan.resources[use.resource];
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  return fmt::format("{}{} ({}{}){}", resource.name(), image ? range_text(use.range, *image) : "",
+                     access_info(use.access).name,
+                     image && use.view != image->kind ? fmt::format(" as {}", image_kind_name(use.view)) : "",
+                     use.step == PlanUse::every_step ? "" : fmt::format(" in step {}", use.step));
 }
 
 std::string constants_text(const std::vector<SpecConstant>& constants) {
@@ -65,7 +70,8 @@ std::string passes_text(const FramePlan& plan) {
     const PlanPass& pass = plan.passes[i];
     std::vector<std::string> reads, writes;
     for (const PlanUse& use : pass.uses) (use.writes ? writes : reads).push_back(use_text(plan, use));
-    const std::string name = pass.queue == Queue::compute ? pass.name + " [compute queue]" : pass.name;
+    std::string name = pass.queue == Queue::compute ? pass.name + " [compute queue]" : pass.name;
+    if (pass.steps() > 1) name += fmt::format(" [{} steps]", pass.steps());
     for (size_t line = 0; line < std::max({reads.size(), writes.size(), size_t(1)}); ++line)
       table.row({line ? "" : fmt::format("{}", i), line ? "" : name, line < reads.size() ? reads[line] : "",
                  line < writes.size() ? writes[line] : ""});
@@ -110,9 +116,9 @@ std::string images_text(const FramePlan& plan) {
   for (const PlanResource& resource : plan.resources) {
     const auto* image = std::get_if<ImageDesc>(&resource.desc);
     if (!image || resource.first_pass < 0) continue;
-    table.row({image->name, std::string(format_name(image->format)),
-               fmt::format("{}x{}", image->width_px, image->height_px), fmt::format("{}", image->samples),
-               human_bytes(resource.bytes), fmt::format("{}-{}", resource.first_pass, resource.last_pass),
+    table.row({image->name, std::string(format_name(image->format)), image_size_text(*image),
+               fmt::format("{}", image->samples), human_bytes(resource.bytes),
+               fmt::format("{}-{}", resource.first_pass, resource.last_pass),
                resource.block < 0 ? "" : fmt::format("{}", resource.block)});
   }
   return table.empty() ? "" : "\nimages\n" + table.text();
@@ -137,6 +143,15 @@ std::vector<PlanKnob> plan_knobs(const FramePlan& plan) {
     for (const PlanKnob& knob : pass.knobs)
       if (std::find(knobs.begin(), knobs.end(), knob) == knobs.end()) knobs.push_back(knob);
   return knobs;
+}
+
+std::string image_size_text(const ImageDesc& image) {
+  std::string text = fmt::format("{}x{}", image.width_px, image.height_px);
+  if (image.kind == ImageKind::d3) text += fmt::format("x{}", image.depth_px);
+  if (image.kind != ImageKind::d2) text += fmt::format(" {}", image_kind_name(image.kind));
+  if (image.layers > 1 && image.kind != ImageKind::cube) text += fmt::format(" of {}", image.layers);
+  if (image.mips > 1) text += fmt::format(", {} mips", image.mips);
+  return text;
 }
 
 std::string plan_text(const FramePlan& plan) {

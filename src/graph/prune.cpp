@@ -1,34 +1,43 @@
-#include <set>
-
 #include "graph/builder.h"
 
 namespace candela {
 
 // Reference counting from the sinks. Declaration order is topological, so one walk backwards meets every reader of a
-// version before its producer. A write keeps what the versions before it left in the resource, so it also wants those.
+// subresource before its producer. A write keeps what was in the subresource before, so it also wants that.
 std::vector<bool> prune(const GraphBuilder& builder, std::vector<LeftOut>& left_out) {
   const auto& passes = builder.passes();
   const auto& resources = builder.resources();
-  std::set<std::pair<int, int>> wanted;  // resource, version
-  for (const int sink : builder.sinks()) wanted.emplace(sink, resources[sink].version);
+  std::vector<std::vector<bool>> wanted(resources.size());  // by subresource; a buffer is one
+  const auto layers_of = [&](int resource) {
+    const auto* image = std::get_if<ImageDesc>(&resources[resource].desc);
+    return image ? image->layers : 1;
+  };
+  for (size_t i = 0; i < resources.size(); ++i) {
+    const auto* image = std::get_if<ImageDesc>(&resources[i].desc);
+    wanted[i].resize(image ? size_t(image->mips) * image->layers : 1, false);
+  }
+  for (const int sink : builder.sinks()) wanted[sink].assign(wanted[sink].size(), true);
 
   std::vector<bool> kept(passes.size(), false);
   for (size_t i = passes.size(); i-- > 0;) {
     for (const PlanUse& use : passes[i].uses)
-      if (use.writes && wanted.contains({use.resource, use.version})) kept[i] = true;
+      if (use.writes)
+        for_subresources(use.range, layers_of(use.resource), [&](size_t s) {
+          if (wanted[use.resource][s]) kept[i] = true;
+        });
     if (!kept[i]) continue;
-    for (const PlanUse& use : passes[i].uses) wanted.emplace(use.resource, use.writes ? use.version - 1 : use.version);
+    for (const PlanUse& use : passes[i].uses)
+      for_subresources(use.range, layers_of(use.resource), [&](size_t s) { wanted[use.resource][s] = true; });
   }
 
   for (size_t i = 0; i < passes.size(); ++i) {
     if (kept[i]) continue;
-    std::string made;
-    for (const PlanUse& use : passes[i].uses) {
-      if (!use.writes) continue;
-      if (!made.empty()) made += ", ";
-      made += resources[use.resource].name();
-    }
-    left_out.push_back({passes[i].name, made.empty() ? "it writes nothing" : "nobody reads " + made});
+    std::vector<std::string> made;
+    for (const PlanUse& use : passes[i].uses)
+      if (use.writes && std::find(made.begin(), made.end(), resources[use.resource].name()) == made.end())
+        made.push_back(resources[use.resource].name());
+    left_out.push_back(
+        {passes[i].name, made.empty() ? "it writes nothing" : fmt::format("nobody reads {}", fmt::join(made, ", "))});
   }
   return kept;
 }

@@ -97,10 +97,12 @@ class KnobValues {
     };
     std::apply([&](auto&... knobs) { (table(knobs), ...); }, tables_);
   }
-  // Tells an open pass of the builder the values that it works with.
+  // Tells an open pass of the builder the values that it works with. A table may say that it does nothing in a scene.
   template <class P>
-  void declare(GraphBuilder& builder, const P& pass) const {
+  void declare(GraphBuilder& builder, const P& pass, const SceneFacts& facts) const {
     const auto table = [&]<class K>(const K&) {
+      if constexpr (requires { K::matter(facts); })
+        if (!K::matter(facts)) return;
       for (const Knob<K>& row : K::table()) {
         if constexpr (IgnoresKnobs<P>)
           if (pass.ignores(row.name)) continue;

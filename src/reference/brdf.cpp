@@ -17,11 +17,19 @@ double alpha_of(const Surface& s) {
   return r * r;
 }
 
+// About what the specular lobe reflects, as scale of f0 and bias of f90: a fit (Karis, "Physically Based Shading on
+// Mobile", 2014), whose bias is below 0 where surfaces are rough. Good enough to share out samples, for nothing else.
+glm::dvec2 rough_albedo(double roughness, double n_v) {
+  const glm::dvec4 r = roughness * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
+  const double a = std::min(r.x * r.x, std::exp2(-9.28 * n_v)) * r.x + r.y;
+  return {-1.04 * a + r.z, 1.04 * a + r.w};
+}
+
 // How often the specular lobe is chosen; a function of what sampling and density both know.
 double specular_share(const Surface& s, glm::dvec3 v) {
   const double n_v = glm::dot(s.normal, v);
   if (n_v <= least_n_v) return 0;  // visible normals are not defined from below
-  const glm::dvec2 ab = specular_scale_bias(s.roughness, n_v);
+  const glm::dvec2 ab = rough_albedo(s.roughness, n_v);
   const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
   const double specular = std::max(luminance(glm::mix(dielectric, metal, s.metallic)), 0.0);
   const double diffuse = luminance(s.base_color) * (1 - s.metallic) * std::max(1 - largest(dielectric), 0.0);
@@ -84,12 +92,6 @@ double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
     if (n_h > 0) pdf += share * smith_g1(n_v, alpha) * ggx_d(n_h, alpha) / (4 * n_v);
   }
   return pdf;
-}
-
-glm::dvec2 specular_scale_bias(double roughness, double n_v) {
-  const glm::dvec4 r = roughness * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
-  const double a = std::min(r.x * r.x, std::exp2(-9.28 * n_v)) * r.x + r.y;
-  return {-1.04 * a + r.z, 1.04 * a + r.w};
 }
 
 }  // namespace candela::reference

@@ -42,10 +42,6 @@ glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 glm::dvec3 sample_brdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u);
 double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);  // 1/sr
 
-// Directional albedo of the specular lobe per f0 and f90: the split sum's analytic fit that the raster techniques use
-// (Karis, "Physically Based Shading on Mobile", 2014).
-glm::dvec2 specular_scale_bias(double roughness, double n_v);
-
 double luminance(glm::dvec3 rec709);
 double largest(glm::dvec3 c);  // of its components
 

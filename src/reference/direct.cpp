@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "math/spherical_harmonics.h"
+#include "reference/albedo.h"
 #include "reference/glass_light.h"
 #include "reference/integrator.h"
 
@@ -23,9 +24,10 @@ glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band) {
 }
 
 HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
-  const glm::dvec2 ab = specular_scale_bias(s.roughness, std::clamp(glm::dot(s.normal, v), 1e-4, 1.0));
-  const glm::dvec3 dielectric = s.dielectric_f0 * ab.x + s.dielectric_f90 * ab.y, metal = s.base_color * ab.x + ab.y;
-  const double left = 1 - std::max({dielectric.x, dielectric.y, dielectric.z});
+  const DirectionalAlbedo a = directional_albedo(s.roughness, std::clamp(glm::dot(s.normal, v), 0.0, 1.0));
+  const glm::dvec3 dielectric = s.dielectric_f0 * a.scale + s.dielectric_f90 * a.bias,
+                   metal = s.base_color * a.scale + a.bias;
+  const double f0 = largest(s.dielectric_f0), left = 1 - (f0 + (s.dielectric_f90 - f0) * a.grazing);
   const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
   return {diffuse, glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal))};
 }
@@ -75,7 +77,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
       out.fog_through += through * s.coverage * (clear - 1.0);
       if (terms) {
         terms->add(own, through * s.coverage * clear);
-        if (!s.unlit) terms->shadow -= through * s.coverage * (1 - sun_visibility(s, point));
+        if (!s.unlit) terms->shadow -= through * s.coverage * (1 - sun_visibility(s, point, stream.next2()));
       }
       out.alpha += through * s.coverage;
       through *= 1 - s.coverage;
@@ -98,20 +100,22 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
 
 glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                                     TermSample* terms) const {
-  glm::dvec3 sum = punctual(s, point, v, terms);
-  if (!world_.sky() || settings_.ambient == Ambient::off) return sum;
   // What the material says of its own small hollows belongs to this term, as glTF says; tracing adds what the geometry
   // does.
-  TermSample ambient;
-  TermSample* const parts = terms ? &ambient : nullptr;
-  sum += s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream, parts)
-                                                             : occluded_ambient(s, point, v, stream, parts));
-  if (terms) terms->add(ambient, glm::dvec3(s.occlusion));
-  return sum;
+  TermSample parts;
+  TermSample* const wanted = terms ? &parts : nullptr;
+  glm::dvec3 ambient(0);
+  if (world_.sky() && settings_.ambient != Ambient::off) {
+    ambient = s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream, wanted)
+                                                                  : occluded_ambient(s, point, v, stream, wanted));
+    if (terms) terms->add(parts, glm::dvec3(s.occlusion));
+  }
+  return punctual(s, point, v, stream.next2(), terms) + ambient;
 }
 
-Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const {
-  const Arrival a = arriving(light, s.position);
+Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v,
+                                             glm::dvec2 on_disc) const {
+  const Arrival a = arriving(light, s.position, on_disc);
   if (a.illuminance == glm::dvec3(0)) return {};
   return {a.illuminance * evaluate_bsdf(s, a.l, v, true), a.l, a.distance_m, {}};
 }
@@ -126,10 +130,12 @@ glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const Surface
                                   offer.end ? &*offer.end : nullptr);
 }
 
-glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, TermSample* terms) const {
+glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc,
+                                TermSample* terms) const {
   glm::dvec3 sum(0);
-  for (const PunctualLight& light : world_.punctual_lights()) {
-    const glm::dvec3 radiance = taken(punctual_offer(light, s, v), s, point);
+  for (size_t i = 0; i < world_.punctual_lights().size(); ++i) {
+    const PunctualLight& light = world_.punctual_lights()[i];
+    const glm::dvec3 radiance = taken(punctual_offer(light, s, v, own_place(on_disc, i)), s, point);
     sum += radiance;
     if (terms) (*terms)[direct_term(light.type)] += radiance;
   }
@@ -137,10 +143,10 @@ glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm
 }
 
 // Traced apart from the light itself, which needs no shadow ray where the material shows none of it.
-double Integrator::sun_visibility(const Surface& s, const SurfacePoint& point) const {
+double Integrator::sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const {
   double all = 0, open = 0;
   for (const uint32_t index : world_.directional()) {
-    const Arrival a = arriving(world_.punctual_lights()[index], s.position);
+    const Arrival a = arriving(world_.punctual_lights()[index], s.position, own_place(on_disc, index));
     const double weight = luminance(a.illuminance) * std::max(glm::dot(s.normal, a.l), 0.0);
     if (!(weight > 0)) continue;
     all += weight;

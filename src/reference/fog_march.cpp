@@ -184,8 +184,9 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
   const uint32_t dimension = first_fog_dimension + layer * (4 + steps * dimensions_a_step);
   stream.start(dimension);
   const double first_offset = stream.next();
+  const glm::dvec2 on_disc = stream.next2();
   const double g = medium.anisotropy();
-  uint32_t number = 0;
+  uint32_t number = 0, place = 0;
   for (const PunctualLight& light : world_.punctual_lights()) {
     double offset = first_offset + 0.6180339887498949 * number++;
     offset -= std::floor(offset);
@@ -201,7 +202,7 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
         const double u = stratum(j, count, offset);
         const Stretch::Place p = way < 0 ? stretch.place(angles.distance_at(u)) : stretch.by_transmittance(way, u);
         if (!std::isfinite(p.distance_m)) continue;
-        const Arrival a = arriving(light, p.position);
+        const Arrival a = arriving(light, p.position, own_place(on_disc, place++));
         if (a.illuminance == glm::dvec3(0)) continue;
         Weighed weighed;
         for (int k = 0; k < stretch.kinds(); ++k) weighed.add(points.of_kind[k] * stretch.density(k, p), k == way);

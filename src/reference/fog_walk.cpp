@@ -150,14 +150,16 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
     if (light == glm::dvec3(0)) return light;
     return light * light_through(world_, point, offer.l, offer.distance_m, nullptr, offer.end ? &*offer.end : nullptr);
   };
-  const auto punctual_offer_of = [&](const PunctualLight& light) -> Offer {
-    const Arrival a = arriving(light, position);
+  const glm::dvec2 for_sky = stream.next2(), on_light = stream.next2();
+  double pick = stream.next();
+  const glm::dvec2 on_disc = stream.next2();
+  const auto punctual_offer_of = [&](const PunctualLight& light, size_t number) -> Offer {
+    const Arrival a = arriving(light, position, own_place(on_disc, number));
     return {a.illuminance * phase(a.l), a.l, a.distance_m, {}};
   };
   glm::dvec3 sum(0);
-  for (const uint32_t index : world_.directional()) sum += arrives(punctual_offer_of(world_.punctual_lights()[index]));
-  const glm::dvec2 for_sky = stream.next2(), on_light = stream.next2();
-  double pick = stream.next();
+  for (const uint32_t index : world_.directional())
+    sum += arrives(punctual_offer_of(world_.punctual_lights()[index], index));
   if (world_.sky() && settings_.strategy != Strategy::brdf)
     if (const Sky::Choice choice = world_.sky().sample(for_sky); choice.pdf > 0) {
       const double p = phase(choice.direction);
@@ -172,11 +174,11 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
     const LightTree::Choice& choice = chosen[i];
     Offer offer;
     if (choice.light < points) {
-      offer = punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]]);
+      offer = punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]], 0);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
       const auto p =
-          emissive_point(uint32_t(choice.light - points), choice.probability, position, on_triangle(on_light, i));
+          emissive_point(uint32_t(choice.light - points), choice.probability, position, own_place(on_light, i));
       if (!p) continue;
       const double f = phase(p->l);
       offer = {radiance_of(*p) * (f * weight(p->pdf, f, Strategy::light) / p->pdf), p->l, p->distance_m,

@@ -58,12 +58,14 @@ class Integrator {
   PixelSample sample_direct(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
   PixelSample sample_path(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
   // `terms` may be null in all of these.
-  glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, TermSample* terms) const;
+  glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc,
+                      TermSample* terms) const;
   glm::dvec3 traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                             TermSample* terms) const;
   glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                               TermSample* terms) const;
-  double sun_visibility(const Surface& s, const SurfacePoint& point) const;  // TermSample::shadow of one surface
+  // TermSample::shadow of one surface.
+  double sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
   glm::dvec3 sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
   // What a light would give if nothing stood between.
   struct Offer {
@@ -81,7 +83,7 @@ class Integrator {
    private:
     double weight_ = 0, total_ = 0;
   };
-  Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v) const;
+  Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc = {}) const;
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   // terms: only with `every`.
@@ -119,8 +121,8 @@ class Integrator {
   FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce,
                    uint32_t number, bool every, SampleStream& stream, PixelSample& out) const;
   glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, bool every, double which, SampleStream& stream) const;
-  // Each light that is chosen at a point a place of its own, as even as the first (the R2 sequence's steps).
-  static glm::dvec2 on_triangle(glm::dvec2 first, size_t light);
+  // Each light at a point a place of its own, as even as the first (the R2 sequence's steps).
+  static glm::dvec2 own_place(glm::dvec2 first, size_t light);
 
   const World& world_;
   TraceSettings settings_;

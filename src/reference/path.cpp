@@ -78,7 +78,7 @@ void Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
   }
 }
 
-glm::dvec2 Integrator::on_triangle(glm::dvec2 first, size_t light) {
+glm::dvec2 Integrator::own_place(glm::dvec2 first, size_t light) {
   const glm::dvec2 turned = first + double(light) * glm::dvec2(0.7548776662466927, 0.5698402909980532);
   return turned - glm::floor(turned);
 }
@@ -97,13 +97,17 @@ bool Integrator::survives(double u, int bounce, glm::dvec3& through, double comp
 // estimate of their cluster misses, are the ones that matter.
 glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
                                   SampleStream& stream, TermSample* terms) const {
+  const glm::dvec2 for_sky = stream.next2();
+  const double which = stream.next();
+  double pick = stream.next();
+  const glm::dvec2 on_light = stream.next2(), on_disc = stream.next2();
   glm::dvec3 sum(0);
   for (const uint32_t index : world_.directional()) {
-    const glm::dvec3 radiance = taken(punctual_offer(world_.punctual_lights()[index], s, v), s, point);
+    const glm::dvec3 radiance =
+        taken(punctual_offer(world_.punctual_lights()[index], s, v, own_place(on_disc, index)), s, point);
     sum += radiance;
     if (terms) (*terms)[Term::direct_sun] += radiance;
   }
-  const glm::dvec2 for_sky = stream.next2();
   if (world_.sky() && settings_.strategy != Strategy::brdf) {
     const Sky::Choice choice = world_.sky().sample(for_sky);
     const glm::dvec3 f = choice.pdf > 0 ? evaluate_bsdf(s, choice.direction, v) : glm::dvec3(0);
@@ -117,9 +121,6 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       }
     }
   }
-  const double which = stream.next();
-  double pick = stream.next();
-  const glm::dvec2 on_light = stream.next2();
   static thread_local std::vector<LightTree::Choice> chosen;
   world_.light_tree().choose(s.position, lit_side(s), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
@@ -134,7 +135,7 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       offer = punctual_offer(light, s, v);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
-      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, on_triangle(on_light, i));
+      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, own_place(on_light, i));
     }
     if (every) {
       const glm::dvec3 radiance = taken(offer, s, point);
@@ -276,7 +277,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       else
         gain(Term::indirect, light);
     }
-    if (divided) terms->shadow = sun_visibility(s, point);
+    if (divided) terms->shadow = sun_visibility(s, point, stream.next2());
 
     const std::optional<BsdfSample> next = sample_bsdf(s, v, lobe, for_lobe);
     if (!next || (last && !next->straight)) break;

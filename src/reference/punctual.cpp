@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
+
+#include "reference/sampling.h"
 
 namespace candela::reference {
 
@@ -17,12 +20,22 @@ PunctualLight punctual_light(const LightItem& item) {
   return light;
 }
 
-Arrival arriving(const PunctualLight& light, glm::dvec3 position) {
+Arrival arriving(const PunctualLight& light, glm::dvec3 position, glm::dvec2 u) {
   Arrival a;
   if (light.type == LightType::directional) {
     a.l = -light.direction;
     a.illuminance = light.intensity;
     a.distance_m = std::numeric_limits<double>::infinity();
+    if (light.radius_rad > 0) {
+      // 1 - cos, which keeps its digits where the disc is small.
+      const double half = std::sin(light.radius_rad / 2), cap = 2 * half * half, down = u.x * cap;
+      const double across = std::sqrt(down * (2 - down)), phi = 2 * std::numbers::pi * u.y;
+      glm::dvec3 x, y;
+      make_frame(a.l, x, y);
+      a.l = glm::normalize(a.l * (1 - down) + across * (std::cos(phi) * x + std::sin(phi) * y));
+      // Over the cap the mean cosine to its middle is 1 - cap / 2.
+      a.illuminance /= 1 - cap / 2;
+    }
     return a;
   }
   const glm::dvec3 to_light = light.position - position;

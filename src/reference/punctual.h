@@ -17,15 +17,18 @@ struct PunctualLight {
   glm::dvec3 intensity{0};                      // cd, or lux for a directional one, times colour
   double range_m = 0;                           // infinity: none
   double cos_inner = 1, cos_outer = -1;
+  double radius_rad = 0;  // of a directional light's disc in the sky; 0: a point
 };
 PunctualLight punctual_light(const LightItem& item);
 
 // What arrives at a point: illuminance (lux, times colour) on a surface that faces the light, and where it comes from.
+// Of a disc the number u in [0, 1)^2 chooses the direction, evenly in solid angle; the mean over u is the whole disc's
+// light, of one radiance, and gives a surface that faces it the light's illuminance.
 struct Arrival {
   glm::dvec3 illuminance{0};
   glm::dvec3 l{0, 1, 0};  // unit, towards the light
   double distance_m = 0;  // infinity for directional lights
 };
-Arrival arriving(const PunctualLight& light, glm::dvec3 position);
+Arrival arriving(const PunctualLight& light, glm::dvec3 position, glm::dvec2 u = glm::dvec2(0));
 
 }  // namespace candela::reference

@@ -31,6 +31,7 @@ struct WorldInput {
   bool glass =
       false;  // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
   std::optional<Fog> fog{};
+  double sun_radius_rad = 0;  // of every directional light's disc in the sky; 0: points, with hard shadows
 };
 
 // A ray with directions in double; the acceleration structure gets it rounded.

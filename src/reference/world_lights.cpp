@@ -32,6 +32,7 @@ void World::add_lights() {
     const uint32_t index = uint32_t(punctual_.size());
     punctual_.push_back(punctual_light(item));
     if (item.type == LightType::directional) {
+      punctual_.back().radius_rad = input_.sun_radius_rad;
       directional_.push_back(index);
       continue;
     }

@@ -83,6 +83,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.accel = accel;
   input.glass = path;
   input.fog = look->fog;
+  if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (sky) {
     input.sky = reference::Sky(*sky);
     input.ambient_sh = project_environment(*sky);

@@ -154,6 +154,22 @@ Expected<void> read_fog(const Json& j, const std::string& place, Look& look) {
   return {};
 }
 
+Expected<void> read_sun(const Json& j, const std::string& place, Look& look) {
+  const Readers<Sun> readers = {
+      {"angular_radius_deg", [](const Json& value, const std::string& at, Sun& sun) -> Expected<void> {
+         const auto degrees = from_zero(value, at);
+         if (!degrees) return std::unexpected(degrees.error());
+         if (*degrees > largest_sun_radius_deg)
+           return wrong(at, fmt::format("{} is above {} degrees", *degrees, largest_sun_radius_deg));
+         sun.angular_radius_deg = *degrees;
+         return {};
+       }}};
+  Sun sun;
+  if (auto read = read_keys(j, place, readers, sun); !read) return read;
+  look.sun = sun;
+  return {};
+}
+
 // A parser that takes the last of two equal keys would leave a value out in silence.
 Expected<Json> parse_strictly(const std::string& text, const std::string& place) {
   std::vector<std::set<std::string>> open;
@@ -181,7 +197,7 @@ Expected<Look> look_from_json(const std::string& text, const std::string& place)
   if (!j) return std::unexpected(j.error());
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
   Look look;
-  const Readers<Look> readers = {{"fog", read_fog}};
+  const Readers<Look> readers = {{"fog", read_fog}, {"sun", read_sun}};
   if (auto read = read_keys(*j, place + ": ", readers, look); !read) return std::unexpected(read.error());
   return look;
 }

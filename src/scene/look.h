@@ -31,9 +31,16 @@ inline bool is_endless(const Fog& fog) {
          glm::all(glm::isinf(fog.highest));
 }
 
+// The directional lights' disc in the sky. The real sun's angular radius is the default where a look names the sun.
+inline constexpr double largest_sun_radius_deg = 45;
+struct Sun {
+  double angular_radius_deg = 0.2666;  // 0: a point, with hard shadows
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
+  std::optional<Sun> sun;
 };
 
 // A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are

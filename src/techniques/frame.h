@@ -41,7 +41,7 @@ struct Frame {
     if (const Need need = pass.needed(facts, request); !need)
       return absent<typename P::Out>(builder.leave_out(name, need.reason));
     builder.begin_pass(name);
-    knobs.declare(builder, pass);
+    knobs.declare(builder, pass, facts);
     typename P::Out out = pass.declare(builder, in);
     if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); }))
       return absent<typename P::Out>(builder.last_absence());

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "../unit/split_sum_integral.h"
 #include "frame_fixture.h"
 #include "image/exr.h"
 
@@ -78,6 +79,51 @@ TEST_F(FrameSky, LightsADiffuseSurfaceByItsMeanRadiance) {
   const glm::dvec3 wanted = albedo * (2.0 + 2.0 / 3 * normal);
   for (const glm::vec4& p : images["beauty"].values<glm::vec4>())
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(p[c], wanted[c], 2e-4 * wanted[c]);
+}
+
+// Under a uniform sky a surface gives back the integral of its BRDF, whatever its roughness, metal and angle: one
+// square a case, all seen from +Z without perspective. What is left is the table between its nodes.
+TEST_F(FrameSky, ReflectsTheIntegralOfTheBrdfUnderAUniformSky) {
+  constexpr std::array roughness = {0.0, 0.2, 0.5, 0.8, 1.0}, metallic = {0.0, 0.4, 1.0};
+  constexpr std::array degrees = {0.0, 35.0, 60.0, 75.0, 84.0};
+  constexpr int cell = 15, columns = int(roughness.size() * metallic.size()), rows = int(degrees.size());
+  const glm::dvec3 color(0.9, 0.4, 0);
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  for (int x = 0; x < columns; ++x) {
+    Json pbr = base_color(color.r, color.g, color.b);
+    pbr["roughnessFactor"] = roughness[size_t(x) % roughness.size()];
+    pbr["metallicFactor"] = metallic[size_t(x) / roughness.size()];
+    const int mesh = add_square_mesh(b, 0.45f, add_material(b, {{"pbrMetallicRoughness", pbr}}));
+    for (int y = 0; y < rows; ++y) {
+      const double half = degrees[size_t(y)] * std::numbers::pi / 360;
+      add_node(b, {{"mesh", mesh},
+                   {"translation", {x - (columns - 1) / 2.0, (rows - 1) / 2.0 - y, 0}},
+                   {"rotation", {std::sin(half), 0, 0, std::cos(half)}}});
+    }
+  }
+  b.json["cameras"] = {{{"type", "orthographic"},
+                        {"orthographic", {{"xmag", columns / 2.0}, {"ymag", rows / 2.0}, {"znear", 1}, {"zfar", 9}}}}};
+  add_node(b, {{"camera", 0}, {"translation", {0, 0, 5}}});
+  Job job = job_for(write(b), columns * cell, rows * cell);
+  job.sky = write_sky([](glm::dvec3) { return glm::dvec3(1); });
+  const Images images = images_of(job);
+  const GaussRule rule(32);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) {
+      const double n_v = std::cos(degrees[size_t(y)] * std::numbers::pi / 180);
+      const double rough = std::max(roughness[size_t(x) % roughness.size()], 0.045);
+      const double metal = metallic[size_t(x) / roughness.size()];
+      const SplitSum s = split_sum_integral(rough, n_v, rule);
+      const double dielectric = 0.04 * s.scale + s.bias, left = 1 - (0.04 + 0.96 * grazing_integral(n_v, rule));
+      const glm::vec4 p = images["beauty"].at<glm::vec4>(x * cell + cell / 2, y * cell + cell / 2);
+      for (int c = 0; c < 3; ++c) {
+        const double exact = metal * (color[c] * s.scale + s.bias) + (1 - metal) * (dielectric + color[c] * left);
+        EXPECT_GE(p[c], 0.0f);
+        EXPECT_NEAR(p[c], exact, 1.5e-3) << "roughness " << rough << " metallic " << metal << " degrees "
+                                         << degrees[size_t(y)] << " channel " << c;
+      }
+    }
 }
 
 // Objects stand before the sky; blended ones over it.

@@ -69,7 +69,7 @@ inline ImageHandle add_fill(GraphBuilder& builder, const std::string& name, uint
 }
 
 inline BufferHandle add_readback(GraphBuilder& builder, const std::string& name, ImageHandle image, uint64_t bytes) {
-  builder.begin_pass("read back " + name);
+  builder.begin_pass(fmt::format("read back {} {}", name, builder.passes().size()));
   builder.read(image, Access::transfer_source, name);
   BufferHandle buffer =
       builder.create(BufferDesc{.name = name + " bytes", .size_bytes = bytes, .memory = BufferMemory::host_read});

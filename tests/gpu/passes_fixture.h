@@ -32,7 +32,7 @@ class PassTest : public GpuTest {
     return out;
   }
   BufferHandle read_words(GraphBuilder& builder, const std::string& name, BufferHandle source, uint64_t bytes) {
-    builder.begin_pass("read back " + name);
+    builder.begin_pass(fmt::format("read back {} {}", name, builder.passes().size()));
     builder.read(source, Access::compute_read, name);
     BufferHandle target =
         builder.create(BufferDesc{.name = name + " words", .size_bytes = bytes, .memory = BufferMemory::host_read});

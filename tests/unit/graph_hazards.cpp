@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <tuple>
+
 namespace candela::test {
 namespace {
 
@@ -16,13 +19,33 @@ struct Barrier {
   Mask source_access, destination_access;
   int image = -1;  // -1: all memory
   bool transition = false;
+  ImageRange range{};
 };
 
-// The frame as a list: barrier calls at even places, accesses at odd ones. A transition is a write inside its barrier.
+// One subresource of an image; of a buffer always {0, 0}.
+struct Part {
+  uint32_t mip = 0, layer = 0;
+  bool operator==(const Part&) const = default;
+};
+bool holds(const ImageRange& range, const Part& part) {
+  return part.mip >= range.first_mip && part.mip - range.first_mip < range.mip_count &&
+         part.layer >= range.first_layer && part.layer - range.first_layer < range.layer_count;
+}
+std::vector<Part> parts_of(const ImageRange& range) {
+  std::vector<Part> parts;
+  for (uint32_t mip = 0; mip < range.mip_count; ++mip)
+    for (uint32_t layer = 0; layer < range.layer_count; ++layer)
+      parts.push_back({range.first_mip + mip, range.first_layer + layer});
+  return parts;
+}
+
+// The frame as a list: barrier calls at even places, accesses at odd ones. A step of a pass is a place of its own. An
+// access of a range is one event for each subresource. A transition is a write inside its barrier.
 struct Event {
   int time;
   int memory;
   int resource;
+  Part part;
   Stages stages;
   Mask access;
   const Barrier* transition = nullptr;
@@ -31,7 +54,7 @@ struct Event {
 };
 
 struct Timeline {
-  std::vector<std::vector<Barrier>> calls;  // call i lies before pass i; the last one before the host
+  std::vector<std::vector<Barrier>> calls;  // call i lies before step i of the frame; the last one before the host
   std::vector<Event> events;
   std::vector<int> memory;  // of each resource
 };
@@ -68,39 +91,62 @@ std::vector<Barrier> barriers_of(const PassBarriers& barriers) {
         {barriers.source_stages, barriers.destination_stages, barriers.source_access, barriers.destination_access});
   for (const ImageBarrier& image : barriers.images)
     result.push_back({image.source_stages, image.destination_stages, image.source_access, image.destination_access,
-                      image.resource, image.old_layout != image.new_layout});
+                      image.resource, image.old_layout != image.new_layout, image.range});
   return result;
+}
+
+// A pass without steps is one. What it declared for every step happens in each.
+struct Step {
+  const PlanPass* pass;
+  size_t index;
+  const PassBarriers* barriers;
+  std::vector<const PlanUse*> uses;
+};
+std::vector<Step> steps_of(const FramePlan& plan) {
+  std::vector<Step> steps;
+  for (const PlanPass& pass : plan.passes)
+    for (size_t i = 0; i <= pass.step_barriers.size(); ++i) {
+      steps.push_back({&pass, i, i == 0 ? &pass.barriers : &pass.step_barriers[i - 1], {}});
+      for (const PlanUse& use : pass.uses)
+        if (use.step < 0 || use.step == int(i)) steps.back().uses.push_back(&use);
+    }
+  return steps;
 }
 
 Timeline timeline_of(const FramePlan& plan) {
   Timeline line;
   for (size_t i = 0; i < plan.resources.size(); ++i)
     line.memory.push_back(plan.resources[i].block >= 0 ? plan.resources[i].block : int(1000 + i));
-  for (const PlanPass& pass : plan.passes) line.calls.push_back(barriers_of(pass.barriers));
+  const std::vector<Step> steps = steps_of(plan);
+  for (const Step& step : steps) line.calls.push_back(barriers_of(*step.barriers));
   line.calls.push_back(barriers_of(plan.final_barriers));
 
-  const auto add = [&](int time, int resource, Stages stages, Mask access, std::string name,
+  const auto add = [&](int time, int resource, const ImageRange& range, Stages stages, Mask access, std::string name,
                        const Barrier* transition) {
-    line.events.push_back({time, line.memory[resource], resource, stages, access, transition,
-                           name + " of " + plan.resources[resource].name()});
+    for (const Part& part : parts_of(range))
+      line.events.push_back(
+          {time, line.memory[resource], resource, part, stages, access, transition,
+           fmt::format("{} of {} ({} {})", name, plan.resources[resource].name(), part.mip, part.layer)});
   };
+  constexpr ImageRange buffer_range{0, 1, 0, 1};
   for (size_t i = 0; i < plan.resources.size(); ++i)
     if (const auto* buffer = std::get_if<BufferDesc>(&plan.resources[i].desc); buffer && buffer->zeroed)
-      add(-1, int(i), VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, "fill", nullptr);
-  for (size_t p = 0; p < plan.passes.size(); ++p) {
-    for (const Barrier& barrier : line.calls[p])
+      add(-1, int(i), buffer_range, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, "fill", nullptr);
+  for (size_t s = 0; s < steps.size(); ++s) {
+    const std::string where = fmt::format("{} {}", steps[s].pass->name, steps[s].index);
+    for (const Barrier& barrier : line.calls[s])
       if (barrier.transition)
-        add(int(2 * p), barrier.image, 0, 0, fmt::format("transition before {}", plan.passes[p].name), &barrier);
-    for (const PlanUse& use : plan.passes[p].uses) {
-      const AccessInfo& info = access_info(use.access);
-      add(int(2 * p + 1), use.resource, info.stages, info.mask, fmt::format("{} in {}", info.name, plan.passes[p].name),
+        add(int(2 * s), barrier.image, barrier.range, 0, 0, "transition before " + where, &barrier);
+    for (const PlanUse* use : steps[s].uses) {
+      const AccessInfo& info = access_info(use->access);
+      add(int(2 * s + 1), use->resource, use->range, info.stages, info.mask, fmt::format("{} in {}", info.name, where),
           nullptr);
     }
   }
   for (size_t i = 0; i < plan.resources.size(); ++i)
     if (plan.resources[i].lifetime == Lifetime::readback && plan.resources[i].first_pass >= 0)
-      add(int(2 * plan.passes.size() + 1), int(i), VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, "host_read",
-          nullptr);
+      add(int(2 * steps.size() + 1), int(i), buffer_range, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT,
+          "host_read", nullptr);
   return line;
 }
 
@@ -116,12 +162,20 @@ struct Progress {
   }
 };
 
+// An image barrier reaches the subresources it names, and an access to the same memory as another image.
+bool reaches(const Barrier& b, const Timeline& line, const Event& from, const Event& to) {
+  if (b.image < 0) return true;
+  if (line.memory[b.image] != from.memory) return false;
+  if (b.image == from.resource) return holds(b.range, from.part);
+  return b.image != to.resource || holds(b.range, to.part);
+}
+
 void pass_call(Progress& progress, const std::vector<Barrier>& call, const Timeline& line, const Event& from,
-               Stages stage) {
+               const Event& to, Stages stage) {
   const Progress before = progress;
   for (const Barrier& b : call) {
     if (&b == from.transition) continue;
-    const bool covers = b.image < 0 || line.memory[b.image] == from.memory;
+    const bool covers = reaches(b, line, from, to);
     const bool direct = stage && (b.source & stage);
     if (direct || (b.source & before.waiting)) progress.waiting |= b.destination;
     const bool flushes = covers && direct && (from.access & all_writes & ~b.source_access) == 0;
@@ -150,7 +204,7 @@ bool ordered(const Timeline& line, const Event& from, const Event& to) {
     }
     // Calls strictly after `from` and strictly before `to`; the call that holds a transition is judged below.
     for (int call = (from.time + 2) / 2; 2 * call < to.time; ++call)
-      if (2 * call > from.time) pass_call(progress, line.calls[call], line, from, stage);
+      if (2 * call > from.time) pass_call(progress, line.calls[call], line, from, to, stage);
     if (to.transition) {
       const Barrier& b = *to.transition;
       const bool direct = stage && (b.source & stage);
@@ -168,19 +222,43 @@ bool ordered(const Timeline& line, const Event& from, const Event& to) {
   return true;
 }
 
-void check_layouts(const FramePlan& plan, std::vector<std::string>& found) {
-  std::vector<VkImageLayout> layout(plan.resources.size(), VK_IMAGE_LAYOUT_UNDEFINED);
-  for (const PlanPass& pass : plan.passes) {
-    for (const ImageBarrier& b : pass.barriers.images) {
-      if (b.old_layout != layout[b.resource])
-        found.push_back(fmt::format("{}: barrier from a layout that {} does not have", pass.name,
-                                    plan.resources[b.resource].name()));
-      layout[b.resource] = b.new_layout;
+// Layouts by subresource; also that what is read was written, and that a write knows whether it is the first.
+void check_contents(const FramePlan& plan, std::vector<std::string>& found) {
+  struct Content {
+    VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+    bool written = false;
+  };
+  std::map<std::tuple<int, uint32_t, uint32_t>, Content> contents;
+  const auto content = [&](int resource, const Part& part) -> Content& {
+    return contents[{resource, part.mip, part.layer}];
+  };
+  for (const Step& step : steps_of(plan)) {
+    for (const ImageBarrier& b : step.barriers->images)
+      for (const Part& part : parts_of(b.range)) {
+        Content& of = content(b.resource, part);
+        if (b.old_layout != of.layout)
+          found.push_back(fmt::format("{}: barrier from a layout that {} does not have", step.pass->name,
+                                      plan.resources[b.resource].name()));
+        of.layout = b.new_layout;
+      }
+    for (const PlanUse* use : step.uses) {
+      const auto* image = std::get_if<ImageDesc>(&plan.resources[use->resource].desc);
+      if (!image) continue;
+      bool any_written = false;
+      for (const Part& part : parts_of(use->range)) {
+        Content& of = content(use->resource, part);
+        if (of.layout != expected_layout(use->access, image->format))
+          found.push_back(fmt::format("{}: {} in the wrong layout", step.pass->name, image->name));
+        if (!use->writes && !of.written)
+          found.push_back(fmt::format("{}: {} is read and was not written", step.pass->name, image->name));
+        any_written |= of.written;
+      }
+      if (use->writes && use->step != PlanUse::every_step && use->first == any_written)
+        found.push_back(fmt::format("{}: {} is wrong about its first write", step.pass->name, image->name));
     }
-    for (const PlanUse& use : pass.uses)
-      if (const auto* image = std::get_if<ImageDesc>(&plan.resources[use.resource].desc))
-        if (layout[use.resource] != expected_layout(use.access, image->format))
-          found.push_back(fmt::format("{}: {} in the wrong layout", pass.name, image->name));
+    for (const PlanUse* use : step.uses)
+      if (use->writes)
+        for (const Part& part : parts_of(use->range)) content(use->resource, part).written = true;
   }
 }
 
@@ -193,10 +271,11 @@ std::vector<std::string> find_hazards(const FramePlan& plan) {
     for (const Event& to : line.events) {
       if (from.time >= to.time || from.memory != to.memory) continue;
       const bool other_owner = from.resource != to.resource;  // aliased: contents change hands, even between reads
+      if (!other_owner && from.part != to.part) continue;
       if (!from.writes() && !to.writes() && !other_owner) continue;
       if (!ordered(line, from, to)) found.push_back(from.name + " | " + to.name);
     }
-  check_layouts(plan, found);
+  check_contents(plan, found);
   return found;
 }
 

@@ -25,6 +25,17 @@ class RandomGraph {
     ImageHandle handle;
     bool depth;
     uint32_t samples;
+    ImageDesc desc{};
+    std::vector<bool> holds = std::vector<bool>(size_t(desc.mips) * desc.layers, false);
+    bool has(const ImageRange& range) const { return count(range) == size_t(range.mip_count) * range.layer_count; }
+    bool has_any(const ImageRange& range) const { return count(range) > 0; }
+
+   private:
+    size_t count(const ImageRange& range) const {
+      size_t result = 0;
+      for_subresources(range, desc.layers, [&](size_t i) { result += holds[i]; });
+      return result;
+    }
   };
   struct Buffer {
     BufferHandle handle;
@@ -39,15 +50,16 @@ class RandomGraph {
     if (below(2)) {
       const bool depth = below(3) == 0;
       const uint32_t samples = below(3) ? 1 : 4;
-      const VkFormat format = depth      ? VK_FORMAT_D32_SFLOAT
-                              : below(2) ? VK_FORMAT_R16G16B16A16_SFLOAT
-                                         : VK_FORMAT_R8_UNORM;
-      images_.push_back({builder_.create(ImageDesc{.name = fmt::format("image{}.{}", pass, images_.size()),
-                                                   .format = format,
-                                                   .width_px = 16u << below(3),
-                                                   .height_px = 16,
-                                                   .samples = samples}),
-                         depth, samples});
+      ImageDesc desc{.name = fmt::format("image{}.{}", pass, images_.size()),
+                     .format = depth      ? VK_FORMAT_D32_SFLOAT
+                               : below(2) ? VK_FORMAT_R16G16B16A16_SFLOAT
+                                          : VK_FORMAT_R8_UNORM,
+                     .width_px = 16u << below(3),
+                     .height_px = 16,
+                     .samples = samples};
+      if (samples == 1) choose_shape(desc);
+      const ImageHandle handle = builder_.create(desc);
+      images_.push_back({handle, depth, samples, desc});
       write(images_.back());
     } else {
       const bool zeroed = below(3) == 0, readback = below(4) == 0;
@@ -60,14 +72,44 @@ class RandomGraph {
       if (!zeroed || below(2)) write(buffers_.back());
     }
   }
+  void choose_shape(ImageDesc& desc) {
+    if (below(2)) desc.mips = 1 + uint32_t(below(4));
+    const int shape = below(8);
+    if (shape == 0) desc.kind = ImageKind::d2_array, desc.layers = 1 + uint32_t(below(3));
+    if (shape == 1) desc.kind = ImageKind::cube, desc.layers = 6, desc.width_px = 16;
+    if (shape == 2 && !is_depth_format(desc.format)) desc.kind = ImageKind::d3, desc.depth_px = 4;
+  }
+  uint32_t some(uint32_t end) { return uint32_t(below(int(end))); }
+  ImageRange range_of(const Image& image, bool one_mip) {
+    const ImageDesc& d = image.desc;
+    ImageRange range{0, d.mips, 0, d.layers};
+    if (one_mip || below(2)) range.first_mip = some(d.mips), range.mip_count = 1;
+    if (!one_mip && below(2)) range.mip_count = 1 + some(d.mips - range.first_mip);
+    if (below(2)) range.first_layer = some(d.layers), range.layer_count = 1 + some(d.layers - range.first_layer);
+    return range;
+  }
   void write(Image& image) {
     Access access = image.depth
                         ? pick({Access::depth_attachment, Access::depth_attachment, Access::transfer_destination})
                         : pick({Access::color_attachment, Access::storage_image_write, Access::transfer_destination,
                                 Access::resolve_attachment, Access::storage_image_read_write});
+    const ImageRange range = range_of(image, access != Access::transfer_destination);
+    const bool volume = image.desc.kind == ImageKind::d3;
     if (access == Access::resolve_attachment && image.samples != 1) access = Access::color_attachment;
-    if (access == Access::storage_image_read_write && image.handle.version == 0) access = Access::storage_image_write;
-    image.handle = builder_.write(image.handle, access);
+    if (access == Access::storage_image_read_write && !image.has(range)) access = Access::storage_image_write;
+    const bool drawn = access == Access::color_attachment || access == Access::depth_attachment ||
+                       access == Access::resolve_attachment;
+    if (drawn && (volume || (image.has_any(range) && !image.has(range)))) access = Access::transfer_destination;
+    if (taken(image, range)) return;
+    image.handle = builder_.write(image.handle, access, range);
+    for_subresources(range, image.desc.layers, [&](size_t i) { image.holds[i] = true; });
+    used_.push_back({image.handle.resource, range});
+  }
+  // Used in this step already: another use may want another layout or order.
+  bool taken(const Image& image, const ImageRange& range) const {
+    return std::any_of(used_.begin(), used_.end(), [&](const auto& used) {
+      return used.first == image.handle.resource && used.second.overlaps(range);
+    });
   }
   void write(Buffer& buffer) {
     buffer.handle = builder_.write(buffer.handle,
@@ -75,13 +117,17 @@ class RandomGraph {
   }
   void read(const Image& image) {
     const bool sampled = below(2) == 0;
+    const ImageRange range = range_of(image, image.depth && !sampled);
+    if (!image.has(range) || taken(image, range)) return;
+    used_.push_back({image.handle.resource, range});
     if (!image.depth) {
       builder_.read(image.handle, pick({Access::sampled_fragment, Access::sampled_compute, Access::transfer_source}),
-                    "image");
+                    "image", range);
       return;
     }
-    builder_.read(image.handle, sampled ? Access::sampled_fragment : Access::depth_test, "depth");
-    if (below(2)) builder_.read(image.handle, sampled ? Access::depth_test : Access::sampled_compute, "depth");
+    builder_.read(image.handle, sampled ? Access::sampled_fragment : Access::depth_test, "depth", range);
+    if (below(2) && range.mip_count == 1)
+      builder_.read(image.handle, sampled ? Access::depth_test : Access::sampled_compute, "depth", range);
   }
   void read(const Buffer& buffer) {
     builder_.read(buffer.handle,
@@ -89,21 +135,30 @@ class RandomGraph {
                         Access::index_read, Access::indirect_read, Access::transfer_source}),
                   "buffer");
   }
+  // Steps go over all images again, so they read and write what the steps before made.
   void add_pass(int index) {
     builder_.begin_pass(fmt::format("pass{}", index));
-    const size_t old_images = images_.size(), old_buffers = buffers_.size();
-    for (size_t i = 0; i < old_images; ++i) {
-      const int what = below(5);
-      if (what == 0 && images_[i].handle.version > 0) read(images_[i]);
-      if (what == 1 && below(2)) write(images_[i]);
+    used_.clear();
+    const size_t old_buffers = buffers_.size();
+    const int steps = below(4) == 0 ? 1 + below(4) : 0;
+    for (int step = 0; step < std::max(steps, 1); ++step) {
+      if (steps > 0) builder_.begin_step();
+      used_.clear();
+      for (size_t i = images_.size(); i-- > 0;) {
+        const int what = below(5);
+        if (what == 0) read(images_[i]);
+        if (what == 1 && below(2)) write(images_[i]);
+        if (what == 2 && below(4) == 0) read(images_[i]), write(images_[i]);
+      }
+      for (size_t i = 0; i < old_buffers; ++i) {
+        const int what = below(6);
+        Buffer& buffer = buffers_[i];
+        if (what < 2 && (buffer.imported || buffer.zeroed || buffer.handle.version > 0)) read(buffer);
+        if (what > 0 && what < 3 && !buffer.imported) write(buffer);  // 1: read and written
+      }
+      if (step + 1 == std::max(steps, 1))
+        for (int i = below(3); i >= 0; --i) create(index);
     }
-    for (size_t i = 0; i < old_buffers; ++i) {
-      const int what = below(6);
-      Buffer& buffer = buffers_[i];
-      if (what < 2 && (buffer.imported || buffer.zeroed || buffer.handle.version > 0)) read(buffer);
-      if (what > 0 && what < 3 && !buffer.imported) write(buffer);  // 1: read and written
-    }
-    for (int i = below(3); i >= 0; --i) create(index);
     builder_.end_pass({});
   }
 
@@ -111,6 +166,7 @@ class RandomGraph {
   GraphBuilder builder_;
   std::vector<Image> images_;
   std::vector<Buffer> buffers_;
+  std::vector<std::pair<int, ImageRange>> used_;  // by the step that is being declared
 };
 
 }  // namespace candela::test

@@ -37,6 +37,24 @@ TEST(Look, SaysWhatFogIs) {
   EXPECT_FALSE(look_from_json("{}", "l.json")->fog);
 }
 
+TEST(Look, SaysHowLargeTheSunIs) {
+  const auto radius = [](const char* text) {
+    const auto look = look_from_json(text, "l.json");
+    return look && look->sun ? look->sun->angular_radius_deg : -1;
+  };
+  EXPECT_EQ(radius(R"({"sun": {"angular_radius_deg": 5.5}})"), 5.5);
+  EXPECT_EQ(radius(R"({"sun": {"angular_radius_deg": 0}})"), 0);
+  EXPECT_EQ(radius(R"({"sun": {}})"), 0.2666) << "the real sun's where nothing is said";
+  EXPECT_EQ(radius("{}"), -1);
+  for (const char* wrong : {R"({"sun": {"angular_radius_deg": -1}})", R"({"sun": {"angular_radius_deg": 45.1}})",
+                            R"({"sun": {"angular_radius_deg": "1"}})", R"({"sun": 1})"}) {
+    const auto look = look_from_json(wrong, "l.json");
+    ASSERT_FALSE(look) << wrong;
+    EXPECT_EQ(look.error().kind, ErrorKind::input);
+    EXPECT_NE(look.error().text().find("l.json: /sun"), std::string::npos) << look.error().text();
+  }
+}
+
 TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
   const std::vector<std::array<const char*, 3>> cases = {
       {R"({"fogg": {}})", "l.json: /fogg", "did you mean 'fog'"},

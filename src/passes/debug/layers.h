@@ -3,6 +3,7 @@
 
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 
@@ -15,6 +16,7 @@ inline constexpr uint32_t layer_count = 7;
 // Blended surfaces do not appear. Background: depth 1e10, ids 0xffffffff, everything else 0.
 struct Layers {
   static constexpr std::string_view name = "layers";
+  using SharedKnobs = std::tuple<TextureKnobs>;
   static constexpr LayerName layers[layer_count] = {{"depth"},       {"normal"},   {"albedo"}, {"object_id"},
                                                     {"material_id"}, {"emission"}, {"direct"}};
   struct In {

@@ -1,6 +1,7 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 
@@ -9,6 +10,7 @@ namespace candela {
 // shading point.
 struct DepthPrepass {
   static constexpr std::string_view name = "depth_prepass";
+  using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -15,7 +15,6 @@ DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_format = depth_format;
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-  choice.desc.depth_clamp = true;
   choice.masked_fragment = "depth_prepass.frag";
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,

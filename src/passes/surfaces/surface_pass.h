@@ -1,6 +1,7 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 
@@ -13,7 +14,7 @@ namespace candela {
 template <bool lit>
 struct SurfacePass {
   static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";
-  using SharedKnobs = std::conditional_t<lit, std::tuple<LightRangeKnobs>, std::tuple<>>;
+  using SharedKnobs = std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs>, std::tuple<TextureKnobs>>;
   struct In {
     SceneInputs scene;
     Draws draws;

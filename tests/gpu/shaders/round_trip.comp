@@ -49,7 +49,8 @@ void put_frame(FrameConstants v) {
   for (int i = 0; i < 9; ++i) put(v.ambient_sh[i]);
   put(v.camera_right); put(v.camera_up); put(v.camera_back);
   put(v.tan_half); put(v.size_px); put(v.light_count); put(v.item_count);
-  put(v.perspective); put(v.sky_texture); put(v.sky_sampler); put(v.sky_size_px); put(v.pre_exposure);
+  put(v.perspective); put(v.sky_texture); put(v.sky_sampler);
+  put(v.split_sum_texture); put(v.split_sum_sampler); put(v.sky_size_px); put(v.pre_exposure);
 }
 void put_group(CullGroup v) { put(v.first_item); put(v.item_count); put(v.run); put(v.first_group); put(v.is_last); }
 void put_command(DrawCommand v) {

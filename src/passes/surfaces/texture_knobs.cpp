@@ -1,0 +1,29 @@
+#include "passes/surfaces/texture_knobs.h"
+
+namespace candela {
+
+std::span<const Knob<TextureKnobs>> TextureKnobs::table() {
+  // Every device that filters anisotropically at all does so up to 16 (Vulkan, required limits).
+  static const Knob<TextureKnobs> table[] = {
+      {"anisotropy",
+       &TextureKnobs::anisotropy,
+       "",
+       1,
+       16,
+       {1, 4, 8, 16},
+       "samples along the longer axis of a pixel's footprint in a texture; 1: one mip level for both axes, which blurs "
+       "what is seen at a slant",
+       {},
+       Trades::error,
+       {},
+       {"depth_prepass", "shade_forward", "shade_unlit", "transparent", "layers"}},
+  };
+  return table;
+}
+
+bool TextureKnobs::matter(const SceneFacts& f) {
+  return f.any_base_texture || f.any_orm_texture || f.any_occlusion_texture || f.any_normal_texture ||
+         f.any_emissive_texture || f.any_specular_texture;
+}
+
+}  // namespace candela

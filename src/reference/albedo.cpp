@@ -1,0 +1,102 @@
+#include "reference/albedo.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "reference/brdf.h"
+#include "reference/microfacet.h"
+#include "reference/sampling.h"
+
+namespace candela::reference {
+namespace {
+
+// Nodes in equal steps of the logarithm of roughness and of the cube root of n.v: lobes keep their shape when both
+// shrink together.
+constexpr int roughness_nodes = 24, view_nodes = 40, per_axis = 48;
+constexpr double pi = std::numbers::pi;
+constexpr double least_view = 1e-4;
+
+double node_roughness(int i) { return std::pow(least_roughness, 1 - double(i) / (roughness_nodes - 1)); }
+double node_view(int i) {
+  const double low = std::cbrt(least_view), at = low + (1 - low) * i / (view_nodes - 1);
+  return std::min(at * at * at, 1.0);
+}
+
+using Table = std::vector<DirectionalAlbedo>;
+const Table& table() {
+  static const Table made = [] {
+    Table t(size_t(roughness_nodes) * view_nodes);
+    for (int r = 0; r < roughness_nodes; ++r)
+      for (int v = 0; v < view_nodes; ++v)
+        t[size_t(r * view_nodes + v)] = integrate_albedo(node_roughness(r), node_view(v), per_axis);
+    return t;
+  }();
+  return made;
+}
+
+// Four nodes about a place and their weights (Catmull and Rom 1974). Where one lies beyond the ends, it is the
+// parabola's through the three next to it.
+struct Weights {
+  Weights(double at, int nodes) {
+    const int cell = std::clamp(int(at), 0, nodes - 2);
+    const double t = std::clamp(at - cell, 0.0, 1.0), t2 = t * t, t3 = t2 * t;
+    weight = {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
+    first = std::clamp(cell - 1, 0, nodes - 4);
+    const double w0 = weight[0], w3 = weight[3];
+    if (cell == 0) weight = {weight[1] + 3 * w0, weight[2] - 3 * w0, w3 + w0, 0};
+    if (cell == nodes - 2) weight = {0, w0 + w3, weight[1] - 3 * w3, weight[2] + 3 * w3};
+  }
+  std::array<double, 4> weight;
+  int first;
+};
+
+}  // namespace
+
+DirectionalAlbedo integrate_albedo(double roughness, double n_v, int count) {
+  const double r = std::max(roughness, least_roughness), alpha = r * r, view = std::max(n_v, least_view);
+  const glm::dvec3 n(0, 0, 1), v(std::sqrt(1 - view * view), 0, view);
+  DirectionalAlbedo sum;
+  for (int i = 0; i < count; ++i) {
+    // Rings of the disc in equal steps of the angle whose sine is the radius: in it the root at the rim is none.
+    const double step = pi / 2 / count, angle = step * (i + 0.5), radius2 = std::pow(std::sin(angle), 2);
+    const double ring = std::pow(std::sin(step * (i + 1)), 2) - std::pow(std::sin(step * i), 2);
+    const double weight = ring / (count / 2);
+    // Half of the disc: v lies in the plane that cuts it in two.
+    for (int j = 0; j < count / 2; ++j) {
+      const glm::dvec2 u(radius2, (j + 0.5) / count - 0.25);
+      const glm::dvec3 h = visible_normal(n, v, alpha, u);
+      const double v_h = glm::dot(v, h), n_l = 2 * v_h * h.z - view;
+      if (n_l > 0 && v_h > 0) {
+        // D V n.l over the density G1 D / (4 n.v).
+        const double value = weight * 4 * smith_v(n_l, view, alpha) * n_l * view / smith_g1(view, alpha);
+        const double schlick = std::pow(1 - v_h, 5);
+        sum.scale += value * (1 - schlick), sum.bias += value * schlick;
+      }
+      const double phi = 2 * pi * (j + 0.5) / count;
+      const glm::dvec3 l(std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi), std::cos(angle));
+      sum.grazing += weight * std::pow(std::clamp(1 - glm::dot(v, glm::normalize(l + v)), 0.0, 1.0), 5);
+    }
+  }
+  return sum;
+}
+
+DirectionalAlbedo directional_albedo(double roughness, double n_v) {
+  const double low = std::cbrt(least_view);
+  const Weights rows(
+      (1 - std::log(std::max(roughness, least_roughness)) / std::log(least_roughness)) * (roughness_nodes - 1),
+      roughness_nodes);
+  const Weights columns((std::cbrt(std::max(n_v, least_view)) - low) / (1 - low) * (view_nodes - 1), view_nodes);
+  DirectionalAlbedo out;
+  for (size_t r = 0; r < 4; ++r)
+    for (size_t c = 0; c < 4; ++c) {
+      const double weight = rows.weight[r] * columns.weight[c];
+      const DirectionalAlbedo& node = table()[(size_t(rows.first) + r) * view_nodes + size_t(columns.first) + c];
+      out.scale += weight * node.scale, out.bias += weight * node.bias, out.grazing += weight * node.grazing;
+    }
+  return out;
+}
+
+}  // namespace candela::reference

@@ -30,7 +30,7 @@ void main() {
   if (HAS_LIGHTS != 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
-      const LightRef light = light_at(pc.lights, w.light);
+      LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
       if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
       radiance += reaching;

@@ -25,7 +25,7 @@ void main() {
   if (HAS_SUN_SHADOWS != 0 && (m.flags & material_unlit) == 0u) {
     float all = 0.0, arriving = 0.0;
     for (uint i = 0u; i < frame.light_count; ++i) {
-      const LightRef light = light_at(pc.lights, i);
+      LightRef light = light_at(pc.lights, i);
       if (floatBitsToUint(light_word(light, 3u).y) != light_directional) continue;
       vec3 l;
       light_arriving(light, v.relative_position, l);

@@ -98,6 +98,9 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     f.imports.back() = (s.*row.input).resource;
   }
   s.light_grid = f.light_grid.shape;
+  s.sun_image = f.suns.image;
+  s.sun_absence = f.suns.absence;
+  s.view_first_command = std::make_shared<const std::vector<uint32_t>>(f.suns.views.first_command);
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
   s.item_count = uint32_t(u.items.size());
@@ -175,6 +178,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
                                  extent.reach_m, knobs->get<LightKnobs>());
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
+  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(),
+                        knobs->get<Cull::Knobs>().enabled != 0, f.upload);
+  if (!suns) return std::unexpected(suns.error());
+  f.suns = std::move(*suns);
+  f.notes.insert(f.notes.end(), f.suns.notes.begin(), f.suns.notes.end());
   f.light_grid_ms = ms_since(start);
 
   start = Clock::now();

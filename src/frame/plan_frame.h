@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "frame/frame_suns.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
 #include "graph/builder.h"
@@ -30,6 +31,7 @@ struct PlannedFrame {
   FrameRequest request;
   FrameUpload upload;
   LightGrid light_grid;
+  FrameSuns suns;
   TextureKnobs textures;
   CompiledGraph graph;
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it

@@ -82,10 +82,11 @@ bool carries_exposure(const std::string& layer) {
   return layer == "beauty" || layer == "emission" || layer == "direct";
 }
 
-std::vector<std::string> channel_names(const std::string& layer) {
+std::vector<std::string> channel_names(const OutputImage& output) {
+  const std::string& layer = output.layer;
   if (layer == "beauty") return {"R", "G", "B", "A"};
   if (layer == "depth") return {"depth.Z"};
-  if (layer.starts_with("heatmap.")) return {layer + ".Y"};
+  if (output.format == VK_FORMAT_R32_SFLOAT) return {layer + ".Y"};
   if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
   return {layer + ".R", layer + ".G", layer + ".B"};
 }
@@ -113,7 +114,7 @@ void add_depth_layer(FloatImage& image, const FrameResult& frame, const OutputIm
 void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, bool as_float,
                      NonFinite& nonfinite) {
   const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
-  const std::vector<std::string> names = channel_names(output.layer);
+  const std::vector<std::string> names = channel_names(output);
   const size_t first = image.channels.size(), count = size_t(image.width) * size_t(image.height);
   for (const std::string& name : names) {
     Channel& channel = image.channels.emplace_back();

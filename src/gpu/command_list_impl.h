@@ -22,6 +22,7 @@ struct FrameContext {
   const std::vector<const Pipeline*>& pipelines;  // parallel to plan.pipelines
   std::array<uint32_t, 3> max_groups{};           // of one dispatch
   size_t slot = 0;                                // of the frame in flight: Physical::pass_images
+  bool after_another = false;                     // another frame may still use the images
   bool hashed = false;                            // outputs are looked at between passes
 };
 

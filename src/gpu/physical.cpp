@@ -13,7 +13,7 @@ Hash128 physical_key(const FramePlan& plan) {
     const PlanResource& resource = plan.resources[i];
     if (resource.first_pass < 0 || resource.imported) continue;
     key.insert(key.end(), {i, uint64_t(resource.lifetime), uint64_t(int64_t(resource.block)), resource.image_usage,
-                           resource.buffer_usage});
+                           resource.buffer_usage, resource.both_queues});
     if (const auto* image = std::get_if<ImageDesc>(&resource.desc))
       key.insert(key.end(), {uint64_t(image->format), image->width_px, image->height_px, image->samples,
                              uint64_t(image->kind), image->mips, image->layers, image->depth_px});
@@ -160,6 +160,7 @@ void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalI
   info.arrayLayers = desc.layers;
   info.samples = VkSampleCountFlagBits(desc.samples);
   info.usage = resource.image_usage;
+  if (resource.both_queues) share(device_, info);
   if (copyable) {
     const VkImageUsageFlags more = desc.samples > 1 ? VK_IMAGE_USAGE_SAMPLED_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     if (desc.samples == 1 || can_make(device_.physical(), info, info.usage | more)) info.usage |= more;

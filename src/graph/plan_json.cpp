@@ -112,14 +112,18 @@ std::string plan_json(const FramePlan& plan) {
   for (const LeftOut& l : plan.left_out) left_out.push_back({{"pass", l.pass}, {"reason", l.reason}});
   for (const PlanResource& resource : plan.resources)
     if (resource.first_pass >= 0) resources.push_back(resource_json(resource));
-  const Json result = {{"passes", passes},
-                       {"left_out", left_out},
-                       {"resources", resources},
-                       {"memory",
-                        {{"transient_bytes", transient_bytes(plan)},
-                         {"transient_bytes_unaliased", transient_bytes_unaliased(plan)},
-                         {"block_bytes", plan.block_bytes}}},
-                       {"hash", plan_hash(plan).hex()}};
+  Json result = {{"passes", passes},
+                 {"left_out", left_out},
+                 {"resources", resources},
+                 {"memory",
+                  {{"transient_bytes", transient_bytes(plan)},
+                   {"transient_bytes_unaliased", transient_bytes_unaliased(plan)},
+                   {"block_bytes", plan.block_bytes}}},
+                 {"hash", plan_hash(plan).hex()}};
+  for (const QueueBatch& batch : plan.batches)
+    result["batches"].push_back({{"queue", batch.queue == Queue::compute ? "compute" : "main"},
+                                 {"passes", batch.passes},
+                                 {"waits", batch.waits}});
   return result.dump(2) + "\n";
 }
 

@@ -113,7 +113,7 @@ TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
       {R"({"fog": {"extinction": 1, "scattering": 1}})", "l.json: /fog", "one pair"},
       {R"({"fog": {"albedo": 1}})", "l.json: /fog", "lacks extinction"},
       {R"({"fog": {"extinction": [1, 0, 1], "emission": [0, 1, 0]}})", "l.json: /fog/emission", "extinction above 0"},
-      {R"({"fog": {"extinction": 1, "extinction": 2}})", "l.json", "twice"},
+      {R"({"fog": {"extinction": 1, "extinction": 2}})", "l.json: /fog/extinction", "twice"},
       {R"({"fog": []})", "l.json: /fog", "not an object"},
       {R"([])", "l.json", "object"},
       {R"({"fog": {"extinction": 1},})", "l.json", "JSON"},

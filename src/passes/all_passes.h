@@ -20,6 +20,7 @@
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
 #include "passes/surfaces/surface_pass.h"
+#include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
 
 namespace candela {
@@ -36,7 +37,7 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, TileDepth, LightAssign, LightScan, LightFill,
-                           LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, LightHeat,
+                           LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms, LightHeat,
                            Supersample, Resolve, BloomPass, Tonemap, Readback>;
 
 namespace knobs_detail {

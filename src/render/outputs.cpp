@@ -7,6 +7,7 @@
 #include "base/files.h"
 #include "frame/timings.h"
 #include "image/png_text.h"
+#include "passes/surfaces/terms.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/metadata.h"
@@ -78,7 +79,8 @@ void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t 
 
 // Layers whose values grow with the light and thus carry the pre-exposure.
 bool carries_exposure(const std::string& layer) {
-  return layer == "beauty" || layer == "emission" || layer == "direct";
+  return layer == "beauty" || layer == "direct" ||
+         std::ranges::any_of(Terms::layers, [&](const LayerName& term) { return term.name == layer; });
 }
 
 std::vector<std::string> channel_names(const std::string& layer) {

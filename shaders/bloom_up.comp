@@ -9,8 +9,8 @@ layout(constant_id = 0) const int HAS_FINE = 0;  // the last level up is the pic
 void main() {
   const uvec2 p = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(p, pc.target_px))) return;
-  const vec2 uv = (vec2(p) + 0.5) / vec2(pc.target_px);
   const vec2 texel = 1.0 / vec2(textureSize(pass_images[pc.coarse], 0));
+  const vec2 uv = 0.5 * (vec2(p) + 0.5) * texel;
   vec3 sum = vec3(0.0);
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x) {

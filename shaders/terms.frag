@@ -8,6 +8,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
+#include "lib/sun_shadow.glsl"
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
@@ -65,19 +66,21 @@ void main() {
 #endif
 #ifdef ANY_DIRECT
   // Each sum takes its lights in the order of the whole.
+  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(v.relative_position, to_viewer) : vec3(0.0);
   precise vec3 sun = vec3(0.0), point = vec3(0.0), spot = vec3(0.0);
   if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
-      const vec3 radiance = light_contribution(light, brdf, v.relative_position);
+      vec3 reaching = light_contribution(light, brdf, v.relative_position);
+      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
       const uint kind = light_kind(light);
       if (kind == light_directional)
-        sun += radiance;
+        sun += reaching;
       else if (kind == light_point)
-        point += radiance;
+        point += reaching;
       else
-        spot += radiance;
+        spot += reaching;
     }
   }
 #endif

@@ -1,8 +1,8 @@
 #include "render/sequence.h"
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
@@ -76,7 +76,7 @@ Expected<void> write_reports(const SequenceOptions& o, const Job& job, const Seq
                              const Session& session, const std::vector<std::string>& warnings) {
   if (!o.timings.empty()) {
     Json timings = sequence_timings(result, session);
-    timings["job"] = Json::parse(job_json(job));
+    timings["job"] = own_json(job_json(job));
     if (auto written = write_text_output(o.timings, timings.dump(2) + "\n"); !written) return written;
   }
   if (!o.trace.empty()) {
@@ -128,12 +128,12 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
     for (const std::string& note : result.notes)
       if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
     if (auto noted = note_frame(result, (*session)->scene(), o.job.strict, warnings); !noted) return noted;
-    const std::string blank = blank_warning(result, *job, (*session)->scene());
-    if (blank.empty()) return {};
-    if (warnings.size() < 100) warnings.push_back(fmt::format("frame {}: {}", frame, blank));
-    log::warning("frame {}: {}", frame, blank);
-    return {};
+    return note_blank(result, *job, (*session)->scene(),
+                      {.strict = o.job.strict, .allowed = o.job.allow_blank, .frame = frame}, warnings);
   };
+  if (!settings->video.empty() && (job->width_px % 2 != 0 || job->height_px % 2 != 0))
+    log::warning("the film is {}x{}: H.264 with 4:2:0 chroma takes even sides, so {}x{} grows by a black row or column",
+                 job->width_px + job->width_px % 2, job->height_px + job->height_px % 2, job->width_px, job->height_px);
   HeldSignals held;
   settings->stop = &held.pending();
   const auto result = run_sequence(**session, *job, *settings);

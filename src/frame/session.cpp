@@ -11,6 +11,7 @@
 #include "frame/job_look.h"
 #include "frame/timings.h"
 #include "gltf/gltf.h"
+#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -28,6 +29,7 @@ class DeviceSession : public Session {
   Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
   Expected<FrameResult> finish(FrameTicket ticket) override;
   int in_flight() const override;
+  void set_camera(const CameraRequest& camera) override { job_.camera = camera; }
   const Scene& scene() const override { return scene_; }
   const gpu::Device& device() const override { return *device_; }
   const Timings& opening() const override { return opening_; }
@@ -71,7 +73,7 @@ Expected<void> DeviceSession::load() {
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
   if (!job_.sky.empty()) {
-    auto image = read_environment(job_.sky);
+    auto image = read_sky(job_.sky, scene_);
     if (!image) return std::unexpected(image.error());
     environment_ = project_environment(*image);
     sky_ = std::move(*image);

@@ -73,6 +73,8 @@ class Session {
   virtual Expected<FrameResult> finish(FrameTicket ticket) = 0;
   Expected<FrameResult> render(double time_s, bool hash_outputs = false);
   virtual int in_flight() const = 0;  // how many frames to have begun at once on this device
+  // Frames begun from now on are seen from there.
+  virtual void set_camera(const CameraRequest& camera) = 0;
   virtual const Scene& scene() const = 0;
   virtual const gpu::Device& device() const = 0;
   virtual const Timings& opening() const = 0;  // load, decode, upload

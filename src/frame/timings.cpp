@@ -3,7 +3,8 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <nlohmann/json.hpp>
+
+#include "base/json.h"
 
 namespace candela {
 namespace {
@@ -103,7 +104,7 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
   j["memory"] = memory_json(session, frame.plan);
   j["left_out"] = Json::array();
   for (const LeftOut& left : frame.left_out) j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
-  j["job"] = Json::parse(job_json(job));
+  j["job"] = own_json(job_json(job));
   return j;
 }
 

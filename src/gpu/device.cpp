@@ -149,7 +149,8 @@ Expected<VkDevice> create_device(const Candidate& chosen, bool second_queue) {
   VkDevice device = VK_NULL_HANDLE;
   const VkResult result = vkCreateDevice(chosen.physical, &info, nullptr, &device);
   if (result != VK_SUCCESS)
-    return fail(ErrorKind::device, "", "the device {} does not open: {}", chosen.info.name, result_name(result));
+    return std::unexpected(
+        start_error(result, fmt::format("the device {} does not open: {}", chosen.info.name, result_name(result))));
   return device;
 }
 
@@ -158,9 +159,11 @@ Expected<VkDevice> create_device(const Candidate& chosen, bool second_queue) {
 Expected<std::vector<DeviceInfo>> list_devices() {
   const Expected<VkInstance> instance = create_instance(false, nullptr);
   if (!instance) return std::unexpected(instance.error());
-  std::vector<DeviceInfo> devices;
-  for (Candidate& candidate : find_candidates(*instance)) devices.push_back(std::move(candidate.info));
+  auto candidates = find_candidates(*instance);
   vkDestroyInstance(*instance, nullptr);
+  if (!candidates) return std::unexpected(candidates.error());
+  std::vector<DeviceInfo> devices;
+  for (Candidate& candidate : *candidates) devices.push_back(std::move(candidate.info));
   return devices;
 }
 
@@ -180,12 +183,13 @@ Expected<std::unique_ptr<Device>> Device::open(const DeviceOptions& options) {
   if (!instance) return std::unexpected(instance.error());
   device->instance_ = *instance;
 
-  const std::vector<Candidate> candidates = find_candidates(*instance);
+  const auto candidates = find_candidates(*instance);
+  if (!candidates) return std::unexpected(candidates.error());
   std::vector<DeviceInfo> infos;
-  for (const Candidate& candidate : candidates) infos.push_back(candidate.info);
+  for (const Candidate& candidate : *candidates) infos.push_back(candidate.info);
   const Expected<int> index = choose_device(infos, options.which);
   if (!index) return std::unexpected(index.error());
-  const Candidate& chosen = candidates[*index];
+  const Candidate& chosen = (*candidates)[size_t(*index)];
   const bool second_queue = chosen.second_queue && options.queues > 1;
   const Expected<VkDevice> handle = create_device(chosen, second_queue);
   if (!handle) return std::unexpected(handle.error());

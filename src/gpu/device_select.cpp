@@ -3,6 +3,8 @@
 #include <cctype>
 #include <cstring>
 
+#include "base/process.h"
+
 namespace candela::gpu {
 
 namespace {
@@ -259,11 +261,30 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
   enable(wanted.v13, required_13);
 }
 
-std::vector<Candidate> find_candidates(VkInstance instance) {
+Error start_error(VkResult result, std::string message) {
+  const bool no_memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const std::string missing = no_memory ? "memory" : what_runs_out();
+  if (missing.empty()) return {ErrorKind::device, std::move(message), ""};
+  return {ErrorKind::out_of_memory,
+          fmt::format("{} ran out while Vulkan started ({}); raise the limit (ulimit, the container's) or end other "
+                      "programs",
+                      missing, message),
+          ""};
+}
+
+Expected<std::vector<Candidate>> find_candidates(VkInstance instance) {
+  const auto failed = [](VkResult result) {
+    return std::unexpected(start_error(result, fmt::format("vkEnumeratePhysicalDevices: error {}", int(result))));
+  };
   uint32_t count = 0;
-  if (vkEnumeratePhysicalDevices(instance, &count, nullptr) != VK_SUCCESS) return {};
+  if (const VkResult result = vkEnumeratePhysicalDevices(instance, &count, nullptr); result != VK_SUCCESS)
+    return failed(result);
   std::vector<VkPhysicalDevice> physical(count);
-  if (vkEnumeratePhysicalDevices(instance, &count, physical.data()) != VK_SUCCESS) return {};
+  if (const VkResult result = vkEnumeratePhysicalDevices(instance, &count, physical.data()); result != VK_SUCCESS)
+    return failed(result);
+  if (count == 0)
+    if (Error error = start_error(VK_SUCCESS, "no device"); error.kind == ErrorKind::out_of_memory)
+      return std::unexpected(std::move(error));
   std::vector<Candidate> candidates;
   for (uint32_t i = 0; i < count; ++i) {
     Candidate candidate;
@@ -318,6 +339,8 @@ Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_vie
 }
 
 Expected<VkInstance> create_instance(bool validate, const void* next) {
+  if (Error error = start_error(VK_SUCCESS, "before the driver was opened"); error.kind == ErrorKind::out_of_memory)
+    return std::unexpected(std::move(error));
   if (validate && !has_validation_layer())
     return fail(ErrorKind::device, "", "{} is not installed; install vulkan-validationlayers", validation_layer);
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
@@ -336,9 +359,11 @@ Expected<VkInstance> create_instance(bool validate, const void* next) {
   VkInstance instance = VK_NULL_HANDLE;
   const VkResult result = vkCreateInstance(&info, nullptr, &instance);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    return fail(ErrorKind::device, "", "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports");
+    return std::unexpected(
+        start_error(result, "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports"));
   if (result != VK_SUCCESS)
-    return fail(ErrorKind::device, "", "Vulkan does not start (vkCreateInstance: error {})", int(result));
+    return std::unexpected(
+        start_error(result, fmt::format("Vulkan does not start (vkCreateInstance: error {})", int(result))));
   return instance;
 }
 

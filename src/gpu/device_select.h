@@ -36,7 +36,7 @@ struct Candidate {
   uint32_t timestamp_bits = 0;
   double timestamp_period_ns = 1;
 };
-std::vector<Candidate> find_candidates(VkInstance instance);
+Expected<std::vector<Candidate>> find_candidates(VkInstance instance);
 
 // Sets the queues of a candidate from its families; false where none does graphics and compute. Pure.
 bool choose_queues(std::span<const VkQueueFamilyProperties> families, Candidate& candidate);
@@ -45,5 +45,9 @@ bool choose_queues(std::span<const VkQueueFamilyProperties> families, Candidate&
 Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_view which);
 
 Expected<VkInstance> create_instance(bool validate, const void* next);
+
+// Why Vulkan did not start: out of memory where memory or threads ran out, which loaders and drivers report as a driver
+// or a device that is not there, else an error of the device with `message`.
+Error start_error(VkResult result, std::string message);
 
 }  // namespace candela::gpu

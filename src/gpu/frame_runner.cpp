@@ -262,7 +262,6 @@ void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const Compiled
   const uint32_t passes = uint32_t(graph.plan.passes.size());
   FrameRun& result = slot.pending->result;
   Stopwatch watch;
-  const bool after_another = in_flight();
   VkCommandBuffer commands = slot.work.begin();
   slot.timing.reset(passes + 1);
   const auto stamp = [&](uint32_t index) {
@@ -271,7 +270,7 @@ void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const Compiled
     else if (slot.timing.available())
       slot.timing.mark(commands, index);
   };
-  if (after_another) full_barrier(commands);  // its images and buffers are the frame before's
+  if (frame.after_another) full_barrier(commands);  // its images and buffers are the frame before's
   stamp(0);
   fill_buffers(frame, commands, false);
   for (uint32_t pass = 0; pass < passes; ++pass) {
@@ -292,13 +291,12 @@ void FrameRunner::Hidden::submit_batches(const FrameContext& frame, const Compil
   const uint32_t passes = uint32_t(plan.passes.size());
   FrameRun& result = slot.pending->result;
   Stopwatch watch;
-  const bool after_another = in_flight();
   slot.work.restart();
   slot.timing.reset(passes + 2);
   const bool whole = options.whole && slot.timing.available();
   QueueWork::Point filled, ended;
   VkCommandBuffer commands = slot.work.add(Queue::main, {}, filled);
-  if (after_another) full_barrier(commands);
+  if (frame.after_another) full_barrier(commands);
   if (whole) slot.timing.post(commands, passes);
   fill_buffers(frame, commands, false);
 
@@ -394,6 +392,7 @@ FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, 
   try {
     FrameContext frame = h.context(graph.plan, imports, slot);
     frame.hashed = options.hash_outputs;
+    frame.after_another = h.in_flight() || !graph.plan.batches.empty();
     h.physical->bind_uniforms(graph.plan, slot.index, frame.buffers);
     if (options.hash_outputs || (options.timed && (h.device.info().is_cpu || !slot.timing.available()))) {
       h.run_isolated(frame, graph, options, timeout_s, slot);

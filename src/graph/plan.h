@@ -103,6 +103,7 @@ struct PlanResource {
   int first_pass = -1, last_pass = -1;  // positions in FramePlan::passes; -1: unused, owns nothing
   int block = -1;                       // transient images share memory blocks where lifetimes are disjoint
   uint64_t bytes = 0;                   // estimate: size without padding
+  bool both_queues = false;             // passes of both queues use it
   const std::string& name() const {
     return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
   }

@@ -1,47 +1,62 @@
 #include "graph/queues.h"
 
 #include <functional>
-#include <map>
 
 namespace candela {
 namespace {
 
-// The passes that touched a resource since it last changed, and the one that changed it: by a write, or by a change of
-// layout, which is a write to whoever comes after.
+// The passes that touched a buffer or a subresource since it last changed, and the one that changed it: by a write, or
+// by a change of layout, which is a write to whoever comes after.
 struct Touched {
   int changed_by = -1;
   std::vector<int> read_by;
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
 };
 
-// For each pass, the last pass of the other queue that it must come after, or -1.
-std::vector<int> sources_on_other_queue(const FramePlan& plan) {
-  std::vector<Touched> touched(plan.resources.size());
-  std::vector<int> sources(plan.passes.size(), -1);
-  for (size_t p = 0; p < plan.passes.size(); ++p) {
-    const PlanPass& pass = plan.passes[p];
-    const auto after = [&](int source) {
-      if (source >= 0 && plan.passes[size_t(source)].queue != pass.queue) sources[p] = std::max(sources[p], source);
-    };
-    std::map<int, std::pair<bool, VkImageLayout>> uses;  // by resource: changes it, layout
-    for (const PlanUse& use : pass.uses) {
-      const auto* image = std::get_if<ImageDesc>(&plan.resources[size_t(use.resource)].desc);
-      auto& [changes, layout] = uses[use.resource];
-      layout = image ? image_layout(use.access, image->format) : VK_IMAGE_LAYOUT_UNDEFINED;
-      changes |= use.writes || layout != touched[size_t(use.resource)].layout;
+class Sources {
+ public:
+  explicit Sources(const FramePlan& plan) : plan_(plan), last_(plan.passes.size(), -1) {
+    for (const PlanResource& resource : plan.resources) {
+      const auto* image = std::get_if<ImageDesc>(&resource.desc);
+      touched_.emplace_back(image ? size_t(image->mips) * image->layers : 1);
     }
-    for (const auto& [resource, use] : uses) {
-      Touched& state = touched[size_t(resource)];
-      after(state.changed_by);
-      if (use.first) {
-        for (const int reader : state.read_by) after(reader);
-        state = {int(p), {}, use.second};
-      } else {
-        state.read_by.push_back(int(p));
-      }
-    }
+    for (size_t pass = 0; pass < plan.passes.size(); ++pass)
+      for (const PlanUse& use : plan.passes[pass].uses) add(int(pass), use);
   }
-  return sources;
+  // For each pass, the last pass of the other queue that it must come after, or -1.
+  const std::vector<int>& last() const { return last_; }
+
+ private:
+  void add(int pass, const PlanUse& use) {
+    const auto* image = std::get_if<ImageDesc>(&plan_.resources[size_t(use.resource)].desc);
+    const VkImageLayout layout = image ? image_layout(use.access, image->format) : VK_IMAGE_LAYOUT_UNDEFINED;
+    for_subresources(use.range, image ? image->layers : 1, [&](size_t subresource) {
+      Touched& touched = touched_[size_t(use.resource)][subresource];
+      after(pass, touched.changed_by);
+      if (use.writes || layout != touched.layout) {
+        for (const int reader : touched.read_by) after(pass, reader);
+        touched = {pass, {}, layout};
+      } else {
+        touched.read_by.push_back(pass);
+      }
+    });
+  }
+  void after(int pass, int source) {
+    if (source >= 0 && plan_.passes[size_t(source)].queue != plan_.passes[size_t(pass)].queue)
+      last_[size_t(pass)] = std::max(last_[size_t(pass)], source);
+  }
+
+  const FramePlan& plan_;
+  std::vector<std::vector<Touched>> touched_;  // by resource and subresource
+  std::vector<int> last_;
+};
+
+// What both queues use is made for both.
+void mark_shared(FramePlan& plan) {
+  std::vector<std::array<bool, queue_count>> used(plan.resources.size());
+  for (const PlanPass& pass : plan.passes)
+    for (const PlanUse& use : pass.uses) used[size_t(use.resource)][size_t(pass.queue)] = true;
+  for (size_t i = 0; i < used.size(); ++i) plan.resources[i].both_queues = used[i][0] && used[i][1];
 }
 
 }  // namespace
@@ -49,7 +64,7 @@ std::vector<int> sources_on_other_queue(const FramePlan& plan) {
 VkPipelineStageFlags2 stages_of(Queue queue) {
   if (queue == Queue::main) return ~VkPipelineStageFlags2(0);
   return VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT |
-         VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+         VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
 }
 
 void place_batches(FramePlan& plan) {
@@ -57,8 +72,9 @@ void place_batches(FramePlan& plan) {
   const auto on_compute = [](const PlanPass& pass) { return pass.queue == Queue::compute; };
   if (std::none_of(plan.passes.begin(), plan.passes.end(), on_compute)) return;
 
+  mark_shared(plan);
   // A wait covers what is behind it on its queue, so a pass needs one only for a source later than those so far.
-  std::vector<int> sources = sources_on_other_queue(plan);
+  std::vector<int> sources = Sources(plan).last();
   std::vector<bool> waited_for(plan.passes.size(), false);
   std::array<int, queue_count> covered{-1, -1};
   for (size_t p = 0; p < plan.passes.size(); ++p) {

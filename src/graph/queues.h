@@ -9,7 +9,7 @@ namespace candela {
 
 constexpr int queue_count = 2;
 
-// What a queue's commands may wait for and be waited for.
+// The stages that a queue's passes may have.
 VkPipelineStageFlags2 stages_of(Queue queue);
 
 // Divides the passes into batches (FramePlan::batches). A pass that uses what a pass of the other queue wrote, or

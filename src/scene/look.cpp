@@ -3,11 +3,10 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <vector>
 
 #include "base/files.h"
+#include "base/json.h"
 #include "base/text.h"
 
 namespace candela {
@@ -277,30 +276,10 @@ Expected<void> evaluate(Json& j, const std::string& place, double time_s) {
   return {};
 }
 
-// A parser that takes the last of two equal keys would leave a value out in silence.
-Expected<Json> parse_strictly(const std::string& text, const std::string& place) {
-  std::vector<std::set<std::string>> open;
-  std::string repeated;
-  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key && !open.back().insert(parsed.get<std::string>()).second && repeated.empty())
-      repeated = parsed.get<std::string>();
-    return true;
-  };
-  try {
-    Json j = Json::parse(text, watch);
-    if (!repeated.empty()) return wrong(place, fmt::format("the key '{}' stands twice in one object", repeated));
-    return j;
-  } catch (const Json::exception& e) {
-    return wrong(place, fmt::format("is no JSON: {}", e.what()));
-  }
-}
-
 }  // namespace
 
 Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s) {
-  auto j = parse_strictly(text, place);
+  auto j = read_json(text, place);
   if (!j) return std::unexpected(j.error());
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
   if (auto evaluated = evaluate(*j, place + ": ", time_s); !evaluated) return std::unexpected(evaluated.error());

@@ -84,7 +84,10 @@ Need BloomPass::needed(const SceneFacts&, const FrameRequest& request) const {
 
 BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
   const Steps steps = steps_of(*this, in);
-  const glm::uvec2 half{std::max(in.width_px / 2, 1u), std::max(in.height_px / 2, 1u)};
+  // Half the picture, and a border that goes on with its edge, so that every level is exactly half the one before.
+  const uint32_t unit = 1u << (std::max(steps.levels, 1u) - 1);
+  const auto padded = [&](uint32_t size_px) { return (size_px + 2 * unit - 1) / (2 * unit) * unit; };
+  const glm::uvec2 half{padded(in.width_px), padded(in.height_px)};
   Out out;
   out.report = builder.create(BufferDesc{"bloom.report", sizeof(Report), BufferMemory::host_read, true});
   const auto full = [&](const char* image) {

@@ -33,7 +33,7 @@ struct BloomPass {
   struct Out {
     ImageHandle color;
     BufferHandle report;
-    ImageHandle down, up, glow;  // down: levels from half size; up: the sum, from full size or, of the pyramid, half
+    ImageHandle down, up, glow;  // down: levels from half size, or rows; up: the sum on its way
     ImageHandle blurred;         // the levels' sum at full size
     BufferHandle energies;
     std::vector<PipelineHandle> pipelines;

@@ -25,8 +25,11 @@ Need Terms::needed(const SceneFacts&, const FrameRequest& request) const {
 
 Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
-  if (wants_lights(in)) declare_lights(builder, in.scene, in.lists);
   RunPipelineChoice choice;
+  if (wants_lights(in)) {
+    declare_lights(builder, in.scene, in.lists);
+    choice.desc.constants = light_constants(in.lists);
+  }
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = "terms.frag";
   for (uint32_t i = 0; i < term_count; ++i) {

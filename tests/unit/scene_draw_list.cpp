@@ -1,0 +1,79 @@
+#include "scene/draw_list.h"
+
+#include <gtest/gtest.h>
+
+#include "scene_pieces.h"
+
+// The order in which items are drawn, and the runs of equal state.
+namespace candela::test {
+namespace {
+
+struct Listed {
+  FrameData data;
+  DrawList draws;
+};
+Listed listed(const GltfBuilder& builder) {
+  const auto scene = builder.load(LoadFor::raster);
+  EXPECT_TRUE(scene) << scene.error().text();
+  const Pose pose = evaluate_pose(*scene, {}, 0);
+  CameraRequest request;
+  request.eye = glm::dvec3(0, 0, 4), request.target = glm::dvec3(0);
+  const auto view = make_view(*scene, pose, request, 64, 36, world_bounds(*scene, pose));
+  EXPECT_TRUE(view) << view.error().text();
+  Listed out{make_frame_data(*scene, pose, *view), {}};
+  out.draws = make_draw_list(*scene, pose, out.data);
+  return out;
+}
+
+}  // namespace
+
+TEST(DrawList, BlendedItemsComeLastAndFarthestFirst) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json glass = unlit_material(1, 1, 1, 0.5);
+  glass["alphaMode"] = "BLEND";
+  const int pane = add_square_mesh(b, 1, add_material(b, glass)),
+            wall = add_square_mesh(b, 1, add_material(b, unlit_material(1, 1, 1)));
+  add_node(b, {{"mesh", pane}, {"translation", {0, 0, 1}}});
+  add_node(b, {{"mesh", pane}, {"translation", {0, 0, -3}}});
+  add_node(b, {{"mesh", wall}});
+  add_node(b, {{"mesh", pane}, {"translation", {0, 0, -1}}});
+  const Listed l = listed(b);
+  std::vector<uint32_t> nodes;
+  for (const uint32_t i : l.draws.order) nodes.push_back(l.data.items[i].node);
+  EXPECT_EQ(nodes, (std::vector<uint32_t>{2, 1, 3, 0}));
+  ASSERT_EQ(l.draws.runs.size(), 2u);
+  EXPECT_EQ(l.draws.runs[1].count, 3u);
+}
+
+TEST(DrawList, RunsPartByState) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json both = diffuse_material(1, 1, 1);
+  both["doubleSided"] = true;
+  const int one_sided = add_square_mesh(b, 1, add_material(b, diffuse_material(1, 1, 1))),
+            two_sided = add_square_mesh(b, 1, add_material(b, both)),
+            unlit = add_square_mesh(b, 1, add_material(b, unlit_material(1, 1, 1)));
+  add_node(b, {{"mesh", two_sided}});
+  add_node(b, {{"mesh", unlit}});
+  add_node(b, {{"mesh", one_sided}, {"scale", {-1, 1, 1}}});
+  add_node(b, {{"mesh", one_sided}});
+  add_node(b, {{"mesh", one_sided}, {"scale", {-1, -1, 1}}});
+  const Listed l = listed(b);
+  uint32_t mirrored = 0, culled = 0, unlit_items = 0, next = 0;
+  for (const DrawRun& run : l.draws.runs) {
+    EXPECT_EQ(run.first, next);
+    next += run.count;
+    mirrored += run.mirrored ? run.count : 0;
+    culled += run.cull_back ? run.count : 0;
+    unlit_items += run.unlit ? run.count : 0;
+    EXPECT_EQ(run.topology, Topology::triangles);
+  }
+  EXPECT_EQ(next, 5u);
+  EXPECT_EQ(l.draws.runs.size(), 4u);
+  EXPECT_EQ(mirrored, 1u);
+  EXPECT_EQ(culled, 4u);
+  EXPECT_EQ(unlit_items, 1u);
+}
+
+}  // namespace candela::test

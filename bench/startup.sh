@@ -102,7 +102,8 @@ measure_version() {
   for _ in $(seq $((runs * 3))); do timed "$work/version" "$program" --version; done
 }
 
-# Scenes and caches take turns, so that a machine that slows down slows all of them.
+# Scenes and caches take turns, so that a machine that slows down slows all of them. Wall times are of what users run;
+# --timings, which submits each pass alone and draws a frame more to warm up, has runs of its own for the stages.
 measure_render() {
   local scene name run cache
   for run in $(seq "$runs"); do
@@ -111,11 +112,15 @@ measure_render() {
       name=$(basename -- "${scene%.*}")
       local view=()
       [[ $scene != "$sponza" ]] || view=(--eye=-9,1.5,0 --target=0,2,0 --yfov 60)
+      local job=("$program" render "$scene" --size 1280x720 "${view[@]}" -o "$work/frame.exr" --quiet)
       fresh_cache "$name"
       for cache in cold warm; do
         say "render $name, $cache cache, run $run of $runs"
-        timed "$work/render.$name.$cache.wall" with_cache "$name" "$program" render "$scene" --size 1280x720 "${view[@]}" -o "$work/frame.exr" \
-          --quiet --timings "$work/t.json"
+        timed "$work/render.$name.$cache.wall" with_cache "$name" "${job[@]}"
+      done
+      fresh_cache "$name"
+      for cache in cold warm; do
+        with_cache "$name" "${job[@]}" --timings "$work/t.json" >/dev/null
         stages "$work/stage.$name.$cache" "$work/t.json"
         cp "$work/t.json" "$work/last.json"
       done

@@ -8,6 +8,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
+#include "lib/sun_shadow.glsl"
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/draw.frag.glsl"
@@ -39,6 +40,9 @@ void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
+#ifdef DIRECT
+  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(v.relative_position, to_viewer) : vec3(0.0);
+#endif
   const bool unlit = (m.flags & material_unlit) != 0u;
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
@@ -64,8 +68,12 @@ void main() {
   precise vec3 direct = vec3(0.0);
   if (HAS_LIGHTS != 0 && !unlit) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
-    for (LightWalk w = begin_lights(v.relative_position); next_light(w);)
-      direct += light_contribution(light_at(pc.lights, w.light), brdf, v.relative_position);
+    for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
+      LightRef light = light_at(pc.lights, w.light);
+      vec3 reaching = light_contribution(light, brdf, v.relative_position);
+      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
+      direct += reaching;
+    }
   }
   out_direct = vec4(direct * frame.pre_exposure, 1.0);
 #endif

@@ -8,6 +8,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
+#include "lib/sun_shadow.glsl"
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
@@ -23,12 +24,17 @@ void main() {
   // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples
   // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
+  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(v.relative_position, to_viewer) : vec3(0.0);
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
   if (HAS_LIGHTS != 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
-    for (LightWalk w = begin_lights(v.relative_position); next_light(w);)
-      radiance += light_contribution(light_at(pc.lights, w.light), brdf, v.relative_position);
+    for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
+      LightRef light = light_at(pc.lights, w.light);
+      vec3 reaching = light_contribution(light, brdf, v.relative_position);
+      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
+      radiance += reaching;
+    }
   }
   out_radiance = vec4(radiance * frame.pre_exposure * coverage, coverage);
 }

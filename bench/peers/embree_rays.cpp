@@ -1,8 +1,8 @@
 // Traces the same rays through candela's trees and through Embree's, at equal quality, round by round, and prints JSON:
-//   embree_rays [--rounds N] [--size WxH] SCENE[@EX,EY,EZ@TX,TY,TZ]...
-// `sah` stands against Embree's medium quality, `sbvh` against its high one. Both get one ray at a time, in the order
-// of pixels. Embree's default kernels let rays slip through edges; its robust ones, like candela's, do not: both are
-// timed.
+//   embree_rays [--rounds N] [--size WxH] [--builders NAME,...] [--threads N,...] SCENE[@EX,EY,EZ@TX,TY,TZ]...
+// `equal-counts` stands against Embree's low quality (Morton codes), `sah` against its medium and `sbvh` against its
+// high one. Both get one ray at a time, in the order of pixels. Embree's default kernels let rays slip through edges;
+// its robust ones, like candela's, do not: both are timed.
 #include <embree3/rtcore.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -16,6 +16,7 @@
 
 #include "base/rng.h"
 #include "base/statistics.h"
+#include "base/text.h"
 #include "gltf/gltf.h"
 #include "reference/accel.h"
 #include "scene/view.h"
@@ -147,15 +148,16 @@ std::vector<RayKind> make_rays(const Accel& accel, const FrameData&, const View&
 }
 
 template <class Trace>
-double time_rays(const RayKind& kind, bool all_threads, Trace trace) {
+double time_rays(const RayKind& kind, int threads, Trace trace) {
   const auto run = [&](size_t first, size_t last) {
     uint64_t sum = 0;
     for (size_t i = first; i < last; ++i) sum += trace(kind.rays[i]);
     static std::atomic<uint64_t> sink;
     sink += sum;
   };
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   const auto begin = std::chrono::steady_clock::now();
-  if (all_threads)
+  if (threads > 1)
     tbb::parallel_for(tbb::blocked_range<size_t>(0, kind.rays.size(), 2048),
                       [&](const auto& r) { run(r.begin(), r.end()); });
   else
@@ -206,32 +208,44 @@ struct Quality {
   BvhBuilder builder;
   RTCBuildQuality embree;
 };
-constexpr Quality qualities[] = {{"sah", BvhBuilder::sah, RTC_BUILD_QUALITY_MEDIUM},
+constexpr Quality qualities[] = {{"equal-counts", BvhBuilder::equal_counts, RTC_BUILD_QUALITY_LOW},
+                                 {"sah", BvhBuilder::sah, RTC_BUILD_QUALITY_MEDIUM},
                                  {"sbvh", BvhBuilder::sbvh, RTC_BUILD_QUALITY_HIGH}};
 
+// What is measured, as the command line says.
+struct Plan {
+  int rounds = 9, width = 640, height = 360;
+  std::vector<std::string> builders = {"equal-counts", "sah", "sbvh"};
+  std::vector<int> threads = {1, 2};
+};
+
+std::string threads_name(int threads) {
+  return threads == 1 ? "one_thread" : threads == 2 ? "two_threads" : std::to_string(threads) + "_threads";
+}
+
 ordered_json time_builds(const Quality& q, const Scene& scene, const Pose& pose, const FrameData& frame,
-                         const Mesh3& mesh, int rounds) {
+                         const Mesh3& mesh, const Plan& plan) {
   ordered_json out;
   AccelOptions options;
   options.builder = q.builder;
-  for (int threads : {1, tbb::info::default_concurrency()}) {
+  for (const int threads : plan.threads) {
     std::vector<double> ours, theirs, ratios;
-    for (int i = 0; i < rounds; ++i) {
+    for (int i = 0; i < plan.rounds; ++i) {
       tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
       ours.push_back(Accel(scene, pose, frame, options).statistics().build_ms);
       theirs.push_back(Embree(mesh, q.embree, false, threads).build_ms);
       ratios.push_back(ours.back() / theirs.back());
     }
-    out[threads == 1 ? "one_thread" : "all_threads"] = {
+    out[threads_name(threads)] = {
         {"candela_ms", spread(ours)}, {"embree_ms", spread(theirs)}, {"ratio", median(ratios)}};
   }
   return out;
 }
 
 ordered_json time_traversal(const Quality& q, const RayKind& kind, const Accel& accel, const Embree& fast,
-                            const Embree& robust, int rounds) {
+                            const Embree& robust, const Plan& plan) {
   ordered_json out;
-  for (bool all : {false, true}) {
+  for (const int threads : plan.threads) {
     const auto candela_trace = [&](const Ray& r) -> uint64_t {
       if (kind.any) return accel.occluded(r);
       const auto hit = accel.closest(r);
@@ -244,26 +258,23 @@ ordered_json time_traversal(const Quality& q, const RayKind& kind, const Accel& 
       };
     };
     std::vector<double> ours, theirs, robusts, ratio, robust_ratio;
-    for (int i = -1; i < rounds; ++i) {
-      const double a = time_rays(kind, all, candela_trace), b = time_rays(kind, all, embree_trace(fast)),
-                   c = time_rays(kind, all, embree_trace(robust));
+    for (int i = -1; i < plan.rounds; ++i) {
+      const double a = time_rays(kind, threads, candela_trace), b = time_rays(kind, threads, embree_trace(fast)),
+                   c = time_rays(kind, threads, embree_trace(robust));
       if (i < 0) continue;  // warm-up
       const double mega = double(kind.rays.size()) / 1e3;
       ours.push_back(mega / a), theirs.push_back(mega / b), robusts.push_back(mega / c);
       ratio.push_back(a / b), robust_ratio.push_back(a / c);
     }
-    out[all ? "all_threads" : "one_thread"] = {{"candela_mray_s", spread(ours)},
-                                               {"embree_mray_s", spread(theirs)},
-                                               {"embree_robust_mray_s", spread(robusts)},
-                                               {"time_ratio", spread(ratio)},
-                                               {"time_ratio_robust", median(robust_ratio)}};
+    ordered_json& row = out[threads_name(threads)];
+    row = {{"candela_mray_s", spread(ours)},
+           {"embree_mray_s", spread(theirs)},
+           {"embree_robust_mray_s", spread(robusts)},
+           {"time_ratio", spread(ratio)},
+           {"time_ratio_robust", median(robust_ratio)}};
+    std::fprintf(stderr, "  %s %-8s %d threads: %.2f / %.2f Mray/s, ratio %.2f, robust %.2f\n", q.name, kind.name,
+                 threads, median(ours), median(theirs), median(ratio), median(robust_ratio));
   }
-  std::fprintf(stderr, "  %s %-8s %.2f / %.2f Mray/s, ratio %.2f, all threads %.2f, robust %.2f\n", q.name, kind.name,
-               out["one_thread"]["candela_mray_s"]["median"].get<double>(),
-               out["one_thread"]["embree_mray_s"]["median"].get<double>(),
-               out["one_thread"]["time_ratio"]["median"].get<double>(),
-               out["all_threads"]["time_ratio"]["median"].get<double>(),
-               out["one_thread"]["time_ratio_robust"].get<double>());
   return out;
 }
 
@@ -273,7 +284,8 @@ glm::dvec3 parse_point(const std::string& text) {
   return p;
 }
 
-Expected<ordered_json> measure(const std::string& what, int width, int height, int rounds) {
+Expected<ordered_json> measure(const std::string& what, const Plan& plan) {
+  const int width = plan.width, height = plan.height;
   std::vector<std::string> parts;
   std::istringstream stream(what);
   for (std::string part; std::getline(stream, part, '@');) parts.push_back(part);
@@ -299,6 +311,7 @@ Expected<ordered_json> measure(const std::string& what, int width, int height, i
   if (parts.size() == 3) out["eye"] = parts[1], out["target"] = parts[2];
   std::fprintf(stderr, "%s: %zu triangles\n", out["scene"].get<std::string>().c_str(), mesh.index.size() / 3);
   for (const Quality& q : qualities) {
+    if (std::find(plan.builders.begin(), plan.builders.end(), q.name) == plan.builders.end()) continue;
     options.builder = q.builder, options.measure_cost = true;
     const Accel accel(*scene, pose, frame, options);
     const Embree fast(mesh, q.embree, false, 0), robust(mesh, q.embree, true, 0);
@@ -306,14 +319,12 @@ Expected<ordered_json> measure(const std::string& what, int width, int height, i
     result["references"] = accel.statistics().references;
     result["sah_cost"] = accel.statistics().sah_cost;
     result["bytes"] = accel.statistics().bytes;
-    result["build"] = time_builds(q, *scene, pose, frame, mesh, rounds);
-    std::fprintf(stderr, "  %s build ratio %.2f, all threads %.2f (%.1f ms)\n", q.name,
-                 result["build"]["one_thread"]["ratio"].get<double>(),
-                 result["build"]["all_threads"]["ratio"].get<double>(),
-                 result["build"]["all_threads"]["candela_ms"]["median"].get<double>());
+    result["build"] = time_builds(q, *scene, pose, frame, mesh, plan);
+    for (const auto& [name, build] : result["build"].items())
+      std::fprintf(stderr, "  %s build, %s: ratio %.2f\n", q.name, name.c_str(), build["ratio"].get<double>());
     for (const RayKind& kind : kinds) {
       ordered_json& row = result["rays"][kind.name];
-      row = time_traversal(q, kind, accel, fast, robust, rounds);
+      row = time_traversal(q, kind, accel, fast, robust, plan);
       row["rays"] = kind.rays.size();
       row["agreement"] = compare(kind, accel, fast, mesh);
       row["agreement_robust"] = compare(kind, accel, robust, mesh);
@@ -325,16 +336,21 @@ Expected<ordered_json> measure(const std::string& what, int width, int height, i
 }  // namespace
 
 int main(int argc, char** argv) {
-  int rounds = 9, width = 640, height = 360;
+  Plan plan;
   ordered_json scenes = ordered_json::array();
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--rounds" && i + 1 < argc) {
-      rounds = std::max(1, std::atoi(argv[++i]));
+      plan.rounds = std::max(1, std::atoi(argv[++i]));
     } else if (argument == "--size" && i + 1 < argc) {
-      if (std::sscanf(argv[++i], "%dx%d", &width, &height) != 2) return 2;
+      if (std::sscanf(argv[++i], "%dx%d", &plan.width, &plan.height) != 2) return 2;
+    } else if (argument == "--builders" && i + 1 < argc) {
+      plan.builders = split(argv[++i], ',');
+    } else if (argument == "--threads" && i + 1 < argc) {
+      plan.threads.clear();
+      for (const std::string& n : split(argv[++i], ',')) plan.threads.push_back(std::max(1, std::atoi(n.c_str())));
     } else {
-      const auto result = measure(argument, width, height, rounds);
+      const auto result = measure(argument, plan);
       if (!result) {
         std::fprintf(stderr, "%s\n", result.error().text().c_str());
         return int(result.error().kind);
@@ -345,8 +361,8 @@ int main(int argc, char** argv) {
   const ordered_json all = {{"version", "candela " CANDELA_VERSION},
                             {"embree", RTC_VERSION_STRING},
                             {"cpu_cores", tbb::info::default_concurrency()},
-                            {"size", {width, height}},
-                            {"rounds", rounds},
+                            {"size", {plan.width, plan.height}},
+                            {"rounds", plan.rounds},
                             {"scenes", scenes}};
   std::printf("%s\n", all.dump(1).c_str());
 }

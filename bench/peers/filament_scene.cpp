@@ -102,8 +102,10 @@ filament::TextureSampler sampler_of(const Sampler& s) {
 }
 
 Expected<filament::Texture*> make_texture(Engine& engine, const Scene& scene, int image) {
-  const auto decoded = decode_scene_image(scene, image);
-  if (!decoded) return std::unexpected(decoded.error());
+  const auto stored = decode_scene_image(scene, image);
+  if (!stored) return std::unexpected(stored.error());
+  if (!stored->warnings.empty()) return fail(ErrorKind::input, scene.path, "{}", stored->warnings.front());
+  const DecodedImage* const decoded = &stored->image;
   if (decoded->format != DecodedImage::Format::rgba8)
     return fail(ErrorKind::input, scene.path, "image {} has more than 8 bits", image);
   using filament::Texture;

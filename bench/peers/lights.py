@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Candela against Filament: the time of a frame against the number of lights, and from process to file.
 
-usage: bench/peers/lights.py [--build DIR] [--lights N,...] [--techniques NAME,...] [--runs N] [--cold-runs N]
-                             [--pictures DIR] [-o FILE.json]
+usage: bench/peers/lights.py [--build DIR] [--scenes NAME|FILE,...] [--lights N,...] [--samples N,...] [--caches NAME,...]
+                             [--techniques NAME,...] [--runs N] [--cold-runs N] [--pictures DIR] [-o FILE.json]
 
 Needs a build with -DCANDELA_BENCH_PEERS=ON. Every program draws one frame in turn (candela, Filament, candela, ...),
 each at a later time of the scene, so that the lights move and a machine that slows down slows all. See bench/README.md.
@@ -20,6 +20,8 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FIRST_TIME_S, FRAME_RATE = 0.5, 24
 FILAMENT_CAP = 256
+PASS_LIGHTS = (1, 256, 1024, 4096)
+START_LIGHTS = 1024
 WARM_UP_FRAMES = 4
 
 NOTES = [
@@ -31,12 +33,6 @@ NOTES = [
     " light by the Fresnel term; so it is darker near the ends of lights.",
     "Filament 1.9 draws the 256 lights nearest to the camera and drops the others: beyond 256 its time is of another picture.",
 ]
-# Measured before this program, elsewhere, for the issue that asked for the comparison.
-THREE_JS = {
-    "note": "three.js in a headless browser on two cores, 1280x720, as the issue states it; not measured in this run",
-    "ms": {"1024": 3000, "4096": 11000},
-    "cold_start_ms": {"1024": 6000},
-}
 
 
 def say(text):
@@ -99,33 +95,37 @@ class Bench:
     def program(self, name):
         return str(self.build / name)
 
-    def run(self, *command):
-        done = subprocess.run(command, env=self.environment, capture_output=True, text=True)
+    def run(self, *command, environment=None):
+        done = subprocess.run(command, env=environment or self.environment, capture_output=True, text=True)
         if done.returncode:
             raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
         return done.stdout
 
-    def scene(self, lights):
-        file = self.work / f"street-{lights}.glb"
+    def scene(self, of, lights):
+        """A generated scene by its name, of that many lights (None: its own), or a file as it is."""
+        if pathlib.Path(of).suffix in (".glb", ".gltf"):
+            return of
+        file = self.work / f"{of}-{lights}.glb"
         if not file.exists():
-            self.run(self.program("candela"), "make-scene", "street", "--lights", str(lights), "--seed", "1", "-o", str(file))
+            count = [] if lights is None else ["--lights", str(lights)]
+            self.run(self.program("candela"), "make-scene", of, *count, "--seed", "1", "-o", str(file))
         return str(file)
 
-    def candela(self, lights, technique, *more):
-        return Server([self.program("candela_lights"), self.scene(lights), "--size", self.options.size, "--samples",
-                       str(self.options.samples), "--technique", technique, "--device", "cpu", *more], self.environment)
+    def candela(self, case, lights, technique, *more):
+        return Server([self.program("candela_lights"), self.scene(case.scene, lights), "--size", self.options.size,
+                       "--samples", str(case.samples), "--technique", technique, "--device", "cpu", *more], self.environment)
 
-    def filament(self, lights):
-        return Server([self.program("filament_lights"), self.scene(lights), "--size", self.options.size, "--samples",
-                       str(self.options.samples)], self.environment)
+    def filament(self, case, lights):
+        return Server([self.program("filament_lights"), self.scene(case.scene, lights), "--size", self.options.size,
+                       "--samples", str(case.samples)], self.environment)
 
-    def pictures(self, servers, lights):
+    def pictures(self, case, servers, lights):
         """How far Filament's picture is from candela's at the first time."""
         folder = pathlib.Path(self.options.pictures or self.work)
         folder.mkdir(parents=True, exist_ok=True)
         files = {}
         for name, server in servers.items():
-            files[name] = str(folder / f"{name.replace(' ', '-')}-{lights}.png")
+            files[name] = str(folder / f"{case.name}-{name.replace(' ', '-')}-{lights}.png")
             server.ask(f"frame {FIRST_TIME_S}")
             server.ask(f"save {files[name]}")
         first = next(iter(files.values()))
@@ -133,15 +133,15 @@ class Bench:
         metrics = json.loads(out)["metrics"]
         return {name: round(metrics[name], 5) for name in ("flip", "psnr", "ssim")}
 
-    def frames(self, lights, result):
-        servers = {f"candela {t}": self.candela(lights, t) for t in self.options.techniques.split(",")}
-        if lights <= 4 * FILAMENT_CAP:
-            servers["filament"] = self.filament(lights)
+    def frames(self, case, lights, result):
+        servers = {f"candela {t}": self.candela(case, lights, t) for t in self.options.techniques.split(",")}
+        if lights is None or lights <= 4 * FILAMENT_CAP:
+            servers["filament"] = self.filament(case, lights)
         for server in servers.values():
             result["programs"].setdefault(server.about["program"], server.about)
         row = {"lights": lights, "ms": {}}
         if "filament" in servers:
-            row["pictures"] = self.pictures(servers, lights)
+            row["pictures"] = self.pictures(case, servers, lights)
         samples, stages = {name: [] for name in servers}, {name: [] for name in servers}
         for i in range(WARM_UP_FRAMES + self.options.runs):
             for name, server in servers.items():
@@ -158,73 +158,98 @@ class Bench:
             # Round by round, which the machine's drift does not touch.
             ratios = [a / b for a, b in zip(samples[first], samples["filament"])]
             row["candela_to_filament"] = {k: v for k, v in summary(ratios).items() if k in ("median", "mad")}
-            if lights > FILAMENT_CAP:
+            if lights is not None and lights > FILAMENT_CAP:
                 row["note"] = f"Filament draws {FILAMENT_CAP} of {lights} lights: its picture is wrong"
-        if str(lights) in THREE_JS["ms"]:
-            row["candela_to_three_js"] = round(row["ms"][first]["median"] / THREE_JS["ms"][str(lights)], 3)
-        say(f"{lights} lights: " + ", ".join(f"{n} {s['median']:.1f} ± {s['mad']:.1f} ms" for n, s in row["ms"].items()) +
+        say(f"{case.name}, {lights or 'its own'} lights: " + ", ".join(f"{n} {s['median']:.1f} ± {s['mad']:.1f} ms" for n, s in row["ms"].items()) +
             f", ratio {row.get('candela_to_filament', '-')}")
         return row
 
-    def passes(self, lights):
+    def passes(self, case, lights):
         """Of candela alone: each pass in a submission of its own, so that the sum is more than the frame takes above."""
-        server = self.candela(lights, self.options.techniques.split(",")[0], "--passes")
+        server = self.candela(case, lights, self.options.techniques.split(",")[0], "--passes")
         answers = [server.ask(f"frame {FIRST_TIME_S + i / FRAME_RATE}") for i in range(WARM_UP_FRAMES + self.options.runs)]
         server.close()
         row = {"lights": lights, "pass_ms": medians([a["pass_ms"] for a in answers[WARM_UP_FRAMES:]])}
-        say(f"{lights} lights, by pass: {row['pass_ms']}")
+        say(f"{case.name}, {lights or 'its own'} lights, by pass: {row['pass_ms']}")
         return row
 
-    def cold_start(self, lights):
-        """Process to file, with warm shader caches."""
-        scene, time_s = self.scene(lights), str(FIRST_TIME_S)
+    def start(self, case, lights, caches):
+        """Process to file: with warm shader caches, or with empty ones for each run."""
+        scene, time_s = self.scene(case.scene, lights), str(FIRST_TIME_S)
         render = [self.program("candela"), "render", scene, "--time", time_s, "--size", self.options.size, "--device", "cpu",
-                  "--set", f"resolve.samples={self.options.samples}", "--json"]
+                  "--set", f"resolve.samples={case.samples}", "--json"]
         commands = {
             "candela to EXR": [*render, "-o", str(self.work / "cold.exr")],
             "candela to PNG": [*render, "-o", str(self.work / "cold.png")],
             "filament to PNG": [self.program("filament_lights"), scene, "--time", time_s, "--size", self.options.size,
-                                "--samples", str(self.options.samples), "-o", str(self.work / "peer.png")],
+                                "--samples", str(case.samples), "-o", str(self.work / "peer.png")],
         }
         walls, stages = {name: [] for name in commands}, {name: [] for name in commands}
         for i in range(1 + self.options.cold_runs):
             for name, command in commands.items():
-                start = time.monotonic()
-                out = self.run(*command)
-                ms = (time.monotonic() - start) * 1000
+                environment = dict(self.environment)
+                with tempfile.TemporaryDirectory(dir=self.work) as empty:
+                    if caches == "empty":
+                        environment.update(CANDELA_CACHE_DIR=empty + "/candela", MESA_SHADER_CACHE_DIR=empty + "/mesa")
+                    start = time.monotonic()
+                    out = self.run(*command, environment=environment)
+                    ms = (time.monotonic() - start) * 1000
                 if i == 0:
                     continue
                 walls[name].append(ms)
                 if name.startswith("candela"):
                     timings = json.loads(out)["timings"]
                     stages[name].append({**timings["cpu_ms"], "process": timings["process_ms"]})
-        row = {"lights": lights, "wall_ms": {name: summary(values) for name, values in walls.items()},
+        row = {"lights": lights, "caches": caches, "wall_ms": {name: summary(values) for name, values in walls.items()},
                "candela_stages_ms": {name: medians(values) for name, values in stages.items() if values}}
-        say("process to file: " + ", ".join(f"{n} {s['median']:.0f} ± {s['mad']:.0f} ms" for n, s in row["wall_ms"].items()))
+        say(f"{case.name}, process to file, {caches} caches: " +
+            ", ".join(f"{n} {s['median']:.0f} ± {s['mad']:.0f} ms" for n, s in row["wall_ms"].items()))
         return row
+
+    def measure(self, case, result):
+        """Frames, passes and starts of a scene at one number of samples; each a table of its own."""
+        generated = pathlib.Path(case.scene).suffix not in (".glb", ".gltf")
+        lights = [int(n) for n in self.options.lights.split(",")] if generated else [None]
+        of_passes = [n for n in PASS_LIGHTS if n in lights] if generated else [None]
+        return {"scene": case.scene if generated else pathlib.Path(case.scene).stem, "samples": case.samples,
+                "frames": [self.frames(case, n, result) for n in lights],
+                "passes": [self.passes(case, n) for n in of_passes],
+                "start": [self.start(case, START_LIGHTS if generated else None, caches)
+                          for caches in self.options.caches.split(",")]}
+
+
+class Case:
+    """A scene at a number of samples a pixel."""
+
+    def __init__(self, scene, samples):
+        self.scene, self.samples = scene, samples
+        self.name = f"{pathlib.Path(scene).stem} at {samples}x"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--build", default=str(ROOT / "build/release"))
-    parser.add_argument("--lights", default="1,4,16,64,256,1024,4096")
+    parser.add_argument("--scenes", default="street", help="generated scenes by name, or files")
+    parser.add_argument("--lights", default="1,4,16,64,256,1024,4096", help="of generated scenes")
     parser.add_argument("--techniques", default="clustered", help="of candela; ratios are of the first")
     parser.add_argument("--size", default="1280x720")
-    parser.add_argument("--samples", type=int, default=4)
+    parser.add_argument("--samples", default="4,1", help="a pixel")
+    parser.add_argument("--caches", default="warm,empty", help="of shaders, for the time from process to file")
     parser.add_argument("--runs", type=int, default=21)
     parser.add_argument("--cold-runs", type=int, default=9)
     parser.add_argument("--pictures", help="keep both programs' pictures in this folder")
     parser.add_argument("-o", "--output", default=str(ROOT / "bench/results/lavapipe/peers.json"))
     options = parser.parse_args()
+    for caches in options.caches.split(","):
+        if caches not in ("warm", "empty"):
+            parser.error(f"--caches: '{caches}' is neither warm nor empty")
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(options, pathlib.Path(folder))
-        result = {"what": "candela against Filament, scene street, lights moving", "programs": {},
-                  "cpu_cores": len(os.sched_getaffinity(0)), "size": options.size, "samples": options.samples,
-                  "notes": NOTES, "three_js": THREE_JS}
-        lights = [int(n) for n in options.lights.split(",")]
-        result["frames"] = [bench.frames(n, result) for n in lights]
-        result["passes"] = [bench.passes(n) for n in (1, 256, 1024, 4096)]
-        result["cold_start"] = bench.cold_start(1024)
+        result = {"what": "candela against Filament, lights moving", "programs": {},
+                  "cpu_cores": len(os.sched_getaffinity(0)), "size": options.size, "notes": NOTES, "cases": []}
+        for scene in options.scenes.split(","):
+            for samples in options.samples.split(","):
+                result["cases"].append(bench.measure(Case(scene, int(samples)), result))
         result["load_average_at_end"] = round(os.getloadavg()[0], 2)
     pathlib.Path(options.output).write_text(json.dumps(result, indent=1) + "\n")
 

@@ -1,3 +1,4 @@
+#pragma once
 // Set 0: the scene's textures and all samplers, one bindless array each: sampler2D(textures[t], samplers[s]),
 // nonuniformEXT where an index can differ inside a draw. Set 1: the images of the graph that the running pass declared,
 // and no others, so that the validation layer sees what a pass really touches.

@@ -1,3 +1,4 @@
+#pragma once
 // The kinds of graph images beyond lib/bindless.glsl, for the shaders that use them: a step declares the view, and
 // commands.sampled and commands.storage give its place in whichever of these arrays has that kind. And the samplers.
 #include "lib/bindless.glsl"

@@ -5,10 +5,17 @@ SHARED_BEGIN
 struct DrawPush {  // every pass that draws the scene
   uint64_t deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
+  uint64_t suns;                                     // SunShadow; only with shadow maps
   // Of a supersampled frame: where this sample lies off the pixel's middle, and what its smaller footprint takes from a
   // texture's level of detail.
   vec2 subsample_ndc;
   float subsample_lod;
+  uint sun_maps;  // the maps' place among the pass's images
+};
+struct DepthViewPush {  // depth as a view sees it
+  uint64_t deformed;
+  mat4 clip_from_relative;
+  vec2 subsample_ndc;  // as in DrawPush, whose functions it serves; 0
 };
 struct SkyPush {
   vec2 subsample_ndc;  // by which this sample lies off the pixel's middle (passes/post/supersample.h)

@@ -65,8 +65,9 @@ struct Light {
   vec3 direction;       // unit, the way the light shines
   uint type;
   float spot_scale, spot_offset;
-  vec3 intensity;  // cd or lux, times colour
-  float unused[3];
+  vec3 intensity;   // cd or lux, times colour
+  uint sun_shadow;  // directional: 1 + its place among the frame's SunShadows; 0: it has no shadow maps
+  float unused[2];
 };
 
 // Everything that is the same for all draws of a frame.

@@ -6,27 +6,33 @@
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstring>
+#include <map>
+#include <set>
+
+#include "base/hash.h"
 
 namespace candela {
 namespace fs = std::filesystem;
 
 Expected<std::vector<std::byte>> read_file(const fs::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Not blocked: a FIFO without a writer would hold the program.
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return fail(ErrorKind::input, path.string(), "cannot open: {}", std::strerror(errno));
   struct stat info {};
-  if (fstat(file, &info) != 0 || S_ISDIR(info.st_mode)) {
+  if (fstat(file, &info) != 0 || !S_ISREG(info.st_mode)) {  // /dev/zero never ends
     close(file);
-    return fail(ErrorKind::input, path.string(), "is a folder, not a file");
+    return fail(ErrorKind::input, path.string(), "is {}, not a regular file",
+                S_ISDIR(info.st_mode)    ? "a folder"
+                : S_ISFIFO(info.st_mode) ? "a FIFO"
+                                         : "a device");
   }
-  if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode)) {  // /dev/zero never ends
-    close(file);
-    return fail(ErrorKind::input, path.string(), "is a device, not a file");
-  }
-  std::vector<std::byte> bytes(S_ISREG(info.st_mode) ? size_t(info.st_size) : 0);
+  std::vector<std::byte> bytes(size_t(info.st_size) + 1);  // one more, to see the end without growing
   size_t done = 0;
   for (;;) {
-    if (done == bytes.size()) bytes.resize(S_ISREG(info.st_mode) ? done + 1 : done + 65536);
+    if (done == bytes.size()) bytes.resize(2 * done);
     const ssize_t n = read(file, bytes.data() + done, bytes.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) {
@@ -42,19 +48,70 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path) {
   return bytes;
 }
 
-Expected<void> write_atomically(const fs::path& path, const std::function<Expected<void>(const fs::path&)>& write) {
-  std::error_code absent;
-  if (fs::is_symlink(path, absent)) {  // the link stays, its target is replaced
-    const fs::path target = fs::weakly_canonical(path, absent);
-    if (!absent && target != path) return write_atomically(target, write);
+namespace {
+
+constexpr std::string_view temporary_prefix = ".candela-";
+constexpr size_t target_digits = 16;
+
+std::string target_mark(const fs::path& target) {
+  return hash128(target.filename().string()).hex().substr(0, target_digits);
+}
+
+// Links are written through: the file that they name is the target.
+fs::path without_link(const fs::path& path) {
+  std::error_code failed;
+  if (!fs::is_symlink(path, failed)) return path;
+  const fs::path target = fs::weakly_canonical(path, failed);
+  return failed ? path : target;
+}
+
+// The process in ".candela-MARK-PROCESS-NUMBER.tmp.exr"; 0: no such name.
+int process_of(std::string_view name) {
+  if (!name.starts_with(temporary_prefix)) return 0;
+  const size_t begin = temporary_prefix.size() + target_digits + 1;
+  if (name.size() <= begin || name[begin - 1] != '-') return 0;
+  int process = 0;
+  const auto read = std::from_chars(name.data() + begin, name.data() + name.size(), process);
+  const std::string_view rest(read.ptr, size_t(name.data() + name.size() - read.ptr));
+  return read.ec == std::errc{} && rest.starts_with('-') && rest.find(".tmp") != rest.npos ? process : 0;
+}
+
+}  // namespace
+
+fs::path temporary_beside(const fs::path& target) {
+  static std::atomic<unsigned> counter{0};
+  constexpr size_t longest_ending = 16;
+  std::string ending = target.extension().string();  // programs choose the format by it
+  if (ending.size() > longest_ending) ending.clear();
+  return target.parent_path() /
+         fmt::format("{}{}-{}-{}.tmp{}", temporary_prefix, target_mark(target), getpid(), counter++, ending);
+}
+
+void remove_stale_temporaries(std::span<const fs::path> targets) {
+  std::map<fs::path, std::set<std::string>> marks_in;
+  for (const fs::path& path : targets) {
+    const fs::path target = without_link(path);
+    marks_in[target.has_parent_path() ? target.parent_path() : fs::path(".")].insert(target_mark(target));
   }
+  for (const auto& [folder, marks] : marks_in) {
+    std::error_code failed, ignored;
+    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+      const std::string name = entry->path().filename().string();
+      const int process = process_of(name);
+      if (process > 0 && marks.contains(name.substr(temporary_prefix.size(), target_digits)) && kill(process, 0) != 0 &&
+          errno == ESRCH)
+        fs::remove(entry->path(), ignored);
+    }
+  }
+}
+
+Expected<void> write_atomically(const fs::path& path, const std::function<Expected<void>(const fs::path&)>& write) {
+  if (const fs::path target = without_link(path); target != path) return write_atomically(target, write);
+  std::error_code absent;
   const fs::file_status status = fs::status(path, absent);
   if (fs::exists(status) && !fs::is_regular_file(status))
     return fail(ErrorKind::output, path.string(), "is there and is no regular file; nothing is written over it");
-  static std::atomic<unsigned> counter{0};
-  // The ending is kept last, because image libraries choose the format by it.
-  const fs::path temporary = path.parent_path() / fmt::format(".{}.{}.{}.tmp{}", path.stem().string(), getpid(),
-                                                              counter++, path.extension().string());
+  const fs::path temporary = temporary_beside(path);
   const auto remove_temporary = [&] {
     std::error_code ignored;
     fs::remove(temporary, ignored);

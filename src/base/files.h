@@ -10,8 +10,15 @@
 
 namespace candela {
 
-// The whole file. Errors (input): absent, a folder, unreadable; the message names the system's reason.
+// The whole file. Errors (input): absent, no regular file, unreadable; the message names what it is or the reason.
 Expected<std::vector<std::byte>> read_file(const std::filesystem::path& path);
+
+// A name in the target's folder for what becomes the target once it is whole. Its length does not depend on the
+// target's, whose ending is kept last. A new one at each call.
+std::filesystem::path temporary_beside(const std::filesystem::path& target);
+// Removes the temporaries that runs which were killed left beside these targets: those whose process is gone from this
+// machine. Of other targets none, because they may be written by another machine.
+void remove_stale_temporaries(std::span<const std::filesystem::path> targets);
 
 // Calls write(temporary path in the same folder), flushes to disk, then renames over `path`: a reader sees the old file
 // or the new one, never a part. On any failure the temporary file is removed and the error has kind output.

@@ -35,6 +35,7 @@ struct Knob {
   // does nothing.
   std::vector<std::string_view> passes = {};
   std::vector<double> only = {};  // the values it takes; empty: all from lowest to highest
+  std::string_view beside = {};   // a setting that must stand beside it, or it does nothing: "supersample.n=1"
 
   double value(const K& knobs) const {
     return std::visit([&](auto m) { return double(knobs.*m); }, member);

@@ -1,8 +1,11 @@
 #include "bench/error_analysis.h"
 
 #include <charconv>
+#include <set>
 
 #include "bench/error_truth.h"
+#include "bench/error_views.h"
+#include "frame/plan_frame.h"
 
 namespace candela {
 namespace {
@@ -28,31 +31,36 @@ void fit_order(KnobStudy& study) {
   if (study.fit.points >= 2) study.r_squared = r_squared(study.fit, x, y);
 }
 
-// Beyond doubt: the 95 % confidence intervals of the medians do not meet.
-bool surely_quicker(const Interval& a, const Interval& b) { return a.high < b.low; }
+bool surely_quicker(const BenchRow& a, const BenchRow& b) { return order_of_times(a, b) == Order::less; }
+
+bool no_worse(const BenchRow& a, const BenchRow& b, const std::string& reference, const std::string& metric) {
+  const Order order = order_of_errors(a, b, reference, metric);
+  return order == Order::less || order == Order::equal;
+}
 
 void find_dominated(KnobStudy& study) {
   for (KnobStudy::Value& v : study.values)
     for (const KnobStudy::Value& other : study.values)
-      if (!v.dominated && other.relmse <= v.relmse && surely_quicker(other.ms_ci, v.ms_ci)) {
+      if (!v.dominated && surely_quicker(*other.row, *v.row) &&
+          no_worse(*other.row, *v.row, exact_reference, "relmse")) {
         v.dominated = true;
         v.verdict = "no: " + other.text + " is quicker and no worse";
       }
 }
 
-// Of values that all give the same picture: the one that presets take, unless another is quicker beyond doubt.
+// Of values that all give the same picture: the one that presets take, unless another is surely quicker.
 void judge_times(KnobStudy& study) {
   find_dominated(study);
   const KnobStudy::Value* best = &study.values.back();
   for (KnobStudy::Value& v : study.values) {
-    if (!v.dominated) v.verdict = "no other is quicker beyond doubt";
-    if (surely_quicker(v.ms_ci, best->ms_ci)) best = &v;
+    if (!v.dominated) v.verdict = "not distinguishable: no other is surely quicker";
+    if (surely_quicker(*v.row, *best->row)) best = &v;
   }
   study.advised = best->text;
 }
 
 // A tenth of what is wrong anyway is not seen: the cheapest value whose own error stays below it is the one worth its
-// time; among values whose times are not known to differ, the one with less error.
+// time; among values whose times are not distinguishable, the one with less error.
 void judge_values(KnobStudy& study, std::optional<double> model_relmse) {
   const auto& values = study.values;
   if (study.kind == "time") return judge_times(study);
@@ -66,8 +74,7 @@ void judge_values(KnobStudy& study, std::optional<double> model_relmse) {
     const bool hidden = model_relmse ? v.relmse <= 0.1 * *model_relmse : v.relmse == 0;
     if (!v.dominated) v.verdict = hidden ? "its error is hidden under the technique's own" : "its error shows";
     if (!hidden) continue;
-    if (!best || surely_quicker(v.ms_ci, best->ms_ci) ||
-        (!surely_quicker(best->ms_ci, v.ms_ci) && v.relmse < best->relmse))
+    if (!best || surely_quicker(*v.row, *best->row) || (!surely_quicker(*best->row, *v.row) && v.relmse < best->relmse))
       best = &v;
   }
   if (best) study.advised = best->text;
@@ -88,11 +95,20 @@ std::string error_place(const BenchRow& row) {
   place += fmt::format(", {}x{}", row.width_px, row.height_px);
   if (!row.camera.empty()) place += ", camera " + row.camera;
   if (row.time_s != 0) place += fmt::format(", at {} s", row.time_s);
+  if (row.views > 1) place += fmt::format(", {} views", row.views);
   return place + ", " + row.device;
 }
 
 std::string error_setting(const BenchRow& row) {
   return fmt::format("{}, quality {}{}{}", row.technique, row.quality, row.settings.empty() ? "" : ", ", row.settings);
+}
+
+std::string error_names(const BenchRow& row) {
+  std::string names = error_setting(row);
+  for (const SameWork& same : row.same_work)
+    names += fmt::format(" = {}, quality {}{}{}", same.technique, same.quality, same.settings.empty() ? "" : ", ",
+                         same.settings);
+  return names;
 }
 
 const PictureError* error_against(const BenchRow& row, const std::string& reference) {
@@ -110,46 +126,102 @@ std::optional<double> error_of(const BenchRow& row, const std::string& reference
 
 std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference,
                                      const std::string& metric) {
+  using Standing = ErrorPoint::Standing;
   std::vector<ErrorPoint> points;
   for (const BenchRow* row : rows)
     if (const auto error = error_of(*row, reference, metric))
-      points.push_back({row, median_ms(*row), *error, median_interval(row->gpu.ms)});
+      points.push_back({row, median_ms(*row), *error, median_interval(row->gpu.ms),
+                        error_interval(*error_against(*row, reference), metric)});
   for (ErrorPoint& p : points)
-    p.dominated = std::any_of(points.begin(), points.end(), [&](const ErrorPoint& q) {
-      return q.ms <= p.ms && q.error <= p.error && (q.ms < p.ms || q.error < p.error);
-    });
+    for (const ErrorPoint& q : points) {
+      if (&p == &q || p.standing == Standing::dominated) continue;
+      const bool sure = surely_quicker(*q.row, *p.row) && no_worse(*q.row, *p.row, reference, metric);
+      const bool seems = q.ms <= p.ms && q.error <= p.error && (q.ms < p.ms || q.error < p.error);
+      if (sure || (seems && p.standing == Standing::front))
+        p.standing = sure ? Standing::dominated : Standing::unclear, p.by = q.row;
+    }
   return points;
 }
 
-const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric,
-                         double most) {
-  const ErrorPoint* best = nullptr;
-  const auto points = error_points(rows, reference, metric);
-  for (const ErrorPoint& p : points)
-    if (p.error <= most && (!best || std::pair(p.ms, p.error) < std::pair(best->ms, best->error))) best = &p;
-  if (!best) return nullptr;
-  if (best->row->settings.empty()) return best->row;
+const char* standing_name(ErrorPoint::Standing standing) {
+  static constexpr const char* names[] = {"front", "not distinguishable", "dominated"};
+  return names[int(standing)];
+}
+
+std::vector<SettingPoint> setting_points(std::span<const BenchRow* const> rows, const std::string& reference,
+                                         const std::string& metric) {
+  struct Gathered {
+    SettingPoint point;
+    std::set<std::string> places;
+  };
+  std::vector<std::pair<std::string, Gathered>> settings;  // in the order of the rows
+  std::set<std::string> places;
+  for (const BenchRow* row : rows) {
+    const auto error = error_of(*row, reference, metric);
+    if (!error) continue;
+    places.insert(error_place(*row));
+    const std::string name = error_setting(*row);
+    auto found = std::find_if(settings.begin(), settings.end(), [&](const auto& s) { return s.first == name; });
+    if (found == settings.end()) found = settings.insert(settings.end(), {name, {}});
+    auto& [point, seen] = found->second;
+    seen.insert(error_place(*row));
+    const double ms = median_ms(*row);
+    const Interval ms_ci = median_interval(row->gpu.ms);
+    const Interval error_ci = error_interval(*error_against(*row, reference), metric);
+    if (!point.row || ms > point.ms) point.row = row;
+    point.ms = std::max(point.ms, ms), point.error = std::max(point.error, *error);
+    point.ms_ci = {std::max(point.ms_ci.low, ms_ci.low), std::max(point.ms_ci.high, ms_ci.high)};
+    point.error_ci = {std::max(point.error_ci.low, error_ci.low), std::max(point.error_ci.high, error_ci.high)};
+  }
+  std::vector<SettingPoint> points;
+  for (const auto& [name, gathered] : settings)
+    if (gathered.places.size() == places.size()) points.push_back(gathered.point);
+  return points;
+}
+
+const SettingPoint* cheapest(std::span<const SettingPoint> settings, double most) {
+  const SettingPoint* best = nullptr;
+  const auto cheaper = [](const SettingPoint& a, const SettingPoint* b) {
+    return !b || std::pair(a.ms, a.error) < std::pair(b->ms, b->error);
+  };
+  for (const SettingPoint& s : settings)
+    if (s.error_ci.high <= most && cheaper(s, best)) best = &s;
+  if (!best || best->row->settings.empty()) return best;
   // A quality by its name is easier to ask for than one knob of it, where they are the same.
-  const ErrorPoint* named = nullptr;
-  for (const ErrorPoint& p : points)
-    if (p.row->settings.empty() && p.error <= best->error && !surely_quicker(best->ms_ci, p.ms_ci) &&
-        (!named || std::pair(p.ms, p.error) < std::pair(named->ms, named->error)))
-      named = &p;
-  if (named) return named->row;
-  return best->row;
+  const SettingPoint* named = nullptr;
+  for (const SettingPoint& s : settings)
+    if (s.row->settings.empty() && s.error <= best->error && s.error_ci.high <= most &&
+        !surely_quicker(*best->row, *s.row) && cheaper(s, named))
+      named = &s;
+  return named ? named : best;
+}
+
+const SettingPoint* most_exact(std::span<const SettingPoint> settings, double most_ms) {
+  const SettingPoint* best = nullptr;
+  for (const SettingPoint& s : settings)
+    if (s.ms_ci.high <= most_ms && (!best || std::pair(s.error, s.ms) < std::pair(best->error, best->ms))) best = &s;
+  return best;
 }
 
 std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference,
                               const std::string& metric, double most) {
-  const BenchRow* row = cheapest(rows, reference, metric, most);
-  if (!row) return fmt::format("no setting has {} below {} against {}", metric, most, reference);
-  const double error = *error_of(*row, reference, metric);
-  const Interval ci = median_interval(row->gpu.ms);
+  const std::vector<SettingPoint> settings = setting_points(rows, reference, metric);
+  if (settings.empty()) return {};
+  const SettingPoint* s = cheapest(settings, most);
+  if (!s) {
+    const auto least = std::min_element(settings.begin(), settings.end(),
+                                        [](const auto& a, const auto& b) { return a.error_ci.high < b.error_ci.high; });
+    return fmt::format("no setting surely has {} below {} against {}: {} has {:.3g} (95 % CI {:.3g} to {:.3g})", metric,
+                       most, reference, error_setting(*least->row), least->error, least->error_ci.low,
+                       least->error_ci.high);
+  }
   std::string text = fmt::format(
       "for {} below {} against {} the cheapest setting is {}: {:.3g} ms on the GPU (95 % CI {:.3g} to {:.3g}), {} "
-      "{:.3g}",
-      metric, most, reference, error_setting(*row), median_ms(*row), ci.low, ci.high, metric, error);
-  if (const auto& noise = error_against(*row, reference)->noise; noise && metric == "relmse" && error <= noise->relmse)
+      "{:.3g} ({:.3g} to {:.3g})",
+      metric, most, reference, error_setting(*s->row), s->ms, s->ms_ci.low, s->ms_ci.high, metric, s->error,
+      s->error_ci.low, s->error_ci.high);
+  const auto& noise = error_against(*s->row, reference)->noise;
+  if (noise && metric == "relmse" && s->error <= noise->relmse)
     text += fmt::format(", which is below the reference's own noise of {:.3g}", noise->relmse);
   return text;
 }
@@ -184,6 +256,7 @@ std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows) {
     KnobStudy::Value value{.row = &row, .text = point.value, .relmse = *relmse, .rmse = *rmse};
     std::from_chars(value.text.data(), value.text.data() + value.text.size(), value.value);
     value.ms = median_ms(row), value.ms_ci = median_interval(row.gpu.ms);
+    value.relmse_ci = error_interval(*error_against(row, exact_reference), "relmse");
     const std::vector<double> passes = passes_ms(row, point.passes);
     value.passes_ms = median(passes), value.passes_ci = median_interval(passes);
     study.values.push_back(std::move(value));
@@ -256,6 +329,45 @@ std::vector<std::string> error_defects(std::span<const BenchRow* const> rows) {
                                     row->knobs.front().knob + "=" + row->knobs.front().value, *differing));
   }
   return defects;
+}
+
+std::vector<BenchRow> rows_by_name(std::span<const BenchRow* const> rows) {
+  std::vector<BenchRow> named;
+  for (const BenchRow* row : rows) {
+    named.push_back(*row);
+    for (const SameWork& same : row->same_work) {
+      BenchRow& other = named.emplace_back(*row);
+      other.suite = same.suite, other.technique = same.technique, other.quality = same.quality;
+      other.settings = same.settings, other.job = same.job, other.knobs = same.knobs;
+      other.same_work.clear();
+      if (same.exact)
+        for (PictureError& error : other.errors)
+          if (error.reference == exact_reference) error = *same.exact;
+    }
+  }
+  return named;
+}
+
+std::vector<std::string> unswept_knobs(const std::vector<BenchRow>& rows) {
+  std::set<std::string> swept, passes;
+  for (const BenchRow& row : rows) {
+    for (const KnobPoint& point : row.knobs) swept.insert(point.knob);
+    for (const SameWork& same : row.same_work)
+      for (const KnobPoint& point : same.knobs) swept.insert(point.knob);
+    for (const Series& pass : row.passes) passes.insert(pass.name);
+  }
+  std::vector<std::string> names;
+  for (const KnobRow& knob : knob_rows("exact")) {
+    const std::string name = knob.pass + "." + knob.knob;
+    if (swept.contains(name)) continue;
+    const bool kept =
+        std::any_of(knob.passes.begin(), knob.passes.end(), [&](const auto& pass) { return passes.contains(pass); });
+    names.push_back(name + (knob.kind == "look"     ? " (of the look)"
+                            : knob.walk.size() <= 1 ? " (it has no values to walk)"
+                            : !kept                 ? " (no row has its passes)"
+                                                    : " (all its values plan the same work)"));
+  }
+  return names;
 }
 
 }  // namespace candela

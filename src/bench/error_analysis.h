@@ -11,28 +11,45 @@ namespace candela {
 
 // What rows of an error sweep say; all of it follows from the rows, so that a kept file gives the same report.
 
-// Scene, lights, camera, size, time and device: rows of one place share references and axes.
+// Scene, lights, camera, size, time, views and device: rows of one place share references and axes.
 std::string error_place(const BenchRow& row);
 // "forward-plus, quality draft, lights.floor_lux=0.1".
 std::string error_setting(const BenchRow& row);
+// The same with what plans the same work: "clustered, quality draft = forward-plus, quality draft".
+std::string error_names(const BenchRow& row);
 const PictureError* error_against(const BenchRow& row, const std::string& reference);
 // nullopt where the row was not measured or not compared, or the value is not finite.
 std::optional<double> error_of(const BenchRow& row, const std::string& reference, const std::string& metric);
 
 struct ErrorPoint {
   const BenchRow* row = nullptr;
-  double ms = 0, error = 0;  // median GPU time; a metric where less is better
-  Interval ms_ci;            // 95 % of the median
-  bool dominated = false;    // another is no slower and no worse, and better in one of them
+  double ms = 0, error = 0;  // median GPU time; a metric where less is better, over the row's views
+  Interval ms_ci, error_ci;  // 95 %
+  // dominated: another is surely quicker and no worse. unclear: by its numbers another is no slower and no worse, which
+  // is not sure: the two are not distinguishable. front: neither.
+  enum class Standing { front, unclear, dominated } standing = Standing::front;
+  const BenchRow* by = nullptr;  // that other
 };
 std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference,
                                      const std::string& metric);
+const char* standing_name(ErrorPoint::Standing standing);
 
-// The cheapest row whose error is no more than `most`; among equals the more exact, or a quality rather than one knob
-// of it.
-const BenchRow* cheapest(std::span<const BenchRow* const> rows, const std::string& reference, const std::string& metric,
-                         double most);
-// "for relmse below 0.01 against direct the cheapest setting is ...", or that none reaches it.
+// A setting over all places (cameras, times) of the rows: the worst counts. Only those that every place has.
+struct SettingPoint {
+  const BenchRow* row = nullptr;  // where it takes longest
+  double ms = 0, error = 0;
+  Interval ms_ci, error_ci;
+};
+std::vector<SettingPoint> setting_points(std::span<const BenchRow* const> rows, const std::string& reference,
+                                         const std::string& metric);
+// The cheapest setting whose error is surely no more than `most` (the upper end of its interval): the one and only
+// choice, of the report and of a render. A quality is taken rather than one knob of it that is not surely quicker.
+const SettingPoint* cheapest(std::span<const SettingPoint> settings, double most);
+// The most exact that surely takes no longer.
+const SettingPoint* most_exact(std::span<const SettingPoint> settings, double most_ms);
+
+// "for relmse below 0.01 against direct the cheapest setting is ...", or that none reaches it; empty where nothing was
+// measured against it.
 std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference,
                               const std::string& metric, double most);
 
@@ -48,10 +65,10 @@ struct KnobStudy {
     const BenchRow* row = nullptr;
     std::string text;
     double value = 0, ms = 0, relmse = 0, rmse = 0;
-    Interval ms_ci;
+    Interval ms_ci, relmse_ci;
     double passes_ms = 0;  // of the passes that the knob belongs to
     Interval passes_ci;
-    bool dominated = false;  // another value is quicker beyond doubt and no worse
+    bool dominated = false;  // another value is surely quicker and no worse
     std::string verdict;     // whether it is worth its time, and why
   };
   std::string knob, technique, kind;  // kind: what it trades, error or time
@@ -88,5 +105,12 @@ std::vector<NoiseVerdict> noise_verdicts(std::span<const BenchRow* const> rows);
 // Rows whose knob may change nothing but time, and which differ from the technique's exact picture: each is a defect of
 // the program.
 std::vector<std::string> error_defects(std::span<const BenchRow* const> rows);
+
+// The rows, and after each what plans the same work, as rows of their own names with its samples: for tables that ask
+// by technique, quality or knob.
+std::vector<BenchRow> rows_by_name(std::span<const BenchRow* const> rows);
+
+// Knobs of all passes that are no point of any row, each with the reason where the table knows one.
+std::vector<std::string> unswept_knobs(const std::vector<BenchRow>& rows);
 
 }  // namespace candela

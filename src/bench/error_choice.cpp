@@ -9,20 +9,12 @@
 namespace candela {
 namespace {
 
-struct Candidate {
-  const BenchRow* row = nullptr;
-  std::set<std::string> places;
-  double ms = 0, error = 0;
-  Interval ms_ci;
-};
-
-Expected<SettingChoice> choice_of(const Candidate& candidate, const std::string& file) {
-  const auto job = job_from_json(candidate.row->job);
+Expected<SettingChoice> choice_of(const SettingPoint& s, const std::string& file) {
+  const auto job = job_from_json(s.row->job);
   if (!job)
-    return fail(ErrorKind::input, file, "the row of {} holds no job: {}", error_setting(*candidate.row),
-                job.error().message);
-  return SettingChoice{job->technique, job->quality,    job->settings,   job->samples,
-                       candidate.ms,   candidate.error, candidate.ms_ci, error_setting(*candidate.row)};
+    return fail(ErrorKind::input, file, "the row of {} holds no job: {}", error_setting(*s.row), job.error().message);
+  return SettingChoice{job->technique, job->quality, job->settings, job->samples,         s.ms,
+                       s.error,        s.ms_ci,      s.error_ci,    error_setting(*s.row)};
 }
 
 // Those rows that are about the place, or why there are none.
@@ -90,38 +82,24 @@ Expected<SettingChoice> choose_setting(const std::vector<BenchRow>& all, const B
                                        const ErrorBudget& budget, const std::string& file) {
   const auto rows = rows_of_place(all, place, budget, file);
   if (!rows) return std::unexpected(rows.error());
-  std::map<std::string, Candidate> settings;
-  std::set<std::string> places;
-  for (const BenchRow* row : *rows) {
-    places.insert(error_place(*row));
-    Candidate& candidate = settings[error_setting(*row)];
-    candidate.row = row;
-    candidate.places.insert(error_place(*row));
-    const Interval ci = median_interval(row->gpu.ms);
-    candidate.ms = std::max(candidate.ms, summary(row->gpu.ms).median);
-    candidate.ms_ci = {std::max(candidate.ms_ci.low, ci.low), std::max(candidate.ms_ci.high, ci.high)};
-    candidate.error = std::max(candidate.error, *error_of(*row, budget.reference, budget.metric));
-  }
-  const Candidate *best = nullptr, *nearest = nullptr;
-  for (const auto& [name, c] : settings) {
-    if (c.places.size() != places.size()) continue;
-    const auto order = [&](const Candidate& x) {
-      return budget.time_ms ? std::pair(x.error, x.ms) : std::pair(x.ms, x.error);
-    };
-    const auto need = [&](const Candidate& x) { return budget.time_ms ? x.ms_ci.high : x.error; };
-    if (!nearest || need(c) < need(*nearest)) nearest = &c;
-    if (need(c) <= (budget.time_ms ? *budget.time_ms : *budget.error) && (!best || order(c) < order(*best))) best = &c;
-  }
-  if (!nearest) return fail(ErrorKind::input, file, "no setting was measured with every camera and at every time");
+  const std::vector<SettingPoint> settings = setting_points(*rows, budget.reference, budget.metric);
+  if (settings.empty())
+    return fail(ErrorKind::input, file, "no setting was measured with every camera and at every time");
+  const SettingPoint* best = budget.time_ms ? most_exact(settings, *budget.time_ms) : cheapest(settings, *budget.error);
+  const auto need = [&](const SettingPoint& s) { return budget.time_ms ? s.ms_ci.high : s.error_ci.high; };
+  const SettingPoint& nearest = *std::min_element(settings.begin(), settings.end(),
+                                                  [&](const auto& a, const auto& b) { return need(a) < need(b); });
   if (!best && budget.time_ms)
     return fail(
         ErrorKind::usage, "--time-budget",
         "no setting is sure to take {} ms or less; the quickest, {}, takes {:.3g} ms (95 % CI {:.3g} to {:.3g})",
-        *budget.time_ms, error_setting(*nearest->row), nearest->ms, nearest->ms_ci.low, nearest->ms_ci.high);
+        *budget.time_ms, error_setting(*nearest.row), nearest.ms, nearest.ms_ci.low, nearest.ms_ci.high);
   if (!best)
     return fail(ErrorKind::usage, "--error-budget",
-                "no setting has {} of {} or less against {}; the best, {}, has {:.3g}", budget.metric, *budget.error,
-                budget.reference, error_setting(*nearest->row), nearest->error);
+                "no setting is sure to have {} of {} or less against {}; the best, {}, has {:.3g} (95 % CI {:.3g} to "
+                "{:.3g})",
+                budget.metric, *budget.error, budget.reference, error_setting(*nearest.row), nearest.error,
+                nearest.error_ci.low, nearest.error_ci.high);
   return choice_of(*best, file);
 }
 

@@ -15,7 +15,8 @@ struct ErrorBudget {
   // interval of its median is.
   std::optional<double> time_ms;
   std::string metric = "relmse";  // by which settings are ordered
-  std::optional<double> error;    // the cheapest setting that is no worse
+  // The cheapest setting that is no worse: when the upper end of its error's interval is.
+  std::optional<double> error;
   std::string reference = "direct-unshadowed";
 };
 // "relMSE=0.01": any metric where less is better; capitals do not matter. Errors: usage.
@@ -33,7 +34,7 @@ struct SettingChoice {
   std::vector<KnobSetting> settings;
   int samples = 0;
   double ms = 0, error = 0;  // the worst over the sweep's cameras and times
-  Interval ms_ci;            // of that ms
+  Interval ms_ci, error_ci;  // the same
   std::string text;          // for readers
 };
 // Of the rows of a sweep at the place given. Where it has several cameras or times a setting counts by its worst, and

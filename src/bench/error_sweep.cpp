@@ -3,6 +3,7 @@
 #include <map>
 
 #include "base/log.h"
+#include "bench/error_views.h"
 #include "bench/error_walk.h"
 #include "bench/picture.h"
 #include "metrics/compare.h"
@@ -32,49 +33,81 @@ std::optional<ExposureRange> exposures_of(const std::vector<Truth>& truths) {
   return {};
 }
 
-// Compares the first frames of a place's rows.
+// Compares the first frames of a place's rows, view by view.
 class Judge {
  public:
-  Judge(const SweepPlace& place, std::vector<Truth> truths, const std::optional<ExposureRange>& exposures)
-      : place_(place), truths_(std::move(truths)), exposures_(exposures ? exposures : exposures_of(truths_)) {}
+  // truths: of each view.
+  Judge(const SweepPlace& place, std::vector<std::vector<Truth>> truths, const std::optional<ExposureRange>& exposures)
+      : place_(place),
+        truths_(std::move(truths)),
+        exposures_(exposures || truths_.empty() ? exposures : exposures_of(truths_.front())) {}
 
   void see(size_t item, BenchRow& row, const FrameResult& frame, const Session& session) {
     const SweepRow& planned = place_.rows[item];
-    row.knobs = planned.knobs;
-    row.lists_note = "not counted in sweeps of errors";
+    if (row_ != &row) start(row, planned);
     NonFinite nonfinite;
-    const FloatImage image =
-        linear_image(frame, planned.configuration.job, session, std::nullopt, FrameRate{}, nonfinite);
-    if (planned.suite == "whole" && row.quality == "exact")
-      exact_[row.technique] = {.name = exact_reference, .image = image};
-    const auto own = exact_.find(row.technique);
-    compare_with(
-        own == exact_.end() ? Truth{.name = exact_reference, .failed = "quality exact was not rendered"} : own->second,
-        image, row);
-    for (const Truth& truth : truths_) compare_with(truth, image, row);
+    FloatImage image = linear_image(frame, planned.configuration.job, session, std::nullopt, FrameRate{}, nonfinite);
+    images_.push_back(std::move(image));
+    if (images_.size() == place_.views.size()) finish(row, planned);
   }
 
  private:
-  void compare_with(const Truth& truth, const FloatImage& image, BenchRow& row) const {
-    PictureError error{.reference = truth.name, .note = truth.failed, .exposures = exposures_, .spp = truth.spp};
-    if (truth.failed.empty()) {
-      Comparison c = compare(truth.image, image, {.encoding = Encoding::linear, .hdr_flip = HdrFlipChoice{exposures_}});
-      error.metrics = c.metrics;
-      error.noise = c.noise;
-      error.note = c.refusal;
-      // Errors of a knob are seen against the exact picture, those of a whole technique against what it approximates.
-      // Where there is nothing to see there is no strip.
-      const bool differs = c.metrics.contains("differing") && c.metrics["differing"] > 0;
-      if (differs && truth.name == (row.suite == "whole" ? open_reference_name : exact_reference))
-        row.strip = strip_of(truth.image, image, c);
+  void start(BenchRow& row, const SweepRow& planned) {
+    row_ = &row;
+    images_.clear();
+    row.knobs = planned.knobs;
+    row.same_work = planned.same_work;
+    row.lists_note = "not counted in sweeps of errors";
+  }
+
+  void finish(BenchRow& row, const SweepRow& planned) {
+    if (planned.suite == "whole" && row.quality == "exact") exact_[row.technique] = images_;
+    for (const SameWork& same : row.same_work)
+      if (same.suite == "whole" && same.quality == "exact") exact_[same.technique] = images_;
+    row.errors.push_back(error_of_exact(row.technique, row));
+    for (SameWork& same : row.same_work)
+      if (same.technique != row.technique) same.exact = error_of_exact(same.technique, row);
+    for (size_t t = 0; !truths_.empty() && t < truths_.front().size(); ++t) {
+      std::vector<PictureError> views;
+      for (size_t view = 0; view < images_.size(); ++view) views.push_back(compared(truths_[view][t], view, row));
+      row.errors.push_back(error_over(std::move(views)));
     }
-    row.errors.push_back(std::move(error));
+    images_.clear();
+  }
+
+  PictureError error_of_exact(const std::string& technique, BenchRow& row) {
+    const auto own = exact_.find(technique);
+    std::vector<PictureError> views;
+    for (size_t view = 0; view < images_.size(); ++view)
+      views.push_back(compared(own == exact_.end()
+                                   ? Truth{.name = exact_reference, .failed = "quality exact was not rendered"}
+                                   : Truth{.name = exact_reference, .image = own->second[view]},
+                               view, row));
+    return error_over(std::move(views));
+  }
+
+  PictureError compared(const Truth& truth, size_t view, BenchRow& row) const {
+    PictureError error{.reference = truth.name, .note = truth.failed, .exposures = exposures_, .spp = truth.spp};
+    if (!truth.failed.empty()) return error;
+    const FloatImage& image = images_[view];
+    Comparison c = compare(truth.image, image, {.encoding = Encoding::linear, .hdr_flip = HdrFlipChoice{exposures_}});
+    error.metrics = c.metrics;
+    error.noise = c.noise;
+    error.note = c.refusal;
+    // Errors of a knob are seen against the exact picture, those of a whole technique against what it approximates.
+    // Where there is nothing to see there is no strip.
+    const bool differs = c.metrics.contains("differing") && c.metrics["differing"] > 0;
+    if (view == 0 && differs && truth.name == (row.suite == "whole" ? open_reference_name : exact_reference))
+      row.strip = strip_of(truth.image, image, c);
+    return error;
   }
 
   const SweepPlace& place_;
-  std::vector<Truth> truths_;
+  std::vector<std::vector<Truth>> truths_;
   std::optional<ExposureRange> exposures_;
-  std::map<std::string, Truth> exact_;  // by technique
+  std::map<std::string, std::vector<FloatImage>> exact_;  // by technique, of each view
+  const BenchRow* row_ = nullptr;                         // at hand
+  std::vector<FloatImage> images_;                        // its views so far
 };
 
 Expected<BenchRun> run_place(const SweepPlace& place, const ErrorSweepOptions& o, double budget_s, SceneStore& store,
@@ -88,12 +121,15 @@ Expected<BenchRun> run_place(const SweepPlace& place, const ErrorSweepOptions& o
     items.push_back({&suite->second, row.configuration});
   }
   const Configuration& first = place.rows.front().configuration;
-  std::vector<Truth> truths;
+  std::vector<std::vector<Truth>> truths;
   if (first.left_out.empty()) {
     if (const auto file = store.file_of(first)) {
       Job job = first.job;
       job.scene = *file;
-      truths = traced_truths(job, first.time_s, o.truth, stop);
+      for (const BenchView& view : place.views) {
+        job.camera = view.camera;
+        truths.push_back(traced_truths(job, view.time_s, o.truth, stop));
+      }
     }
   }
   Judge judge(place, std::move(truths), o.exposures);
@@ -111,15 +147,21 @@ Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSe
   const auto places = sweep_places(options.base, store);
   if (!places) return std::unexpected(places.error());
   BenchRun all;
+  int index = 0;
   for (const SweepPlace& place : *places) {
     auto run = run_place(place, options, options.base.budget_s / double(places->size()), store, settings, stop);
     if (!run) return run;
     for (const std::string& note : place.notes) log::info("{}", note);
     all.notes.insert(all.notes.end(), place.notes.begin(), place.notes.end());
-    std::move(run->rows.begin(), run->rows.end(), std::back_inserter(all.rows));
+    for (BenchRow& row : run->rows) {
+      row.run = index;
+      all.rows.push_back(std::move(row));
+    }
+    ++index;
     for (const std::string& note : run->notes)
       all.notes.push_back(place.rows.front().configuration.scene.label + ": " + note);
-    all.wall_s += run->wall_s;
+    all.wall_s += run->wall_s, all.opening_s += run->opening_s;
+    all.stopped = all.stopped || run->stopped;
   }
   return all;
 }

@@ -14,7 +14,8 @@ struct ErrorSweepOptions {
   std::optional<ExposureRange> exposures;  // of hdr-flip; nullopt: from the first traced reference of each place
 };
 
-// Rows of all places, each with an error against each reference; those of one place are measured in interleaved rounds.
+// Rows of all places, each with an error against each reference over the place's views; those of one place are measured
+// in interleaved rounds, each sample a frame of every view.
 Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSettings& settings,
                                    const std::function<bool()>& stop);
 

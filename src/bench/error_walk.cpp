@@ -1,8 +1,12 @@
 #include "bench/error_walk.h"
 
 #include <map>
+#include <set>
+#include <utility>
 
+#include "base/check.h"
 #include "base/text.h"
+#include "bench/error_views.h"
 #include "frame/plan_frame.h"
 #include "gltf/gltf.h"
 
@@ -33,28 +37,22 @@ class Walker {
  public:
   Walker(const Suite& whole, SceneStore& store) : whole_(whole), store_(store) {}
 
-  // Adds rows of all knobs to a place whose rows are those of suite "whole".
+  // Chooses the views, makes what plans the same work one row, and adds rows of all knobs to a place whose rows are
+  // those of suite "whole".
   void walk(SweepPlace& place) {
-    for (size_t i = 0, whole = place.rows.size(); i < whole; ++i) {
-      const Configuration exact = place.rows[i].configuration;
-      if (exact.job.quality != "exact" || !exact.left_out.empty()) continue;
-      if (auto loaded = load(exact); !loaded) {
-        place.notes.push_back(fmt::format("{}: no knob was walked: {}", exact.scene.label, loaded.error().text()));
-        return;
-      }
-      const auto planned = plan(exact.job, exact.time_s);
-      if (!planned) {
-        place.notes.push_back(fmt::format("{} with {}: no knob was walked: {}", exact.scene.label, exact.job.technique,
-                                          planned.error().text()));
-        continue;
-      }
-      std::vector<std::string> same;
-      for (const KnobRow& knob : knob_rows("exact"))
-        if (knob.kind != "look" && knob.walk.size() > 1) walk_knob(place, i, knob, *planned, same);
-      if (!same.empty())
-        place.notes.push_back(fmt::format("{} with {}: the same work as at another value, and not measured again: {}",
-                                          exact.scene.label, exact.job.technique, joined(same)));
+    const Configuration first = place.rows.front().configuration;
+    place.views = {{first.job.camera, first.time_s}};
+    if (!first.left_out.empty()) return;
+    if (auto loaded = load(first); !loaded) {
+      place.notes.push_back(fmt::format("{}: no knob was walked: {}", first.scene.label, loaded.error().text()));
+      return;
     }
+    if (auto chosen = choose_views(place, first); !chosen)
+      place.notes.push_back(fmt::format("{}: one view: {}", first.scene.label, chosen.error().text()));
+    works_.clear();
+    for (SweepRow& row : std::exchange(place.rows, {})) add(place, std::move(row));
+    for (const auto& [technique, work] : exact_) walk_technique(place, technique, work);
+    exact_.clear();
   }
 
  private:
@@ -72,37 +70,106 @@ class Walker {
     return {};
   }
 
-  Expected<PlannedFrame> plan(const Job& job, double time_s) const {
-    return plan_frame(job, PlanContext{scene_, layout_}, {.linear = true, .display = whole_.output == "both"}, time_s);
+  Expected<void> choose_views(SweepPlace& place, const Configuration& c) {
+    if (!whole_.views.empty()) {
+      place.views = whole_.views;
+      return {};
+    }
+    auto views = views_around(scene_, c.job, c.time_s, whole_.view_count);
+    if (!views) return std::unexpected(views.error());
+    place.views = std::move(*views);
+    if (int(place.views.size()) < whole_.view_count)
+      place.notes.push_back(fmt::format("{}: one view: the camera is orthographic and stands", c.scene.label));
+    return {};
   }
 
-  void walk_knob(SweepPlace& place, size_t exact_row, const KnobRow& knob, const PlannedFrame& exact,
-                 std::vector<std::string>& same) const {
+  struct Work {
+    Hash128 hash;
+    std::set<std::string> passes;  // kept in any view
+  };
+  // Over all views; nullopt where one cannot be planned.
+  Expected<Work> work_of_all(const SweepPlace& place, Job job) const {
+    Work work;
+    std::string all;
+    for (const BenchView& view : place.views) {
+      job.camera = view.camera;
+      const auto planned = plan_frame(job, PlanContext{scene_, layout_},
+                                      {.linear = true, .display = whole_.output == "both"}, view.time_s);
+      if (!planned) return std::unexpected(planned.error());
+      all += work_of(*planned).hex();
+      for (const PlanPass& pass : planned->graph.plan.passes) work.passes.emplace(pass.pass());
+    }
+    work.hash = hash128(all);
+    return work;
+  }
+
+  // A row of its own, or one more name of the row that does the same work.
+  void add(SweepPlace& place, SweepRow row) {
+    row.configuration.views = place.views;
+    const Job& job = row.configuration.job;
+    const auto work = work_of_all(place, job);
+    if (!work) {
+      place.notes.push_back(fmt::format("{} with {}, quality {}: {}", row.configuration.scene.label, job.technique,
+                                        job.quality, work.error().text()));
+      place.rows.push_back(std::move(row));
+      return;
+    }
+    const auto [at, made] = works_.try_emplace(work->hash, place.rows.size());
+    if (row.suite == "whole" && job.quality == "exact") exact_.emplace_back(row.configuration, *work);
+    if (made)
+      place.rows.push_back(std::move(row));
+    else
+      place.rows[at->second].same_work.push_back(
+          {row.suite, job.technique, job.quality, settings_text(job), job_json(job), row.knobs, {}});
+  }
+
+  void walk_technique(SweepPlace& place, const Configuration& exact, const Work& work) {
+    std::vector<std::string> same;
+    for (const KnobRow& knob : knob_rows("exact"))
+      if (knob.kind != "look" && knob.walk.size() > 1) walk_knob(place, exact, knob, work, same);
+    if (!same.empty())
+      place.notes.push_back(fmt::format("{} with {}: the same work as at another value, and not measured again: {}",
+                                        exact.scene.label, exact.job.technique, joined(same)));
+  }
+
+  // The knob points of the technique's exact end, whichever row does its work.
+  std::vector<KnobPoint>& exact_points(SweepPlace& place, const std::string& technique) const {
+    std::vector<KnobPoint>* points = nullptr;
+    for (SweepRow& row : place.rows) {
+      const Job& job = row.configuration.job;
+      if (row.suite == "whole" && job.quality == "exact" && job.technique == technique) points = &row.knobs;
+      for (SameWork& other : row.same_work)
+        if (other.suite == "whole" && other.quality == "exact" && other.technique == technique) points = &other.knobs;
+    }
+    CHECK_MSG(points, technique);
+    return *points;
+  }
+
+  void walk_knob(SweepPlace& place, const Configuration& exact, const KnobRow& knob, const Work& exact_work,
+                 std::vector<std::string>& same) {
     const std::string name = knob.pass + "." + knob.knob;
-    std::vector<std::string> kept;
-    for (const PlanPass& pass : exact.graph.plan.passes)
-      if (std::find(knob.passes.begin(), knob.passes.end(), pass.pass()) != knob.passes.end())
-        kept.push_back(pass.name);
-    if (kept.empty()) return;
-    const Configuration c = place.rows[exact_row].configuration;
-    std::vector<Hash128> works = {work_of(exact)};
+    if (std::none_of(knob.passes.begin(), knob.passes.end(),
+                     [&](const std::string& pass) { return exact_work.passes.contains(pass); }))
+      return;
+    std::vector<Hash128> works = {exact_work.hash};
     std::vector<std::string> skipped;
     for (const std::string& value : knob.walk) {
-      if (value == knob.value_now) continue;
-      Configuration changed = c;
+      if (value == knob.value_now && knob.beside.empty()) continue;
+      Configuration changed = exact;
       changed.job.settings = {{knob.pass, knob.knob, value}};
-      const auto planned = plan(changed.job, changed.time_s);
-      const Hash128 work = planned ? work_of(*planned) : Hash128{};
-      if (planned && std::find(works.begin(), works.end(), work) != works.end()) {
+      if (!knob.beside.empty()) changed.job.settings.push_back(*parse_knob_setting(knob.beside));
+      const auto work = work_of_all(place, changed.job);
+      if (work && std::find(works.begin(), works.end(), work->hash) != works.end()) {
         skipped.push_back(name + "=" + value);
         continue;
       }
-      works.push_back(work);
-      place.rows.push_back({"knob " + name, std::move(changed), {{name, value, knob.kind, knob.passes}}});
+      works.push_back(work ? work->hash : Hash128{});
+      add(place, {"knob " + name, std::move(changed), {{name, value, knob.kind, knob.passes}}, {}});
     }
     if (works.size() == 1) skipped = {name};
     same.insert(same.end(), skipped.begin(), skipped.end());
-    if (works.size() > 1) place.rows[exact_row].knobs.push_back({name, knob.value_now, knob.kind, knob.passes});
+    if (works.size() > 1)
+      exact_points(place, exact.job.technique).push_back({name, knob.value_now, knob.kind, knob.passes});
   }
 
   const Suite& whole_;
@@ -110,6 +177,8 @@ class Walker {
   std::string file_;
   Scene scene_;
   GeometryLayout layout_;
+  std::map<Hash128, size_t> works_;                    // of the place at hand: row that does it
+  std::vector<std::pair<Configuration, Work>> exact_;  // the same: exact ends of techniques
 };
 
 }  // namespace
@@ -136,7 +205,7 @@ Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& st
   for (Configuration& c : *all) {
     const auto [at, made] = index.try_emplace(place_of(c), places.size());
     if (made) places.emplace_back();
-    places[at->second].rows.push_back({"whole", std::move(c), {}});
+    places[at->second].rows.push_back({"whole", std::move(c), {}, {}});
   }
   Walker walker(whole, store);
   for (SweepPlace& place : places) walker.walk(place);

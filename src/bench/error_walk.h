@@ -13,18 +13,20 @@ struct SweepRow {
   std::string suite;  // "whole", or "knob PASS.KNOB"
   Configuration configuration;
   std::vector<KnobPoint> knobs;  // of which it is a point
+  std::vector<SameWork> same_work;
 };
-// A scene with its lights, size, camera and time: its rows share references. Of each technique the exact end comes
-// first.
+// A scene with its lights, size, camera and time: its rows share views and references. Of each technique the exact end
+// comes first.
 struct SweepPlace {
   std::vector<SweepRow> rows;
+  std::vector<BenchView> views;
   std::vector<std::string> notes;  // what is not measured, for it would be the same work again
 };
 
 // Every technique at every quality, and every knob that trades error or time along its walk, with every technique whose
-// plan has one of the knob's passes, all else at its exact end. Values that plan the same frame, to the last pipeline,
-// constant and light box, are measured once. Scenes are loaded to be planned; one that cannot be has no knobs walked,
-// and fails when it is measured. Errors (usage): of the suite.
+// plan has one of the knob's passes, all else at its exact end. What plans the same frames in all views, to the last
+// pipeline, constant and light box, is one row, whatever its technique, quality and knobs are called. Scenes are loaded
+// to be planned; one that cannot be has no knobs walked, and fails when it is measured. Errors (usage): of the suite.
 Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& store);
 
 }  // namespace candela

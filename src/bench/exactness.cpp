@@ -182,9 +182,10 @@ std::span<const DrawnKnob> drawn_knobs() {
   return table;
 }
 
-std::span<const std::string_view> picture_changing_knobs() {
-  static constexpr std::string_view names[] = {"lights.cap", "lights.floor_lux", "resolve.samples", "supersample.n",
-                                               "textures.anisotropy"};
+std::vector<std::string> picture_changing_knobs() {
+  std::vector<std::string> names;
+  for (const KnobRow& knob : knob_rows("high"))
+    if (knob.kind != "time") names.push_back(knob.pass + "." + knob.knob);
   return names;
 }
 

@@ -50,7 +50,7 @@ struct DrawnKnob {
   std::vector<std::string> values;
 };
 std::span<const DrawnKnob> drawn_knobs();
-std::span<const std::string_view> picture_changing_knobs();
+std::vector<std::string> picture_changing_knobs();
 std::vector<KnobSetting> drawn_settings(uint64_t seed);
 // How many lights the field of a seed has: from 1 to 512, each factor of 2 as often.
 int lights_of_field(uint64_t seed);

@@ -58,7 +58,12 @@ std::string knob_hash(const Job& job, int samples) {
 std::string processor_name() { return line_value("/proc/cpuinfo", "model name"); }
 
 Measured::Measured(const Configuration& configuration, const Suite& suite, const RunSettings& settings)
-    : configuration_(configuration), rules_(suite.sampling), settings_(settings), runs_(suite.sampling.min_runs) {
+    : configuration_(configuration),
+      views_(configuration.views),
+      rules_(suite.sampling),
+      settings_(settings),
+      runs_(suite.sampling.min_runs) {
+  if (views_.empty()) views_.push_back({configuration.job.camera, configuration.time_s});
   const Job& job = configuration.job;
   settings_.timed = true;
   wanted_ = {.linear = suite.output != "png", .display = suite.output != "exr"};
@@ -73,6 +78,7 @@ Measured::Measured(const Configuration& configuration, const Suite& suite, const
   row.camera = job.camera.camera;
   row.width_px = job.width_px, row.height_px = job.height_px, row.samples = job.samples;
   row.time_s = configuration.time_s;
+  row.views = int(views_.size());
   row.version = CANDELA_VERSION;
   row.machine = processor_name();
   row.cores = int(std::thread::hardware_concurrency());
@@ -80,11 +86,23 @@ Measured::Measured(const Configuration& configuration, const Suite& suite, const
   row.gpu.name = "gpu", row.frame.name = "frame";
 }
 
-Expected<FrameResult> Measured::render() {
+Expected<FrameResult> Measured::render(size_t view) {
+  session_->set_camera(views_[view].camera);
   const auto start = Clock::now();
-  auto frame = session_->render(configuration_.time_s);
+  auto frame = session_->render(views_[view].time_s);
   last_frame_ms_ = ms_since(start);
   return frame;
+}
+
+Expected<double> Measured::render_views(const std::function<void(const FrameResult&)>& each) {
+  double ms = 0;
+  for (size_t view = 0; view < views_.size(); ++view) {
+    const auto frame = render(view);
+    if (!frame) return std::unexpected(frame.error());
+    ms += last_frame_ms_;
+    if (each) each(*frame);
+  }
+  return ms / double(views_.size());
 }
 
 void Measured::describe(const FrameResult& frame) {
@@ -120,9 +138,9 @@ Expected<void> Measured::open_session(const std::string& scene_file) {
 Expected<void> Measured::warm_up() {
   std::vector<double> frames;
   while (!warmed_up(frames, rules_)) {
-    const auto frame = render();
-    if (!frame) return std::unexpected(frame.error());
-    frames.push_back(last_frame_ms_);
+    const auto ms = render_views();
+    if (!ms) return std::unexpected(ms.error());
+    frames.push_back(*ms);
   }
   row.warm_up_frames = int(frames.size());
   return {};
@@ -131,13 +149,15 @@ Expected<void> Measured::warm_up() {
 Expected<void> Measured::open(const std::string& scene_file,
                               const std::function<void(const FrameResult&, const Session&)>& seen) {
   if (auto opened = open_session(scene_file); !opened) return opened;
-  {
-    // The first frame compiles; the picture is checked on it.
-    const auto frame = render();
+  // The first frame compiles; the picture is checked on it.
+  for (size_t view = 0; view < views_.size(); ++view) {
+    const auto frame = render(view);
     if (!frame) return std::unexpected(frame.error());
-    first_frame_ms_ = last_frame_ms_;
-    describe(*frame);
-    beauty_ = beauty_of(*frame);
+    if (view == 0) {
+      first_frame_ms_ = last_frame_ms_;
+      describe(*frame);
+      beauty_ = beauty_of(*frame);
+    }
     if (seen) seen(*frame, *session_);
   }
   return warm_up();
@@ -159,6 +179,8 @@ bool Measured::fits_in_memory(uint64_t others_bytes) const {
   return device.is_cpu || others_bytes + device_bytes() < device.memory_bytes / 4 * 3;
 }
 
+bool Measured::lacks_runs() const { return int(row.frame.ms.size()) < rules_.min_runs; }
+
 bool Measured::wants_sample() const { return int(row.frame.ms.size()) < runs_; }
 
 void Measured::decide_runs() {
@@ -175,20 +197,25 @@ Expected<void> Measured::sample(const std::string& scene_file) {
     if (auto opened = open_session(scene_file); !opened) return opened;
     if (auto warm = warm_up(); !warm) return warm;
   }
-  {
-    const auto frame = render();
-    if (!frame) return std::unexpected(frame.error());
-    row.frame.ms.push_back(last_frame_ms_);
-    row.gpu.ms.push_back(frame->timings.frame_gpu_ms);
-    std::map<std::string, double> passes;  // a pass that runs twice counts once, with both times
-    std::vector<std::string> order;
-    for (const gpu::PassTime& pass : frame->timings.gpu_ms) {
-      if (!passes.contains(pass.name)) order.push_back(pass.name);
-      passes[pass.name] += pass.gpu_ms;
-    }
-    for (const std::string& name : order) series(row.passes, name).ms.push_back(passes[name]);
-    for (const auto& [stage, ms] : frame->timings.cpu_ms) series(row.cpu, stage).ms.push_back(ms);
-  }
+  // Means over the views. A pass that runs twice in a frame counts once, with both times.
+  const double part = 1 / double(views_.size());
+  double gpu = 0;
+  std::vector<std::pair<std::string, double>> passes, stages;
+  const auto add = [&](auto& into, const std::string& name, double ms) {
+    auto found = std::find_if(into.begin(), into.end(), [&](const auto& entry) { return entry.first == name; });
+    if (found == into.end()) found = into.insert(into.end(), {name, 0});
+    found->second += ms * part;
+  };
+  const auto ms = render_views([&](const FrameResult& frame) {
+    gpu += frame.timings.frame_gpu_ms * part;
+    for (const gpu::PassTime& pass : frame.timings.gpu_ms) add(passes, pass.name, pass.gpu_ms);
+    for (const auto& [stage, stage_ms] : frame.timings.cpu_ms) add(stages, stage, stage_ms);
+  });
+  if (!ms) return std::unexpected(ms.error());
+  row.frame.ms.push_back(*ms);
+  row.gpu.ms.push_back(gpu);
+  for (const auto& [name, pass_ms] : passes) series(row.passes, name).ms.push_back(pass_ms);
+  for (const auto& [stage, stage_ms] : stages) series(row.cpu, stage).ms.push_back(stage_ms);
   if (closed) session_.reset();
   decide_runs();
   return {};

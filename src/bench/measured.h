@@ -19,7 +19,7 @@ class Measured {
   BenchRow row;
 
   // Loads, renders until warm, and fills what of the row is no sample.
-  // `seen` gets the first frame, whose picture is every frame's.
+  // `seen` gets each view's first frame, whose picture is every such frame's.
   Expected<void> open(const std::string& scene_file,
                       const std::function<void(const FrameResult&, const Session&)>& seen = {});
   void close();
@@ -29,6 +29,7 @@ class Measured {
 
   bool can_sample() const { return row.error.empty() && row.left_out.empty(); }
   bool wants_sample() const;
+  bool lacks_runs() const;  // fewer than the least number
   // Whether this session may stay open beside others that hold so many bytes of the device.
   bool fits_in_memory(uint64_t others_bytes) const;
   uint64_t device_bytes() const;
@@ -37,13 +38,16 @@ class Measured {
   void forget_beauty() { beauty_.reset(); }
 
  private:
-  Expected<FrameResult> render();
+  Expected<FrameResult> render(size_t view);
+  // All views once. ms is of a frame, their mean; `each` gets the frames.
+  Expected<double> render_views(const std::function<void(const FrameResult&)>& each = {});
   Expected<void> open_session(const std::string& scene_file);
   Expected<void> warm_up();
   void describe(const FrameResult& frame);
   void decide_runs();
 
   Configuration configuration_;
+  std::vector<BenchView> views_;
   SamplingRules rules_;
   RunSettings settings_;
   WantedOutputs wanted_;

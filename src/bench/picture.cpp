@@ -152,7 +152,8 @@ std::vector<std::byte> thumbnail_png(const DisplayImage& image, int most_px) {
 
 std::vector<std::byte> heatmap_png(const std::vector<float>& values, int width_px, int height_px, int most_px) {
   if (values.empty()) return {};
-  const float top = std::max(1.0f, *std::max_element(values.begin(), values.end()));
+  // The 95th percentile (LightLists::p95) and all beyond are yellow: a few long lists must not darken the rest.
+  const float top = std::max(1.0f, float(percentile(std::vector<double>(values.begin(), values.end()), 0.95)));
   DisplayImage image{width_px, height_px, 3, 8, {}};
   image.pixels.reserve(values.size() * 3);
   for (const float value : values)

@@ -40,7 +40,7 @@ std::vector<float> layer_values(const FrameResult& frame, const std::string& lay
 
 // A PNG of at most `most_px` pixels a side, each the mean of those it stands for.
 std::vector<std::byte> thumbnail_png(const DisplayImage& image, int most_px);
-// Counts as colours: 0 is dark violet, the largest is yellow.
+// Counts as colours: 0 is dark violet, from the 95th percentile on yellow.
 std::vector<std::byte> heatmap_png(const std::vector<float>& values, int width_px, int height_px, int most_px);
 
 }  // namespace candela

@@ -66,9 +66,9 @@ Series& series(std::vector<Series>& all, const std::string& name) {
 }
 
 std::string row_key(const BenchRow& row) {
-  return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}x{}|{}|{}|{}", row.scene, row.seed, row.lights_wanted, row.camera,
+  return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}x{}|{}|{}|{}|{}", row.scene, row.seed, row.lights_wanted, row.camera,
                      row.technique, row.settings, row.quality, row.width_px, row.height_px, row.samples, row.output,
-                     row.time_s);
+                     row.time_s, row.views);
 }
 
 std::string row_way(const BenchRow& row) {

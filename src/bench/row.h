@@ -34,12 +34,20 @@ struct PictureCheck {
   double max_difference = 0;
 };
 
+// Of one view.
+struct ViewError {
+  std::map<std::string, double> metrics;  // names as in metrics/compare.h
+  std::optional<NoiseFloor> noise;        // of the reference
+};
+
 // How far the picture is from one that is truer (error_sweep.h says which there are).
 struct PictureError {
   std::string reference;
-  std::map<std::string, double> metrics;   // names as in metrics/compare.h; empty where it was not compared
+  // Over the views (error_views.h); empty where it was not compared.
+  std::map<std::string, double> metrics;
   std::string note;                        // why not
-  std::optional<NoiseFloor> noise;         // of the reference
+  std::optional<NoiseFloor> noise;         // of the reference, over the views
+  std::vector<ViewError> views;            // each; empty where there is but one
   std::optional<ExposureRange> exposures;  // of hdr-flip: the same for all rows of a place
   uint64_t spp = 0;                        // of a traced reference
 };
@@ -49,6 +57,13 @@ struct KnobPoint {
   std::string knob, value;          // "lights.floor_lux", "0.1"
   std::string kind;                 // what the knob trades: error or time
   std::vector<std::string> passes;  // whose work it changes
+};
+
+// What else plans the same work as a row: it is not measured again.
+struct SameWork {
+  std::string suite, technique, quality, settings, job;
+  std::vector<KnobPoint> knobs;
+  std::optional<PictureError> exact;  // against its own technique's exact picture, where that is another technique's
 };
 
 // One configuration as measured. Every number of a report is here or follows from it.
@@ -61,6 +76,9 @@ struct BenchRow {
   std::string camera;
   int width_px = 0, height_px = 0, samples = 0;
   double time_s = 0;
+  int views = 1;  // over which times and errors are means (error_views.h)
+  int run = 0;    // rows of one run were measured in the same rounds
+  std::vector<SameWork> same_work;
   // Where.
   std::string device, driver, device_class, device_type, machine, version;
   int cores = 0;

@@ -13,6 +13,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* stopped_before = "the run was stopped before this was measured";
+
 struct Item {
   const Suite* suite;
   Configuration configuration;
@@ -48,6 +50,8 @@ class SuiteRun {
   void check_picture(const Item& item, Measured& measured);
   void make_reference(const Item& item);
   void sample_rounds();
+  std::vector<size_t> wanting();  // rows that take part in the next round
+  bool stopped();
   bool out_of_time();
   void finish();
 
@@ -55,8 +59,8 @@ class SuiteRun {
   const std::function<bool()>& stop_;
   double budget_s_ = 0;  // 0: none
   SeeFirstFrame seen_;   // of chosen items
-  Clock::time_point start_ = Clock::now();
-  bool budget_hit_ = false, stopped_ = false;
+  Clock::time_point start_ = Clock::now(), sampling_ = start_;
+  bool budget_hit_ = false;
   int open_ = 0, reopened_ = 0;
   uint64_t device_bytes_ = 0;  // of the sessions that stay open
   SceneStore store_;
@@ -77,10 +81,14 @@ int reference_limit(const Suite& suite) {
   return limit == suite.max_lights.end() ? std::numeric_limits<int>::max() : limit->second;
 }
 
+bool SuiteRun::stopped() {
+  if (stop_ && stop_()) result_.stopped = true;
+  return result_.stopped;
+}
+
 bool SuiteRun::out_of_time() {
-  if (stop_ && stop_()) stopped_ = true;
-  if (budget_s_ > 0 && seconds_since(start_) > budget_s_) budget_hit_ = true;
-  return budget_hit_ || stopped_;
+  if (budget_s_ > 0 && seconds_since(sampling_) > budget_s_) budget_hit_ = true;
+  return budget_hit_;
 }
 
 // The suite's reference technique where its number of lights is not limited, else the first technique of the group.
@@ -169,9 +177,8 @@ void SuiteRun::open_one(size_t i) {
     measured.row.left_out = item.configuration.left_out;
     return;
   }
-  if (out_of_time()) {
-    measured.row.left_out = stopped_ ? "the run was stopped" : "the time budget was used up";
-    measured.row.budget_hit = budget_hit_;
+  if (stopped()) {
+    measured.row.error = stopped_before;
     return;
   }
   log::info("{}", row_title(measured.row));
@@ -204,7 +211,7 @@ void SuiteRun::open_all() {
   measured_.resize(items_.size());
   for (size_t i = 0; i < items_.size(); ++i) {
     const Item& item = items_[i];
-    if (!seen_ && item.configuration.left_out.empty() && item.group != group_ && !out_of_time()) make_reference(item);
+    if (!seen_ && item.configuration.left_out.empty() && item.group != group_ && !stopped()) make_reference(item);
     open_one(i);
     if (!measured_[i]->can_sample()) continue;
     if (!seen_) check_picture(item, *measured_[i]);
@@ -217,22 +224,34 @@ void SuiteRun::open_all() {
         items_.front().suite->sampling.max_sessions > 0 ? "max_sessions says so" : "memory does not hold all at once"));
 }
 
+// All that want more runs; beyond the budget only those that lack their least number.
+std::vector<size_t> SuiteRun::wanting() {
+  std::vector<size_t> rows;
+  for (size_t i = 0; i < items_.size(); ++i) {
+    Measured& measured = *measured_[i];
+    if (!measured.can_sample() || !measured.wants_sample()) continue;
+    if (!budget_hit_ || measured.lacks_runs())
+      rows.push_back(i);
+    else
+      measured.row.budget_hit = true;
+  }
+  return rows;
+}
+
 void SuiteRun::sample_rounds() {
+  sampling_ = Clock::now();
+  result_.opening_s = seconds_since(start_);
   Clock::time_point told = Clock::now();
   for (int round = 0;; ++round) {
-    std::vector<size_t> active;
-    for (size_t i = 0; i < items_.size(); ++i)
-      if (measured_[i]->can_sample() && measured_[i]->wants_sample()) active.push_back(i);
+    const std::vector<size_t> active = wanting();
     if (active.empty()) return;
     for (const size_t k : round_order(active.size(), items_.front().suite->sampling.order_seed, round)) {
-      if (out_of_time()) {
-        for (const size_t i : active) measured_[i]->row.budget_hit = measured_[i]->wants_sample();
-        return;
-      }
-      const size_t i = active[k];
-      const auto file = store_.file_of(items_[i].configuration);
-      const auto sampled = file ? measured_[i]->sample(*file) : std::unexpected(file.error());
-      if (!sampled) measured_[i]->fail_with(sampled.error());
+      if (stopped()) return;
+      Measured& measured = *measured_[active[k]];
+      if (out_of_time() && !measured.lacks_runs()) continue;
+      const auto file = store_.file_of(items_[active[k]].configuration);
+      const auto sampled = file ? measured.sample(*file) : std::unexpected(file.error());
+      if (!sampled) measured.fail_with(sampled.error());
     }
     if (seconds_since(told) > 5) {
       told = Clock::now();
@@ -255,19 +274,29 @@ void SuiteRun::finish() {
         fmt::format("{} configurations hit the cap on runs before the precision that was asked for", capped));
   if (budget_hit_)
     result_.notes.push_back(
-        fmt::format("the time budget was used up: {} configurations have fewer runs than they need", unfinished));
-  if (stopped_) result_.notes.push_back("the run was stopped before its end");
+        fmt::format("sampling took {:.3g} s, its time budget is {:g} s: {} of {} configurations have fewer runs than "
+                    "their precision "
+                    "needs",
+                    result_.wall_s - result_.opening_s, budget_s_, unfinished, result_.rows.size()));
+  if (result_.stopped) result_.notes.push_back("the run was stopped before its end");
   for (const std::string& note : result_.notes) log::warning("{}", note);
 }
 
 Expected<BenchRun> SuiteRun::run() {
   open_all();
-  sample_rounds();
+  if (!stopped()) sample_rounds();
   finish();
   return std::move(result_);
 }
 
 }  // namespace
+
+std::vector<std::string> rows_without_runs(const BenchRun& run) {
+  std::vector<std::string> titles;
+  for (const BenchRow& row : run.rows)
+    if (row.left_out.empty() && row.frame.ms.empty()) titles.push_back(row_title(row));
+  return titles;
+}
 
 Expected<BenchRun> run_items(const std::vector<RunItem>& items, double budget_s, const RunSettings& settings,
                              const std::function<bool()>& stop, const SeeFirstFrame& seen) {

@@ -4,6 +4,7 @@
 #include "frame/device_samples.h"
 #include "gltf/gltf.h"
 #include "image/environment_file.h"
+#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -44,7 +45,9 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
   warnings_ = scene_.warnings;
   std::optional<DecodedImage> sky;
   if (!sky_file.empty()) {
-    auto image = read_environment(sky_file, warnings_);
+    const auto before = decoded_bytes(scene_);
+    if (!before) return std::unexpected(before.error());
+    auto image = read_environment(sky_file, warnings_, *before);
     if (!image) return std::unexpected(image.error());
     environment_ = project_environment(*image);
     sky = std::move(*image);

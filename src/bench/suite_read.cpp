@@ -1,4 +1,5 @@
 #include "base/files.h"
+#include "base/input.h"
 #include "bench/suite.h"
 #include "bench/suite_file.h"
 #include "testscenes/make_scene.h"
@@ -7,6 +8,8 @@ namespace candela {
 namespace fs = std::filesystem;
 using namespace suite_file;
 namespace {
+
+constexpr std::string_view assets_prefix = "assets:";
 
 Expected<double> time_of(const Json& j, const Place& place) {
   if (!j.is_number()) return place.wrong("is not a number of seconds");
@@ -47,8 +50,18 @@ Expected<void> read_point(const Json& j, const Place& place, SuiteScene& scene) 
   return {};
 }
 
+// A scene that the file names: generated, or below the file's folder or that of the assets.
+Expected<SuiteScene> named_scene(const std::string& text, const Place& place) {
+  SuiteScene scene = suite_scene(text, place.folder, place.assets);
+  if (scene.file.empty() || !scene.missing.empty()) return scene;
+  const fs::path& home = text.starts_with(assets_prefix) ? place.assets : place.folder;
+  if (auto allowed = check_named_file(scene.file, home); !allowed)
+    return fail(ErrorKind::input, place.at, "{}", allowed.error().message);
+  return scene;
+}
+
 Expected<SuiteScene> scene_of(const Json& j, const Place& place) {
-  if (j.is_string()) return suite_scene(j.get<std::string>(), place.folder, place.assets);
+  if (j.is_string()) return named_scene(j.get<std::string>(), place);
   if (!j.is_object()) return place.wrong("is neither a scene nor an object with the key \"scene\"");
   if (!j.contains("scene")) return fail(ErrorKind::input, place.at + "/scene", "is missing");
   static const Readers<SuiteScene> readers = {
@@ -56,8 +69,9 @@ Expected<SuiteScene> scene_of(const Json& j, const Place& place) {
        [](const Json& v, const Place& at, SuiteScene& scene) -> Expected<void> {
          const auto text = text_of(v, at);
          if (!text) return std::unexpected(text.error());
-         const SuiteScene named = suite_scene(*text, at.folder, at.assets);
-         scene.label = named.label, scene.file = named.file, scene.missing = named.missing;
+         const auto named = named_scene(*text, at);
+         if (!named) return std::unexpected(named.error());
+         scene.label = named->label, scene.file = named->file, scene.missing = named->missing;
          return {};
        }},
       {"lights",
@@ -74,6 +88,38 @@ Expected<SuiteScene> scene_of(const Json& j, const Place& place) {
   SuiteScene scene;
   if (auto read = read_keys(j, place, readers, scene); !read) return std::unexpected(read.error());
   return scene;
+}
+
+// A number of views, or a list of them: {"eye": [..], "target": [..], "time": 2}.
+Expected<void> read_views(const Json& j, const Place& place, Suite& suite) {
+  if (!j.is_array()) return read_whole(j, place, 1, suite.view_count);
+  struct Read {
+    SuiteScene camera;
+    double time_s = 0;
+  };
+  static const Readers<Read> readers = {
+      {"camera",
+       [](const Json& v, const Place& at, Read& view) { return read_text(v, at, view.camera.camera.camera); }},
+      {"yfov", [](const Json& v, const Place& at,
+                  Read& view) { return read_positive(v, at, view.camera.camera.yfov_deg.emplace()); }},
+      {"eye",
+       [](const Json& v, const Place& at, Read& view) { return read_point<&CameraRequest::eye>(v, at, view.camera); }},
+      {"target", [](const Json& v, const Place& at,
+                    Read& view) { return read_point<&CameraRequest::target>(v, at, view.camera); }},
+      {"time",
+       [](const Json& v, const Place& at, Read& view) -> Expected<void> {
+         const auto time = time_of(v, at);
+         if (!time) return std::unexpected(time.error());
+         view.time_s = *time;
+         return {};
+       }},
+  };
+  auto view_of = [](const Json& v, const Place& at) -> Expected<BenchView> {
+    Read view;
+    if (auto read = read_keys(v, at, readers, view); !read) return std::unexpected(read.error());
+    return BenchView{view.camera.camera, view.time_s};
+  };
+  return read_list(j, place, suite.views, view_of);
 }
 
 Expected<SuiteTechnique> technique_of(const Json& j, const Place& place) {
@@ -137,6 +183,7 @@ const Readers<Suite>& suite_readers() {
       {"times", list_into(&Suite::times_s, time_of)},
       {"frames", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},  // with fps, below
       {"fps", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},
+      {"views", [](const Json& j, const Place& at, Suite& s) { return read_views(j, at, s); }},
       {"output", text_into(&Suite::output)},
       {"reference", text_into(&Suite::reference)},
       {"picture_knobs", list_into(&Suite::picture_knobs, text_of)},
@@ -158,12 +205,11 @@ const Readers<Suite>& suite_readers() {
 
 SuiteScene suite_scene(const std::string& text, const fs::path& folder, const fs::path& assets) {
   SuiteScene scene{.label = text};
-  constexpr std::string_view prefix = "assets:";
   const auto generated = scene_names();
   if (std::find(generated.begin(), generated.end(), text) != generated.end()) return scene;
-  if (text.starts_with(prefix)) {
+  if (text.starts_with(assets_prefix)) {
     std::error_code failed;
-    scene.file = (assets / text.substr(prefix.size())).string();
+    scene.file = (assets / text.substr(assets_prefix.size())).string();
     if (!fs::is_directory(assets, failed))
       scene.missing = fmt::format("there is no folder of assets at {}", assets.string());
     return scene;
@@ -174,8 +220,10 @@ SuiteScene suite_scene(const std::string& text, const fs::path& folder, const fs
 
 Expected<Suite> suite_from_json(const std::string& text, const std::string& place, const fs::path& folder,
                                 const fs::path& assets) {
-  const Json j = Json::parse(text, nullptr, false);
-  if (j.is_discarded() || !j.is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
+  const auto parsed = read_json(text, place);
+  if (!parsed) return std::unexpected(parsed.error());
+  const Json& j = *parsed;
+  if (!j.is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
   const Place at{folder, assets, place + ": "};
   Suite suite;
   if (auto read = read_keys(j, at, suite_readers(), suite); !read) return std::unexpected(read.error());

@@ -33,7 +33,8 @@ std::string differing(const BenchRow& row) {
 }
 
 std::string rows_text(const BenchRun& run) {
-  Table table = {{"CONFIGURATION", "FRAME MS", "MIN", "GPU MS", "RUNS", "DIFFERING", "NOTE"}};
+  // Of frames alone: their passes, timed one by one, are another quantity (--json, --report).
+  Table table = {{"CONFIGURATION", "FRAME MS", "MIN", "RUNS", "DIFFERING", "NOTE"}};
   for (const BenchRow& row : run.rows) {
     const std::string note = !row.error.empty()      ? row.error
                              : !row.left_out.empty() ? "left out: " + row.left_out
@@ -42,7 +43,7 @@ std::string rows_text(const BenchRun& run) {
                                                      : "";
     table.push_back({row_title(row), milliseconds(row.frame),
                      row.frame.ms.empty() ? "" : fmt::format("{:.3f}", summary(row.frame.ms).min),
-                     milliseconds(row.gpu), fmt::format("{}", row.frame.ms.size()), differing(row), note});
+                     fmt::format("{}", row.frame.ms.size()), differing(row), note});
   }
   return table_text(table);
 }
@@ -75,10 +76,16 @@ Expected<void> prepare_files(const BenchOptions& o) {
   return {};
 }
 
-int first_error(const BenchRun& run) {
+// 0 when every row that a suite does not leave out was measured.
+int code_of(const BenchRun& run) {
+  const std::vector<std::string> without = rows_without_runs(run);
+  for (const std::string& title : without) log::error("no runs: {}", title);
   for (const BenchRow& row : run.rows)
     if (row.error_kind != 0) return row.error_kind;
-  return 0;
+  if (!without.empty()) return int(ErrorKind::device);
+  const bool any = std::any_of(run.rows.begin(), run.rows.end(), [](const auto& row) { return !row.frame.ms.empty(); });
+  if (!any) log::error("nothing was measured: every configuration is left out");
+  return any ? 0 : int(ErrorKind::input);
 }
 
 Expected<int> finish(const BenchOptions& o, const BenchRun& run, const std::string& title) {
@@ -87,7 +94,7 @@ Expected<int> finish(const BenchOptions& o, const BenchRun& run, const std::stri
     if (auto printed = print(rows_text(run)); !printed) return std::unexpected(printed.error());
   if (!o.report.empty() && !has_gnuplot())
     log::warning("gnuplot is not on PATH (apt install gnuplot-nox): the report has tables and no plots");
-  return first_error(run);
+  return code_of(run);
 }
 
 std::string error_sentences(const BenchRun& run) {
@@ -96,14 +103,20 @@ std::string error_sentences(const BenchRun& run) {
     text += "\n" + place.name + "\n";
     for (const char* reference : {open_reference_name, "path"})
       for (const double bound : error_bounds)
-        text += "  " + cheapest_sentence(place.rows, reference, "relmse", bound) + "\n";
-    for (const KnobStudy& study : knob_studies(place.rows))
+        if (const std::string sentence = cheapest_sentence(place.rows, reference, "relmse", bound); !sentence.empty())
+          text += "  " + sentence + "\n";
+    const std::vector<BenchRow> named = rows_by_name(place.rows);
+    std::vector<const BenchRow*> by_name;
+    for (const BenchRow& row : named) by_name.push_back(&row);
+    for (const KnobStudy& study : knob_studies(by_name))
       text += study.advised.empty()
                   ? fmt::format("  {}, {}: {}\n", study.technique, study.knob,
                                 study.values.empty() ? "" : study.values.front().verdict)
                   : fmt::format("  {}, {}: {} is worth its time\n", study.technique, study.knob, study.advised);
     for (const NoiseVerdict& verdict : noise_verdicts(place.rows)) text += "  " + verdict.sentence + "\n";
   }
+  if (const auto unswept = unswept_knobs(run.rows); !unswept.empty() && !text.empty())
+    text += "\nknobs that no row sweeps: " + joined(unswept) + "\n";
   return text;
 }
 
@@ -144,15 +157,23 @@ Expected<int> run_measure(const BenchOptions& o) {
 Expected<int> run_from_rows(const BenchOptions& o) {
   if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
   BenchRun all;
+  int runs = 0;
   for (const std::string& file : o.from) {
     auto run = read_bench_rows(file);
     if (!run) return std::unexpected(run.error());
-    for (BenchRow& row : run->rows) all.rows.push_back(std::move(row));
+    // Rounds of one run are none of another's.
+    int last = -1;
+    for (BenchRow& row : run->rows) {
+      last = std::max(last, row.run);
+      row.run += runs;
+      all.rows.push_back(std::move(row));
+    }
+    runs += last + 1;
     for (const std::string& note : run->notes) all.notes.push_back(fs::path(file).filename().string() + ": " + note);
-    all.wall_s += run->wall_s;
+    all.wall_s += run->wall_s, all.opening_s += run->opening_s;
   }
-  const auto finished = finish(o, all, "candela bench");
-  return finished ? Expected<int>(0) : finished;
+  if (auto written = finish(o, all, "candela bench"); !written) return written;
+  return 0;
 }
 
 Expected<int> run_compare(const BenchOptions& o) {

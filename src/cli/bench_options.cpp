@@ -1,6 +1,7 @@
 #include "cli/bench_options.h"
 
 #include "base/text.h"
+#include "cli/input_options.h"
 #include "cli/job_options.h"
 #include "frame/plan_frame.h"
 #include "stability/stability.h"
@@ -105,6 +106,7 @@ Expected<void> put_options(const BenchOptions& o, Suite& suite) {
   if (!o.reference.empty()) suite.reference = o.reference;
   if (o.budget_s) suite.budget_s = *o.budget_s;
   if (o.reference_max_lights) suite.reference_max_lights = *o.reference_max_lights;
+  if (o.views) suite.view_count = *o.views, suite.views.clear();
   if (o.precision) suite.sampling.precision = *o.precision;
   if (o.warm_up_s) suite.sampling.warm_up_s = *o.warm_up_s;
   if (o.min_runs) suite.sampling.min_runs = *o.min_runs;
@@ -149,28 +151,30 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       .add_option("--reference-max-lights", o.reference_max_lights,
                   "The reference is rendered once up to here, even where it is not measured")
       ->transform(whole_number<int>())
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("N");
   command.add_option("--precision", o.precision, "Wanted standard error of medians, as a part of them")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("X");
   command.add_option("--min-runs", o.min_runs, "Samples of every configuration, the pilot")
       ->transform(whole_number<int>())
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("N");
   command.add_option("--max-runs", o.max_runs, "Cap on samples; rows that hit it say so")
       ->transform(whole_number<int>())
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("N");
   command.add_option("--warm-up-s", o.warm_up_s, "Longest warm-up of a configuration")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("SECONDS");
   command.add_option("--max-sessions", o.max_sessions, "Configurations open at once; 0: as memory allows")
       ->transform(whole_number<int>())
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->type_name("N");
-  command.add_option("--budget-s", o.budget_s, "Wall time of the run; rows that lack runs say so")
-      ->check(CLI::PositiveNumber)
+  command
+      .add_option("--budget-s", o.budget_s,
+                  "Time for samples; opening and the least number of runs of each row are taken whatever they take")
+      ->check(positive_number())
       ->type_name("SECONDS");
   command.add_flag("--error", o.error,
                    "Error against time: every knob along its ladder, and every technique at every quality, against "
@@ -179,19 +183,25 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       .add_option("--reference-spp", o.reference_spp,
                   "With --error: samples a pixel of the traced references; 64 by default")
       ->transform(whole_number<uint64_t>())
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("N");
   command
       .add_option("--reference-seconds", o.reference_s, "With --error: longest time for one traced reference; 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->type_name("S");
   command
       .add_option("--hdr-flip", o.hdr_flip,
                   "With --error: exposures of hdr-flip; auto takes them from each place's reference")
       ->type_name("auto|START,STOP,COUNT");
+  command
+      .add_option("--views", o.views,
+                  "With --error: views of each place, its own the first; 6 by default, fewer distinguish less")
+      ->transform(whole_number<int>())
+      ->check(positive_number())
+      ->type_name("N");
   command.add_option("--count", o.count, "With --suite exactness: number of light fields")
       ->transform(whole_number<int>())
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->type_name("N");
   command
       .add_option("--only", o.only,
@@ -202,6 +212,7 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_flag("--large", o.large, "With --suite stability: ten million triangles in a pixel, 8192x8192 pixels");
   command.add_option("--assets", o.assets, "Folder of scenes named assets:...; by default ../shared/assets")
       ->type_name("DIR");
+  add_input_options(command);
   command.add_option("--report", o.report, "Folder for an HTML page and the rows as JSON and CSV")->type_name("DIR");
   command.add_option("--json", o.json, "The rows, or the comparison, as JSON; - is stdout")->type_name("FILE");
   command.add_option("--csv", o.csv, "The rows as CSV; - is stdout")->type_name("FILE");
@@ -212,12 +223,12 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->expected(2)
       ->type_name("OLD.json NEW.json");
   command.add_option("--min-change", o.min_change, "With --compare: smaller changes are not reported, as a part")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->capture_default_str()
       ->type_name("X");
   command.add_option("--device", o.device, "As for render")->type_name("DEVICE");
   command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str()
       ->type_name("SECONDS");
   command.add_flag("--validate", o.validate, "Khronos validation layer; a message fails the configuration");
@@ -242,6 +253,7 @@ Expected<void> check_options(const BenchOptions& o) {
     return fail(ErrorKind::usage, "--suite", "the scenes of stability choose their own lights, sizes and times");
   if (o.error && modes > 0)
     return fail(ErrorKind::usage, "--error", "takes scenes or suite files, not --suite, --compare or --from");
+  if (!o.error && o.views) return fail(ErrorKind::usage, "--views", "goes with --error");
   if (!o.error && (o.reference_spp || o.reference_s > 0 || o.hdr_flip != "auto"))
     return fail(ErrorKind::usage, "--reference-spp",
                 "--reference-spp, --reference-seconds and --hdr-flip go with --error");
@@ -319,6 +331,8 @@ Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& o) {
   SamplingRules& sampling = options.base.sampling;
   if (!o.precision) sampling.precision = std::max(sampling.precision, 0.03);
   if (!o.max_runs) sampling.max_runs = std::min(sampling.max_runs, 24);
+  // Fewer rounds distinguish nothing.
+  if (!o.min_runs) sampling.min_runs = std::max(sampling.min_runs, int(least_pairs));
   if (o.reference_spp) options.truth.spp = *o.reference_spp;
   if (o.hdr_flip != "auto") {
     const auto range = parse_exposure_range(o.hdr_flip);

@@ -18,7 +18,7 @@ struct BenchOptions {
   std::vector<std::string> settings, compare, from;
   std::optional<uint64_t> seed;
   std::optional<double> budget_s, precision, warm_up_s;
-  std::optional<int> min_runs, max_runs, max_sessions, count, reference_max_lights;
+  std::optional<int> min_runs, max_runs, max_sessions, count, reference_max_lights, views;
   double min_change = 0.05, timeout_s = 600;
   bool error = false;  // sweep of error against time
   std::string hdr_flip = "auto";

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "bench/error_truth.h"
+#include "cli/job_options.h"
 #include "frame/content_hash.h"
 #include "gltf/gltf.h"
 #include "gpu/device_select.h"
@@ -32,7 +33,7 @@ void add_budget_options(CLI::App& command, BudgetOptions& o) {
                           .add_option("--time-budget", o.time_ms,
                                       "The most exact technique, quality and knobs whose GPU time is below this with "
                                       "95 % confidence, by --sweep")
-                          ->check(CLI::PositiveNumber)
+                          ->check(positive_number())
                           ->type_name("MS");
   command
       .add_option("--error-budget", o.error,

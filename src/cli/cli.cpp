@@ -1,10 +1,14 @@
 #include "cli/cli.h"
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
+#include <system_error>
 
 #include "base/log.h"
+#include "base/process.h"
 #include "base/text.h"
 #include "cli/command.h"
 #include "gpu/device.h"
@@ -94,21 +98,39 @@ int failed(const CLI::App& app, const Error& error) {
   return int(error.kind);
 }
 
-int run_action(const CLI::App& app, const Action& action) {
+// What the exception that is being handled means, whatever it is.
+Error current_error() {
   try {
-    const Expected<int> result = action();
-    return result ? *result : failed(app, result.error());
-  } catch (const gpu::GpuError& error) {
-    return failed(app, {error.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, error.what(), ""});
+    throw;
+  } catch (const gpu::GpuError& e) {
+    return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
   } catch (const std::bad_alloc&) {
-    return failed(app, {ErrorKind::out_of_memory, "out of memory; a smaller --size or fewer --layers need less", ""});
+    return {ErrorKind::out_of_memory, "out of memory; a smaller --size or fewer --layers need less", ""};
+  } catch (const std::filesystem::filesystem_error& e) {
+    return {ErrorKind::input, e.what(), ""};
+  } catch (const std::system_error& e) {
+    if (e.code() == std::errc::resource_unavailable_try_again)
+      return {ErrorKind::out_of_memory,
+              "the system gives no more threads; raise the limit of processes (ulimit -u, the container's)", ""};
+    return {ErrorKind::device, e.what(), ""};
+  } catch (const std::exception& e) {  // TBB and others name refused threads in words alone
+    const std::string missing = what_runs_out();
+    if (missing.empty()) return {ErrorKind::device, fmt::format("unexpected: {}", e.what()), ""};
+    return {ErrorKind::out_of_memory, fmt::format("the system gives no more {}: {}", missing, e.what()), ""};
+  } catch (...) {
+    return {ErrorKind::device, "unexpected: an exception of an unknown type", ""};
   }
 }
 
-}  // namespace
+// Of exceptions that no handler can reach: thrown in threads of libraries, or through code that lets none pass.
+[[noreturn]] void end_by_exception() {
+  if (!std::current_exception()) std::abort();
+  const Error error = current_error();
+  log::error("{}", error.text());
+  std::_Exit(int(error.kind));
+}
 
-int run(int argc, char** argv) {
-  CLI::App app("Renders frame N of a glTF scene without a window, and tells what every pass cost.", "candela");
+int parse_and_run(CLI::App& app, int argc, char** argv) {
   Action action;
   build_parser(app, action);
   try {
@@ -120,7 +142,21 @@ int run(int argc, char** argv) {
     log::write(log::Level::error, "no command given\n" + app.help());
     return int(ErrorKind::usage);
   }
-  return run_action(app, action);
+  const Expected<int> result = action();
+  return result ? *result : failed(app, result.error());
+}
+
+}  // namespace
+
+int run(int argc, char** argv) {
+  if (!prepare_process()) return int(ErrorKind::output);
+  std::set_terminate(end_by_exception);
+  CLI::App app("Renders frame N of a glTF scene without a window, and tells what every pass cost.", "candela");
+  try {
+    return parse_and_run(app, argc, argv);
+  } catch (...) {
+    return failed(app, current_error());
+  }
 }
 
 }  // namespace candela::cli

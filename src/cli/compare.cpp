@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/input_options.h"
 #include "image/io.h"
 #include "metrics/heatmap.h"
 #include "metrics/limits.h"
@@ -17,7 +18,7 @@ namespace {
 struct CompareCommand {
   std::string a, b, heatmap, hdr_flip = "auto";
   std::vector<std::string> limits, regions;
-  bool json = false, quiet = false;
+  bool allow_nonfinite = false, json = false, quiet = false;
 };
 
 std::string place_text(const Place& place) {
@@ -110,6 +111,18 @@ Expected<void> write_heatmap(const std::string& file, const Comparison& comparis
   return write_png(file, heatmap(comparison.flip_map, comparison.width, comparison.height));
 }
 
+// Equal values that are not finite are no difference, but both images are broken.
+void refuse_nonfinite(Comparison& comparison) {
+  if (comparison.nonfinite_in_both == 0 || !comparison.refusal.empty()) return;
+  comparison.refusal = fmt::format(
+      "{} values are not finite in both images alike, which no metric can judge; --allow-nonfinite takes them for "
+      "equal",
+      comparison.nonfinite_in_both);
+  comparison.metrics.clear();
+  comparison.flip_map.clear();
+  comparison.layers.clear(), comparison.regions.clear();
+}
+
 Expected<int> run_compare(const CompareCommand& o) {
   if (o.quiet) log::set_level(log::Level::warning);
   if (o.a.empty() || o.b.empty())
@@ -127,8 +140,9 @@ Expected<int> run_compare(const CompareCommand& o) {
   }
   const auto options = options_of(o);
   if (!options) return std::unexpected(options.error());
-  const auto comparison = compare_files(o.a, o.b, *options);
+  auto comparison = compare_files(o.a, o.b, *options);
   if (!comparison) return std::unexpected(comparison.error());
+  if (!o.allow_nonfinite) refuse_nonfinite(*comparison);
   const std::vector<LimitVerdict> verdicts = judge_limits(*comparison, limits);
   if (!comparison->refusal.empty()) log::error("{}", comparison->refusal);
   for (const auto& [layers, file] :
@@ -169,6 +183,9 @@ void add_compare(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->type_name("auto|off|START,STOP,COUNT");
   command->add_option("--heatmap", o->heatmap, "FLIP of every pixel as colours")->type_name("FILE.png");
+  add_decode_budget(*command);
+  command->add_flag("--allow-nonfinite", o->allow_nonfinite,
+                    "NaN and infinity at the same place in both images are no difference; else they are exit 1");
   command->add_flag("--quiet", o->quiet, "Only warnings and errors on stderr");
   command->add_flag("--json", o->json, "As JSON");
   command->callback([o, &action] { action = [o] { return run_compare(*o); }; });

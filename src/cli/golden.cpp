@@ -1,13 +1,14 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "base/files.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/golden_run.h"
+#include "cli/input_options.h"
 #include "render/frame_names.h"
 #include "report/golden_report.h"
 
@@ -20,7 +21,7 @@ using Kind = GoldenOutcome::Kind;
 
 struct GoldenOptions {
   std::string root = "golden", assets, filter, report, why, device_class, device;
-  bool validate = false, json = false, quiet = false;
+  bool validate = false, json = false, quiet = false, allow_blank = false;
 };
 
 // The assets lie beside the repository unless said otherwise.
@@ -104,7 +105,7 @@ Expected<int> run_check(const GoldenOptions& o) {
   std::vector<GoldenRow> report;
   for (const GoldenManifest& golden : *goldens) {
     const GoldenOutcome outcome =
-        check_golden(golden, run_settings(o), o.report.empty() ? scratch.path() : fs::path(o.report));
+        check_golden(golden, run_settings(o), o.allow_blank, o.report.empty() ? scratch.path() : fs::path(o.report));
     log::info("{}: {}{}", golden.name, verdict(outcome), outcome.message.empty() ? "" : ": " + outcome.message);
     ++count[outcome.kind];
     const auto flip = outcome.gate.comparison.metrics.find("flip");
@@ -131,9 +132,9 @@ Expected<int> run_check(const GoldenOptions& o) {
 
 // The manifest with where its picture was made.
 Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture& picture) {
-  Json j = Json::parse(golden.text);
+  Json j = own_json(golden.text);  // read once already
   // A new golden starts with the limits that the program proposes, written out so that they can be seen and changed.
-  const Json proposed = Json::parse(gate_limits_json({}));
+  const Json proposed = own_json(gate_limits_json({}));
   for (const auto& [limit, value] : proposed["gate"].items())
     if (!j["gate"].contains(limit)) j["gate"][limit] = value;
   j["made"] = {{"device_class", picture.device_class},
@@ -167,7 +168,7 @@ Expected<void> note_changes(const fs::path& root, const std::vector<std::string>
 Expected<bool> update_one(const GoldenOptions& o, const GoldenManifest& golden, const fs::path& scratch,
                           GoldenPicture& picture) {
   const fs::path fresh = scratch / (golden.name + golden.picture().extension().string());
-  const auto rendered = render_golden(golden, run_settings(o), fresh);
+  const auto rendered = render_golden(golden, run_settings(o), o.allow_blank, fresh);
   if (!rendered) return std::unexpected(Error{rendered.error().kind, rendered.error().text(), golden.name});
   picture = *rendered;
   if (!o.device_class.empty() && o.device_class != picture.device_class)
@@ -227,10 +228,12 @@ void add_shared(CLI::App& command, GoldenOptions& o) {
       .add_option("--assets", o.assets,
                   "Folder of scenes named assets:...; by default ../shared/assets beside the repository")
       ->type_name("DIR");
+  add_input_options(command);
   command.add_option("--filter", o.filter, "Only goldens with this in their name")->type_name("TEXT");
   command.add_option("--device", o.device, "As for render")->type_name("DEVICE");
   command.add_flag("--validate", o.validate,
                    "Khronos validation layer with synchronization checks; a message fails the golden");
+  command.add_flag("--allow-blank", o.allow_blank, "Goldens in which nothing is drawn are not refused");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
 }
 

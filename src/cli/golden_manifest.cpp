@@ -1,8 +1,8 @@
 #include "cli/golden_manifest.h"
 
-#include <nlohmann/json.hpp>
-
 #include "base/files.h"
+#include "base/input.h"
+#include "base/json.h"
 #include "base/text.h"
 
 namespace candela::cli {
@@ -35,10 +35,17 @@ Expected<std::string> resolve(const Json& j, const char* key, const std::string&
   if (!j[key].is_string()) return fail(ErrorKind::input, file + ": /" + key, "is not a text");
   const std::string text = j[key].get<std::string>();
   constexpr std::string_view prefix = "assets:";
-  if (!text.starts_with(prefix)) return (root.parent_path() / text).string();
+  const bool asset = text.starts_with(prefix);
+  const fs::path home = asset ? assets : root.parent_path();
   std::error_code failed;
-  if (!fs::is_directory(assets, failed)) golden.missing_assets = true;
-  return (assets / text.substr(prefix.size())).string();
+  if (asset && !fs::is_directory(assets, failed)) {
+    golden.missing_assets = true;
+    return text;
+  }
+  const fs::path named = home / text.substr(asset ? prefix.size() : 0);
+  if (auto allowed = check_named_file(named, home); !allowed)
+    return fail(ErrorKind::input, file + ": /" + key, "{}", allowed.error().message);
+  return named.string();
 }
 
 Expected<void> read_accepted(const Json& j, const std::string& file, GoldenManifest& golden) {
@@ -63,8 +70,10 @@ Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& roo
   if (!bytes) return std::unexpected(bytes.error());
   GoldenManifest golden{.name = folder.filename().string(), .folder = folder};
   golden.text.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  const Json j = Json::parse(golden.text, nullptr, false);
-  if (j.is_discarded() || !j.is_object()) return fail(ErrorKind::input, file, "is not a JSON object");
+  const auto read = read_json(golden.text, file);
+  if (!read) return std::unexpected(read.error());
+  const Json& j = *read;
+  if (!j.is_object()) return fail(ErrorKind::input, file, "is not a JSON object");
   static const std::vector<std::string> keys = {"scene", "sky",      "job",  "frame",  "fps", "time",
                                                 "gate",  "accepted", "made", "format", "note"};
   for (const auto& entry : j.items())
@@ -80,14 +89,19 @@ Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& roo
   if (!sky) return std::unexpected(sky.error());
   golden.job.scene = *scene;
   golden.job.sky = *sky;
+  if (const fs::path look = root.parent_path() / golden.job.look; !golden.job.look.empty()) {
+    if (auto allowed = check_named_file(look, root.parent_path()); !allowed)
+      return fail(ErrorKind::input, file + ": /job/look", "{}", allowed.error().message);
+    golden.job.look = look.string();
+  }
   if (auto checked = check_job(golden.job); !checked)
     return std::unexpected(Error{ErrorKind::input, checked.error().text(), file + ": /job"});
   // Pictures are kept in the repository, so they are small.
   constexpr int64_t most_pixels = 320 * 180;
   if (int64_t(golden.job.width_px) * golden.job.height_px > most_pixels)
     return fail(ErrorKind::input, file + ": /job/size", "a golden has at most as many pixels as 320x180");
-  if (auto read = read_time(j, file, golden); !read) return std::unexpected(read.error());
-  if (auto read = read_accepted(j, file, golden); !read) return std::unexpected(read.error());
+  if (auto good = read_time(j, file, golden); !good) return std::unexpected(good.error());
+  if (auto good = read_accepted(j, file, golden); !good) return std::unexpected(good.error());
   golden.exr = j.value("format", Json("png")) == "exr";
   if (j.contains("made") && j["made"].is_object() && j["made"].value("device_class", Json()).is_string())
     golden.made_on = j["made"]["device_class"].get<std::string>();

@@ -1,6 +1,7 @@
 #include "cli/golden_run.h"
 
 #include "base/log.h"
+#include "cli/scene_notes.h"
 #include "frame/timings.h"
 #include "metrics/heatmap.h"
 #include "render/outputs.h"
@@ -8,7 +9,7 @@
 namespace candela::cli {
 namespace fs = std::filesystem;
 
-Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings,
+Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
                                       const fs::path& picture) {
   const WantedOutputs wanted{
       .linear = golden.exr || !golden.job.allow_nonfinite, .display = !golden.exr, .display_bits = golden.job.png_bits};
@@ -16,6 +17,8 @@ Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSet
   if (!session) return std::unexpected(session.error());
   auto frame = (*session)->render(golden.time_s);
   if (!frame) return std::unexpected(frame.error());
+  if (const std::string blank = blank_warning(*frame, golden.job, (*session)->scene()); !blank.empty() && !allow_blank)
+    return fail(ErrorKind::input, golden.name, "{}; a golden of nothing guards nothing (--allow-blank)", blank);
   if (auto written = write_outputs(*frame, golden.job, **session, golden.frame, golden.rate, {picture}); !written)
     return std::unexpected(written.error());
   const gpu::DeviceInfo& device = (*session)->device().info();
@@ -100,7 +103,8 @@ void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {
 
 }  // namespace
 
-GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings, const fs::path& folder) {
+GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
+                           const fs::path& folder) {
   GoldenOutcome outcome;
   if (golden.missing_assets) {
     outcome.kind = GoldenOutcome::Kind::skipped;
@@ -109,7 +113,7 @@ GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& sett
   }
   const double start_us = process_clock_us();
   const fs::path actual = folder / (golden.name + (golden.exr ? ".exr" : ".png"));
-  const auto picture = render_golden(golden, settings, actual);
+  const auto picture = render_golden(golden, settings, allow_blank, actual);
   if (picture) {
     outcome.actual = actual;
     outcome.device_class = picture->device_class;

@@ -17,16 +17,17 @@ struct GoldenOutcome {
   bool missing = false;  // there is no golden picture
 };
 
-// Renders into `picture` (made whole or not at all).
+// Renders into `picture` (made whole or not at all). A frame in which nothing is drawn is an error (input) unless it is
+// allowed.
 struct GoldenPicture {
   std::string device_class, device, driver;
 };
-Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings,
+Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
                                       const std::filesystem::path& picture);
 
 // Renders into `folder` and walks the ladder of metrics/gate.h. Errors of the golden itself (missing picture, a scene
 // that does not load) are outcomes; only what makes every golden fail alike (no device) is an error.
-GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings,
+GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
                            const std::filesystem::path& folder);
 
 // Of the decoded pixels: size, channel names and values.

@@ -1,10 +1,12 @@
 #include "cli/job_options.h"
 
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 
+#include "base/files.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "cli/input_options.h"
 
 namespace candela::cli {
 
@@ -91,6 +93,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
     command.add_flag("--metadata-timings", o.metadata_timings,
                      "Write timings into the EXR header; its bytes then differ from run to run");
   command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
+  add_input_options(command);
 }
 
 namespace {
@@ -106,18 +109,42 @@ void add_device_options(CLI::App& command, JobOptions& o) {
   command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
       ->capture_default_str()
       ->type_name("SECONDS");
+  command
+      .add_option("--queues", o.queues, "1: all passes on one queue, also where the device has a second for compute")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str()
+      ->type_name("N");
 }
 }  // namespace
 
 void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_device_options(command, o);
-  command.add_flag("--strict", o.strict, "A warning about the scene or an ignored extension is exit 3");
+  command.add_flag("--strict", o.strict,
+                   "A warning about the scene, an ignored extension or a frame in which nothing is drawn is exit 3");
+  if (renderer == Renderer::gpu)
+    command.add_flag("--allow-blank", o.allow_blank, "A frame in which nothing is drawn passes --strict");
   command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")
       ->type_name("FILE");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
   command.add_flag("--verbose", o.verbose, "More on stderr");
   command.add_flag("--json", o.json, "The result as JSON on stdout");
 }
+
+namespace {
+CLI::Validator number_from(bool zero) {
+  const auto check = [zero](std::string& text) -> std::string {
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto [at, error] = std::from_chars(text.data(), end, value);
+    if (error == std::errc{} && at == end && std::isfinite(value) && (value > 0 || (zero && value == 0))) return {};
+    return fmt::format("'{}' is not a number {}", text, zero ? "of at least 0" : "above 0");
+  };
+  return {check, ""};
+}
+}  // namespace
+
+CLI::Validator positive_number() { return number_from(false); }
+CLI::Validator non_negative_number() { return number_from(true); }
 
 void add_moment_options(CLI::App& command, MomentOptions& moment) {
   moment.frame_option = command.add_option("--frame", moment.frame, "Frame number; its time is frame/fps")
@@ -131,9 +158,12 @@ void add_moment_options(CLI::App& command, MomentOptions& moment) {
 
 Expected<void> read_config(CLI::App& command, const std::string& file) {
   if (file.empty()) return {};
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
   std::vector<CLI::ConfigItem> items;
   try {
-    items = CLI::ConfigTOML().from_file(file);
+    std::istringstream stream(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
+    items = CLI::ConfigTOML().from_config(stream);
   } catch (const CLI::Error& error) {
     return fail(ErrorKind::input, file, "cannot be read as INI or TOML: {}", error.what());
   }
@@ -245,6 +275,7 @@ Expected<RunSettings> run_settings_of(const JobOptions& o) {
   settings.validate = o.validate;
   settings.shader_folder = o.shader_folder;
   settings.timeout_s = o.timeout_s;
+  settings.queues = o.queues;
   return settings;
 }
 

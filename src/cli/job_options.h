@@ -20,11 +20,11 @@ struct JobOptions {
   std::vector<std::string> settings;
   double yfov_deg = 0;
   bool has_yfov = false;
-  int samples = 0, png_bits = 8;
+  int samples = 0, png_bits = 8, queues = 2;
   float exposure_ev = 0;
   uint64_t seed = 0;
-  bool no_dither = false, metadata_timings = false, allow_nonfinite = false, validate = false, strict = false,
-       quiet = false, verbose = false, json = false;
+  bool no_dither = false, metadata_timings = false, allow_nonfinite = false, allow_blank = false, validate = false,
+       strict = false, quiet = false, verbose = false, json = false;
   double timeout_s = 600;
 };
 
@@ -50,6 +50,10 @@ CLI::Validator whole_number() {
   };
   return {canonical, ""};
 }
+
+// CLI11's own print the ends of their range, which are of 300 digits.
+CLI::Validator positive_number();
+CLI::Validator non_negative_number();
 
 // The reference takes what says which picture is meant and how it is written, but not how the GPU makes it.
 enum class Renderer { gpu, reference };

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/text.h"
 #include "cli/command.h"
@@ -49,11 +50,40 @@ Expected<int> list_devices_table(const ListOptions& o) {
   return done(o.json ? print_json(j) : print(table_text(rows)));
 }
 
+// Words in lines of at most 120 columns, each after four blanks.
+std::string indented(const std::string& text) {
+  constexpr size_t most = 120;
+  std::string lines, line;
+  for (const std::string& word : split(text, ' ')) {
+    if (!line.empty() && 4 + line.size() + 1 + word.size() > most) lines += "    " + std::exchange(line, {}) + "\n";
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return lines + "    " + line + "\n";
+}
+
+// A line of values for each knob, and what it does below.
+std::string knobs_text(const std::vector<KnobRow>& knobs) {
+  std::vector<std::vector<std::string>> rows = {{"KNOB", "VALUE", "UNIT", "TRADES", "RANGE", "LADDER"}};
+  for (const KnobRow& k : knobs) {
+    const bool choice = k.range.find('|') != std::string::npos;
+    rows.push_back({k.pass + "." + k.knob, k.value_now, k.unit, k.kind, choice ? "" : k.range, k.ladder});
+  }
+  const std::vector<std::string> lines = split(table_text(rows), '\n');
+  std::string text = lines.front() + "\n";
+  for (size_t i = 0; i < knobs.size(); ++i) {
+    const KnobRow& k = knobs[i];
+    text += lines[i + 1] + "\n" + indented(k.trades);
+    if (k.range.find('|') != std::string::npos) text += indented("one of " + joined(split(k.range, '|')));
+    if (k.walk.size() > 1) text += indented("swept: " + joined(k.walk));
+  }
+  return text;
+}
+
 Expected<int> list_knobs(const ListOptions& o) {
+  const std::vector<KnobRow> knobs = knob_rows(o.quality);
+  if (!o.json) return done(print(knobs_text(knobs)));
   Json j = Json::array();
-  std::vector<std::vector<std::string>> rows = {
-      {"KNOB", "VALUE", "UNIT", "RANGE", "LADDER", "TRADES", "SWEPT", "WHAT"}};
-  for (const KnobRow& k : knob_rows(o.quality)) {
+  for (const KnobRow& k : knobs)
     j.push_back({{"pass", k.pass},
                  {"knob", k.knob},
                  {"value", k.value_now},
@@ -64,10 +94,7 @@ Expected<int> list_knobs(const ListOptions& o) {
                  {"swept", k.walk},
                  {"passes", k.passes},
                  {"trades", k.trades}});
-    rows.push_back(
-        {k.pass + "." + k.knob, k.value_now, k.unit, k.range, k.ladder, k.kind, joined(k.walk, " "), k.trades});
-  }
-  return done(o.json ? print_json(j) : print(table_text(rows)));
+  return done(print_json(j));
 }
 
 std::vector<std::string> generated_scenes() {

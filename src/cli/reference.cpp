@@ -2,8 +2,8 @@
 #include <tbb/info.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
@@ -213,9 +213,9 @@ Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o
       display.dither = plan.job.dither;
       display.alpha = plan.job.background == "transparent" && plan.job.sky.empty();
       display.seed = uint32_t(noise ^ (noise >> 32));
-      const DisplayImage image = o.view == "beauty"
-                                     ? reference::display_image(film, display)
-                                     : count_view(reference_counts(film, frame, o.view), film.width(), film.height());
+      const DisplayImage image = o.view == "beauty" ? reference::display_image(film, display)
+                                                    : count_view(reference_counts(film, frame, o.view), film.width(),
+                                                                 film.height(), count_title(o.view));
       written = write_png(path, image, {{"candela:reference", settings}});
     }
     if (!written) return written;
@@ -227,8 +227,8 @@ Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o
 Json result_json(const ReferencePlan& plan, const ReferenceFrame& frame, const reference::Film& film, double trace_s) {
   Json j;
   j["version"] = CANDELA_VERSION;
-  j["job"] = Json::parse(job_json(plan.job));
-  j["reference"] = Json::parse(settings_json(plan.settings, plan.accel));
+  j["job"] = own_json(job_json(plan.job));
+  j["reference"] = own_json(settings_json(plan.settings, plan.accel));
   j["scene_content"] = frame.scene_content.hex();
   j["camera"] = frame.view.name;
   j["time_s"] = frame.time_s;

@@ -25,6 +25,7 @@ struct RenderOptions {
   BudgetOptions budget;
   std::vector<std::string> outputs;
   std::string timings, trace;
+  bool overlap = false;
   std::optional<int> check_determinism;  // number of runs
 };
 
@@ -45,8 +46,9 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
     job->technique = choice->technique, job->quality = choice->quality;
     job->settings = choice->settings, job->samples = choice->samples;
     if (auto fine = check_job(*job); !fine) return std::unexpected(fine.error());
-    log::info("chosen: {}; measured {:.3g} ms (95 % CI {:.3g} to {:.3g}), error {:.3g}", choice->text, choice->ms,
-              choice->ms_ci.low, choice->ms_ci.high, choice->error);
+    log::info("chosen: {}; measured {:.3g} ms (95 % CI {:.3g} to {:.3g}), error {:.3g} ({:.3g} to {:.3g})",
+              choice->text, choice->ms, choice->ms_ci.low, choice->ms_ci.high, choice->error, choice->error_ci.low,
+              choice->error_ci.high);
   }
   const auto moment = moment_of(o.job, o.moment);
   if (!moment) return std::unexpected(moment.error());
@@ -145,6 +147,9 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   if (!settings) return std::unexpected(settings.error());
   const auto plan = plan_render(command, o);
   if (!plan) return std::unexpected(plan.error());
+  if (o.overlap && o.timings.empty() && !o.job.json)
+    return fail(ErrorKind::usage, "--overlap", "is written with the times; add --timings FILE or --json");
+  settings->overlap = o.overlap;
   settings->timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
   auto session = Session::open(plan->job, plan->wanted, *settings);
   if (!session) return std::unexpected(session.error());
@@ -159,10 +164,10 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   for (const std::string& note : frame->notes) log::info("{}", note);
   if (auto noted = note_frame(*frame, (*session)->scene(), o.job.strict, warnings); !noted)
     return std::unexpected(noted.error());
-  if (const std::string blank = blank_warning(*frame, plan->job, (*session)->scene()); !blank.empty()) {
-    log::warning("{}", blank);
-    warnings.push_back(blank);
-  }
+  if (auto noted = note_blank(*frame, plan->job, (*session)->scene(),
+                              {.strict = o.job.strict, .allowed = o.job.allow_blank}, warnings);
+      !noted)
+    return std::unexpected(noted.error());
   {
     HeldSignals held;
     if (auto written = write_outputs(*frame, plan->job, **session, plan->moment.frame, plan->moment.rate, plan->paths);
@@ -195,6 +200,8 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("--timings", o->timings, "Times of every pass and stage as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")
       ->type_name("FILE");
+  command->add_flag("--overlap", o->overlap,
+                    "With the times: the frame as a whole with passes side by side on two queues, and on one");
   command
       ->add_option("--check-determinism", o->check_determinism,
                    "Render N times and compare what every pass wrote; exit 1 when it differs")

@@ -1,8 +1,7 @@
 #include "cli/result.h"
 
-#include <nlohmann/json.hpp>
-
 #include "base/files.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/scene_notes.h"
@@ -20,7 +19,7 @@ nlohmann::ordered_json result_head(const Job& job, const Session& session, const
   j["version"] = CANDELA_VERSION;
   j["device"] = device_json(session.device().info());
   j["driver"] = session.device().info().driver;
-  j["job"] = nlohmann::ordered_json::parse(job_json(job));
+  j["job"] = own_json(job_json(job));
   j["scene_content"] = session.scene_content().hex();
   j["extensions"] = extensions_json(session.scene());
   j["warnings"] = session.scene().warnings;

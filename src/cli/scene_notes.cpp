@@ -1,10 +1,11 @@
 #include "cli/scene_notes.h"
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "base/log.h"
 #include "base/text.h"
+#include "math/bounds.h"
+#include "scene/frame_data.h"
 
 namespace candela::cli {
 namespace {
@@ -62,9 +63,10 @@ nlohmann::ordered_json extensions_json(const Scene& scene) {
   return list;
 }
 
-std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
-  if (!job.sky.empty()) return {};
-  if (job.background != "transparent") return {};  // alpha then says nothing about what is covered
+namespace {
+
+// Alpha of every pixel is 0; nullopt where the frame has no alpha to tell by.
+std::optional<bool> is_transparent(const FrameResult& frame) {
   for (const OutputImage& output : frame.outputs) {
     size_t pixel = 0, offset = 0, length = 0;  // bytes of a pixel, of its alpha, and the alpha's length
     if (output.layer == "beauty" && output.format == VK_FORMAT_R32G32B32A32_SFLOAT)
@@ -83,13 +85,50 @@ std::string blank_warning(const FrameResult& frame, const Job& job, const Scene&
     const size_t count = size_t(frame.width_px) * size_t(frame.height_px);
     for (size_t i = 0; i < count && (i + 1) * pixel <= bytes.size(); ++i)
       for (size_t b = 0; b < length; ++b)
-        if (bytes[i * pixel + offset + b] != std::byte{0}) return {};
-    if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";
-    return fmt::format(
-        "the frame is blank: nothing lies before {}; try no --camera (the bounds are then framed), another --frame or "
-        "--animation none",
-        frame.view.name.empty() ? "the camera" : frame.view.name);
+        if (bytes[i * pixel + offset + b] != std::byte{0}) return false;
+    return true;
   }
+  return std::nullopt;
+}
+
+// Nothing's bounds reach into the view. Sky and background cover what no surface does, so alpha does not tell.
+bool nothing_in_view(const FrameResult& frame, const Job& job, const Scene& scene) {
+  const auto animations = choose_animations(scene, job.animation);
+  if (!animations) return false;
+  const FrameData data = make_frame_data(scene, evaluate_pose(scene, *animations, frame.time_s), frame.view);
+  const FrustumPlanes planes = frustum_planes(frame.view.clip_from_relative);
+  return std::none_of(data.items.begin(), data.items.end(), [&](const DrawItem& item) {
+    const glm::dvec3 centre(item.bounds_relative.centre()), extent(item.bounds_relative.extent());
+    return std::all_of(planes.begin(), planes.end(), [&](const glm::dvec4& plane) {
+      const glm::dvec3 normal(plane);
+      return !(glm::dot(normal, centre) + plane.w + glm::dot(glm::abs(normal), extent) < 0);
+    });
+  });
+}
+
+}  // namespace
+
+std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
+  const bool alpha_tells = job.sky.empty() && job.background == "transparent";
+  const std::optional<bool> transparent = alpha_tells ? is_transparent(frame) : std::nullopt;
+  if (!transparent.value_or(nothing_in_view(frame, job, scene))) return {};
+  if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";
+  return fmt::format(
+      "the frame is blank: nothing lies before {}; try no --camera (the bounds are then framed), another --frame or "
+      "--animation none",
+      frame.view.name.empty() ? "the camera" : frame.view.name);
+}
+
+Expected<void> note_blank(const FrameResult& frame, const Job& job, const Scene& scene, const BlankRules& rules,
+                          std::vector<std::string>& warnings) {
+  const std::string blank = blank_warning(frame, job, scene);
+  if (blank.empty()) return {};
+  if (rules.strict && !rules.allowed)
+    return fail(ErrorKind::input, scene.path, "--strict refuses the frame: {} (--allow-blank lets it pass)", blank);
+  const std::string text = rules.frame ? fmt::format("frame {}: {}", *rules.frame, blank) : blank;
+  log::warning("{}", text);
+  constexpr size_t most = 100;  // of a film that is blank throughout
+  if (warnings.size() < most) warnings.push_back(text);
   return {};
 }
 

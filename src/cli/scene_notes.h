@@ -15,7 +15,15 @@ Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool str
                           std::vector<std::string>& warnings);
 nlohmann::ordered_json extensions_json(const Scene& scene);
 
-// A picture in which nothing was drawn, with what may be the reason; empty for any other.
+// A picture in which nothing was drawn, with what may be the reason; empty for any other. Under a sky or background: in
+// which nothing reaches into the view.
 std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene);
+// Such a warning to the log and to `warnings`; strict, and not allowed: an error of kind input.
+struct BlankRules {
+  bool strict = false, allowed = false;
+  std::optional<int64_t> frame;  // of a sequence, for the message
+};
+Expected<void> note_blank(const FrameResult& frame, const Job& job, const Scene& scene, const BlankRules& rules,
+                          std::vector<std::string>& warnings);
 
 }  // namespace candela::cli

@@ -1,8 +1,8 @@
 #include "render/sequence.h"
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
@@ -22,6 +22,7 @@ struct SequenceOptions {
   std::string frames, shard = "1/1", video, audio, timings, trace;
   std::vector<std::string> outputs;
   bool resume = false;
+  int in_flight = 0;
 };
 
 Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job) {
@@ -48,6 +49,7 @@ Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job)
   settings.frames = shard_of(*frames, *shard);
   settings.rate = *rate;
   settings.resume = o.resume;
+  settings.in_flight = o.in_flight;
   settings.video = o.video;
   settings.audio = o.audio;
   settings.keep_spans = !o.trace.empty();
@@ -74,7 +76,7 @@ Expected<void> write_reports(const SequenceOptions& o, const Job& job, const Seq
                              const Session& session, const std::vector<std::string>& warnings) {
   if (!o.timings.empty()) {
     Json timings = sequence_timings(result, session);
-    timings["job"] = Json::parse(job_json(job));
+    timings["job"] = own_json(job_json(job));
     if (auto written = write_text_output(o.timings, timings.dump(2) + "\n"); !written) return written;
   }
   if (!o.trace.empty()) {
@@ -126,12 +128,12 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
     for (const std::string& note : result.notes)
       if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
     if (auto noted = note_frame(result, (*session)->scene(), o.job.strict, warnings); !noted) return noted;
-    const std::string blank = blank_warning(result, *job, (*session)->scene());
-    if (blank.empty()) return {};
-    if (warnings.size() < 100) warnings.push_back(fmt::format("frame {}: {}", frame, blank));
-    log::warning("frame {}: {}", frame, blank);
-    return {};
+    return note_blank(result, *job, (*session)->scene(),
+                      {.strict = o.job.strict, .allowed = o.job.allow_blank, .frame = frame}, warnings);
   };
+  if (!settings->video.empty() && (job->width_px % 2 != 0 || job->height_px % 2 != 0))
+    log::warning("the film is {}x{}: H.264 with 4:2:0 chroma takes even sides, so {}x{} grows by a black row or column",
+                 job->width_px + job->width_px % 2, job->height_px + job->height_px % 2, job->width_px, job->height_px);
   HeldSignals held;
   settings->stop = &held.pending();
   const auto result = run_sequence(**session, *job, *settings);
@@ -163,6 +165,10 @@ void add_sequence(CLI::App& app, Action& action) {
   command->add_option("--video", o->video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
   command->add_option("--audio", o->audio, "Sound of the film")->type_name("FILE");
   command->add_flag("--resume", o->resume, "Leave out frames whose files are whole and hold this job's picture");
+  command->add_option("--in-flight", o->in_flight, "Frames on their way to the device at once; 0: as suits the device")
+      ->check(CLI::Range(0, 8))
+      ->capture_default_str()
+      ->type_name("N");
   command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")
       ->capture_default_str()
       ->type_name("I/N");

@@ -1,7 +1,6 @@
 #include "cli/signals.h"
 
 #include <unistd.h>
-#include <csignal>
 
 namespace candela::cli {
 namespace {
@@ -13,19 +12,19 @@ void hold(int signal) {
   if (pending_signal.exchange(signal) != 0) _exit(128 + signal);
 }
 
-void set_both(void (*handler)(int)) {
-  struct sigaction action {};
-  action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
 }  // namespace
 
-HeldSignals::HeldSignals() { set_both(hold); }
+HeldSignals::HeldSignals() {
+  struct sigaction action {};
+  action.sa_handler = hold;
+  action.sa_flags = SA_RESTART;
+  for (size_t i = 0; i < held.size(); ++i) {
+    sigaction(held[i], nullptr, &before_[i]);
+    if (before_[i].sa_handler != SIG_IGN) sigaction(held[i], &action, nullptr);  // nohup ignores SIGHUP
+  }
+}
 HeldSignals::~HeldSignals() {
-  set_both(SIG_DFL);
+  for (size_t i = 0; i < held.size(); ++i) sigaction(held[i], &before_[i], nullptr);
   if (const int signal = pending_signal.exchange(0)) raise(signal);
 }
 const std::atomic<int>& HeldSignals::pending() const { return pending_signal; }

@@ -37,12 +37,12 @@ Expected<std::vector<int64_t>> parse_range(std::string_view part) {
     }
   }
   if (!rest.empty()) return refuse("is not a frame range");
+  if (first > last) return refuse(fmt::format("runs backwards: {}-{} are the same frames", last, first));
   // Differences as unsigned: the ends may be anywhere in 64 bits.
-  const uint64_t length = first <= last ? uint64_t(last) - uint64_t(first) : uint64_t(first) - uint64_t(last);
+  const uint64_t length = uint64_t(last) - uint64_t(first);
   if (length / uint64_t(step) >= uint64_t(max_frames)) return refuse("holds more than ten million frames");
   std::vector<int64_t> frames;
-  for (uint64_t i = 0; i <= length / uint64_t(step); ++i)
-    frames.push_back(first <= last ? first + int64_t(i) * step : first - int64_t(i) * step);
+  for (uint64_t i = 0; i <= length / uint64_t(step); ++i) frames.push_back(first + int64_t(i) * step);
   return frames;
 }
 

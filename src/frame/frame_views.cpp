@@ -49,11 +49,10 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
   }
   const uint64_t most = std::min<uint64_t>(budget, std::numeric_limits<uint32_t>::max());
   if (needed > most)
-    return fail(
-        ErrorKind::usage, "--set",
-        "the frame's {} shadow views need room for {} draw commands, more than views.draws = {}; set views.draws "
-        "to {} or more ({} bytes each), or have fewer shadows",
-        placed.table.size(), needed, budget, needed, sizeof(shared::DrawCommand));
+    return fail(ErrorKind::usage, "--set",
+                "the frame's {} shadow views need room for {} draw commands, more than sun.draws = {}; set sun.draws "
+                "to {} or more ({} bytes each), or have fewer shadows",
+                placed.table.size(), needed, budget, needed, sizeof(shared::DrawCommand));
   placed.first_command.push_back(uint32_t(needed));
   return placed;
 }

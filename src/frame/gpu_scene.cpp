@@ -150,21 +150,22 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   const auto start = Clock::now();
   const std::vector<std::pair<TextureKey, bool>> list(wanted.begin(), wanted.end());
   std::vector<Expected<gpu::TextureData>> decoded(list.size());
+  std::vector<std::vector<std::string>> warnings(list.size());
   tbb::parallel_for(size_t(0), list.size(), [&](size_t i) {
-    const auto image = decode_scene_image(scene_, list[i].first.image);
-    if (image)
-      decoded[i] = make_mip_chain(*image, list[i].first.srgb, list[i].second);
-    else
-      decoded[i] = std::unexpected(image.error());
+    auto texture = decode_scene_image(scene_, list[i].first.image);
+    if (!texture) {
+      decoded[i] = std::unexpected(texture.error());
+      return;
+    }
+    decoded[i] = make_mip_chain(texture->image, list[i].first.srgb, list[i].second);
+    warnings[i] = std::move(texture->warnings);
   });
   uploaded.decode_ms = ms_since(start);
   const auto uploader = std::make_shared<gpu::Uploader>(device_);
   for (size_t i = 0; i < list.size(); ++i) {
     LoadedTexture& loaded = textures_[list[i].first];
-    if (!decoded[i]) {
-      uploaded.warnings.push_back(decoded[i].error().text() + ": the texture is left out");
-      continue;
-    }
+    if (!decoded[i]) throw gpu::GpuError(VK_ERROR_OUT_OF_HOST_MEMORY, decoded[i].error().text());
+    uploaded.warnings.insert(uploaded.warnings.end(), warnings[i].begin(), warnings[i].end());
     loaded.texture = gpu::Texture(device_, *decoded[i], scene_.images[size_t(list[i].first.image)].place.c_str());
     uploader->to_texture(loaded.texture, *decoded[i]);
     loaded.index = bindless_.add_sampled(loaded.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);

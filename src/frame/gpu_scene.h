@@ -27,10 +27,10 @@ class GpuScene {
     std::map<int, const gpu::Buffer*> imports;      // for FrameRunner::submit
     std::vector<std::shared_ptr<const void>> keep;  // likewise: while held, the buffers are not written again
     double decode_ms = 0, upload_ms = 0;
-    std::vector<std::string> warnings;  // textures that could not be decoded
+    std::vector<std::string> warnings;  // images that are damaged
   };
-  // Fills every imported buffer of the plan. An image that no decoder takes is a warning and the texture is left out.
-  // Throws GpuError.
+  // Fills every imported buffer of the plan. An image that no decoder takes is a warning and drawn as scene_images.h
+  // says. Throws GpuError.
   Uploaded upload(PlannedFrame& frame);
 
  private:
@@ -56,7 +56,7 @@ class GpuScene {
   std::vector<std::shared_ptr<Buffers>> frame_buffers_;
   struct LoadedTexture {
     gpu::Texture texture;
-    uint32_t index = shared::absent;  // absent: could not be decoded
+    uint32_t index = shared::absent;
   };
   std::map<TextureKey, LoadedTexture> textures_;
   std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another

@@ -1,8 +1,8 @@
 #include "frame/job.h"
 
 #include <charconv>
-#include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/text.h"
 
 namespace candela {
@@ -197,10 +197,11 @@ const std::map<std::string, Reader>& readers() {
 }  // namespace
 
 Expected<Job> job_from_json(const std::string& text) {
-  const Json j = Json::parse(text, nullptr, false);
-  if (j.is_discarded() || !j.is_object()) return fail(ErrorKind::input, "", "a job is a JSON object");
+  const auto j = read_json(text, "");
+  if (!j) return std::unexpected(j.error());
+  if (!j->is_object()) return fail(ErrorKind::input, "", "a job is a JSON object");
   Job job;
-  for (const auto& [key, value] : j.items()) {
+  for (const auto& [key, value] : j->items()) {
     const auto reader = readers().find(key);
     if (reader == readers().end()) {
       std::vector<std::string> names;

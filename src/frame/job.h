@@ -67,6 +67,8 @@ struct RunSettings {
   std::string shader_folder;
   bool timed = false;
   double timeout_s = 600;
+  int queues = 2;        // 1: no second queue, whatever the device has
+  bool overlap = false;  // times the frame as a whole with both queues and with one (Timings::overlap)
 };
 
 }  // namespace candela

@@ -2,7 +2,9 @@
 
 namespace candela {
 
-Expected<Look> look_of(const Job& job) { return job.look.empty() ? Look{} : read_look(job.look); }
+Expected<Look> look_of(const Job& job, double time_s) {
+  return job.look.empty() ? Look{} : read_look(job.look, time_s);
+}
 
 std::string left_out_of(const Job& job, const Look& look) {
   const bool disc = look.sun && look.sun->angular_radius_deg > 0;

@@ -5,10 +5,14 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/text.h"
 #include "frame/frame_knobs.h"
+#include "frame/job_look.h"
+#include "frame/not_drawn.h"
 #include "frame/upload_table.h"
 #include "passes/geometry/features.h"
 #include "scene/neutral_light.h"
+#include "scene/scene_images.h"
 #include "techniques/technique.h"
 
 namespace candela {
@@ -94,6 +98,9 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     f.imports.back() = (s.*row.input).resource;
   }
   s.light_grid = f.light_grid.shape;
+  s.sun_image = f.suns.image;
+  s.sun_absence = f.suns.absence;
+  s.view_first_command = std::make_shared<const std::vector<uint32_t>>(f.suns.views.first_command);
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
   s.item_count = uint32_t(u.items.size());
@@ -115,6 +122,8 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   if (f.request.neutral_light)
     f.notes.push_back(
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
+  if (const std::vector<std::string> missing = not_drawn(f.facts, f.pose); !missing.empty())
+    f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
   if (f.facts.draw_items == 0)
     f.notes.push_back("nothing is visible at this time: the image holds the background alone");
 }
@@ -137,6 +146,10 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.view = std::move(*view);
   f.data = make_frame_data(context.scene, f.pose, f.view);
   f.request = make_request(job, *knobs, wanted, time_s);
+  auto look = look_of(job, time_s);
+  if (!look) return std::unexpected(look.error());
+  f.request.look = std::move(*look);
+  if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();
   f.facts = survey(context.scene, f.pose, f.data, context.environment != nullptr);
   if (!has_light(context.scene) && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
@@ -165,6 +178,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
                                  extent.reach_m, knobs->get<LightKnobs>());
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
+  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(),
+                        knobs->get<Cull::Knobs>().enabled != 0, f.upload);
+  if (!suns) return std::unexpected(suns.error());
+  f.suns = std::move(*suns);
+  f.notes.insert(f.notes.end(), f.suns.notes.begin(), f.suns.notes.end());
   f.light_grid_ms = ms_since(start);
 
   start = Clock::now();
@@ -188,7 +206,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
   if (!layout) return std::unexpected(layout.error());
   AmbientSh environment;
   if (!job.sky.empty()) {
-    const auto image = read_environment(job.sky);
+    const auto image = read_sky(job.sky, scene);
     if (!image) return std::unexpected(image.error());
     environment = project_environment(*image);
   }

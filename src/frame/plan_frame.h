@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "frame/frame_suns.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
 #include "graph/builder.h"
@@ -30,6 +31,7 @@ struct PlannedFrame {
   FrameRequest request;
   FrameUpload upload;
   LightGrid light_grid;
+  FrameSuns suns;
   TextureKnobs textures;
   CompiledGraph graph;
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
@@ -66,6 +68,7 @@ struct KnobRow {
   std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names
   std::string kind;                                                // what it trades: error, time or look
   std::vector<std::string> walk;    // values that a sweep of errors measures, the exact one last
+  std::string beside;               // a setting that must stand beside it, or it does nothing
   std::vector<std::string> passes;  // whose work it changes
 };
 std::vector<KnobRow> knob_rows(const std::string& quality);

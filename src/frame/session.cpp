@@ -4,12 +4,14 @@
 
 #include "base/check.h"
 #include "base/files.h"
+#include "base/statistics.h"
 #include "frame/content_hash.h"
 #include "frame/device_samples.h"
 #include "frame/gpu_scene.h"
 #include "frame/job_look.h"
 #include "frame/timings.h"
 #include "gltf/gltf.h"
+#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -27,6 +29,7 @@ class DeviceSession : public Session {
   Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
   Expected<FrameResult> finish(FrameTicket ticket) override;
   int in_flight() const override;
+  void set_camera(const CameraRequest& camera) override { job_.camera = camera; }
   const Scene& scene() const override { return scene_; }
   const gpu::Device& device() const override { return *device_; }
   const Timings& opening() const override { return opening_; }
@@ -41,6 +44,7 @@ class DeviceSession : public Session {
     double submit_us = 0;  // when recording began
   };
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
+  Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports);
   void take_run(gpu::FrameRun run, Begun& begun);
 
   Job job_;
@@ -69,7 +73,7 @@ Expected<void> DeviceSession::load() {
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
   if (!job_.sky.empty()) {
-    auto image = read_environment(job_.sky);
+    auto image = read_sky(job_.sky, scene_);
     if (!image) return std::unexpected(image.error());
     environment_ = project_environment(*image);
     sky_ = std::move(*image);
@@ -87,7 +91,7 @@ Expected<void> DeviceSession::open() {
   // The device opens while the scene loads; an error of the scene is the more useful one to name.
   auto opening_device = std::async(std::launch::async, [&] {
     const double start = process_clock_us();
-    auto device = gpu::Device::open({settings_.device, settings_.validate});
+    auto device = gpu::Device::open({settings_.device, settings_.validate, settings_.queues});
     return std::pair(std::move(device), std::pair(start, process_clock_us() - start));
   });
   const auto loaded = load();
@@ -173,12 +177,29 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
     const StageTimer timer(t, "warm_up");
     runner_->run(planned.graph, uploaded.imports, {});
   }
+  if (settings_.overlap) {
+    const StageTimer timer(t, "overlap");
+    t.overlap = measure_overlap(planned.graph, uploaded.imports);
+  }
   const double submit_start = process_clock_us();
   const FrameTicket ticket =
       runner_->submit(planned.graph, uploaded.imports, {settings_.timed, hash_outputs}, std::move(uploaded.keep));
   t.spans.push_back({"record and submit", "cpu", submit_start, process_clock_us() - submit_start});
   begun.submit_us = submit_start;
   return ticket;
+}
+
+Timings::Overlap DeviceSession::measure_overlap(const CompiledGraph& graph,
+                                                const std::map<int, const gpu::Buffer*>& imports) {
+  constexpr int runs = 15;
+  std::vector<double> all, one;
+  for (int i = 0; i <= runs; ++i)  // the first of each warms up
+    for (const bool one_queue : {false, true}) {
+      const double ms = runner_->run(graph, imports, {.whole = true, .one_queue = one_queue}).whole_ms;
+      if (i > 0) (one_queue ? one : all).push_back(ms);
+    }
+  return {device_->has_second_queue() ? 2 : 1, std::max(1, int(graph.plan.batches.size())), runs, median(all),
+          median(one)};
 }
 
 Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
@@ -215,10 +236,14 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
   t.frame_gpu_ms = run.frame_gpu_ms;
   result.readbacks = std::move(run.readbacks);
   result.hashes = std::move(run.hashes);
-  for (const FrameReport& report : begun.reports)
-    if (const auto found = result.readbacks.find(report.resource); found != result.readbacks.end())
-      for (std::string& warning : report.warnings(found->second->bytes()))
-        result.warnings.push_back(std::move(warning));
+  for (const FrameReport& report : begun.reports) {
+    const auto found = result.readbacks.find(report.resource);
+    if (found == result.readbacks.end()) continue;
+    const std::span<const std::byte> bytes = found->second->bytes();
+    for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (!report.notes) continue;
+    for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));
+  }
 }
 
 // The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.

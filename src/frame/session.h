@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,14 @@ struct Timings {
     double start_us, length_us;
   };
   std::vector<Span> spans;
+  // When asked for: the frame as a whole on the device, with passes side by side on both queues and with one queue.
+  // Medians of as many interleaved runs.
+  struct Overlap {
+    int queues = 1;  // that the device has
+    int batches = 1, runs = 0;
+    double all_queues_ms = 0, one_queue_ms = 0;
+  };
+  std::optional<Overlap> overlap;
   void add(std::string stage, double milliseconds);
   double total(std::string_view stage) const;
 };
@@ -64,6 +73,8 @@ class Session {
   virtual Expected<FrameResult> finish(FrameTicket ticket) = 0;
   Expected<FrameResult> render(double time_s, bool hash_outputs = false);
   virtual int in_flight() const = 0;  // how many frames to have begun at once on this device
+  // Frames begun from now on are seen from there.
+  virtual void set_camera(const CameraRequest& camera) = 0;
   virtual const Scene& scene() const = 0;
   virtual const gpu::Device& device() const = 0;
   virtual const Timings& opening() const = 0;  // load, decode, upload

@@ -3,7 +3,8 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <nlohmann/json.hpp>
+
+#include "base/json.h"
 
 namespace candela {
 namespace {
@@ -92,12 +93,18 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
     for (const gpu::PassTime& pass : frame.timings.gpu_ms)
       passes[pass.name] = passes.value(pass.name, 0.0) + pass.gpu_ms;
   }
+  if (const auto& overlap = frame.timings.overlap)
+    j["overlap"] = {{"queues", overlap->queues},
+                    {"batches", overlap->batches},
+                    {"runs", overlap->runs},
+                    {"all_queues_ms", overlap->all_queues_ms},
+                    {"one_queue_ms", overlap->one_queue_ms}};
   j["cpu_ms"] = cpu_json(session.opening(), frame.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
   j["memory"] = memory_json(session, frame.plan);
   j["left_out"] = Json::array();
   for (const LeftOut& left : frame.left_out) j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
-  j["job"] = Json::parse(job_json(job));
+  j["job"] = own_json(job_json(job));
   return j;
 }
 

@@ -34,6 +34,9 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.light_globals", &Inputs::light_globals, grid.globals,
         offsetof(Constants, grid) + offsetof(shared::LightGrid, globals));
     add("frame.cull_groups", &Inputs::cull_groups, u.groups);
+    add("frame.views", &Inputs::views, frame.suns.views.table);
+    add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);
+    add("frame.suns", &Inputs::suns, frame.suns.shadows);
     add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
     add("frame.weights", &Inputs::weights, frame.data.morph_weights);

@@ -2,9 +2,9 @@
 
 #include <charconv>
 
-#include "base/files.h"
+#include "base/input.h"
 #include "gltf/meshopt.h"
-#include "gltf/uri.h"
+#include "gltf/named_files.h"
 #include "gltf/validate/validate.h"
 
 namespace candela::gltf {
@@ -104,31 +104,9 @@ void Document::charge(size_t count, size_t size, const std::string& path) {
   const size_t most = (size_t(64) << 20) + 256 * bytes_read;
   if (size != 0 && count > (most - bytes_expanded) / size)
     refuse(path, "{} elements of {} bytes are out of proportion to the {} bytes of the file", count, size, bytes_read);
-  bytes_expanded += count * size;
-}
-
-void read_buffers(Document& document) {
-  const Json* buffers = member(document.json, "buffers");
-  if (!buffers) return;
-  for (size_t i = 0; i < buffers->size(); ++i) {
-    const Json& buffer = (*buffers)[i];
-    const std::string path = fmt::format("/buffers/{}", i);
-    const double wanted = number(document, buffer, "byteLength", 0, path);
-    std::span<const std::byte> bytes;
-    if (buffer.contains("uri")) {
-      document.storage.push_back(read_uri(document, text(document, buffer, "uri", "", path), path + "/uri"));
-      bytes = document.storage.back();
-    } else if (i == 0 && document.has_binary) {
-      bytes = document.binary;
-    } else {
-      document.buffers.emplace_back();  // an error only for what reads it
-      continue;
-    }
-    if (!(wanted <= double(bytes.size())))
-      document.refuse(path + "/byteLength", "byteLength is {:.0f} but there are {} bytes (BUFFER_BYTE_LENGTH_MISMATCH)",
-                      wanted, bytes.size());
-    document.buffers.push_back(bytes.first(size_t(wanted)));
-  }
+  uint64_t sum = bytes_expanded;
+  if (auto fits = charge_decoded(sum, count * size, place(path)); !fits) throw Failure{fits.error()};
+  bytes_expanded = sum;
 }
 
 Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder) {
@@ -148,33 +126,8 @@ Document open_document(std::span<const std::byte> bytes, const std::string& name
   document.binary = parts->binary;
   document.has_binary = parts->has_binary;
   document.decompressed.resize(document.model.bufferViews.size());
+  if (const Json* buffers = member(document.json, "buffers")) document.buffers.resize(buffers->size());
   return document;
-}
-
-std::vector<std::byte> read_uri(Document& document, const std::string& uri, const std::string& path) {
-  if (is_data_uri(uri)) {
-    std::optional<std::vector<std::byte>> bytes = decode_data_uri(uri);
-    if (!bytes) document.refuse(path, "the data URI is not valid base64 (INVALID_URI)");
-    return std::move(*bytes);  // already counted: its text is part of the file
-  }
-  if (has_scheme(uri))
-    document.refuse(path, "'{}' is not a relative path; only files beside the scene and data URIs are read", uri);
-  const std::optional<std::string> relative = percent_decoded(uri);
-  if (!relative || relative->empty() || relative->find('\0') != std::string::npos)
-    document.refuse(path, "'{}' is not a valid URI (INVALID_URI)", uri);
-  const std::filesystem::path file = document.folder / *relative;
-  std::error_code error;
-  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
-    document.refuse(path, "{} is not a regular file (IO_ERROR)", file.string());
-  Expected<std::vector<std::byte>> bytes = read_file(file);
-  if (!bytes) document.refuse(path, "{} (IO_ERROR)", bytes.error().text());
-  if (std::find(document.files.begin(), document.files.end(), file.string()) == document.files.end()) {
-    document.files.push_back(file.string());
-    document.bytes_read += bytes->size();
-  } else {
-    document.charge(bytes->size(), 1, path);  // read again: a copy that no bytes on disk pay for
-  }
-  return std::move(*bytes);
 }
 
 std::span<const std::byte> view_bytes(Document& document, int view, const std::string& path) {
@@ -190,9 +143,7 @@ std::span<const std::byte> view_bytes(Document& document, int view, const std::s
   const tinygltf::BufferView& v = document.model.bufferViews[size_t(view)];
   if (v.buffer < 0 || size_t(v.buffer) >= document.buffers.size())
     document.refuse(view_path + "/buffer", "there is no buffer {} (UNRESOLVED_REFERENCE)", v.buffer);
-  const std::span<const std::byte> buffer = document.buffers[size_t(v.buffer)];
-  if (buffer.empty())
-    document.refuse(fmt::format("/buffers/{}", v.buffer), "the buffer has no bytes: neither a uri nor a binary chunk");
+  const std::span<const std::byte> buffer = buffer_bytes(document, size_t(v.buffer));
   if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
     document.refuse(view_path, "bytes {} to {} lie outside buffer {} of {} bytes (BUFFER_VIEW_TOO_LONG)", v.byteOffset,
                     double(v.byteOffset) + double(v.byteLength), v.buffer, buffer.size());

@@ -31,9 +31,8 @@ struct Document {
   bool has_binary = false;
   tinygltf::Model model;  // core glTF; buffers, images, animations and extensions are read from `json`
   int missing_view = -1;  // model's stand-in for an absent accessor.bufferView
-  std::vector<std::span<const std::byte>>
-      buffers;                                  // empty where a buffer has no bytes (EXT_meshopt_compression fallback)
-  std::vector<std::vector<std::byte>> storage;  // what read buffers lie in
+  std::vector<std::span<const std::byte>> buffers;  // empty until buffer_bytes() is asked for them (named_files.h)
+  std::vector<std::vector<std::byte>> storage;      // what read buffers lie in
   std::vector<std::optional<std::vector<std::byte>>> decompressed;  // per buffer view (EXT_meshopt_compression)
   std::map<int, std::vector<std::byte>> sparse;                     // accessors with their sparse values put in
   std::vector<std::string> files, warnings;
@@ -56,13 +55,6 @@ struct Document {
 
 // Splits, parses and validates; then tinygltf. `bytes` must outlive the document. Throws Failure.
 Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder);
-// Makes document.buffers, reading the files that they name. Apart, so that a scene that cannot be drawn is refused
-// before.
-void read_buffers(Document& document);
-
-// The bytes of a URI: data: or a file under the document's folder. Throws Failure.
-std::vector<std::byte> read_uri(Document& document, const std::string& uri, const std::string& path);
-
 // A buffer view's bytes; decompressed where EXT_meshopt_compression says so.
 std::span<const std::byte> view_bytes(Document& document, int view, const std::string& path);
 

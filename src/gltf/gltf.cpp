@@ -10,6 +10,7 @@
 #include "gltf/meshes.h"
 #include "gltf/nodes.h"
 #include "scene/deformation_bounds.h"
+#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -19,7 +20,6 @@ Scene import_scene(gltf::Document& document, LoadFor use) {
   Scene scene;
   scene.path = document.name;
   scene.extensions = gltf::survey_extensions(document, use);
-  gltf::read_buffers(document);
   gltf::import_materials(document, gltf::animated_pointers(document), use, scene);
   gltf::import_meshes(document, scene);
   gltf::import_cameras(document, scene);
@@ -51,6 +51,7 @@ Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const st
     earlier = document.finding_codes;
     Scene scene = import_scene(document, use);
     prepare_deformation_bounds(scene);
+    if (const auto fits = decoded_bytes(scene); !fits) return std::unexpected(fits.error());
     return scene;
   } catch (const gltf::Failure& failure) {
     Error error = failure.error;

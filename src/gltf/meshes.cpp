@@ -306,10 +306,14 @@ void read_default_weights(Document& document, size_t mesh, Mesh& out) {
 }  // namespace
 
 void import_meshes(Document& document, Scene& scene) {
+  std::vector<bool> used(document.model.meshes.size());
+  for (const tinygltf::Node& node : document.model.nodes)
+    if (node.mesh >= 0 && size_t(node.mesh) < used.size()) used[size_t(node.mesh)] = true;
   for (size_t m = 0; m < document.model.meshes.size(); ++m) {
     Mesh mesh;
     mesh.name = document.model.meshes[m].name;
-    for (size_t p = 0; p < document.model.meshes[m].primitives.size(); ++p)
+    // What no node shows is not read: its file may be absent.
+    for (size_t p = 0; used[m] && p < document.model.meshes[m].primitives.size(); ++p)
       if (std::optional<MeshSection> section = import_primitive(document, scene, m, p))
         mesh.sections.push_back(std::move(*section));
     read_default_weights(document, m, mesh);

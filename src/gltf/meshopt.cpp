@@ -2,6 +2,8 @@
 
 #include <meshoptimizer.h>
 
+#include "gltf/named_files.h"
+
 namespace candela::gltf {
 namespace {
 
@@ -35,7 +37,7 @@ void apply_filter(const Document& document, const std::string& filter, std::vect
 std::vector<std::byte> decompress_view(Document& document, const Json& meshopt, const std::string& path) {
   const int buffer_index = index_of(document, meshopt, "buffer", document.buffers.size(), path);
   if (buffer_index < 0) document.refuse(path, "the compressed view names no buffer (UNDEFINED_PROPERTY)");
-  const std::span<const std::byte> buffer = document.buffers[size_t(buffer_index)];
+  const std::span<const std::byte> buffer = buffer_bytes(document, size_t(buffer_index));
   const size_t offset = whole(document, meshopt, "byteOffset", path),
                length = whole(document, meshopt, "byteLength", path),
                stride = whole(document, meshopt, "byteStride", path), count = whole(document, meshopt, "count", path);

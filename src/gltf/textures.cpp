@@ -1,5 +1,8 @@
 #include "gltf/textures.h"
 
+#include "gltf/named_files.h"
+#include "scene/scene_images.h"
+
 namespace candela::gltf {
 namespace {
 
@@ -93,7 +96,11 @@ void import_images(Document& document, const std::vector<bool>& image_used, Scen
     image.place = document.place(named(path, json));
     if (image_used[i]) {
       if (json.contains("uri")) {
-        image.encoded = read_uri(document, text(document, json, "uri", "", path), path + "/uri");
+        auto read = read_named_file(document, text(document, json, "uri", "", path), path + "/uri");
+        if (read)
+          image.encoded = std::move(*read);
+        else
+          document.warn(named(path, json), "{}: {} (IO_ERROR)", read.error().text(), placeholder_note);
       } else {
         const int view = index_of(document, json, "bufferView", size_t(document.missing_view), path);
         if (view < 0) document.refuse(path, "the image has neither a uri nor a bufferView");

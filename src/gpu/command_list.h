@@ -39,6 +39,8 @@ class CommandList {
 
   // Threads, not groups: divided by the workgroup size that the bound shader's SPIR-V states, rounded up.
   virtual void dispatch(uint32_t threads_x, uint32_t threads_y = 1, uint32_t threads_z = 1) = 0;
+  // Three counts of groups at an offset, written by an earlier pass or step (indirect_read).
+  virtual void dispatch_indirect(BufferHandle groups, uint64_t offset = 0) = 0;
 
   struct Attachment {
     ImageHandle image;      // the first write of its range clears, later ones load
@@ -48,15 +50,33 @@ class CommandList {
   // Viewport and scissor: the whole mip. Several layers: the vertex shader chooses with gl_Layer.
   virtual void begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range = {}) = 0;
   virtual void end_rendering() = 0;
+  // In texels; a part of what begin_rendering set: an atlas's tile, a border. Depth 0 to 1.
+  virtual void set_viewport(glm::vec2 corner_px, glm::vec2 size_px) = 0;
+  virtual void set_scissor(glm::uvec2 corner_px, glm::uvec2 size_px) = 0;
   // cull: none, or back faces; mirrored: front faces are clockwise (negative determinant).
   virtual void set_cull(bool cull_back, bool mirrored) = 0;
   virtual void draw(uint32_t vertices, uint32_t instances = 1) = 0;
+  virtual void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) = 0;
   virtual void bind_index_buffer(BufferHandle indices) = 0;  // 32-bit
+  virtual void draw_indexed(uint32_t indices, uint32_t instances = 1, uint32_t first_index = 0,
+                            int32_t vertex_offset = 0) = 0;
+  virtual void draw_indexed_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) = 0;
   virtual void draw_indexed_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
                                            uint64_t counts_offset, uint32_t max_draws) = 0;
 
-  // Tightly packed: mip by mip, and within a mip layer by layer.
+  // Copies: transfer_source and transfer_destination. Without a range, the part that was declared. Texels in buffers
+  // are tightly packed: mip by mip, and within a mip layer by layer.
   virtual void copy_to_buffer(ImageHandle image, BufferHandle buffer, ImageRange range = {}) = 0;
+  virtual void copy_to_image(BufferHandle buffer, ImageHandle image, ImageRange range = {}) = 0;
+  virtual void copy_buffer(BufferHandle from, uint64_t from_offset, BufferHandle to, uint64_t to_offset,
+                           uint64_t bytes) = 0;
+  // Texel by texel, between parts of equal shape and texel size.
+  virtual void copy_image(ImageHandle from, ImageHandle to, ImageRange from_range = {}, ImageRange to_range = {}) = 0;
+  // Stretched to the size of the target, a mip to a mip; linear: filtered between texels, without a wider kernel.
+  virtual void blit(ImageHandle from, ImageHandle to, bool linear, ImageRange from_range = {},
+                    ImageRange to_range = {}) = 0;
+  virtual void fill_buffer(BufferHandle buffer, uint32_t value, uint64_t offset = 0, uint64_t bytes = ~0ull) = 0;
+  virtual void clear_image(ImageHandle image, glm::vec4 value, ImageRange range = {}) = 0;  // depth: value.x
 };
 
 }  // namespace candela

@@ -7,10 +7,6 @@
 
 namespace candela::gpu {
 
-namespace {
-bool is_integer(VkFormat format) { return format_name(format).ends_with("INT"); }  // UINT, SINT
-}  // namespace
-
 void record_barriers(const FrameContext& frame, const PassBarriers& barriers, VkCommandBuffer commands) {
   if (barriers.empty()) return;
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
@@ -21,7 +17,8 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
   std::vector<VkImageMemoryBarrier2> images;
   for (const ImageBarrier& b : barriers.images) {
     VkImageMemoryBarrier2 image{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-    image.srcStageMask = b.source_stages;
+    // The first use in a frame waits for nobody in it, but for the frame before.
+    image.srcStageMask = b.source_stages || !frame.after_another ? b.source_stages : b.destination_stages;
     image.srcAccessMask = b.source_access;
     image.dstStageMask = b.destination_stages;
     image.dstAccessMask = b.destination_access;
@@ -57,8 +54,9 @@ CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, uint32_
       images_(frame.physical.step_images(frame.slot, pass, step)),
       commands_(commands) {
   const VkDescriptorSet sets[] = {frame.bindless.set(), images_.set};
-  for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_COMPUTE})
-    vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);
+  for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_COMPUTE, VK_PIPELINE_BIND_POINT_GRAPHICS})
+    if (point == VK_PIPELINE_BIND_POINT_COMPUTE || pass_.queue == Queue::main)
+      vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);
 }
 
 const PlanUse& CommandListImpl::use_of(const Wanted& wanted, std::initializer_list<Access> accesses) const {
@@ -108,8 +106,9 @@ uint32_t CommandListImpl::sampled(ImageHandle image, ImageRange range, View view
 }
 
 uint32_t CommandListImpl::storage(ImageHandle image, ImageRange range, View view) {
-  return images_.storage.at(
-      view_key(use_of(image, {Access::storage_image_write, Access::storage_image_read_write}, range, view)));
+  return images_.storage.at(view_key(
+      use_of(image, {Access::storage_image_write, Access::storage_image_read_write, Access::storage_image_read}, range,
+             view)));
 }
 
 uint64_t CommandListImpl::address(BufferHandle handle) {
@@ -156,6 +155,12 @@ void CommandListImpl::dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t 
   vkCmdDispatch(commands_, count[0], count[1], count[2]);
 }
 
+void CommandListImpl::dispatch_indirect(BufferHandle groups, uint64_t offset) {
+  CHECK_MSG(bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_COMPUTE && !rendering_, pass_.name);
+  use_of(groups, {Access::indirect_read});
+  vkCmdDispatchIndirect(commands_, buffer(groups.resource).handle(), offset);
+}
+
 VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const {
   const ImageDesc& desc = desc_of(use.resource);
   VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -167,10 +172,10 @@ VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const 
                                                  : VK_ATTACHMENT_LOAD_OP_CLEAR;
   info.storeOp = use.writes ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_NONE;
   if (is_depth_format(desc.format)) {
-    info.clearValue.depthStencil = {desc.clear[0], 0};
+    info.clearValue.depthStencil = {desc.clear[0], uint32_t(desc.clear[1])};
   } else {
     for (size_t i = 0; i < 4; ++i) {
-      if (is_integer(desc.format))
+      if (is_integer_format(desc.format))
         info.clearValue.color.uint32[i] = uint32_t(int64_t(desc.clear[i]));
       else
         info.clearValue.color.float32[i] = desc.clear[i];
@@ -195,7 +200,7 @@ void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageH
     if (color.resolve) {
       const PlanUse& resolve = use_of(color.resolve, {Access::resolve_attachment});
       const VkFormat format = desc_of(resolve.resource).format;
-      info.resolveMode = is_integer(format) ? VK_RESOLVE_MODE_SAMPLE_ZERO_BIT : VK_RESOLVE_MODE_AVERAGE_BIT;
+      info.resolveMode = is_integer_format(format) ? VK_RESOLVE_MODE_SAMPLE_ZERO_BIT : VK_RESOLVE_MODE_AVERAGE_BIT;
       info.resolveImageView = frame_.physical.view(view_key(resolve));
       info.resolveImageLayout = image_layout(resolve.access, format);
     }
@@ -212,6 +217,7 @@ void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageH
   info.colorAttachmentCount = uint32_t(color_infos.size());
   info.pColorAttachments = color_infos.data();
   info.pDepthAttachment = depth ? &depth_info : nullptr;
+  if (depth && has_stencil(desc_of(depth.resource).format)) info.pStencilAttachment = &depth_info;
   vkCmdBeginRendering(commands_, &info);
   rendering_ = true;
   const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
@@ -231,9 +237,43 @@ void CommandListImpl::set_cull(bool cull_back, bool mirrored) {
   vkCmdSetFrontFace(commands_, mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
 }
 
-void CommandListImpl::draw(uint32_t vertices, uint32_t instances) {
+void CommandListImpl::set_viewport(glm::vec2 corner_px, glm::vec2 size_px) {
+  CHECK_MSG(rendering_, pass_.name);
+  const VkViewport viewport{corner_px.x, corner_px.y, size_px.x, size_px.y, 0, 1};
+  vkCmdSetViewport(commands_, 0, 1, &viewport);
+}
+
+void CommandListImpl::set_scissor(glm::uvec2 corner_px, glm::uvec2 size_px) {
+  CHECK_MSG(rendering_, pass_.name);
+  const VkRect2D area{{int32_t(corner_px.x), int32_t(corner_px.y)}, {size_px.x, size_px.y}};
+  vkCmdSetScissor(commands_, 0, 1, &area);
+}
+
+void CommandListImpl::check_drawing() const {
   CHECK_MSG(rendering_ && bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.name);
+}
+
+void CommandListImpl::draw(uint32_t vertices, uint32_t instances) {
+  check_drawing();
   vkCmdDraw(commands_, vertices, instances, 0, 0);
+}
+
+void CommandListImpl::draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) {
+  check_drawing();
+  use_of(commands, {Access::indirect_read});
+  vkCmdDrawIndirect(commands_, buffer(commands.resource).handle(), offset, draws, sizeof(VkDrawIndirectCommand));
+}
+
+void CommandListImpl::draw_indexed(uint32_t indices, uint32_t instances, uint32_t first_index, int32_t vertex_offset) {
+  check_drawing();
+  vkCmdDrawIndexed(commands_, indices, instances, first_index, vertex_offset, 0);
+}
+
+void CommandListImpl::draw_indexed_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) {
+  check_drawing();
+  use_of(commands, {Access::indirect_read});
+  vkCmdDrawIndexedIndirect(commands_, buffer(commands.resource).handle(), offset, draws,
+                           sizeof(VkDrawIndexedIndirectCommand));
 }
 
 void CommandListImpl::bind_index_buffer(BufferHandle indices) {
@@ -243,23 +283,12 @@ void CommandListImpl::bind_index_buffer(BufferHandle indices) {
 
 void CommandListImpl::draw_indexed_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
                                                   uint64_t counts_offset, uint32_t max_draws) {
-  CHECK_MSG(rendering_ && bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.name);
+  check_drawing();
   use_of(commands, {Access::indirect_read});
   use_of(counts, {Access::indirect_read});
   vkCmdDrawIndexedIndirectCount(commands_, buffer(commands.resource).handle(), commands_offset,
                                 buffer(counts.resource).handle(), counts_offset, max_draws,
                                 sizeof(VkDrawIndexedIndirectCommand));
-}
-
-void CommandListImpl::copy_to_buffer(ImageHandle image, BufferHandle target, ImageRange range) {
-  const PlanUse& source = use_of(image, {Access::transfer_source}, range);
-  use_of(target, {Access::transfer_destination});
-  const ImageDesc& desc = desc_of(image.resource);
-  const PhysicalImage& physical = frame_.physical.image(image.resource);
-  CHECK_MSG(buffer(target.resource).size() >= range_bytes(desc, source.range), pass_.name);
-  const std::vector<VkBufferImageCopy> regions = copy_regions(desc, physical, source.range);
-  vkCmdCopyImageToBuffer(commands_, physical.image, image_layout(source.access, desc.format),
-                         buffer(target.resource).handle(), uint32_t(regions.size()), regions.data());
 }
 
 }  // namespace candela::gpu

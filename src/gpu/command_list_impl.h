@@ -22,6 +22,7 @@ struct FrameContext {
   const std::vector<const Pipeline*>& pipelines;  // parallel to plan.pipelines
   std::array<uint32_t, 3> max_groups{};           // of one dispatch
   size_t slot = 0;                                // of the frame in flight: Physical::pass_images
+  bool after_another = false;                     // another frame may still use the images
   bool hashed = false;                            // outputs are looked at between passes
 };
 
@@ -42,14 +43,27 @@ class CommandListImpl final : public CommandList {
   void bind(PipelineHandle pipeline) override;
   void push_bytes(const void* data, uint32_t bytes) override;
   void dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t threads_z) override;
+  void dispatch_indirect(BufferHandle groups, uint64_t offset) override;
   void begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range) override;
   void end_rendering() override;
+  void set_viewport(glm::vec2 corner_px, glm::vec2 size_px) override;
+  void set_scissor(glm::uvec2 corner_px, glm::uvec2 size_px) override;
   void set_cull(bool cull_back, bool mirrored) override;
   void draw(uint32_t vertices, uint32_t instances) override;
+  void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) override;
   void bind_index_buffer(BufferHandle indices) override;
+  void draw_indexed(uint32_t indices, uint32_t instances, uint32_t first_index, int32_t vertex_offset) override;
+  void draw_indexed_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) override;
   void draw_indexed_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
                                    uint64_t counts_offset, uint32_t max_draws) override;
   void copy_to_buffer(ImageHandle image, BufferHandle buffer, ImageRange range) override;
+  void copy_to_image(BufferHandle buffer, ImageHandle image, ImageRange range) override;
+  void copy_buffer(BufferHandle from, uint64_t from_offset, BufferHandle to, uint64_t to_offset,
+                   uint64_t bytes) override;
+  void copy_image(ImageHandle from, ImageHandle to, ImageRange from_range, ImageRange to_range) override;
+  void blit(ImageHandle from, ImageHandle to, bool linear, ImageRange from_range, ImageRange to_range) override;
+  void fill_buffer(BufferHandle buffer, uint32_t value, uint64_t offset, uint64_t bytes) override;
+  void clear_image(ImageHandle image, glm::vec4 value, ImageRange range) override;
   bool rendering() const { return rendering_; }
 
  private:
@@ -71,6 +85,14 @@ class CommandListImpl final : public CommandList {
   const ImageDesc& desc_of(int resource) const;
   VkRenderingAttachmentInfo attachment(const PlanUse& use) const;
   const Buffer& buffer(int resource) const;
+  struct Part {  // of an image, to be copied
+    const ImageDesc& desc;
+    const PhysicalImage& image;
+    ImageRange range;
+    VkImageLayout layout;
+  };
+  Part part(ImageHandle image, Access access, ImageRange range) const;
+  void check_drawing() const;
 
   const FrameContext& frame_;
   const PlanPass& pass_;

@@ -127,22 +127,30 @@ F instance_function(VkInstance instance, const char* name) {
   return reinterpret_cast<F>(vkGetInstanceProcAddr(instance, name));
 }
 
-Expected<VkDevice> create_device(const Candidate& chosen) {
+Expected<VkDevice> create_device(const Candidate& chosen, bool second_queue) {
   DeviceFeatures present, wanted;
   vkGetPhysicalDeviceFeatures2(chosen.physical, &present.core);
   enable_features(present, wanted);
-  const float priority = 1;
-  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-  queue.queueFamilyIndex = chosen.queue_family;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  constexpr float priorities[] = {1, 1};
+  std::vector<VkDeviceQueueCreateInfo> queues;
+  const auto add_queues = [&](uint32_t family, uint32_t count) {
+    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+    queue.queueFamilyIndex = family;
+    queue.queueCount = count;
+    queue.pQueuePriorities = priorities;
+    queues.push_back(queue);
+  };
+  const bool same_family = chosen.compute_family == chosen.queue_family;
+  add_queues(chosen.queue_family, second_queue && same_family ? 2 : 1);
+  if (second_queue && !same_family) add_queues(chosen.compute_family, 1);
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &wanted.core};
-  info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
+  info.queueCreateInfoCount = uint32_t(queues.size());
+  info.pQueueCreateInfos = queues.data();
   VkDevice device = VK_NULL_HANDLE;
   const VkResult result = vkCreateDevice(chosen.physical, &info, nullptr, &device);
   if (result != VK_SUCCESS)
-    return fail(ErrorKind::device, "", "the device {} does not open: {}", chosen.info.name, result_name(result));
+    return std::unexpected(
+        start_error(result, fmt::format("the device {} does not open: {}", chosen.info.name, result_name(result))));
   return device;
 }
 
@@ -151,9 +159,11 @@ Expected<VkDevice> create_device(const Candidate& chosen) {
 Expected<std::vector<DeviceInfo>> list_devices() {
   const Expected<VkInstance> instance = create_instance(false, nullptr);
   if (!instance) return std::unexpected(instance.error());
-  std::vector<DeviceInfo> devices;
-  for (Candidate& candidate : find_candidates(*instance)) devices.push_back(std::move(candidate.info));
+  auto candidates = find_candidates(*instance);
   vkDestroyInstance(*instance, nullptr);
+  if (!candidates) return std::unexpected(candidates.error());
+  std::vector<DeviceInfo> devices;
+  for (Candidate& candidate : *candidates) devices.push_back(std::move(candidate.info));
   return devices;
 }
 
@@ -173,13 +183,15 @@ Expected<std::unique_ptr<Device>> Device::open(const DeviceOptions& options) {
   if (!instance) return std::unexpected(instance.error());
   device->instance_ = *instance;
 
-  const std::vector<Candidate> candidates = find_candidates(*instance);
+  const auto candidates = find_candidates(*instance);
+  if (!candidates) return std::unexpected(candidates.error());
   std::vector<DeviceInfo> infos;
-  for (const Candidate& candidate : candidates) infos.push_back(candidate.info);
+  for (const Candidate& candidate : *candidates) infos.push_back(candidate.info);
   const Expected<int> index = choose_device(infos, options.which);
   if (!index) return std::unexpected(index.error());
-  const Candidate& chosen = candidates[*index];
-  const Expected<VkDevice> handle = create_device(chosen);
+  const Candidate& chosen = (*candidates)[size_t(*index)];
+  const bool second_queue = chosen.second_queue && options.queues > 1;
+  const Expected<VkDevice> handle = create_device(chosen, second_queue);
   if (!handle) return std::unexpected(handle.error());
 
   device->info_ = chosen.info;
@@ -189,6 +201,11 @@ Expected<std::unique_ptr<Device>> Device::open(const DeviceOptions& options) {
   device->timestamp_period_ns_ = chosen.timestamp_period_ns;
   device->timestamp_mask_ = chosen.timestamp_bits >= 64 ? ~0ull : (1ull << chosen.timestamp_bits) - 1;
   vkGetDeviceQueue(*handle, chosen.queue_family, 0, &device->queue_);
+  device->compute_family_ = second_queue ? chosen.compute_family : chosen.queue_family;
+  device->compute_timestamps_ = (second_queue ? chosen.compute_timestamp_bits : chosen.timestamp_bits) > 0;
+  vkGetDeviceQueue(*handle, device->compute_family_, second_queue ? chosen.compute_index : 0, &device->compute_queue_);
+  if (device->compute_family_ != device->queue_family_)
+    device->shared_families_ = {device->queue_family_, device->compute_family_};
   vkGetPhysicalDeviceMemoryProperties(chosen.physical, &hidden.memory_types);
   if (options.validate) {
     const auto create =

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,11 +42,13 @@ struct DeviceInfo {
 struct DeviceOptions {
   std::string which;  // "": the best GPU, else the CPU device. "cpu", "gpu", an index, a UUID, part of a name: or fail
   bool validate = false;  // Khronos validation layer with synchronization checks; its absence is an error
+  int queues = 2;         // 1: no second queue, whatever the device has
 };
 
 Expected<std::vector<DeviceInfo>> list_devices();
 
-// The Vulkan instance, device and its one graphics+compute queue. No window, no surface.
+// The Vulkan instance, device and its graphics+compute queue, and beside it a second one for compute where the device
+// has one. No window, no surface.
 class Device {
  public:
   // Errors (device): no Vulkan, nothing that matches (lists what there is), a feature missing (names it and the fix:
@@ -61,6 +64,15 @@ class Device {
   VkDevice handle() const { return device_; }
   VkQueue queue() const { return queue_; }
   uint32_t queue_family() const { return queue_family_; }
+  VkQueue compute_queue() const { return compute_queue_; }  // the same one where there is no second
+  uint32_t compute_family() const { return compute_family_; }
+  bool has_second_queue() const { return compute_queue_ != queue_; }
+  bool compute_timestamps() const { return compute_timestamps_; }
+  // The families that share what both queues use; empty where one family serves both. What is made for them is
+  // CONCURRENT: no ownership changes hands, so no release and acquire have to meet. It costs nothing for buffers, and
+  // for images on the devices known to have such queues, but for compression on some, so images that one queue uses
+  // alone stay exclusive.
+  std::span<const uint32_t> shared_families() const { return shared_families_; }
   double timestamp_period_ns() const { return timestamp_period_ns_; }
   uint64_t timestamp_mask() const { return timestamp_mask_; }  // 0: the queue has no timestamps
   // Messages of the validation layer so far (warnings and errors), each once. Any message fails a test or a --validate
@@ -91,7 +103,10 @@ class Device {
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
-  uint32_t queue_family_ = 0;
+  VkQueue compute_queue_ = VK_NULL_HANDLE;
+  uint32_t queue_family_ = 0, compute_family_ = 0;
+  bool compute_timestamps_ = false;
+  std::vector<uint32_t> shared_families_;
   double timestamp_period_ns_ = 1;
   uint64_t timestamp_mask_ = 0;
 };

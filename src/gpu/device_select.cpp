@@ -3,6 +3,8 @@
 #include <cctype>
 #include <cstring>
 
+#include "base/process.h"
+
 namespace candela::gpu {
 
 namespace {
@@ -215,20 +217,12 @@ std::string why_unusable(VkPhysicalDevice physical, const DeviceInfo& info) {
   return missing.empty() ? "" : fmt::format("lacks {}: {}", missing, remedy(info));
 }
 
-// The queue family that does graphics and compute; the families are one bit set each, and the first that fits is taken.
-bool find_queue(Candidate& candidate) {
+bool find_queues(Candidate& candidate) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(candidate.physical, &count, families.data());
-  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  for (uint32_t i = 0; i < count; ++i) {
-    if ((families[i].queueFlags & needed) != needed) continue;
-    candidate.queue_family = i;
-    candidate.timestamp_bits = families[i].timestampValidBits;
-    return true;
-  }
-  return false;
+  return choose_queues(families, candidate);
 }
 
 bool has_validation_layer() {
@@ -267,18 +261,37 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
   enable(wanted.v13, required_13);
 }
 
-std::vector<Candidate> find_candidates(VkInstance instance) {
+Error start_error(VkResult result, std::string message) {
+  const bool no_memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const std::string missing = no_memory ? "memory" : what_runs_out();
+  if (missing.empty()) return {ErrorKind::device, std::move(message), ""};
+  return {ErrorKind::out_of_memory,
+          fmt::format("{} ran out while Vulkan started ({}); raise the limit (ulimit, the container's) or end other "
+                      "programs",
+                      missing, message),
+          ""};
+}
+
+Expected<std::vector<Candidate>> find_candidates(VkInstance instance) {
+  const auto failed = [](VkResult result) {
+    return std::unexpected(start_error(result, fmt::format("vkEnumeratePhysicalDevices: error {}", int(result))));
+  };
   uint32_t count = 0;
-  if (vkEnumeratePhysicalDevices(instance, &count, nullptr) != VK_SUCCESS) return {};
+  if (const VkResult result = vkEnumeratePhysicalDevices(instance, &count, nullptr); result != VK_SUCCESS)
+    return failed(result);
   std::vector<VkPhysicalDevice> physical(count);
-  if (vkEnumeratePhysicalDevices(instance, &count, physical.data()) != VK_SUCCESS) return {};
+  if (const VkResult result = vkEnumeratePhysicalDevices(instance, &count, physical.data()); result != VK_SUCCESS)
+    return failed(result);
+  if (count == 0)
+    if (Error error = start_error(VK_SUCCESS, "no device"); error.kind == ErrorKind::out_of_memory)
+      return std::unexpected(std::move(error));
   std::vector<Candidate> candidates;
   for (uint32_t i = 0; i < count; ++i) {
     Candidate candidate;
     candidate.physical = physical[i];
     candidate.info = describe_physical(physical[i], int(i));
     candidate.info.unusable = why_unusable(physical[i], candidate.info);
-    if (!find_queue(candidate) && candidate.info.unusable.empty())
+    if (!find_queues(candidate) && candidate.info.unusable.empty())
       candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical[i], &properties);
@@ -286,6 +299,25 @@ std::vector<Candidate> find_candidates(VkInstance instance) {
     candidates.push_back(std::move(candidate));
   }
   return candidates;
+}
+
+bool choose_queues(std::span<const VkQueueFamilyProperties> families, Candidate& candidate) {
+  constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const auto main = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& family) {
+    return (family.queueFlags & needed) == needed;
+  });
+  if (main == families.end()) return false;
+  candidate.queue_family = uint32_t(main - families.begin());
+  candidate.timestamp_bits = main->timestampValidBits;
+  const auto alone = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& family) {
+    return (family.queueFlags & needed) == VK_QUEUE_COMPUTE_BIT && family.queueCount > 0;
+  });
+  const auto second = alone != families.end() ? alone : main;
+  candidate.second_queue = second != main || main->queueCount > 1;
+  candidate.compute_family = uint32_t(second - families.begin());
+  candidate.compute_index = second == main && candidate.second_queue ? 1 : 0;
+  candidate.compute_timestamp_bits = second->timestampValidBits;
+  return true;
 }
 
 Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_view which) {
@@ -307,6 +339,8 @@ Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_vie
 }
 
 Expected<VkInstance> create_instance(bool validate, const void* next) {
+  if (Error error = start_error(VK_SUCCESS, "before the driver was opened"); error.kind == ErrorKind::out_of_memory)
+    return std::unexpected(std::move(error));
   if (validate && !has_validation_layer())
     return fail(ErrorKind::device, "", "{} is not installed; install vulkan-validationlayers", validation_layer);
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
@@ -325,9 +359,11 @@ Expected<VkInstance> create_instance(bool validate, const void* next) {
   VkInstance instance = VK_NULL_HANDLE;
   const VkResult result = vkCreateInstance(&info, nullptr, &instance);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    return fail(ErrorKind::device, "", "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports");
+    return std::unexpected(
+        start_error(result, "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports"));
   if (result != VK_SUCCESS)
-    return fail(ErrorKind::device, "", "Vulkan does not start (vkCreateInstance: error {})", int(result));
+    return std::unexpected(
+        start_error(result, fmt::format("Vulkan does not start (vkCreateInstance: error {})", int(result))));
   return instance;
 }
 

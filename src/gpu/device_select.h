@@ -29,14 +29,25 @@ struct Candidate {
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   DeviceInfo info;
   uint32_t queue_family = 0;
+  // A second queue that computes beside the first: of a family without graphics where there is one, else one more of
+  // the first one's.
+  bool second_queue = false;
+  uint32_t compute_family = 0, compute_index = 0, compute_timestamp_bits = 0;
   uint32_t timestamp_bits = 0;
   double timestamp_period_ns = 1;
 };
-std::vector<Candidate> find_candidates(VkInstance instance);
+Expected<std::vector<Candidate>> find_candidates(VkInstance instance);
+
+// Sets the queues of a candidate from its families; false where none does graphics and compute. Pure.
+bool choose_queues(std::span<const VkQueueFamilyProperties> families, Candidate& candidate);
 
 // Index into `devices` of the one that `which` means (DeviceOptions::which). Pure.
 Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_view which);
 
 Expected<VkInstance> create_instance(bool validate, const void* next);
+
+// Why Vulkan did not start: out of memory where memory or threads ran out, which loaders and drivers report as a driver
+// or a device that is not there, else an error of the device with `message`.
+Error start_error(VkResult result, std::string message);
 
 }  // namespace candela::gpu

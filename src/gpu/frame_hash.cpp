@@ -127,7 +127,7 @@ void OutputHasher::hash_outputs(const FrameContext& frame, size_t pass, QueueWor
     const auto* image = std::get_if<ImageDesc>(&resource.desc);
     PassHash hash{planned.name, resource.name() + (image ? range_text(use.range, *image) : ""), {}, 0};
     const bool multisampled = image && image->samples > 1;
-    if (multisampled && !frame.physical.image(use.resource).sampled) {
+    if (multisampled && (!frame.physical.image(use.resource).sampled || has_stencil(image->format))) {
       hash.resource += " (multisampled, not hashed)";
       hashes.push_back(std::move(hash));
       continue;

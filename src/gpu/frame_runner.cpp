@@ -1,5 +1,6 @@
 #include "gpu/frame_runner.h"
 
+#include <array>
 #include <chrono>
 
 #include "base/check.h"
@@ -48,7 +49,7 @@ struct FrameSlot {
   bool given_up = false;                // a wait failed; whatever it holds stays until the device is done
   QueueWork work;                       // last: its end waits for the device, before what the device uses goes
 
-  FrameSlot(Device& device, size_t i) : index(i), timing(device), work(device) {}
+  FrameSlot(Device& device, QueueTimelines& timelines, size_t i) : index(i), timing(device), work(device, timelines) {}
   void wait(size_t first, size_t last, double timeout_s);
   void finish(double timeout_s);
   void wait_if_given_up();
@@ -111,10 +112,15 @@ struct FrameRunner::Hidden {
   bool copyable = false;
   std::array<uint32_t, 3> max_groups{};
   FrameTicket last_ticket = 0;
+  QueueTimelines timelines;
   std::vector<std::unique_ptr<FrameSlot>> slots;  // as many as frames were ever in flight at once
 
   Hidden(Device& d, Bindless& b, ShaderCompiler compiler, std::filesystem::path cache_folder)
-      : device(d), bindless(b), pipelines(d, b, std::move(compiler), std::move(cache_folder)), hasher(d, b, pipelines) {
+      : device(d),
+        bindless(b),
+        pipelines(d, b, std::move(compiler), std::move(cache_folder)),
+        hasher(d, b, pipelines),
+        timelines(d) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(d.physical(), &properties);
     std::copy_n(properties.limits.maxComputeWorkGroupCount, 3, max_groups.begin());
@@ -128,7 +134,9 @@ struct FrameRunner::Hidden {
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
   void submit_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed, FrameSlot& slot);
-  void read_times(const FramePlan& plan, FrameSlot& slot) const;
+  void submit_batches(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options,
+                      FrameSlot& slot);
+  void read_times(const FramePlan& plan, const RunOptions& options, FrameSlot& slot) const;
   void run_isolated(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options, double timeout_s,
                     FrameSlot& slot);
 };
@@ -198,7 +206,7 @@ FrameSlot& FrameRunner::Hidden::take_slot() {
   for (const auto& slot : slots) slot->wait_if_given_up();
   for (const auto& slot : slots)
     if (!slot->pending) return *slot;
-  slots.push_back(std::make_unique<FrameSlot>(device, slots.size()));
+  slots.push_back(std::make_unique<FrameSlot>(device, timelines, slots.size()));
   return *slots.back();
 }
 
@@ -254,7 +262,6 @@ void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const Compiled
   const uint32_t passes = uint32_t(graph.plan.passes.size());
   FrameRun& result = slot.pending->result;
   Stopwatch watch;
-  const bool after_another = in_flight();
   VkCommandBuffer commands = slot.work.begin();
   slot.timing.reset(passes + 1);
   const auto stamp = [&](uint32_t index) {
@@ -263,7 +270,7 @@ void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const Compiled
     else if (slot.timing.available())
       slot.timing.mark(commands, index);
   };
-  if (after_another) full_barrier(commands);  // its images and buffers are the frame before's
+  if (frame.after_another) full_barrier(commands);  // its images and buffers are the frame before's
   stamp(0);
   fill_buffers(frame, commands, false);
   for (uint32_t pass = 0; pass < passes; ++pass) {
@@ -276,9 +283,63 @@ void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const Compiled
   result.submit_ms = watch.lap_ms();
 }
 
-void FrameRunner::Hidden::read_times(const FramePlan& plan, FrameSlot& slot) const {
-  for (uint32_t pass = 0; pass < plan.passes.size(); ++pass)
-    slot.pending->result.passes.push_back({plan.passes[pass].name, slot.timing.between_ms(pass, pass + 1)});
+// A command buffer for each batch, and around them one that fills buffers and one that ends the frame. The first waits
+// for the frame before, and every other, by the order of its queue or by what it waits for, for the first.
+void FrameRunner::Hidden::submit_batches(const FrameContext& frame, const CompiledGraph& graph,
+                                         const RunOptions& options, FrameSlot& slot) {
+  const FramePlan& plan = graph.plan;
+  const uint32_t passes = uint32_t(plan.passes.size());
+  FrameRun& result = slot.pending->result;
+  Stopwatch watch;
+  slot.work.restart();
+  slot.timing.reset(passes + 2);
+  const bool whole = options.whole && slot.timing.available();
+  QueueWork::Point filled, ended;
+  VkCommandBuffer commands = slot.work.add(Queue::main, {}, filled);
+  if (frame.after_another) full_barrier(commands);
+  if (whole) slot.timing.post(commands, passes);
+  fill_buffers(frame, commands, false);
+
+  std::vector<QueueBatch> batches = plan.batches;
+  if (batches.empty()) batches.resize(1);
+  for (int pass = 0; plan.batches.empty() && pass < int(passes); ++pass) batches[0].passes.push_back(pass);
+  std::vector<int> order = options.batch_order;
+  for (int batch = 0; order.size() < batches.size(); ++batch) order.push_back(batch);
+  std::vector<QueueWork::Point> reached(batches.size());
+  std::array<std::optional<QueueWork::Point>, 2> last;
+  for (const int index : order) {
+    const QueueBatch& batch = batches[size_t(index)];
+    std::vector<QueueWork::Point> waits;
+    if (!last[size_t(batch.queue)]) waits.push_back(filled);
+    for (const int wait : batch.waits) waits.push_back(reached[size_t(wait)]);
+    QueueWork::Point& point = reached[size_t(index)];
+    commands = slot.work.add(options.one_queue ? Queue::main : batch.queue, std::move(waits), point);
+    last[size_t(batch.queue)] = point;
+    const bool marks = slot.timing.available() && (point.queue == Queue::main || device.compute_timestamps());
+    for (const int pass : batch.passes) {
+      if (marks) slot.timing.mark(commands, uint32_t(pass));
+      record_pass(frame, graph, size_t(pass), commands);
+    }
+  }
+  std::vector<QueueWork::Point> waits;
+  for (const auto& point : last)
+    if (point) waits.push_back(*point);
+  commands = slot.work.add(Queue::main, std::move(waits), ended);
+  record_barriers(frame, plan.final_barriers, commands);
+  if (whole) slot.timing.post(commands, passes + 1);
+  result.record_ms = watch.lap_ms();
+  slot.work.submit();
+  result.submit_ms = watch.lap_ms();
+}
+
+void FrameRunner::Hidden::read_times(const FramePlan& plan, const RunOptions& options, FrameSlot& slot) const {
+  const uint32_t passes = uint32_t(plan.passes.size());
+  FrameRun& result = slot.pending->result;
+  for (uint32_t pass = 0; options.timed && pass < passes; ++pass)
+    result.passes.push_back({plan.passes[pass].name, slot.timing.between_ms(pass, pass + 1)});
+  if (options.whole)
+    result.whole_ms = device.info().is_cpu || !slot.timing.available() ? result.submit_ms + result.wait_ms
+                                                                       : slot.timing.between_ms(passes, passes + 1);
 }
 
 // Every pass is its own submission with two stamps of its own, waited for: what a CPU driver needs for honest times
@@ -293,6 +354,7 @@ void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const Compiled
     Stopwatch watch;
     VkCommandBuffer commands = slot.work.begin();
     const bool stamps = options.timed && timing.available();
+    if (!frame.plan.batches.empty()) full_barrier(commands);  // stands for what a batch waits for
     if (stamps) slot.timing.reset(2);
     if (stamps) timing.post(commands, 0);
     if (pass == 0) fill_buffers(frame, commands, options.hash_outputs);
@@ -317,7 +379,7 @@ FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, 
   Hidden& h = *hidden_;
   CHECK_MSG(h.prepared == plan_hash(graph.plan), "a frame of a plan that was not prepared");
   CHECK(graph.record.size() == graph.plan.passes.size());
-  const bool alone = options.timed || options.hash_outputs;
+  const bool alone = options.timed || options.hash_outputs || options.whole;
   if (alone) h.finish_all(timeout_s);
   if (options.hash_outputs && !h.copyable) h.rebuild(graph.plan, true, timeout_s);
   FrameSlot& slot = h.take_slot();
@@ -330,14 +392,18 @@ FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, 
   try {
     FrameContext frame = h.context(graph.plan, imports, slot);
     frame.hashed = options.hash_outputs;
+    frame.after_another = h.in_flight() || !graph.plan.batches.empty();
     h.physical->bind_uniforms(graph.plan, slot.index, frame.buffers);
     if (options.hash_outputs || (options.timed && (h.device.info().is_cpu || !slot.timing.available()))) {
       h.run_isolated(frame, graph, options, timeout_s, slot);
     } else {
-      h.submit_whole(frame, graph, options.timed, slot);
-      if (options.timed) {
+      if (options.whole || (!options.timed && !graph.plan.batches.empty()))
+        h.submit_batches(frame, graph, options, slot);
+      else
+        h.submit_whole(frame, graph, options.timed, slot);
+      if (alone) {
         slot.finish(timeout_s);
-        h.read_times(graph.plan, slot);
+        h.read_times(graph.plan, options, slot);
       }
     }
   } catch (...) {

@@ -31,6 +31,10 @@ class Readback {
 struct RunOptions {
   bool timed = false;  // stamps per pass; on a CPU device every pass is then its own submission (DESIGN section 6)
   bool hash_outputs = false;  // after each pass, hash everything it wrote and count non-finite values (debugging; slow)
+  // The frame's time as a whole (FrameRun::whole_ms), whatever runs side by side in it.
+  bool whole = false;
+  bool one_queue = false;        // passes of the compute queue run on the main one
+  std::vector<int> batch_order;  // of the plan's batches; empty: the plan's own
 };
 struct PassHash {
   std::string pass, resource;
@@ -40,6 +44,7 @@ struct PassHash {
 struct FrameRun {
   std::vector<PassTime> passes;                        // when timed; they sum to frame_gpu_ms
   double frame_gpu_ms = 0;                             // the sum of passes: isolated timing, nothing overlaps
+  double whole_ms = 0;                                 // on the device, or the host's wait for it where that is a CPU
   double record_ms = 0, submit_ms = 0, wait_ms = 0;    // CPU
   std::map<int, std::shared_ptr<Readback>> readbacks;  // by resource of sink buffers with memory host_read
   std::vector<PassHash> hashes;
@@ -61,6 +66,9 @@ using FrameTicket = uint64_t;  // of a frame that was submitted and not yet coll
 // Frames in flight share the plan's images and device buffers: a frame begins on the device when the one before has
 // ended there, so what overlaps is the host's work with the device's. What an older plan owned lives until the frames
 // that use it are done.
+//
+// Batches of a plan with two queues run on both where the device has a second one, ordered by timeline semaphores, else
+// one after another on the one queue. Timed and hashed runs are serial.
 class FrameRunner {
  public:
   FrameRunner(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);

@@ -7,9 +7,11 @@ VkExtent3D mip_extent(const ImageDesc& desc, uint32_t mip) {
 }
 
 namespace {
+uint32_t copied_bytes(VkFormat format) { return has_stencil(format) ? 4 : format_bytes(format); }
+
 uint64_t mip_bytes(const ImageDesc& desc, uint32_t mip, uint32_t layers) {
   const VkExtent3D extent = mip_extent(desc, mip);
-  return uint64_t(extent.width) * extent.height * extent.depth * layers * format_bytes(desc.format);
+  return uint64_t(extent.width) * extent.height * extent.depth * layers * copied_bytes(desc.format);
 }
 }  // namespace
 
@@ -20,7 +22,7 @@ std::vector<VkBufferImageCopy> copy_regions(const ImageDesc& desc, const Physica
   for (uint32_t mip = range.first_mip; mip < range.first_mip + range.mip_count; ++mip) {
     VkBufferImageCopy region{};
     region.bufferOffset = offset;
-    region.imageSubresource = {image.aspect, mip, range.first_layer, range.layer_count};
+    region.imageSubresource = {image.texels, mip, range.first_layer, range.layer_count};
     region.imageExtent = mip_extent(desc, mip);
     regions.push_back(region);
     offset += mip_bytes(desc, mip, range.layer_count);

@@ -13,7 +13,7 @@ Hash128 physical_key(const FramePlan& plan) {
     const PlanResource& resource = plan.resources[i];
     if (resource.first_pass < 0 || resource.imported) continue;
     key.insert(key.end(), {i, uint64_t(resource.lifetime), uint64_t(int64_t(resource.block)), resource.image_usage,
-                           resource.buffer_usage});
+                           resource.buffer_usage, resource.both_queues});
     if (const auto* image = std::get_if<ImageDesc>(&resource.desc))
       key.insert(key.end(), {uint64_t(image->format), image->width_px, image->height_px, image->samples,
                              uint64_t(image->kind), image->mips, image->layers, image->depth_px});
@@ -92,7 +92,8 @@ void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint3
   device_.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, uint64_t(images.set), pass.name);
   for (const PlanUse& use : pass.uses) {
     const bool sampled = use.access == Access::sampled_fragment || use.access == Access::sampled_compute;
-    const bool storage = use.access == Access::storage_image_write || use.access == Access::storage_image_read_write;
+    const bool storage = use.access == Access::storage_image_write || use.access == Access::storage_image_read_write ||
+                         use.access == Access::storage_image_read;
     if ((!sampled && !storage) || !use.in_step(step)) continue;
     auto& places = sampled ? images.sampled : images.storage;
     const ViewKey key = view_key(use);
@@ -159,13 +160,15 @@ void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalI
   info.arrayLayers = desc.layers;
   info.samples = VkSampleCountFlagBits(desc.samples);
   info.usage = resource.image_usage;
+  if (resource.both_queues) share(device_, info);
   if (copyable) {
     const VkImageUsageFlags more = desc.samples > 1 ? VK_IMAGE_USAGE_SAMPLED_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     if (desc.samples == 1 || can_make(device_.physical(), info, info.usage | more)) info.usage |= more;
   }
   image.sampled = info.usage & VK_IMAGE_USAGE_SAMPLED_BIT;
   VK_CHECK(vkCreateImage(device_.handle(), &info, nullptr, &image.image));
-  image.aspect = is_depth_format(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  image.texels = is_depth_format(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  image.aspect = image.texels | (has_stencil(desc.format) ? VK_IMAGE_ASPECT_STENCIL_BIT : 0);
   device_.set_name(VK_OBJECT_TYPE_IMAGE, uint64_t(image.image), desc.name);
 }
 
@@ -213,6 +216,7 @@ void Physical::make_views(const FramePlan& plan) {
       info.viewType = view_type(use.view);
       info.format = desc.format;
       info.subresourceRange = subresources(image, use.range);
+      if (!view_key(use).drawn) info.subresourceRange.aspectMask = image.texels;
       VkImageView& view = views_[view_key(use)];
       VK_CHECK(vkCreateImageView(device_.handle(), &info, nullptr, &view));
       device_.set_name(VK_OBJECT_TYPE_IMAGE_VIEW, uint64_t(view), desc.name + range_text(use.range, desc));

@@ -15,8 +15,9 @@ namespace candela::gpu {
 
 struct PhysicalImage {
   VkImage image = VK_NULL_HANDLE;
-  VkImageAspectFlags aspect = 0;
-  bool sampled = false;  // made with SAMPLED usage
+  VkImageAspectFlags aspect = 0;  // what barriers and attachments mean
+  VkImageAspectFlags texels = 0;  // what shaders read and copies move: depth, of depth and stencil
+  bool sampled = false;           // made with SAMPLED usage
 };
 
 inline VkImageSubresourceRange subresources(const PhysicalImage& image, const ImageRange& range) {
@@ -28,9 +29,14 @@ struct ViewKey {
   int resource = -1;
   ImageRange range;  // in numbers
   ImageKind kind = ImageKind::d2;
+  bool drawn = false;  // an attachment: of all aspects
   auto operator<=>(const ViewKey&) const = default;
 };
-inline ViewKey view_key(const PlanUse& use) { return {use.resource, use.range, use.view}; }
+inline ViewKey view_key(const PlanUse& use) {
+  constexpr VkImageUsageFlags attachments =
+      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  return {use.resource, use.range, use.view, (access_info(use.access).image_usage & attachments) != 0};
+}
 
 // The images that one step of a pass reaches through descriptors: its set 1, and each view's place in the two bindings.
 struct StepImages {

@@ -31,8 +31,14 @@ std::string key_of(const GraphicsPipelineDesc& d) {
   std::string key =
       fmt::format("{}|{}{}|{}|", d.vertex_shader, d.fragment_shader, key_of(d.constants), int(d.topology));
   for (const VkFormat format : d.color_formats) key += fmt::format("{},", int(format));
-  return key + fmt::format("|{} {} {} {} {} {}", int(d.depth_format), d.samples, int(d.depth_compare), d.depth_test,
-                           d.depth_write, int(d.blend));
+  key += fmt::format("|{} {} {} {} {} {}", int(d.depth_format), d.samples, int(d.depth_compare), d.depth_test,
+                     d.depth_write, int(d.blend));
+  for (const AttachmentState& a : d.attachments) key += fmt::format("|{} {}", int(a.blend), a.write_mask);
+  const StencilState& s = d.stencil;
+  if (d.stencil_test)
+    key += fmt::format("|stencil {} {} {} {} {} {} {}", int(s.compare), int(s.fail), int(s.depth_fail), int(s.pass),
+                       s.reference, s.read_mask, s.write_mask);
+  return key + fmt::format("|{} {} {}", d.depth_bias_constant, d.depth_bias_slope, d.depth_clamp);
 }
 std::string key_of(const PipelineDesc& desc) {
   return std::visit([](const auto& d) { return key_of(d); }, desc);
@@ -61,10 +67,10 @@ struct Specialization {
   VkSpecializationInfo info{};
 };
 
-VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
+VkPipelineColorBlendAttachmentState blend_state(const AttachmentState& attachment) {
+  const Blend blend = attachment.blend;
   VkPipelineColorBlendAttachmentState state{};
-  state.colorWriteMask =
-      VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  state.colorWriteMask = attachment.write_mask;  // Vulkan's bits, red to alpha
   state.blendEnable = blend != Blend::none;
   state.srcColorBlendFactor = state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
   state.dstColorBlendFactor = state.dstAlphaBlendFactor =
@@ -77,6 +83,7 @@ VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
 
 Pipelines::Pipelines(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder)
     : device_(device), bindless_(bindless), compiler_(std::move(compiler)), cache_folder_(std::move(cache_folder)) {
+  vkGetPhysicalDeviceFeatures(device.physical(), &features_);  // what is optional is on where it is present
   load_cache();
 }
 
@@ -241,14 +248,25 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   viewport.viewportCount = viewport.scissorCount = 1;
   VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
   raster.lineWidth = 1;
+  raster.depthBiasEnable = desc.depth_bias_constant != 0 || desc.depth_bias_slope != 0;
+  raster.depthBiasConstantFactor = desc.depth_bias_constant;
+  raster.depthBiasSlopeFactor = desc.depth_bias_slope;
+  raster.depthClampEnable = desc.depth_clamp;
+  if (desc.depth_clamp && !features_.depthClamp)
+    throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("depthClamp, for {}", desc.vertex_shader));
   VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   multisample.rasterizationSamples = VkSampleCountFlagBits(desc.samples);
   VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
   depth.depthTestEnable = desc.depth_test;
   depth.depthWriteEnable = desc.depth_write;
   depth.depthCompareOp = desc.depth_compare;
-  const std::vector<VkPipelineColorBlendAttachmentState> attachments(desc.color_formats.size(),
-                                                                     blend_state(desc.blend));
+  depth.stencilTestEnable = desc.stencil_test;
+  const StencilState& s = desc.stencil;
+  depth.front = depth.back = {s.fail, s.pass, s.depth_fail, s.compare, s.read_mask, s.write_mask, s.reference};
+  CHECK_MSG(desc.attachments.empty() || desc.attachments.size() == desc.color_formats.size(), desc.fragment_shader);
+  std::vector<VkPipelineColorBlendAttachmentState> attachments;
+  for (size_t i = 0; i < desc.color_formats.size(); ++i)
+    attachments.push_back(blend_state(desc.attachments.empty() ? AttachmentState{desc.blend} : desc.attachments[i]));
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = uint32_t(attachments.size());
   blend.pAttachments = attachments.data();
@@ -261,6 +279,7 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   rendering.colorAttachmentCount = uint32_t(desc.color_formats.size());
   rendering.pColorAttachmentFormats = desc.color_formats.data();
   rendering.depthAttachmentFormat = desc.depth_format;
+  if (has_stencil(desc.depth_format)) rendering.stencilAttachmentFormat = desc.depth_format;
 
   VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};
   info.stageCount = uint32_t(stages.size());

@@ -46,6 +46,7 @@ class Pipelines {
   Bindless& bindless_;
   ShaderCompiler compiler_;
   std::filesystem::path cache_folder_;
+  VkPhysicalDeviceFeatures features_{};
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   Hash128 on_disk_;  // of the data in the cache file
   struct Shader {

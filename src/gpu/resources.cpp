@@ -32,6 +32,7 @@ Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Me
     info.size =
         (std::max<uint64_t>(size_bytes, 16) + 3) & ~3ull;  // Vulkan has no empty buffers; fills go by four bytes
     info.usage = usage;
+    share(device, info);
     VK_CHECK(vkCreateBuffer(device.handle(), &info, nullptr, &buffer_));
     device.set_name(VK_OBJECT_TYPE_BUFFER, uint64_t(buffer_), name);
     VkMemoryRequirements needs;
@@ -89,6 +90,7 @@ Texture::Texture(Device& device, const TextureData& shape, const char* name) : d
     info.arrayLayers = 1;
     info.samples = VK_SAMPLE_COUNT_1_BIT;
     info.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    share(device, info);
     VK_CHECK(vkCreateImage(device.handle(), &info, nullptr, &image_));
     device.set_name(VK_OBJECT_TYPE_IMAGE, uint64_t(image_), name);
     VkMemoryRequirements needs;

@@ -37,6 +37,16 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
+// Of a buffer or an image to be made: usable by both queues (Device::shared_families).
+template <class CreateInfo>
+void share(const Device& device, CreateInfo& info) {
+  const std::span<const uint32_t> families = device.shared_families();
+  if (families.empty()) return;
+  info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+  info.queueFamilyIndexCount = uint32_t(families.size());
+  info.pQueueFamilyIndices = families.data();
+}
+
 // One mip chain of a texture on the CPU, tightly packed levels.
 struct TextureData {
   VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;

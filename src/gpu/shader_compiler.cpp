@@ -123,16 +123,21 @@ Expected<std::vector<uint32_t>> translate(const ShaderFiles& files, const std::s
   return spirv;
 }
 
-// A cache file is the hash of its words, then the words.
-std::optional<std::vector<uint32_t>> read_cached(const std::filesystem::path& path) {
+// A cache file is the key that it was made under, the hash of its words, and the words: a whole file under another
+// key's name is another shader.
+struct CachedHead {
+  Hash128 key, content;
+};
+
+std::optional<std::vector<uint32_t>> read_cached(const std::filesystem::path& path, const Hash128& key) {
   std::error_code absent;
   if (!std::filesystem::exists(path, absent)) return std::nullopt;
   const auto bytes = read_file(path);
-  if (!bytes || bytes->size() < sizeof(Hash128) + 5 * 4 || bytes->size() % 4 != 0) return std::nullopt;
-  const auto words = std::span(*bytes).subspan(sizeof(Hash128));
-  Hash128 stated;
-  std::memcpy(&stated, bytes->data(), sizeof stated);
-  if (hash128(words) != stated) return std::nullopt;
+  if (!bytes || bytes->size() < sizeof(CachedHead) + 5 * 4 || bytes->size() % 4 != 0) return std::nullopt;
+  const auto words = std::span(*bytes).subspan(sizeof(CachedHead));
+  CachedHead head;
+  std::memcpy(&head, bytes->data(), sizeof head);
+  if (head.key != key || head.content != hash128(words)) return std::nullopt;
   std::vector<uint32_t> spirv(words.size() / 4);
   std::memcpy(spirv.data(), words.data(), words.size());
   if (spirv[0] != spirv_magic) return std::nullopt;
@@ -140,12 +145,12 @@ std::optional<std::vector<uint32_t>> read_cached(const std::filesystem::path& pa
 }
 
 // A cache that cannot be written costs time, never the result.
-void write_cached(const std::filesystem::path& path, const std::vector<uint32_t>& spirv) {
+void write_cached(const std::filesystem::path& path, const Hash128& key, const std::vector<uint32_t>& spirv) {
   const auto words = std::as_bytes(std::span(spirv));
-  const Hash128 hash = hash128(words);
-  std::vector<std::byte> bytes(sizeof hash + words.size());
-  std::memcpy(bytes.data(), &hash, sizeof hash);
-  std::memcpy(bytes.data() + sizeof hash, words.data(), words.size());
+  const CachedHead head{key, hash128(words)};
+  std::vector<std::byte> bytes(sizeof head + words.size());
+  std::memcpy(bytes.data(), &head, sizeof head);
+  std::memcpy(bytes.data() + sizeof head, words.data(), words.size());
   std::error_code error;
   std::filesystem::create_directories(path.parent_path(), error);
   if (const auto written = write_file_atomically(path, bytes); !written)
@@ -166,21 +171,18 @@ Expected<ShaderCompiler::Result> ShaderCompiler::compile(const std::string& name
   Result result;
   for (const ShaderFile& f : files->files) result.files.push_back(f.name);
 
-  std::filesystem::path cached;
-  if (!cache_.empty()) {
-    const Hash128 key =
-        hash128(fmt::format("{} stage {} {} {}", files->hash().hex(), int(*stage), compiler_identity(), definitions));
-    cached = cache_ / "spirv" / (key.hex() + ".spv");
-    if (auto spirv = read_cached(cached)) {
-      result.spirv = std::move(*spirv);
-      result.from_cache = true;
-      return result;
-    }
+  const Hash128 key =
+      hash128(fmt::format("{} stage {} {} {}", files->hash().hex(), int(*stage), compiler_identity(), definitions));
+  const std::filesystem::path cached = cache_.empty() ? cache_ : cache_ / "spirv" / (key.hex() + ".spv");
+  if (auto spirv = cached.empty() ? std::nullopt : read_cached(cached, key)) {
+    result.spirv = std::move(*spirv);
+    result.from_cache = true;
+    return result;
   }
   Expected<std::vector<uint32_t>> spirv = translate(*files, definitions, *stage);
   if (!spirv) return std::unexpected(spirv.error());
   result.spirv = std::move(*spirv);
-  if (!cached.empty()) write_cached(cached, result.spirv);
+  if (!cached.empty()) write_cached(cached, key, result.spirv);
   return result;
 }
 

@@ -55,6 +55,8 @@ constexpr std::array<AccessInfo, access_count> table{{
     {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, none, 0,
      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, false, "indirect_read"},
     {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, none, 0, 0, false, "host_read"},
+    {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, storage_read, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_USAGE_STORAGE_BIT, 0,
+     false, "storage_image_read"},
 }};
 
 }  // namespace
@@ -67,6 +69,8 @@ const AccessInfo& access_info(Access access) {
 bool is_depth_format(VkFormat format) {
   return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
 }
+
+bool has_stencil(VkFormat format) { return format >= VK_FORMAT_S8_UINT && format <= VK_FORMAT_D32_SFLOAT_S8_UINT; }
 
 VkImageLayout image_layout(Access access, VkFormat format) {
   const bool sampled = access == Access::sampled_fragment || access == Access::sampled_compute;

@@ -30,9 +30,10 @@ enum class Access : uint8_t {
   fragment_write,  // integer atomics from fragment shaders (counters)
   index_read,
   indirect_read,
-  host_read,  // after the frame, by the CPU
+  host_read,           // after the frame, by the CPU
+  storage_image_read,  // images, compute: texels without a sampler, in the layout that a write in the same step has
 };
-constexpr int access_count = int(Access::host_read) + 1;
+constexpr int access_count = int(Access::storage_image_read) + 1;
 
 struct AccessInfo {
   VkPipelineStageFlags2 stages;
@@ -50,5 +51,6 @@ const AccessInfo& access_info(Access access);
 // sample it.
 VkImageLayout image_layout(Access access, VkFormat format);
 bool is_depth_format(VkFormat format);
+bool has_stencil(VkFormat format);
 
 }  // namespace candela

@@ -1,4 +1,5 @@
 #include "graph/builder.h"
+#include "graph/queues.h"
 
 // One walk over the ordered passes and their steps with the state of every buffer and subresource (DESIGN section 5):
 // the last write, who can see it, and the reads since. A change of layout counts as a write that happens between the
@@ -35,6 +36,7 @@ struct State {
   std::vector<Scope> visible;  // to whom the write already is
   std::vector<Read> reads;     // since the write
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  bool elsewhere = false;  // since this queue's last write, the other one used it: a semaphore stands between
 
   bool sees(const Scope& reader) const {
     VkPipelineStageFlags2 blind = reader.stages;
@@ -93,9 +95,16 @@ void update(State& state, const Need& need, bool changed_layout) {
     state.visible.clear();
     state.reads.clear();
     if (!need.writes) state.visible.push_back(need.all);
+    state.elsewhere = false;
   }
   if (!need.writes) state.reads.push_back({need.all.stages, 0});
   state.layout = need.layout;
+}
+
+// What the other queue did is ordered by semaphores, which make every write available and visible.
+void update_from_other_queue(State& state, const Need& need) {
+  if (need.writes || state.layout != need.layout) state = {.layout = need.layout};
+  state.elsewhere = true;
 }
 
 uint32_t layers_of(const PlanResource& resource) {
@@ -139,17 +148,25 @@ void add_merged(const std::vector<ImageBarrier>& fresh, std::vector<ImageBarrier
   }
 }
 
+// The walk of one queue: over its own passes with barriers, and over the other's for what they leave behind.
 class Walk {
  public:
-  explicit Walk(const FramePlan& plan) : plan_(plan), states_(plan.resources.size()) {
+  Walk(const FramePlan& plan, Queue queue) : plan_(plan), queue_(queue), states_(plan.resources.size()) {
     for (size_t i = 0; i < states_.size(); ++i) {
       states_[i].resize(subresources_of(plan.resources[i]));
       const auto* buffer = std::get_if<BufferDesc>(&plan.resources[i].desc);
-      if (buffer && buffer->zeroed && !plan.resources[i].imported)  // filled by the executor before the first pass
+      const bool filled = buffer && buffer->zeroed && !plan.resources[i].imported;  // on the main queue, before all
+      if (filled && queue == Queue::main)
         states_[i][0].write = {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
     }
   }
   const State& buffer(size_t resource) const { return states_[resource][0]; }
+
+  void other_queue(const PlanPass& pass) {
+    for (uint32_t step = 0; step < pass.steps(); ++step)
+      for (const Need& need : needs_of(pass, step))
+        update_from_other_queue(states_[need.resource][need.subresource], need);
+  }
 
   PassBarriers before_step(const PlanPass& pass, uint32_t step) {
     PassBarriers barriers;
@@ -204,8 +221,9 @@ class Walk {
       Need& need = needs[subresource];
       need.resource = use.resource;
       need.subresource = subresource;
-      need.scopes.push_back({info.stages, info.mask});
-      need.all.stages |= info.stages;
+      const VkPipelineStageFlags2 stages = info.stages & stages_of(queue_);
+      need.scopes.push_back({stages, info.mask});
+      need.all.stages |= stages;
       need.all.access |= info.mask;
       need.writes |= use.writes;
       if (const auto* image = std::get_if<ImageDesc>(&resource.desc))
@@ -215,21 +233,26 @@ class Walk {
 
   ImageBarrier transition(const Need& need, const State& state) const {
     Scope source = state.last();
+    bool elsewhere = state.elsewhere;
     if (state.layout == VK_IMAGE_LAYOUT_UNDEFINED) {
       for (const int before : predecessors_in_block(need.resource))
         for (const State& part : states_[before]) {
-          source.stages |= part.last().stages;
-          source.access |= part.last().access;
+          const Scope other = part.last();
+          source.stages |= other.stages;
+          source.access |= other.access;
+          elsewhere |= part.elsewhere;
         }
     }
+    // The semaphore's wait covers every stage; a chain from it to the change of layout needs one of them.
+    if (elsewhere) source.stages |= need.all.stages;
     const uint32_t layers = layers_of(plan_.resources[need.resource]);
     const ImageRange range{uint32_t(need.subresource) / layers, 1, uint32_t(need.subresource) % layers, 1};
     return {need.resource,   source.stages, need.all.stages, source.access,
             need.all.access, state.layout,  need.layout,     range};
   }
 
-  // The images that had the memory block before, newest first, back to one that is as large: a smaller one took over
-  // only its part of the memory, and the rest is still as an older one left it.
+  // The images that had the memory block before, newest first, back to one that is as large and was used whole: a
+  // smaller one took over only its part of the memory, and the rest is still as an older one left it.
   std::vector<int> predecessors_in_block(int resource) const {
     const PlanResource& image = plan_.resources[resource];
     std::vector<int> before;
@@ -241,31 +264,40 @@ class Walk {
     }
     std::sort(before.begin(), before.end(),
               [&](int a, int b) { return plan_.resources[a].last_pass > plan_.resources[b].last_pass; });
-    const auto covers = [&](int other) { return plan_.resources[other].bytes >= image.bytes; };
+    const auto covers = [&](int other) {
+      return plan_.resources[other].bytes >= image.bytes &&
+             std::all_of(states_[other].begin(), states_[other].end(),
+                         [](const State& part) { return part.layout != VK_IMAGE_LAYOUT_UNDEFINED; });
+    };
     const auto last = std::find_if(before.begin(), before.end(), covers);
     if (last != before.end()) before.erase(last + 1, before.end());
     return before;
   }
 
   const FramePlan& plan_;
+  Queue queue_;
   std::vector<std::vector<State>> states_;  // by resource and subresource
 };
 
 }  // namespace
 
 void place_barriers(FramePlan& plan) {
-  Walk walk(plan);
+  std::array<Walk, queue_count> walks{Walk(plan, Queue::main), Walk(plan, Queue::compute)};
   for (PlanPass& pass : plan.passes) {
-    pass.barriers = walk.before_step(pass, 0);
-    for (uint32_t step = 1; step < pass.steps(); ++step) pass.step_barriers[step - 1] = walk.before_step(pass, step);
+    Walk& own = walks[size_t(pass.queue)];
+    pass.barriers = own.before_step(pass, 0);
+    for (uint32_t step = 1; step < pass.steps(); ++step) pass.step_barriers[step - 1] = own.before_step(pass, step);
+    if (!plan.batches.empty()) walks[1 - size_t(pass.queue)].other_queue(pass);
   }
 
   plan.final_barriers = {};
   const AccessInfo& host = access_info(Access::host_read);
   for (size_t i = 0; i < plan.resources.size(); ++i) {
     if (plan.resources[i].lifetime != Lifetime::readback || plan.resources[i].first_pass < 0) continue;
-    plan.final_barriers.source_stages |= walk.buffer(i).write.stages;
-    plan.final_barriers.source_access |= walk.buffer(i).write.access;
+    for (const Walk& walk : walks) {
+      plan.final_barriers.source_stages |= walk.buffer(i).write.stages;
+      plan.final_barriers.source_access |= walk.buffer(i).write.access;
+    }
     plan.final_barriers.destination_stages |= host.stages;
     plan.final_barriers.destination_access |= host.mask;
   }

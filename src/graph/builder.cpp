@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "base/check.h"
+#include "graph/queues.h"
 
 namespace candela {
 namespace {
@@ -117,6 +118,12 @@ void GraphBuilder::check_fits(const Resource& resource, Access access) const {
   const AccessInfo& info = access_info(access);
   if (access == Access::host_read) refuse(resource.name(), "host_read is no access of a pass; call sink");
   const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  if (passes_.back().queue == Queue::compute) {
+    if ((info.stages & stages_of(Queue::compute)) == 0)
+      refuse(resource.name(), fmt::format("{} in a pass of the compute queue, which does not draw", info.name));
+    if (image && is_depth_format(image->format) && (info.stages & VK_PIPELINE_STAGE_2_TRANSFER_BIT))
+      refuse(resource.name(), "the compute queue copies no depth images");
+  }
   if (!image) {
     if (info.buffer_usage == 0) refuse(resource.name(), fmt::format("{} does not fit a buffer", info.name));
     return;
@@ -258,6 +265,9 @@ void GraphBuilder::begin_step() {
 template <class Desc>
 PipelineHandle GraphBuilder::pipeline_any(Desc desc) {
   require_open("pipeline");
+  if constexpr (std::is_same_v<Desc, GraphicsPipelineDesc>)
+    if (passes_.back().queue == Queue::compute)
+      refuse(desc.vertex_shader, "a graphics pipeline in a pass of the compute queue");
   const PipelineDesc wanted(std::move(desc));
   auto place = std::find(pipelines_.begin(), pipelines_.end(), wanted);
   if (place == pipelines_.end()) place = pipelines_.insert(place, wanted);

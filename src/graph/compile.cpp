@@ -1,5 +1,6 @@
 #include "base/check.h"
 #include "graph/builder.h"
+#include "graph/queues.h"
 
 namespace candela {
 namespace {
@@ -110,6 +111,7 @@ CompiledGraph compile_graph(const GraphBuilder& builder) {
   order(builder, kept, graph);
   make_physical(builder, graph.plan);
   mark_first_writes(graph.plan);
+  place_batches(graph.plan);
   alias_memory(graph.plan);
   place_barriers(graph.plan);
   return graph;

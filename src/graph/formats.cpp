@@ -48,6 +48,7 @@ constexpr FormatInfo formats[] = {
     {VK_FORMAT_R32G32B32A32_SFLOAT, "R32G32B32A32_SFLOAT", 16},
     {VK_FORMAT_D16_UNORM, "D16_UNORM", 2},
     {VK_FORMAT_D32_SFLOAT, "D32_SFLOAT", 4},
+    {VK_FORMAT_D32_SFLOAT_S8_UINT, "D32_SFLOAT_S8_UINT", 5},  // copies move its depth alone: 4
 };
 
 const FormatInfo& format_info(VkFormat format) {

@@ -26,6 +26,21 @@ struct ComputePipelineDesc {
 
 enum class Blend : uint8_t { none, premultiplied_over, additive };
 
+// Of one colour attachment: how it blends, and which channels are written (bit 0 red to bit 3 alpha).
+struct AttachmentState {
+  Blend blend = Blend::none;
+  uint8_t write_mask = 0xf;
+  bool operator==(const AttachmentState&) const = default;
+};
+
+// Both faces alike. What the test does with the stored value: it compares (reference & mask) with (stored & mask).
+struct StencilState {
+  VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
+  VkStencilOp fail = VK_STENCIL_OP_KEEP, depth_fail = VK_STENCIL_OP_KEEP, pass = VK_STENCIL_OP_KEEP;
+  uint8_t reference = 0, read_mask = 0xff, write_mask = 0xff;
+  bool operator==(const StencilState&) const = default;
+};
+
 struct GraphicsPipelineDesc {
   std::string vertex_shader, fragment_shader;  // fragment empty: depth only
   std::vector<SpecConstant> constants;         // both stages
@@ -35,7 +50,14 @@ struct GraphicsPipelineDesc {
   uint32_t samples = 1;
   VkCompareOp depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;  // reversed depth
   bool depth_test = false, depth_write = false;
-  Blend blend = Blend::none;
+  Blend blend = Blend::none;                 // of every colour attachment, unless `attachments` says more
+  std::vector<AttachmentState> attachments;  // empty, or one for each colour attachment
+  bool stencil_test = false;                 // the depth format holds stencil
+  StencilState stencil;
+  // Added to depth: constant in units of the format's precision (floats: of the largest depth's exponent), slope in the
+  // larger derivative. Depth is reversed, so away from the camera is negative.
+  float depth_bias_constant = 0, depth_bias_slope = 0;
+  bool depth_clamp = false;  // nothing is clipped at the near and far plane; a feature of the device
   // cull mode and front face are dynamic state: CommandList::set_cull.
   bool operator==(const GraphicsPipelineDesc&) const = default;
 };

@@ -86,6 +86,13 @@ struct PlanPass {
   const PassBarriers& barriers_before(uint32_t step) const { return step ? step_barriers[step - 1] : barriers; }
 };
 
+// Passes that run on one queue without waiting for the other in between.
+struct QueueBatch {
+  Queue queue = Queue::main;
+  std::vector<int> passes;  // positions in FramePlan::passes, in order
+  std::vector<int> waits;   // batches of the other queue that must have ended; they stand before this one
+};
+
 enum class Lifetime : uint8_t { scene, frame, readback };  // imported, transient, read by the host
 struct PlanResource {
   std::variant<ImageDesc, BufferDesc> desc;
@@ -96,6 +103,7 @@ struct PlanResource {
   int first_pass = -1, last_pass = -1;  // positions in FramePlan::passes; -1: unused, owns nothing
   int block = -1;                       // transient images share memory blocks where lifetimes are disjoint
   uint64_t bytes = 0;                   // estimate: size without padding
+  bool both_queues = false;             // passes of both queues use it
   const std::string& name() const {
     return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
   }
@@ -116,6 +124,7 @@ struct FramePlan {
   std::vector<LeftOut> left_out;
   std::vector<uint64_t> block_bytes;  // estimate for each memory block
   PassBarriers final_barriers;        // after the last pass: host reads
+  std::vector<QueueBatch> batches;    // empty: one queue, all passes in order
 };
 
 std::vector<PlanKnob> plan_knobs(const FramePlan& plan);  // of all kept passes, each once, by first use

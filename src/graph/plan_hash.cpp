@@ -35,6 +35,24 @@ void add(Text& out, const GraphicsPipelineDesc& desc) {
   for (const uint64_t field : {uint64_t(desc.depth_format), uint64_t(desc.samples), uint64_t(desc.depth_compare),
                                uint64_t(desc.depth_test), uint64_t(desc.depth_write), uint64_t(desc.blend)})
     out.number(field);
+  if (!desc.attachments.empty()) {
+    out.word("attachments");
+    out.number(desc.attachments.size());
+    for (const AttachmentState& a : desc.attachments) out.number(uint64_t(a.blend)), out.number(a.write_mask);
+  }
+  if (desc.stencil_test) {
+    out.word("stencil");
+    const StencilState& s = desc.stencil;
+    for (const uint64_t field : {uint64_t(s.compare), uint64_t(s.fail), uint64_t(s.depth_fail), uint64_t(s.pass),
+                                 uint64_t(s.reference), uint64_t(s.read_mask), uint64_t(s.write_mask)})
+      out.number(field);
+  }
+  if (desc.depth_bias_constant != 0 || desc.depth_bias_slope != 0 || desc.depth_clamp) {
+    out.word("bias");
+    for (const uint32_t field : {std::bit_cast<uint32_t>(desc.depth_bias_constant),
+                                 std::bit_cast<uint32_t>(desc.depth_bias_slope), uint32_t(desc.depth_clamp)})
+      out.number(field);
+  }
 }
 void add(Text& out, const ImageDesc& desc) {
   out.string(desc.name);

@@ -20,15 +20,22 @@ Json to_json(const GraphicsPipelineDesc& desc) {
   Json formats = Json::array();
   for (const VkFormat format : desc.color_formats) formats.push_back(format_name(format));
   constexpr const char* blends[] = {"none", "premultiplied_over", "additive"};
-  return {{"kind", "graphics"},
-          {"vertex_shader", desc.vertex_shader},
-          {"fragment_shader", desc.fragment_shader},
-          {"constants", constants_json(desc.constants)},
-          {"color_formats", formats},
-          {"samples", desc.samples},
-          {"depth_test", desc.depth_test},
-          {"depth_write", desc.depth_write},
-          {"blend", blends[int(desc.blend)]}};
+  Json result = {{"kind", "graphics"},
+                 {"vertex_shader", desc.vertex_shader},
+                 {"fragment_shader", desc.fragment_shader},
+                 {"constants", constants_json(desc.constants)},
+                 {"color_formats", formats},
+                 {"samples", desc.samples},
+                 {"depth_test", desc.depth_test},
+                 {"depth_write", desc.depth_write},
+                 {"blend", blends[int(desc.blend)]}};
+  for (const AttachmentState& a : desc.attachments)
+    result["attachments"].push_back({{"blend", blends[int(a.blend)]}, {"write_mask", a.write_mask}});
+  if (desc.stencil_test) result["stencil_test"] = true;
+  if (desc.depth_bias_constant != 0 || desc.depth_bias_slope != 0)
+    result["depth_bias"] = {desc.depth_bias_constant, desc.depth_bias_slope};
+  if (desc.depth_clamp) result["depth_clamp"] = true;
+  return result;
 }
 
 Json knobs_json(const std::vector<PlanKnob>& knobs) {
@@ -105,14 +112,18 @@ std::string plan_json(const FramePlan& plan) {
   for (const LeftOut& l : plan.left_out) left_out.push_back({{"pass", l.pass}, {"reason", l.reason}});
   for (const PlanResource& resource : plan.resources)
     if (resource.first_pass >= 0) resources.push_back(resource_json(resource));
-  const Json result = {{"passes", passes},
-                       {"left_out", left_out},
-                       {"resources", resources},
-                       {"memory",
-                        {{"transient_bytes", transient_bytes(plan)},
-                         {"transient_bytes_unaliased", transient_bytes_unaliased(plan)},
-                         {"block_bytes", plan.block_bytes}}},
-                       {"hash", plan_hash(plan).hex()}};
+  Json result = {{"passes", passes},
+                 {"left_out", left_out},
+                 {"resources", resources},
+                 {"memory",
+                  {{"transient_bytes", transient_bytes(plan)},
+                   {"transient_bytes_unaliased", transient_bytes_unaliased(plan)},
+                   {"block_bytes", plan.block_bytes}}},
+                 {"hash", plan_hash(plan).hex()}};
+  for (const QueueBatch& batch : plan.batches)
+    result["batches"].push_back({{"queue", batch.queue == Queue::compute ? "compute" : "main"},
+                                 {"passes", batch.passes},
+                                 {"waits", batch.waits}});
   return result.dump(2) + "\n";
 }
 

@@ -105,6 +105,19 @@ std::string knobs_text(const FramePlan& plan) {
   return table.empty() ? "" : "\nknobs\n" + table.text();
 }
 
+// Nothing where one queue does all.
+std::string batches_text(const FramePlan& plan) {
+  Table table({"#", "queue", "passes", "waits for"}, "> ");
+  for (size_t i = 0; i < plan.batches.size(); ++i) {
+    const QueueBatch& batch = plan.batches[i];
+    std::string passes, waits;
+    for (const int pass : batch.passes) passes += fmt::format("{}{}", passes.empty() ? "" : ", ", pass);
+    for (const int wait : batch.waits) waits += fmt::format("{}{}", waits.empty() ? "" : ", ", wait);
+    table.row({fmt::format("{}", i), batch.queue == Queue::compute ? "compute" : "main", passes, waits});
+  }
+  return table.empty() ? "" : "\nbatches\n" + table.text();
+}
+
 std::string left_out_text(const FramePlan& plan) {
   Table table({"pass", "reason"});
   for (const LeftOut& left_out : plan.left_out) table.row({left_out.pass, left_out.reason});
@@ -157,10 +170,10 @@ std::string image_size_text(const ImageDesc& image) {
 std::string plan_text(const FramePlan& plan) {
   const uint64_t aliased = transient_bytes(plan), unaliased = transient_bytes_unaliased(plan);
   return fmt::format(
-      "plan {}: {} passes, {} left out\n\npasses\n{}{}{}{}{}{}\nmemory of the frame\n  {} ({} without aliasing)\n",
-      plan_hash(plan).hex(), plan.passes.size(), plan.left_out.size(), passes_text(plan), left_out_text(plan),
-      images_text(plan), buffers_text(plan), pipelines_text(plan), knobs_text(plan), human_bytes(aliased),
-      human_bytes(unaliased));
+      "plan {}: {} passes, {} left out\n\npasses\n{}{}{}{}{}{}{}\nmemory of the frame\n  {} ({} without aliasing)\n",
+      plan_hash(plan).hex(), plan.passes.size(), plan.left_out.size(), passes_text(plan), batches_text(plan),
+      left_out_text(plan), images_text(plan), buffers_text(plan), pipelines_text(plan), knobs_text(plan),
+      human_bytes(aliased), human_bytes(unaliased));
 }
 
 }  // namespace candela

@@ -6,6 +6,8 @@
 #include <climits>
 #include <cstring>
 
+#include "base/input.h"
+#include "image/environment_file.h"
 #include "image/hdr.h"
 #include "image/io.h"
 
@@ -108,10 +110,16 @@ Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::s
   return info;
 }
 
+uint64_t decoded_bytes(const ImageInfo& info) {
+  return uint64_t(info.width) * uint64_t(info.height) * 4 * uint64_t(info.bits / 8);
+}
+
 Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const std::string& place, int max_side) try {
   const Encoding encoding = encoding_of(encoded);
   const auto info = probe_image(encoded, place);
   if (!info) return std::unexpected(info.error());
+  uint64_t decoded = 0;
+  if (auto fits = charge_decoded(decoded, decoded_bytes(*info), place); !fits) return std::unexpected(fits.error());
   if (encoding == Encoding::hdr) return decode_hdr(encoded, place, max_side);
   if (info->width > max_side || info->height > max_side)
     return fail(ErrorKind::input, place, "{}x{} pixels are more than {} on a side", info->width, info->height,

@@ -16,6 +16,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "base/input.h"
 #include "image/exr.h"
 
 namespace candela {
@@ -29,14 +30,16 @@ class MemoryInput : public Imf::IStream {
       throw std::runtime_error("the file ends early");
     std::memcpy(target, bytes_.data() + position_, size_t(count));
     position_ += uint64_t(count);
+    farthest_ = std::max(farthest_, position_);
     return position_ < bytes_.size();
   }
   uint64_t tellg() override { return position_; }
   void seekg(uint64_t position) override { position_ = position; }
+  uint64_t farthest() const { return farthest_; }  // end of the bytes that were read
 
  private:
   std::span<const std::byte> bytes_;
-  uint64_t position_ = 0;
+  uint64_t position_ = 0, farthest_ = 0;
 };
 
 // Lines per block, and how many bytes of pixels one byte of the file can hold at most: deflate gives 1032 (pxr24 stores
@@ -95,6 +98,21 @@ void check_size(const Imf::Header& header, uint64_t file_length) {
   const uint64_t pixel_bytes = uint64_t(width) * uint64_t(height) * bytes_per_pixel;
   if (blocks * 16 > file_length || pixel_bytes / density.bytes_per_byte > file_length)
     throw std::runtime_error(fmt::format("{}x{} pixels cannot be held by {} bytes", width, height, file_length));
+}
+
+// OpenEXR sizes its tables by the header before we can look at it; these limits are for the whole process.
+void limit_sizes() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    Imf::Header::setMaxImageSize(max_exr_side, max_exr_side);
+    Imf::Header::setMaxTileSize(max_exr_side, max_exr_side);
+  });
+}
+
+int channel_count(const Imf::Header& header) {
+  int count = 0;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++count;
+  return count;
 }
 
 void read_metadata(const Imf::Header& header, FloatImage& image) {
@@ -168,17 +186,31 @@ bool is_exr(std::span<const std::byte> bytes) {
   return bytes.size() >= 4 && std::memcmp(bytes.data(), magic, 4) == 0;
 }
 
-Expected<FloatImage> decode_exr(std::span<const std::byte> bytes, const std::string& place) try {
-  // OpenEXR sizes its tables by the header before we can look at it; these limits are for the whole process.
-  static std::once_flag once;
-  std::call_once(once, [] {
-    Imf::Header::setMaxImageSize(max_exr_side, max_exr_side);
-    Imf::Header::setMaxTileSize(max_exr_side, max_exr_side);
-  });
+Expected<ImageInfo> probe_exr(std::span<const std::byte> bytes, const std::string& place) try {
+  limit_sizes();
+  MemoryInput input(bytes);
+  Imf::MultiPartInputFile file(input, 0);
+  for (int p = 0; p < file.parts(); ++p) {
+    const Imf::Header& header = file.header(p);
+    if (header.hasType() && !Imf::isImage(header.type())) continue;
+    check_size(header, bytes.size());
+    const Imath::Box2i window = header.dataWindow();
+    return ImageInfo{window.max.x - window.min.x + 1, window.max.y - window.min.y + 1, channel_count(header), 32};
+  }
+  return fail(ErrorKind::input, place, "holds deep data only, which is not supported");
+} catch (const std::bad_alloc&) {
+  return fail(ErrorKind::out_of_memory, place, "not enough memory to read the image");
+} catch (const std::exception& e) {
+  return fail(ErrorKind::input, place, "is not a readable EXR image: {}", e.what());
+}
+
+Expected<FloatImage> decode_exr(std::span<const std::byte> bytes, const std::string& place, bool whole) try {
+  limit_sizes();
   MemoryInput input(bytes);
   Imf::MultiPartInputFile file(input, 0);
   FloatImage image;
   std::optional<Imath::Box2i> first;
+  uint64_t decoded = 0;
   for (int p = 0; p < file.parts(); ++p) {
     const Imf::Header& header = file.header(p);
     if (header.hasType() && !Imf::isImage(header.type())) continue;
@@ -197,9 +229,13 @@ Expected<FloatImage> decode_exr(std::span<const std::byte> bytes, const std::str
     } else if (data != *first) {
       continue;
     }
+    const uint64_t bytes_of_part = uint64_t(width) * uint64_t(height) * uint64_t(channel_count(header)) * 4;
+    if (auto fits = charge_decoded(decoded, bytes_of_part, place); !fits) return std::unexpected(fits.error());
     read_part(file, p, image);
   }
   if (!first) return fail(ErrorKind::input, place, "holds deep data only, which is not supported");
+  if (whole && input.farthest() != bytes.size())
+    return fail(ErrorKind::input, place, "{} bytes follow the end of the image", bytes.size() - input.farthest());
   return image;
 } catch (const std::bad_alloc&) {
   return fail(ErrorKind::out_of_memory, place, "not enough memory to read the image");

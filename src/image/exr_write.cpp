@@ -176,6 +176,8 @@ Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compres
   return std::move(output.bytes);
 } catch (const std::bad_alloc&) {
   return fail(ErrorKind::out_of_memory, place, "not enough memory to encode the image");
+} catch (const std::system_error&) {
+  throw;  // threads are refused: nothing that this image can help
 } catch (const std::exception& e) {
   return fail(ErrorKind::output, place, "OpenEXR cannot encode the image: {}", e.what());
 }

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "base/files.h"
+#include "base/input.h"
 #include "base/log.h"
 #include "image/environment_file.h"
 #include "image/exr.h"
@@ -61,6 +62,8 @@ struct ReadTarget {
   int width = 0, height = 0, channels = 0;
   std::vector<std::string> names;
   std::vector<float> pixels;
+  std::string place;
+  Expected<void> fits;
 };
 
 float* begin_read(void* context, int width, int height, int channels, const char* names) {
@@ -69,6 +72,9 @@ float* begin_read(void* context, int width, int height, int channels, const char
   if (width <= 0 || height <= 0 || channels <= 0 || width > max_exr_side || height > max_exr_side ||
       int64_t(width) * height > max_values / channels)
     return nullptr;
+  uint64_t decoded = 0;  // interleaved here, then by channel
+  target.fits = charge_decoded(decoded, 8 * uint64_t(width) * uint64_t(height) * uint64_t(channels), target.place);
+  if (!target.fits) return nullptr;
   target.width = width, target.height = height, target.channels = channels;
   std::string_view rest = names;
   for (int c = 0; c < channels; ++c) {
@@ -83,10 +89,12 @@ float* begin_read(void* context, int width, int height, int channels, const char
 Expected<FloatImage> read_through_module(const std::filesystem::path& path) {
   auto table = open_oiio(path.string());
   if (!table) return std::unexpected(table.error());
-  ReadTarget target;
+  ReadTarget target{.place = path.string()};
   std::array<char, 512> reason{};
-  if ((*table)->read(path.c_str(), begin_read, &target, reason.data(), reason.size()) != 0)
+  if ((*table)->read(path.c_str(), begin_read, &target, reason.data(), reason.size()) != 0) {
+    if (!target.fits) return std::unexpected(target.fits.error());
     return fail(ErrorKind::input, path.string(), "is not a readable image: {}", reason.data());
+  }
   return from_interleaved(target.pixels.data(), target.width, target.height, target.channels, target.names,
                           target.channels);
 }
@@ -165,18 +173,23 @@ Expected<DecodedImage> read_environment(const std::filesystem::path& path) {
   return image;
 }
 
-Expected<DecodedImage> read_environment(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+Expected<DecodedImage> read_environment(const std::filesystem::path& path, std::vector<std::string>& warnings,
+                                        uint64_t before_bytes) {
   auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
+  if (!is_exr(*bytes) && !is_hdr(*bytes))
+    return fail(ErrorKind::input, path.string(), "an environment must be Radiance HDR (.hdr) or OpenEXR (.exr)");
+  const auto info = is_exr(*bytes) ? probe_exr(*bytes, path.string()) : probe_hdr(*bytes, path.string());
+  if (!info) return std::unexpected(info.error());
+  if (auto fits = charge_decoded(before_bytes, decoded_bytes_with_mips(*info), path.string()); !fits)
+    return std::unexpected(fits.error());
   Expected<DecodedImage> decoded;
   if (is_exr(*bytes)) {
     auto image = decode_exr(*bytes, path.string());
     if (!image) return std::unexpected(image.error());
     decoded = environment_from_exr(*image, path.string());
-  } else if (is_hdr(*bytes)) {
-    decoded = decode_hdr(*bytes, path.string(), max_exr_side);
   } else {
-    return fail(ErrorKind::input, path.string(), "an environment must be Radiance HDR (.hdr) or OpenEXR (.exr)");
+    decoded = decode_hdr(*bytes, path.string(), max_exr_side);
   }
   if (decoded) make_usable(*decoded, path.string(), warnings);
   return decoded;

@@ -74,9 +74,10 @@ Expected<std::string> png_text(std::span<const std::byte> png, std::string_view 
     rest = rest.subspan(12 + size_t(length));
     if (type == "tEXt" && data.size() > keyword.size() && data.starts_with(keyword) && data[keyword.size()] == 0)
       found = data.substr(keyword.size() + 1);
-    if (type == "IEND") break;
+    if (type != "IEND") continue;
+    if (!rest.empty()) return broken("bytes follow its end");
+    return found;
   }
-  return found;
 }
 
 }  // namespace candela

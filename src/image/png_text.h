@@ -15,7 +15,8 @@ namespace candela {
 std::vector<std::byte> with_png_text(std::span<const std::byte> png, std::string_view keyword, std::string_view text);
 
 // The text under `keyword`, empty when there is none. Error (input) when the file is not whole: every chunk's length
-// and checksum is verified up to the end mark, so a truncated or damaged file never passes.
+// and checksum is verified up to the end mark, so a truncated or damaged file never passes, and
+// nothing may follow it.
 Expected<std::string> png_text(std::span<const std::byte> png, std::string_view keyword, const std::string& place);
 
 }  // namespace candela

@@ -162,7 +162,7 @@ Numbers numbers_of(const FloatImage& reference, const FloatImage& test, double n
   if (noise_scale >= 0)
     if (auto map = noise_map(reference)) {
       map->scale = noise_scale;
-      numbers.noise = noise_floor(*map, reference, channels.size());
+      numbers.noise = noise_floor(*map, reference, test, channels.size());
     }
   return numbers;
 }

@@ -1,7 +1,6 @@
 #include "metrics/gate.h"
 
-#include <nlohmann/json.hpp>
-
+#include "base/json.h"
 #include "metrics/flip.h"
 #include "metrics/planes.h"
 
@@ -15,7 +14,7 @@ constexpr std::array<std::pair<std::string_view, double GateLimits::*>, 5> membe
      {"flip_mean", &GateLimits::flip_mean},
      {"flip_p99", &GateLimits::flip_p99}}};
 
-Expected<void> read_members(const nlohmann::json& object, GateLimits& limits, const std::string& place) {
+Expected<void> read_members(const nlohmann::ordered_json& object, GateLimits& limits, const std::string& place) {
   if (!object.is_object()) return fail(ErrorKind::input, place, "must be an object of gate limits");
   for (const auto& [key, value] : object.items()) {
     if (key == "device_classes") continue;
@@ -58,11 +57,12 @@ Spread spread_of(const FloatImage& golden, const FloatImage& actual, double smal
 }  // namespace
 
 Expected<GateLimits> parse_gate_limits(std::string_view text, std::string_view device_class, const std::string& place) {
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
+  const auto json = read_json(text, place);
+  if (!json) return std::unexpected(json.error());
+  if (!json->is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
   GateLimits limits;
-  const auto gate = json.find("gate");
-  if (gate == json.end()) return limits;
+  const auto gate = json->find("gate");
+  if (gate == json->end()) return limits;
   if (auto read = read_members(*gate, limits, place + ": /gate"); !read) return std::unexpected(read.error());
   const auto classes = gate->find("device_classes");
   if (classes == gate->end()) return limits;

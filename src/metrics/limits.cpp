@@ -4,6 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
+
 namespace candela {
 namespace {
 
@@ -20,8 +22,9 @@ Expected<Limit> parse_limit(std::string_view text) {
     return fail(ErrorKind::usage, {}, "limit \"{}\" is not of the form METRIC=VALUE, for example flip=0.02", text);
   Limit limit{std::string(text.substr(0, equals)), 0};
   if (std::find(metric_names.begin(), metric_names.end(), limit.metric) == metric_names.end())
-    return fail(ErrorKind::usage, {}, "unknown metric \"{}\"; use one of {}", limit.metric,
-                fmt::join(metric_names, ", "));
+    return fail(
+        ErrorKind::usage, "--limit", "{}",
+        unknown_name("metric", limit.metric, std::vector<std::string>(metric_names.begin(), metric_names.end())));
   const std::string_view value = text.substr(equals + 1);
   const auto parsed = std::from_chars(value.data(), value.data() + value.size(), limit.value);
   if (parsed.ec != std::errc() || parsed.ptr != value.data() + value.size() || !std::isfinite(limit.value))

@@ -32,18 +32,25 @@ std::optional<NoiseMap> noise_map(const FloatImage& reference) {
   return map;
 }
 
-NoiseFloor noise_floor(const NoiseMap& map, const FloatImage& reference, size_t channels) {
-  double square = 0, relative = 0;
+NoiseFloor noise_floor(const NoiseMap& map, const FloatImage& reference, const FloatImage& test, size_t channels) {
+  double square = 0, relative = 0, of_relative = 0;
   for (size_t c = 0; c < 3; ++c) {
     const Channel& colour = *reference.find(colours[c]);
+    const Channel* shown = test.find(colours[c]);
     for (size_t i = 0; i < colour.f.size(); ++i) {
       const double variance = positive(map.variance[c]->f[i]) * map.scale, r = colour.f[i];
       square += variance;
-      if (std::isfinite(r)) relative += variance / (r * r + relmse_epsilon);
+      if (!std::isfinite(r)) continue;
+      const double weight = 1 / (r * r + relmse_epsilon);
+      relative += variance * weight;
+      // (d + n)^2 of a difference d and a normal noise n has the variance 4 d^2 s^2 + 2 s^4, and d^2 + s^2 is what is
+      // seen of it: 4 seen s^2 is no less.
+      const double seen = shown ? double(shown->f[i]) - r : 0;
+      if (std::isfinite(seen)) of_relative += 4 * seen * seen * variance * weight * weight;
     }
   }
   const double count = double(std::max<size_t>(channels, 1)) * double(reference.width) * double(reference.height);
-  return {std::sqrt(square / count), relative / count};
+  return {std::sqrt(square / count), relative / count, std::sqrt(of_relative) / count};
 }
 
 }  // namespace candela

@@ -9,6 +9,7 @@ namespace candela {
 // difference below it says nothing about the image under test.
 struct NoiseFloor {
   double rmse = 0, relmse = 0;
+  double relmse_sd = 0;  // standard error that the noise gives the relmse of the image under test
 };
 
 // Expected squared errors of a pixel's mean: channels variance.R .G .B (docs/outputs.md), their mean brought to the
@@ -21,6 +22,6 @@ struct NoiseMap {
   double scale = 1;
 };
 std::optional<NoiseMap> noise_map(const FloatImage& reference);
-NoiseFloor noise_floor(const NoiseMap& map, const FloatImage& reference, size_t channels);
+NoiseFloor noise_floor(const NoiseMap& map, const FloatImage& reference, const FloatImage& test, size_t channels);
 
 }  // namespace candela

@@ -7,15 +7,18 @@
 #include "passes/geometry/cull_compact.h"
 #include "passes/geometry/deform.h"
 #include "passes/geometry/depth_prepass.h"
+#include "passes/geometry/depth_views.h"
 #include "passes/lights/light_assign.h"
 #include "passes/lights/light_fill.h"
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
 #include "passes/lights/tile_depth.h"
+#include "passes/post/bloom.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
+#include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
 #include "passes/surfaces/surface_pass.h"
@@ -34,9 +37,9 @@ struct PassList {
 
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
-using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, TileDepth, LightAssign, LightScan, LightFill,
-                           LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, LightHeat,
-                           Supersample, Resolve, Tonemap, Readback>;
+using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
+                           LightFill, LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers,
+                           SunLayers, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -52,16 +52,14 @@ void World::load_materials(std::vector<std::string>& warnings) {
     if (used[m]) add_textures(input_.pose.materials[m]);
   std::vector<std::pair<const std::pair<int, bool>, std::unique_ptr<Texture>>*> list;
   for (auto& entry : textures_) list.push_back(&entry);
-  std::vector<std::string> failed(list.size());
+  std::vector<std::vector<std::string>> damaged(list.size());
   tbb::parallel_for(size_t(0), list.size(), [&](size_t i) {
-    auto image = decode_scene_image(input_.scene, list[i]->first.first);
-    if (image)
-      list[i]->second = std::make_unique<Texture>(std::move(*image), list[i]->first.second);
-    else
-      failed[i] = image.error().text() + ": the texture is left out";
+    auto texture = decode_scene_image(input_.scene, list[i]->first.first);
+    if (!texture) throw std::bad_alloc();
+    list[i]->second = std::make_unique<Texture>(std::move(texture->image), list[i]->first.second);
+    damaged[i] = std::move(texture->warnings);
   });
-  for (std::string& text : failed)
-    if (!text.empty()) warnings.push_back(std::move(text));
+  for (const std::vector<std::string>& texts : damaged) warnings.insert(warnings.end(), texts.begin(), texts.end());
 
   const auto find = [&](const TextureSlot& slot, bool srgb) -> const Texture* {
     const auto found = slot ? textures_.find({slot.image, srgb}) : textures_.end();

@@ -1,11 +1,14 @@
 #include "render/frame_names.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+
+#include "base/files.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -69,9 +72,13 @@ Expected<void> prepare_output(const fs::path& path) {
   fs::create_directories(folder, failed);
   if (failed)
     return fail(ErrorKind::output, path.string(), "cannot make the folder {}: {}", folder.string(), failed.message());
+  struct stat there {};
+  if (lstat(path.c_str(), &there) != 0 && errno != ENOENT)  // a name that is too long, say
+    return fail(ErrorKind::output, path.string(), "cannot be written: {}", std::strerror(errno));
   if (fs::is_directory(path, failed)) return fail(ErrorKind::output, path.string(), "is a folder; name a file");
   // A file is really made: permission bits say nothing to root or about a read-only file system.
-  const fs::path probe = folder / fmt::format(".candela-{}.tmp", getpid());
+  remove_stale_temporaries(std::span(&path, 1));
+  const fs::path probe = folder / temporary_beside(path).filename();
   const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file < 0)
     return fail(ErrorKind::output, path.string(), "cannot write in {}: {}", folder.string(), std::strerror(errno));

@@ -22,7 +22,8 @@ struct FramePattern {
 // Errors (usage): more than one place for the number, or a % that is not one.
 Expected<FramePattern> parse_pattern(const std::string& text);
 
-// Makes the folder of an output where it is missing, and shows that files can be made in it. Error output.
+// Makes the folder of an output where it is missing, removes what killed runs left of it there, and shows that the name
+// is one and that files can be made in the folder. Error output.
 Expected<void> prepare_output(const std::filesystem::path& path);
 
 struct Shard {

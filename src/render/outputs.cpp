@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "frame/timings.h"
+#include "image/exr.h"
 #include "image/png_text.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
@@ -81,10 +82,11 @@ bool carries_exposure(const std::string& layer) {
   return layer == "beauty" || layer == "emission" || layer == "direct";
 }
 
-std::vector<std::string> channel_names(const std::string& layer) {
+std::vector<std::string> channel_names(const OutputImage& output) {
+  const std::string& layer = output.layer;
   if (layer == "beauty") return {"R", "G", "B", "A"};
   if (layer == "depth") return {"depth.Z"};
-  if (layer.starts_with("heatmap.")) return {layer + ".Y"};
+  if (output.format == VK_FORMAT_R32_SFLOAT) return {layer + ".Y"};
   if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
   return {layer + ".R", layer + ".G", layer + ".B"};
 }
@@ -112,7 +114,7 @@ void add_depth_layer(FloatImage& image, const FrameResult& frame, const OutputIm
 void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, bool as_float,
                      NonFinite& nonfinite) {
   const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
-  const std::vector<std::string> names = channel_names(output.layer);
+  const std::vector<std::string> names = channel_names(output);
   const size_t first = image.channels.size(), count = size_t(image.width) * size_t(image.height);
   for (const std::string& name : names) {
     Channel& channel = image.channels.emplace_back();
@@ -183,7 +185,7 @@ DisplayImage view_image(const FrameResult& frame, const Job& job) {
     if (output.layer != job.view) continue;
     std::vector<float> counts(size_t(frame.width_px) * size_t(frame.height_px));
     std::memcpy(counts.data(), readback_bytes(frame, output).data(), counts.size() * sizeof(float));
-    DisplayImage image = count_view(counts, frame.width_px, frame.height_px);
+    DisplayImage image = count_view(counts, frame.width_px, frame.height_px, count_title(job.view));
     if (job.png_bits == 8) return image;
     DisplayImage wide = {.width = image.width, .height = image.height, .channels = image.channels, .bits = 16};
     for (const std::byte b : image.pixels) wide.pixels.insert(wide.pixels.end(), 2, b);  // times 257
@@ -225,12 +227,13 @@ bool holds_frame(const fs::path& path, const std::string& identity) {
   const auto format = output_format(path);
   std::error_code failed;
   if (!format || !fs::is_regular_file(path, failed)) return false;
+  const auto bytes = read_file(path);
+  if (!bytes) return false;
   if (*format == OutputFormat::png) {
-    const auto bytes = read_file(path);
-    const auto text = bytes ? png_text(*bytes, identity_name, path.string()) : std::unexpected(bytes.error());
+    const auto text = png_text(*bytes, identity_name, path.string());
     return text && *text == identity;
   }
-  const auto image = read_image(path);
+  const auto image = decode_exr(*bytes, path.string(), true);
   if (!image) return false;
   for (const MetadataEntry& entry : image->metadata)
     if (entry.name == identity_name) return entry.text == identity;

@@ -28,7 +28,8 @@ DisplayImage display_image(const FrameResult& frame, const Job& job);  // straig
 // scene's content, device, version, time, frame number and rate, as 32 hex digits.
 std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate);
-// True when the file is whole (it decodes to its end) and holds that picture. A missing file is simply not.
+// True when the file is whole (it decodes to its end, and nothing follows) and holds that picture. A missing file is
+// simply not.
 bool holds_frame(const std::filesystem::path& path, const std::string& identity);
 
 // Writes one finished frame to every path (the ending chooses EXR or PNG), each atomically; fills timings with

@@ -12,6 +12,7 @@
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "scene/neutral_light.h"
+#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -58,7 +59,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   frame->time_s = time_s;
   std::optional<DecodedImage> sky;
   if (!job.sky.empty()) {
-    auto image = read_environment(job.sky);
+    auto image = read_sky(job.sky, frame->scene);
     if (!image) return std::unexpected(image.error());
     sky = std::move(*image);
   }

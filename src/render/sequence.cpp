@@ -1,14 +1,10 @@
 #include "render/sequence.h"
 
-#include <signal.h>
-
-#include <cerrno>
-#include <charconv>
 #include <deque>
 #include <set>
 
+#include "base/files.h"
 #include "base/log.h"
-#include "base/text.h"
 #include "render/encoder_thread.h"
 #include "render/outputs.h"
 #include "render/video.h"
@@ -23,30 +19,11 @@ std::vector<fs::path> paths_of(const SequenceSettings& settings, int64_t frame) 
   return paths;
 }
 
-// A killed run leaves files with temporary names (.STEM.PID.N.tmp.ENDING) behind; those of our own frames whose process
-// is gone are removed.
 void remove_stale_files(const SequenceSettings& settings) {
-  std::set<fs::path> folders;
-  std::set<std::string> stems;
+  std::vector<fs::path> targets;
   for (const int64_t frame : settings.frames)
-    for (const fs::path& path : paths_of(settings, frame)) {
-      folders.insert(path.has_parent_path() ? path.parent_path() : fs::path("."));
-      stems.insert(path.stem().string());
-    }
-  for (const fs::path& folder : folders) {
-    std::error_code failed;
-    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
-      std::vector<std::string> parts = split(entry->path().filename().string(), '.');
-      if (parts.size() < 6 || !parts[0].empty() || parts[parts.size() - 2] != "tmp") continue;
-      int process = 0;
-      const std::string& number = parts[parts.size() - 4];
-      std::from_chars(number.data(), number.data() + number.size(), process);
-      const std::string stem = joined(std::span(parts).subspan(1, parts.size() - 5), ".");
-      std::error_code ignored;
-      if (stems.contains(stem) && process > 0 && kill(process, 0) != 0 && errno == ESRCH)
-        fs::remove(entry->path(), ignored);
-    }
-  }
+    for (fs::path& path : paths_of(settings, frame)) targets.push_back(std::move(path));
+  remove_stale_temporaries(targets);
 }
 
 void add_sums(Timings& sums, Timings frame, bool keep_spans) {

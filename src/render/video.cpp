@@ -10,6 +10,8 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "base/files.h"
+#include "base/input.h"
 #include "base/text.h"
 #include "render/frame_names.h"
 
@@ -28,7 +30,7 @@ bool on_path(const std::string& program) {
 
 std::vector<std::string> arguments(const fs::path& out, const fs::path& audio, int width_px, int height_px,
                                    FrameRate rate) {
-  // H.264 with 4:2:0 chroma wants even sides: odd ones are repeated by a row or column. Rec.709 is said in the stream,
+  // H.264 with 4:2:0 chroma wants even sides: odd ones grow by a black row or column. Rec.709 is said in the stream,
   // because players guess it from the height otherwise.
   std::vector<std::string> a = {"ffmpeg",
                                 "-hide_banner",
@@ -114,8 +116,8 @@ Expected<void> check_video(const fs::path& path, const fs::path& audio) {
     return fail(ErrorKind::usage, "--video", "'{}' ends in none of .mp4, .mov and .mkv", path.string());
   if (!on_path("ffmpeg"))
     return fail(ErrorKind::usage, "--video", "needs the program ffmpeg, which is not on PATH (apt install ffmpeg)");
-  if (!audio.empty() && access(audio.c_str(), R_OK) != 0)
-    return fail(ErrorKind::input, audio.string(), "cannot open: {}", std::strerror(errno));
+  if (!audio.empty())
+    if (auto good = check_regular_file(audio); !good) return good;
   return prepare_output(path);
 }
 
@@ -124,8 +126,7 @@ Expected<std::unique_ptr<VideoWriter>> VideoWriter::open(const fs::path& path, c
   if (auto good = check_video(path, audio); !good) return std::unexpected(good.error());
   std::unique_ptr<VideoWriter> writer(new VideoWriter);
   writer->path_ = path;
-  writer->temporary_ =
-      path.parent_path() / fmt::format(".{}.{}.tmp{}", path.stem().string(), getpid(), path.extension().string());
+  writer->temporary_ = temporary_beside(path);
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     return fail(ErrorKind::output, path.string(), "cannot make a pipe: {}", std::strerror(errno));

@@ -107,7 +107,8 @@ std::string pictures_html(const Axis& axis) {
       figure(row->thumbnail, short_label(*row));
     }
     if (row->lists)
-      figure(row->heatmap, fmt::format("{}: lights per pixel, yellow is {:.0f}", short_label(*row), row->lists->max));
+      figure(row->heatmap, fmt::format("{}: lights per pixel; yellow is {:.0f} or more, the most are {:.0f}",
+                                       short_label(*row), std::max(1.0, row->lists->p95), row->lists->max));
   }
   return html.empty() ? html : "<h3>Pictures</h3>\n" + html;
 }
@@ -140,10 +141,11 @@ std::string bench_html(const BenchRun& run, const std::string& title, bool plots
       "<body>\n<h1>{0}</h1>\n",
       escape_markup(title), style);
   html += fmt::format(
-      "<p>{} configurations in {:.0f} s. Times are medians of interleaved rounds, in milliseconds, with the median "
+      "<p>{} configurations in {:.0f} s, {:.0f} s of it opening. Times are medians of interleaved rounds, in "
+      "milliseconds, with the median "
       "absolute deviation; <i>frame</i> is the wall time from the scene's pose to bytes in host memory, <i>GPU</i> the "
       "sum of the passes, each timed alone.</p>\n",
-      run.rows.size(), run.wall_s);
+      run.rows.size(), run.wall_s, run.opening_s);
   for (const std::string& note : run.notes) html += fmt::format("<p class=\"note\">{}</p>\n", escape_markup(note));
   if (!plots)
     html +=

@@ -1,8 +1,6 @@
 #include "report/bench_rows.h"
 
-#include <nlohmann/json.hpp>
-
-#include "base/files.h"
+#include "base/json.h"
 #include "base/statistics.h"
 #include "bench/error_analysis.h"
 #include "report/error_rows.h"
@@ -54,13 +52,16 @@ Json row_json(const BenchRow& row) {
   j["size"] = {row.width_px, row.height_px};
   j["samples"] = row.samples;
   j["time_s"] = row.time_s;
+  if (row.views != 1) j["views"] = row.views;
   j["output"] = row.output;
   j["device"] = {{"name", row.device}, {"driver", row.driver}, {"class", row.device_class}, {"type", row.device_type}};
   j["machine"] = {{"processor", row.machine}, {"cores", row.cores}};
   j["version"] = row.version;
   j["plan_hash"] = row.plan_hash;
   j["knob_hash"] = row.knob_hash;
-  j["job"] = Json::parse(row.job, nullptr, false);
+  j["job"] = row.job.empty() ? Json() : own_json(row.job);
+  if (row.run != 0) j["run"] = row.run;
+  if (!row.same_work.empty()) j["same_work"] = same_work_json(row.same_work);
   j["remarks"] = row.remarks;
   if (!row.left_out.empty()) j["left_out"] = row.left_out;
   if (!row.error.empty()) j["error"] = {{"message", row.error}, {"kind", row.error_kind}};
@@ -136,6 +137,8 @@ BenchRow row_from(const Json& j) {
   row.plan_hash = j.at("plan_hash"), row.knob_hash = j.at("knob_hash");
   row.job = j.at("job").dump();
   row.remarks = j.at("remarks").get<std::vector<std::string>>();
+  row.views = j.value("views", 1), row.run = j.value("run", 0);
+  if (j.contains("same_work")) row.same_work = same_work_from(j["same_work"]);
   row.left_out = j.value("left_out", "");
   if (j.contains("error")) row.error = j["error"].at("message"), row.error_kind = j["error"].at("kind");
   row.warm_up_frames = j.at("warm_up_frames");
@@ -197,19 +200,24 @@ std::string csv_line(const std::vector<std::string>& cells) {
 }  // namespace
 
 Json bench_json(const BenchRun& run) {
-  Json j = {{"candela_bench", 1}, {"wall_s", rounded(run.wall_s)}, {"notes", run.notes}, {"rows", Json::array()}};
+  Json j = {{"candela_bench", 1},
+            {"wall_s", rounded(run.wall_s)},
+            {"opening_s", rounded(run.opening_s)},
+            {"notes", run.notes},
+            {"rows", Json::array()}};
   for (const BenchRow& row : run.rows) j["rows"].push_back(row_json(row));
-  if (Json findings = error_findings_json(run); !findings.is_null()) j["error_findings"] = std::move(findings);
+  if (Json findings = error_findings_json(run); !findings.is_null()) {
+    j["error_findings"] = std::move(findings);
+    j["unswept_knobs"] = unswept_knobs(run.rows);
+  }
   return j;
 }
 
 Expected<BenchRun> read_bench_rows(const std::filesystem::path& file) {
-  const auto bytes = read_file(file);
-  if (!bytes) return std::unexpected(bytes.error());
-  const Json j = Json::parse(reinterpret_cast<const char*>(bytes->data()),
-                             reinterpret_cast<const char*>(bytes->data()) + bytes->size(), nullptr, false);
-  if (j.is_discarded() || !j.is_object() || j.value("candela_bench", Json()) != 1 || !j.contains("rows") ||
-      !j["rows"].is_array())
+  const auto read = read_json_file(file);
+  if (!read) return std::unexpected(read.error());
+  const Json& j = *read;
+  if (!j.is_object() || j.value("candela_bench", Json()) != 1 || !j.contains("rows") || !j["rows"].is_array())
     return fail(ErrorKind::input, file.string(), "is not a file of `candela bench --json`");
   BenchRun run;
   for (size_t i = 0; i < j["rows"].size(); ++i) {
@@ -223,6 +231,7 @@ Expected<BenchRun> read_bench_rows(const std::filesystem::path& file) {
     for (const Json& note : j["notes"])
       if (note.is_string()) run.notes.push_back(note);
   if (j.contains("wall_s") && j["wall_s"].is_number()) run.wall_s = j["wall_s"];
+  if (j.contains("opening_s") && j["opening_s"].is_number()) run.opening_s = j["opening_s"];
   return run;
 }
 

@@ -102,7 +102,6 @@ std::string summary_table(const std::vector<const BenchRow*>& rows) {
         {row->lights < 0 ? "" : fmt::format("{}", row->lights)},
         {with_mad(row->frame)},
         {milliseconds(summary(row->frame.ms).min)},
-        {with_mad(row->gpu)},
         {runs(*row)},
         {reference && reference != row && ms > 0 ? fmt::format("{:.2f}", summary(reference->frame.ms).median / ms)
                                                  : ""},
@@ -111,33 +110,41 @@ std::string summary_table(const std::vector<const BenchRow*>& rows) {
     add_lists(line, *row);
     cells.push_back(std::move(line));
   }
-  return table({"technique", "plan", "lights", "frame", "min", "GPU", "runs", "times faster than reference",
+  return table({"technique", "plan", "lights", "frame, ms", "min", "runs", "times faster than reference",
                 "differing pixels", "largest difference", "lights per pixel", "95 %", "most", "waste", "missed"},
                2, cells);
 }
 
-std::string passes_table(const std::vector<const BenchRow*>& rows) {
+namespace {
+
+// A column for each name that any row has, after those of `first`: of what all rows share, one quantity a table.
+std::string series_table(const std::vector<const BenchRow*>& rows, std::vector<Series> BenchRow::*member,
+                         Series BenchRow::*sum) {
   std::vector<std::string> head = {"technique", "lights"};
+  if (sum) head.emplace_back("sum of passes");
   const size_t first = head.size();
-  for (const auto member : {&BenchRow::passes, &BenchRow::cpu})
-    for (const BenchRow* row : rows)
-      for (const Series& s : row->*member) {
-        const std::string name = (member == &BenchRow::cpu ? "CPU " : "") + s.name;
-        if (std::find(head.begin(), head.end(), name) == head.end()) head.push_back(name);
-      }
+  for (const BenchRow* row : rows)
+    for (const Series& s : row->*member)
+      if (std::find(head.begin() + long(first), head.end(), s.name) == head.end()) head.push_back(s.name);
   std::vector<Row> cells;
   for (const BenchRow* row : rows) {
     Row line = {text(row_way(*row)), {row->lights < 0 ? "" : fmt::format("{}", row->lights)}};
+    if (sum) line.push_back({with_mad(row->*sum)});
     line.resize(head.size());
-    for (const auto member : {&BenchRow::passes, &BenchRow::cpu})
-      for (const Series& s : row->*member) {
-        const std::string name = (member == &BenchRow::cpu ? "CPU " : "") + s.name;
-        const auto column = std::find(head.begin() + long(first), head.end(), name);
-        line[size_t(column - head.begin())] = {with_mad(s)};
-      }
+    for (const Series& s : row->*member) {
+      const auto column = std::find(head.begin() + long(first), head.end(), s.name);
+      line[size_t(column - head.begin())] = {with_mad(s)};
+    }
     cells.push_back(std::move(line));
   }
-  return "<h3>Passes and CPU stages, ms</h3>\n" + table(head, 1, cells);
+  return table(head, 1, cells);
+}
+
+}  // namespace
+
+std::string passes_table(const std::vector<const BenchRow*>& rows) {
+  return "<h3>Passes, each timed alone, ms</h3>\n" + series_table(rows, &BenchRow::passes, &BenchRow::gpu) +
+         "<h3>CPU stages of a frame, ms</h3>\n" + series_table(rows, &BenchRow::cpu, nullptr);
 }
 
 std::string memory_table(const std::vector<const BenchRow*>& rows) {

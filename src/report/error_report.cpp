@@ -31,8 +31,10 @@ std::string front_svg(const ErrorPlace& place, const std::string& reference, con
     const std::string& technique = point.row->technique;
     auto group = std::find(scatter.groups.begin(), scatter.groups.end(), technique);
     if (group == scatter.groups.end()) group = scatter.groups.insert(scatter.groups.end(), technique);
-    scatter.points.push_back({error_setting(*point.row), point.ms, point.error, size_t(group - scatter.groups.begin()),
-                              point.dominated, point.ms_ci.low, point.ms_ci.high});
+    using Standing = ErrorPoint::Standing;
+    scatter.points.push_back({error_names(*point.row), point.ms, point.error, size_t(group - scatter.groups.begin()),
+                              point.standing == Standing::dominated, point.ms_ci.low, point.ms_ci.high,
+                              point.error_ci.low, point.error_ci.high, point.standing == Standing::unclear});
     if (const auto& noise = error_against(*point.row, reference)->noise; noise && metric == "relmse")
       scatter.floor_y = noise->relmse;
   }
@@ -46,11 +48,13 @@ std::string sentences(const ErrorPlace& place) {
   html += "<ul>\n";
   for (const char* reference : {open_reference_name, "direct", "path"}) {
     if (error_points(place.rows, reference, "relmse").empty()) continue;
+    const std::vector<SettingPoint> settings = setting_points(place.rows, reference, "relmse");
     // Bounds that one setting meets are one sentence: the tightest.
     std::vector<std::string> told;
     const BenchRow* before = nullptr;
     for (const double bound : error_bounds) {
-      const BenchRow* row = cheapest(place.rows, reference, "relmse", bound);
+      const SettingPoint* choice = cheapest(settings, bound);
+      const BenchRow* row = choice ? choice->row : nullptr;
       if (row && row == before) told.pop_back();
       if (row || before || bound == error_bounds[0])
         told.push_back(cheapest_sentence(place.rows, reference, "relmse", bound));
@@ -59,6 +63,13 @@ std::string sentences(const ErrorPlace& place) {
     for (const std::string& sentence : told) html += "<li>" + escape_markup(sentence) + "</li>\n";
   }
   html += "</ul>\n<ul class=\"faint\">\n";
+  if (place.rows.front()->views > 1)
+    html += fmt::format(
+        "<li>times and errors are means over {} views; what is surely quicker or worse is decided on differences of "
+        "pairs, of rounds and of views, whose 95 % interval lies on one side of 0; at least {} pairs</li>\n",
+        place.rows.front()->views, least_pairs);
+  else
+    html += "<li class=\"note\">one view: its errors say little about others</li>\n";
   for (const NoiseVerdict& verdict : noise_verdicts(place.rows))
     html += fmt::format("<li{}>{}</li>\n", verdict.enough ? "" : " class=\"note\"", escape_markup(verdict.sentence));
   return html + "</ul>\n";
@@ -133,15 +144,27 @@ std::string error_html(const BenchRun& run) {
         "technique at its exact end, <i>model</i> the "
         "exact end's own distance from the reference, <i>total</i> the row's.</p>\n" +
         totals_table(place);
-    html += "<h3>Fronts</h3>\n<p>Dimmed: another setting is no slower and no worse.</p>\n";
+    html +=
+        "<h3>Fronts</h3>\n<p>Dimmed: another setting is surely quicker and no worse. Ring: by its numbers another is "
+        "no "
+        "slower and no worse, but the two are not distinguishable.</p>\n";
     for (const char* reference : {open_reference_name, "direct", "path", exact_reference})
       html += front_svg(place, reference, "relmse");
     html += front_svg(place, open_reference_name, "hdr-flip");
-    if (const auto studies = knob_studies(place.rows); !studies.empty())
+    const std::vector<BenchRow> named = rows_by_name(place.rows);
+    std::vector<const BenchRow*> by_name;
+    for (const BenchRow& row : named) by_name.push_back(&row);
+    if (const auto studies = knob_studies(by_name); !studies.empty())
       html += "<h3>Each knob alone, against the technique's exact picture</h3>\n" + knob_table(studies) +
               order_plots(studies);
     html += strips(place) + "<details><summary>All errors</summary>\n" + error_rows_table(place) +
             "</details>\n</section>\n";
+  }
+  if (html.empty()) return html;
+  if (const auto unswept = unswept_knobs(run.rows); !unswept.empty()) {
+    html += "<section>\n<h2>Knobs that no row sweeps</h2>\n<ul class=\"note\">\n";
+    for (const std::string& knob : unswept) html += "<li>" + escape_markup(knob) + "</li>\n";
+    html += "</ul>\n</section>\n";
   }
   return html;
 }

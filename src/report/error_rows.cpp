@@ -2,8 +2,10 @@
 
 #include <set>
 
+#include "base/json.h"
 #include "bench/error_analysis.h"
 #include "bench/error_truth.h"
+#include "bench/error_views.h"
 
 namespace candela {
 namespace {
@@ -28,10 +30,17 @@ Json knob_json(const KnobStudy& study) {
                            {"passes_ci95_ms", {v.passes_ci.low, v.passes_ci.high}},
                            {"frame_bytes", memory_of(*v.row, "frame_bytes")},
                            {"relmse", v.relmse},
+                           {"relmse_ci95", {v.relmse_ci.low, v.relmse_ci.high}},
                            {"rmse", v.rmse},
                            {"dominated", v.dominated},
                            {"verdict", v.verdict}});
   return j;
+}
+
+std::vector<const BenchRow*> pointers(const std::vector<BenchRow>& rows) {
+  std::vector<const BenchRow*> all;
+  for (const BenchRow& row : rows) all.push_back(&row);
+  return all;
 }
 
 std::string column_of(const std::string& reference, const std::string& metric) {
@@ -40,38 +49,100 @@ std::string column_of(const std::string& reference, const std::string& metric) {
 
 }  // namespace
 
+namespace {
+
+Json metrics_json(const std::map<std::string, double>& metrics) {
+  Json j = Json::object();
+  for (const auto& [name, value] : metrics) j[name] = std::isfinite(value) ? Json(value) : Json();
+  return j;
+}
+std::map<std::string, double> metrics_from(const Json& json) {
+  std::map<std::string, double> metrics;
+  for (const auto& [name, value] : json.items())
+    metrics[name] = value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
+  return metrics;
+}
+
+Json noise_json(const NoiseFloor& noise) {
+  return {{"rmse", noise.rmse}, {"relmse", noise.relmse}, {"relmse_sd", noise.relmse_sd}};
+}
+NoiseFloor noise_from(const Json& json) { return {json.at("rmse"), json.at("relmse"), json.value("relmse_sd", 0.0)}; }
+
+Json error_json(const PictureError& error) {
+  Json j = {{"reference", error.reference}, {"metrics", metrics_json(error.metrics)}};
+  if (error.metrics.contains("relmse")) {
+    const Interval ci = error_interval(error, "relmse");
+    j["relmse_ci95"] = {ci.low, ci.high};
+  }
+  if (error.noise) j["noise_floor"] = noise_json(*error.noise);
+  if (error.exposures)
+    j["hdr_flip_exposures"] = {
+        {"start", error.exposures->start}, {"stop", error.exposures->stop}, {"count", error.exposures->count}};
+  if (error.spp > 0) j["spp"] = error.spp;
+  if (!error.note.empty()) j["note"] = error.note;
+  for (const ViewError& view : error.views) {
+    Json v = {{"metrics", metrics_json(view.metrics)}};
+    if (view.noise) v["noise_floor"] = noise_json(*view.noise);
+    j["views"].push_back(std::move(v));
+  }
+  return j;
+}
+
+PictureError error_from(const Json& j) {
+  PictureError error{.reference = j.at("reference"), .metrics = metrics_from(j.at("metrics"))};
+  if (j.contains("noise_floor")) error.noise = noise_from(j["noise_floor"]);
+  if (j.contains("hdr_flip_exposures")) {
+    const Json& e = j["hdr_flip_exposures"];
+    error.exposures = ExposureRange{e.at("start"), e.at("stop"), e.at("count")};
+  }
+  error.spp = j.value("spp", uint64_t(0));
+  error.note = j.value("note", "");
+  for (const Json& v : j.value("views", Json::array())) {
+    ViewError& view = error.views.emplace_back();
+    view.metrics = metrics_from(v.at("metrics"));
+    if (v.contains("noise_floor")) view.noise = noise_from(v["noise_floor"]);
+  }
+  return error;
+}
+
+}  // namespace
+
 Json errors_json(const std::vector<PictureError>& errors) {
   Json all = Json::array();
-  for (const PictureError& error : errors) {
-    Json j = {{"reference", error.reference}, {"metrics", Json::object()}};
-    for (const auto& [name, value] : error.metrics) j["metrics"][name] = std::isfinite(value) ? Json(value) : Json();
-    if (error.noise) j["noise_floor"] = {{"rmse", error.noise->rmse}, {"relmse", error.noise->relmse}};
-    if (error.exposures)
-      j["hdr_flip_exposures"] = {
-          {"start", error.exposures->start}, {"stop", error.exposures->stop}, {"count", error.exposures->count}};
-    if (error.spp > 0) j["spp"] = error.spp;
-    if (!error.note.empty()) j["note"] = error.note;
-    all.push_back(std::move(j));
-  }
+  for (const PictureError& error : errors) all.push_back(error_json(error));
   return all;
 }
 
 std::vector<PictureError> errors_from(const Json& json) {
   std::vector<PictureError> errors;
-  for (const Json& j : json) {
-    PictureError& error = errors.emplace_back();
-    error.reference = j.at("reference");
-    for (const auto& [name, value] : j.at("metrics").items())
-      error.metrics[name] = value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
-    if (j.contains("noise_floor")) error.noise = NoiseFloor{j["noise_floor"].at("rmse"), j["noise_floor"].at("relmse")};
-    if (j.contains("hdr_flip_exposures")) {
-      const Json& e = j["hdr_flip_exposures"];
-      error.exposures = ExposureRange{e.at("start"), e.at("stop"), e.at("count")};
-    }
-    error.spp = j.value("spp", uint64_t(0));
-    error.note = j.value("note", "");
-  }
+  for (const Json& j : json) errors.push_back(error_from(j));
   return errors;
+}
+
+Json same_work_json(const std::vector<SameWork>& all) {
+  Json list = Json::array();
+  for (const SameWork& same : all) {
+    Json j = {{"suite", same.suite},
+              {"technique", same.technique},
+              {"quality", same.quality},
+              {"settings", same.settings},
+              {"job", same.job.empty() ? Json() : own_json(same.job)}};
+    if (!same.knobs.empty()) j["knobs"] = knobs_json(same.knobs);
+    if (same.exact) j["exact"] = error_json(*same.exact);
+    list.push_back(std::move(j));
+  }
+  return list;
+}
+
+std::vector<SameWork> same_work_from(const Json& json) {
+  std::vector<SameWork> all;
+  for (const Json& j : json) {
+    SameWork& same = all.emplace_back(
+        SameWork{j.at("suite"), j.at("technique"), j.at("quality"), j.at("settings"), j.at("job").dump(), {}, {}});
+    if (j.contains("knobs")) same.knobs = knobs_from(j["knobs"]);
+    if (j.contains("exact")) same.exact = error_from(j["exact"]);
+  }
+  return all;
 }
 
 Json knobs_json(const std::vector<KnobPoint>& knobs) {
@@ -137,16 +208,20 @@ Json error_findings_json(const BenchRun& run) {
               {"noise", Json::array()},
               {"knobs", Json::array()},
               {"defects", error_defects(place.rows)}};
+    const std::vector<BenchRow> named = rows_by_name(place.rows);
+    const std::vector<const BenchRow*> by_name = pointers(named);
     for (const std::string& reference : error_reference_names()) {
+      const std::vector<SettingPoint> settings = setting_points(place.rows, reference, "relmse");
       for (const double bound : error_bounds) {
-        const BenchRow* row = cheapest(place.rows, reference, "relmse", bound);
+        if (settings.empty()) continue;
+        const SettingPoint* s = cheapest(settings, bound);
         j["cheapest"].push_back({{"reference", reference},
                                  {"metric", "relmse"},
                                  {"below", bound},
-                                 {"setting", row ? Json(error_setting(*row)) : Json()},
+                                 {"setting", s ? Json(error_setting(*s->row)) : Json()},
                                  {"sentence", cheapest_sentence(place.rows, reference, "relmse", bound)}});
       }
-      for (const TotalError& t : total_errors(place.rows, reference))
+      for (const TotalError& t : total_errors(by_name, reference))
         if (reference != exact_reference)
           j["total"].push_back({{"reference", reference},
                                 {"technique", t.row->technique},
@@ -155,12 +230,16 @@ Json error_findings_json(const BenchRun& run) {
                                 {"model_relmse", t.model},
                                 {"sampling_relmse", t.sampling}});
       Json front = Json::array();
-      for (const ErrorPoint& point : error_points(place.rows, reference, "relmse"))
-        if (!point.dominated)
-          front.push_back({{"setting", error_setting(*point.row)},
-                           {"gpu_ms", point.ms},
-                           {"gpu_ci95_ms", {point.ms_ci.low, point.ms_ci.high}},
-                           {"relmse", point.error}});
+      for (const ErrorPoint& point : error_points(place.rows, reference, "relmse")) {
+        if (point.standing == ErrorPoint::Standing::dominated) continue;
+        front.push_back({{"setting", error_setting(*point.row)},
+                         {"gpu_ms", point.ms},
+                         {"gpu_ci95_ms", {point.ms_ci.low, point.ms_ci.high}},
+                         {"relmse", point.error},
+                         {"relmse_ci95", {point.error_ci.low, point.error_ci.high}},
+                         {"standing", standing_name(point.standing)}});
+        if (point.by) front.back()["from"] = error_setting(*point.by);
+      }
       j["fronts"].push_back({{"reference", reference}, {"metric", "relmse"}, {"points", std::move(front)}});
     }
     for (const NoiseVerdict& v : noise_verdicts(place.rows))
@@ -170,7 +249,7 @@ Json error_findings_json(const BenchRun& run) {
                             {"smallest_error", v.smallest},
                             {"below_a_tenth", v.enough},
                             {"sentence", v.sentence}});
-    for (const KnobStudy& study : knob_studies(place.rows)) j["knobs"].push_back(knob_json(study));
+    for (const KnobStudy& study : knob_studies(by_name)) j["knobs"].push_back(knob_json(study));
     all.push_back(std::move(j));
   }
   return all.empty() ? Json() : all;

@@ -13,6 +13,9 @@ std::vector<PictureError> errors_from(const nlohmann::ordered_json& json);  // t
 nlohmann::ordered_json knobs_json(const std::vector<KnobPoint>& knobs);
 std::vector<KnobPoint> knobs_from(const nlohmann::ordered_json& json);  // the same
 
+nlohmann::ordered_json same_work_json(const std::vector<SameWork>& all);
+std::vector<SameWork> same_work_from(const nlohmann::ordered_json& json);  // the same
+
 // Columns error.<reference>.<metric> and noise.<reference>.relmse that any row has, and a row's cells for them.
 std::vector<std::string> error_columns(const BenchRun& run);
 std::vector<std::string> error_cells(const BenchRow& row, const std::vector<std::string>& columns);

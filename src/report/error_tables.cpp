@@ -2,6 +2,7 @@
 
 #include "base/statistics.h"
 #include "bench/error_truth.h"
+#include "bench/error_views.h"
 #include "report/golden_report.h"
 
 namespace candela {
@@ -18,15 +19,11 @@ std::string head(const std::vector<std::string>& names, size_t text_columns) {
 }
 std::string number(std::optional<double> value) { return value ? fmt::format("{:.3g}", *value) : ""; }
 std::string mebibytes(uint64_t bytes) { return bytes == 0 ? "" : fmt::format("{:.2f}", double(bytes) / (1 << 20)); }
-std::string gpu_text(const BenchRow& row) { return ms_text(median(row.gpu.ms), median_interval(row.gpu.ms)); }
-
-// What the processor does for a frame: all stages but waiting for the GPU.
-double cpu_ms(const BenchRow& row) {
-  double ms = 0;
-  for (const Series& stage : row.cpu)
-    if (stage.name != "wait") ms += median(stage.ms);
-  return ms;
+// Nothing where there is no interval.
+std::string interval_text(double value, const Interval& ci) {
+  return ci.low == value && ci.high == value ? "" : fmt::format(" [{:.3g}, {:.3g}]", ci.low, ci.high);
 }
+std::string gpu_text(const BenchRow& row) { return ms_text(median(row.gpu.ms), median_interval(row.gpu.ms)); }
 
 }  // namespace
 
@@ -35,18 +32,20 @@ std::string ms_text(double median, const Interval& ci) {
 }
 
 std::string totals_table(const ErrorPlace& place) {
-  std::string html = head({"technique", "quality", "GPU ms [95 % CI]", "frame ms", "CPU ms", "images and buffers, MiB",
-                           "device peak, MiB", "sampling error", "total, unshadowed", "model, unshadowed",
-                           "total, direct", "model, direct", "total, path", "model, path"},
-                          2);
-  for (const BenchRow* row : place.rows) {
+  const std::vector<BenchRow> named = rows_by_name(place.rows);
+  std::vector<const BenchRow*> rows;
+  for (const BenchRow& row : named) rows.push_back(&row);
+  std::string html = head(
+      {"technique", "quality", "passes, ms [95 % CI]", "images and buffers, MiB", "device peak, MiB", "sampling error",
+       "total, unshadowed", "model, unshadowed", "total, direct", "model, direct", "total, path", "model, path"},
+      2);
+  for (const BenchRow* row : rows) {
     if (row->suite != "whole") continue;
     html += "<tr>" + cell(row->technique, "text") + cell(row->quality, "text") + cell(gpu_text(*row)) +
-            cell(fmt::format("{:.3g}", median(row->frame.ms))) + cell(fmt::format("{:.3g}", cpu_ms(*row))) +
             cell(mebibytes(memory_of(*row, "frame_bytes"))) + cell(mebibytes(memory_of(*row, "device_peak_bytes"))) +
             cell(number(error_of(*row, exact_reference, "relmse")));
     for (const char* reference : {open_reference_name, "direct", "path"}) {
-      const auto totals = total_errors(place.rows, reference);
+      const auto totals = total_errors(rows, reference);
       const auto own = std::find_if(totals.begin(), totals.end(), [&](const TotalError& t) { return t.row == row; });
       html += own == totals.end() ? "<td></td><td></td>" : cell(number(own->total)) + cell(number(own->model));
     }
@@ -66,29 +65,34 @@ std::string knob_table(const std::vector<KnobStudy>& studies) {
               cell(v.text + (v.text == study.advised ? " (advised)" : ""), "text") +
               cell(v.verdict, v.dominated ? "text faint" : "text") + cell(ms_text(v.ms, v.ms_ci)) +
               cell(ms_text(v.passes_ms, v.passes_ci)) + cell(mebibytes(memory_of(*v.row, "frame_bytes"))) +
-              cell(number(v.relmse), study.kind == "time" && v.rmse > 0 ? "bad" : "") + cell(number(v.rmse)) +
-              "</tr>\n";
+              cell(number(v.relmse) + interval_text(v.relmse, v.relmse_ci),
+                   study.kind == "time" && v.rmse > 0 ? "bad" : "") +
+              cell(number(v.rmse)) + "</tr>\n";
   return html + "</table></div>\n";
 }
 
 std::string error_rows_table(const ErrorPlace& place) {
   static constexpr const char* metrics[] = {"relmse", "relmse-trimmed", "rmse",     "mae",  "max",      "p99",
                                             "psnr",   "flip",           "hdr-flip", "ssim", "differing"};
-  std::vector<std::string> names = {"setting", "sweep", "against", "GPU ms [95 % CI]", "frame ms", "CPU ms", "MiB"};
+  std::vector<std::string> names = {"setting", "sweep", "against", "passes, ms [95 % CI]", "MiB"};
   names.insert(names.end(), std::begin(metrics), std::end(metrics));
   names.emplace_back("noise (relmse)");
   std::string html = head(names, 3);
   for (const BenchRow* row : place.rows) {
-    const std::string gpu = gpu_text(*row), frame = fmt::format("{:.3g}", median(row->frame.ms)),
-                      cpu = fmt::format("{:.3g}", cpu_ms(*row));
+    const std::string gpu = gpu_text(*row);
     for (const PictureError& error : row->errors) {
-      html += "<tr>" + cell(error_setting(*row), "text") + cell(row->suite, "text") + cell(error.reference, "text") +
-              cell(gpu) + cell(frame) + cell(cpu) + cell(mebibytes(memory_of(*row, "frame_bytes")));
+      html += "<tr>" + cell(error_names(*row), "text") + cell(row->suite, "text") + cell(error.reference, "text") +
+              cell(gpu) + cell(mebibytes(memory_of(*row, "frame_bytes")));
       for (const char* metric : metrics) {
         const bool noise = std::string_view(metric) == "relmse" && error.noise &&
                            error_of(*row, error.reference, metric).value_or(1e300) <= error.noise->relmse;
-        html += cell(number(error_of(*row, error.reference, metric)) + (noise ? " (below noise)" : ""),
-                     noise ? "faint" : "");
+        const auto value = error_of(*row, error.reference, metric);
+        html += cell(
+            number(value) +
+                (value && std::string_view(metric) == "relmse" ? interval_text(*value, error_interval(error, metric))
+                                                               : "") +
+                (noise ? " (below noise)" : ""),
+            noise ? "faint" : "");
       }
       html += cell(error.noise ? fmt::format("{:.3g}", error.noise->relmse) : "") + "</tr>\n";
     }

@@ -65,6 +65,8 @@ std::string scatter_svg(const Scatter& scatter) {
   for (const ScatterPoint& p : scatter.points) {
     xs.push_back(p.x), ys.push_back(p.y);
     if (p.low_x < p.high_x) xs.push_back(p.low_x), xs.push_back(p.high_x);
+    // A bar that reaches near 0 ends at the lower edge; the axis does not follow it there.
+    if (p.low_y < p.high_y) ys.push_back(std::max(p.low_y, p.y / 5)), ys.push_back(p.high_y);
   }
   if (scatter.floor_y) ys.push_back(*scatter.floor_y);
   const Axis x_axis = axis_of(xs, width), y_axis = axis_of(ys, height);
@@ -96,7 +98,7 @@ std::string scatter_svg(const Scatter& scatter) {
                 y_of(scatter.curve[i].second), "stroke=\"#444\" stroke-dasharray=\"3 3\"");
   std::vector<const ScatterPoint*> front;
   for (const ScatterPoint& p : scatter.points)
-    if (!p.dimmed) front.push_back(&p);
+    if (!p.dimmed && !p.ring) front.push_back(&p);
   std::stable_sort(front.begin(), front.end(), [](const auto* a, const auto* b) { return a->x < b->x; });
   std::string stairs;
   for (size_t i = 0; i < front.size() && scatter.stairs; ++i)
@@ -111,11 +113,23 @@ std::string scatter_svg(const Scatter& scatter) {
           "stroke=\"{5}\" opacity=\"{6}\"/>\n",
           x_of(p.low_x), x_of(p.high_x), y_of(p.y) - 4, y_of(p.y) + 4, y_of(p.y), plot_color(p.group),
           p.dimmed ? 0.3 : 1.0);
+    if (p.low_y < p.high_y)
+      svg += fmt::format(
+          "<path d=\"M{1:.1f} {3:.1f}H{2:.1f}M{0:.1f} {3:.1f}V{4:.1f}M{1:.1f} {4:.1f}H{2:.1f}\" fill=\"none\" "
+          "stroke=\"{5}\" opacity=\"{6}\"/>\n",
+          x_of(p.x), x_of(p.x) - 4, x_of(p.x) + 4, y_of(std::max(p.low_y, 0.0)), y_of(p.high_y), plot_color(p.group),
+          p.dimmed ? 0.3 : 1.0);
+    const std::string color = plot_color(p.group);
+    const std::string paint =
+        p.ring ? "fill=\"#fff\" stroke=\"" + color + "\" stroke-width=\"2\"" : "fill=\"" + color + "\"";
     svg += fmt::format(
-        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\" opacity=\"{}\"><title>{}: {:.4g}, "
+        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {} opacity=\"{}\"><title>{}: {:.4g}, "
         "{:.4g}</title></circle>\n",
-        x_of(p.x), y_of(p.y), p.dimmed ? 4 : 6, plot_color(p.group), p.dimmed ? 0.3 : 1.0, escape_markup(p.label), p.x,
-        p.y);
+        x_of(p.x), y_of(p.y),
+        p.dimmed ? 4
+        : p.ring ? 5
+                 : 6,
+        paint, p.dimmed ? 0.3 : 1.0, escape_markup(p.label), p.x, p.y);
   }
   for (size_t i = 0; i < front.size(); ++i) {
     const double x = x_of(front[i]->x);

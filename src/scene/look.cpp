@@ -3,11 +3,10 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <vector>
 
 #include "base/files.h"
+#include "base/json.h"
 #include "base/text.h"
 
 namespace candela {
@@ -170,42 +169,131 @@ Expected<void> read_sun(const Json& j, const std::string& place, Look& look) {
   return {};
 }
 
-// A parser that takes the last of two equal keys would leave a value out in silence.
-Expected<Json> parse_strictly(const std::string& text, const std::string& place) {
-  std::vector<std::set<std::string>> open;
-  std::string repeated;
-  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key && !open.back().insert(parsed.get<std::string>()).second && repeated.empty())
-      repeated = parsed.get<std::string>();
-    return true;
-  };
-  try {
-    Json j = Json::parse(text, watch);
-    if (!repeated.empty()) return wrong(place, fmt::format("the key '{}' stands twice in one object", repeated));
-    return j;
-  } catch (const Json::exception& e) {
-    return wrong(place, fmt::format("is no JSON: {}", e.what()));
+Expected<double> knob_of_bloom(const Json& j, const std::string& place, double most) {
+  const auto value = from_zero(j, place);
+  if (value && *value > most) return wrong(place, fmt::format("{} is above {}", *value, most));
+  return value;
+}
+
+// "preset" comes first, whatever the order of the keys: the others go over it.
+Expected<void> read_bloom(const Json& j, const std::string& place, Look& look) {
+  constexpr double no_limit = std::numeric_limits<double>::infinity();
+  constexpr size_t most_levels = 12;
+  Bloom bloom;
+  if (j.is_object() && j.contains("preset")) {
+    if (j["preset"] != "city-lights") return wrong(place + "/preset", "the only preset is city-lights");
+    bloom = {.strength = 1, .threshold = 1.5, .knee = 0.25, .weights = {1, 0.5, 0.25, 0.125, 0.0625}, .keeps = false};
   }
+  const auto into_number = [](double Bloom::*member, double most) {
+    return [=](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
+      const auto value = knob_of_bloom(v, at, most);
+      if (!value) return std::unexpected(value.error());
+      b.*member = *value;
+      return {};
+    };
+  };
+  const auto into_flag = [](bool Bloom::*member) {
+    return [=](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
+      if (!v.is_boolean()) return wrong(at, "the value is neither true nor false");
+      b.*member = v.get<bool>();
+      return {};
+    };
+  };
+  const Readers<Bloom> readers = {
+      {"preset", [](const Json&, const std::string&, Bloom&) -> Expected<void> { return {}; }},
+      {"strength", into_number(&Bloom::strength, no_limit)},
+      {"threshold", into_number(&Bloom::threshold, no_limit)},
+      {"knee", into_number(&Bloom::knee, no_limit)},
+      {"keeps", into_flag(&Bloom::keeps)},
+      {"beauty", into_flag(&Bloom::in_beauty)},
+      {"weights",
+       [=](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
+         if (!v.is_array() || v.empty() || v.size() > most_levels)
+           return wrong(at, fmt::format("the value is not a list of 1 to {} weights", most_levels));
+         b.weights.clear();
+         double sum = 0;
+         for (size_t i = 0; i < v.size(); ++i) {
+           const auto weight = from_zero(v[i], fmt::format("{}/{}", at, i));
+           if (!weight) return std::unexpected(weight.error());
+           b.weights.push_back(*weight);
+           sum += *weight;
+         }
+         if (!(sum > 0)) return wrong(at, "the weights are all 0");
+         return {};
+       }},
+  };
+  if (auto read = read_keys(j, place, readers, bloom); !read) return read;
+  if (bloom.keeps && bloom.strength > 1)
+    return wrong(place + "/strength", fmt::format("{} is above 1: no more light can be scattered than there is; "
+                                                  "\"keeps\": false adds it",
+                                                  bloom.strength));
+  look.bloom = bloom;
+  return {};
+}
+
+// The value of {"keys": [[t, v], ...]} at a time; numbers, or lists of as many numbers.
+Expected<Json> value_at(const Json& keys, const std::string& place, double time_s) {
+  if (!keys.is_array() || keys.empty()) return wrong(place, "the value is not a list of [time, value]");
+  double before = -std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const std::string at = fmt::format("{}/{}", place, i);
+    const Json& key = keys[i];
+    if (!key.is_array() || key.size() != 2) return wrong(at, "the value is not [time, value]");
+    const auto time = number(key[0], at + "/0");
+    if (!time) return std::unexpected(time.error());
+    if (!(*time > before)) return wrong(at + "/0", "the times do not ascend");
+    before = *time;
+    const bool list = key[1].is_array();
+    if (list != keys[0][1].is_array() || (list && key[1].size() != keys[0][1].size()))
+      return wrong(at + "/1", "the value is of another kind than the first key's");
+    for (size_t c = 0; c < (list ? key[1].size() : 1); ++c)
+      if (const auto value = number(list ? key[1][c] : key[1], at + "/1"); !value)
+        return std::unexpected(value.error());
+  }
+  size_t next = 0;
+  while (next < keys.size() && keys[next][0].get<double>() <= time_s) ++next;
+  if (next == 0) return keys[0][1];
+  if (next == keys.size()) return keys[next - 1][1];
+  const double t0 = keys[next - 1][0].get<double>(), t1 = keys[next][0].get<double>();
+  const double s = (time_s - t0) / (t1 - t0);
+  const auto between = [&](const Json& a, const Json& b) { return (1 - s) * a.get<double>() + s * b.get<double>(); };
+  if (!keys[0][1].is_array()) return Json(between(keys[next - 1][1], keys[next][1]));
+  Json list = Json::array();
+  for (size_t c = 0; c < keys[0][1].size(); ++c) list.push_back(between(keys[next - 1][1][c], keys[next][1][c]));
+  return list;
+}
+
+Expected<void> evaluate(Json& j, const std::string& place, double time_s) {
+  if (j.is_object() && j.size() == 1 && j.contains("keys")) {
+    auto value = value_at(j["keys"], place + "/keys", time_s);
+    if (!value) return std::unexpected(value.error());
+    j = Json(std::move(*value));
+    return {};
+  }
+  if (!j.is_object()) return {};
+  for (auto& [key, value] : j.items())
+    if (auto done = evaluate(value, place + "/" + key, time_s); !done) return done;
+  return {};
 }
 
 }  // namespace
 
-Expected<Look> look_from_json(const std::string& text, const std::string& place) {
-  const auto j = parse_strictly(text, place);
+Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s) {
+  auto j = read_json(text, place);
   if (!j) return std::unexpected(j.error());
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
+  if (auto evaluated = evaluate(*j, place + ": ", time_s); !evaluated) return std::unexpected(evaluated.error());
   Look look;
-  const Readers<Look> readers = {{"fog", read_fog}, {"sun", read_sun}};
+  const Readers<Look> readers = {{"fog", read_fog}, {"sun", read_sun}, {"bloom", read_bloom}};
   if (auto read = read_keys(*j, place + ": ", readers, look); !read) return std::unexpected(read.error());
   return look;
 }
 
-Expected<Look> read_look(const std::filesystem::path& file) {
+Expected<Look> read_look(const std::filesystem::path& file, double time_s) {
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(bytes.error());
-  return look_from_json(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), file.string());
+  return look_from_json(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), file.string(),
+                        time_s);
 }
 
 }  // namespace candela

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 
@@ -37,15 +38,31 @@ struct Sun {
   double angular_radius_deg = 0.2666;  // 0: a point, with hard shadows
 };
 
+// Light that lens and eye scatter round bright things: a sum of Gaussians of what is above the threshold. Level k (from
+// 0) has a weight and the variance 1.5 (4^(k+1) - 1) square pixels of the picture.
+struct Bloom {
+  double strength = 0.04;  // share of the light that is scattered
+  double threshold = 0;    // exposed radiance; less does not glow
+  double knee = 0;         // half the width over which the threshold sets in
+  std::vector<double> weights = {1, 1, 1, 1, 1};
+  bool keeps = true;       // what is scattered is taken from where it came; otherwise it is added
+  bool in_beauty = false;  // in linear output too, not only on display
+  static double variance_px2(size_t level) { return 1.5 * (double(uint64_t(1) << (2 * (level + 1))) - 1); }
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
+  std::optional<Bloom> bloom;
   std::optional<Sun> sun;
 };
 
 // A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are
 // negative, not finite or contradict each other are errors (input) that name file and JSON path.
-Expected<Look> read_look(const std::filesystem::path& file);
-Expected<Look> look_from_json(const std::string& text, const std::string& place);
+//
+// Any number, list of numbers or colour may stand as {"keys": [[time in seconds, value], ...]} with ascending times: it
+// is then interpolated between them, and constant before the first and after the last.
+Expected<Look> read_look(const std::filesystem::path& file, double time_s = 0);
+Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s = 0);
 
 }  // namespace candela

@@ -3,6 +3,10 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "base/input.h"
+#include "base/log.h"
+#include "image/environment_file.h"
+#include "scene/texture_slots.h"
 
 namespace candela {
 namespace {
@@ -79,23 +83,91 @@ DecodedImage merged(const DecodedImage& occlusion, const DecodedImage& metallic_
   return out;
 }
 
-Expected<DecodedImage> decode_stored(const Scene& scene, int image) {
+// Large squares of colours that no scene has, in every channel far from neutral.
+DecodedImage placeholder_image() {
+  constexpr int side_px = 64, square_px = 8;
+  DecodedImage image{side_px, side_px, DecodedImage::Format::rgba8, 3, {}};
+  for (int y = 0; y < side_px; ++y)
+    for (int x = 0; x < side_px; ++x) {
+      const auto magenta = std::byte((x / square_px + y / square_px) % 2 == 0 ? 255 : 0);
+      image.pixels.insert(image.pixels.end(), {magenta, std::byte(0), magenta, std::byte(255)});
+    }
+  return image;
+}
+
+Expected<DecodedImage> decode_stored(const Scene& scene, int image, std::vector<std::string>& warnings) {
   CHECK(image >= 0 && size_t(image) < scene.images.size());
   const SceneImage& stored = scene.images[size_t(image)];
-  return decode_image(stored.encoded, stored.place);
+  if (stored.encoded.empty()) return placeholder_image();
+  auto decoded = decode_image(stored.encoded, stored.place);
+  if (decoded || decoded.error().kind == ErrorKind::out_of_memory) return decoded;
+  warnings.push_back(fmt::format("{}: {}", decoded.error().text(), placeholder_note));
+  return placeholder_image();
+}
+
+uint64_t mesh_bytes(const MeshSection& s) {
+  const auto size = [](const auto& values) { return uint64_t(values.size()) * sizeof(values[0]); };
+  uint64_t sum = size(s.position) + size(s.normal) + size(s.tangent) + size(s.uv0) + size(s.uv1) + size(s.color) +
+                 size(s.joints0) + size(s.joints1) + size(s.weights0) + size(s.weights1) + size(s.index);
+  for (const MorphTarget& m : s.morph) sum += size(m.position) + size(m.normal) + size(m.tangent);
+  return sum;
+}
+
+// Nothing where there is no head that can be read: the placeholder is small.
+std::optional<ImageInfo> info_of(const Scene& scene, const SceneImage& image) {
+  if (image.merge_occlusion >= 0) {
+    const auto a = info_of(scene, scene.images[size_t(image.merge_occlusion)]),
+               b = info_of(scene, scene.images[size_t(image.merge_metallic_roughness)]);
+    if (!a || !b) return a ? a : b;
+    return ImageInfo{std::max(a->width, b->width), std::max(a->height, b->height), 4, std::max(a->bits, b->bits)};
+  }
+  const auto info = probe_image(image.encoded, image.place);
+  return info ? std::optional(*info) : std::nullopt;
 }
 
 }  // namespace
 
-Expected<DecodedImage> decode_scene_image(const Scene& scene, int image) {
+Expected<SceneTexture> decode_scene_image(const Scene& scene, int image) {
   CHECK(image >= 0 && size_t(image) < scene.images.size());
   const SceneImage& stored = scene.images[size_t(image)];
-  if (stored.merge_occlusion < 0) return decode_stored(scene, image);
-  Expected<DecodedImage> occlusion = decode_stored(scene, stored.merge_occlusion);
-  if (!occlusion) return occlusion;
-  Expected<DecodedImage> metallic_roughness = decode_stored(scene, stored.merge_metallic_roughness);
-  if (!metallic_roughness) return metallic_roughness;
-  return merged(*occlusion, *metallic_roughness);
+  SceneTexture texture;
+  auto first = decode_stored(scene, stored.merge_occlusion < 0 ? image : stored.merge_occlusion, texture.warnings);
+  if (!first) return std::unexpected(first.error());
+  if (stored.merge_occlusion < 0) {
+    texture.image = std::move(*first);
+    return texture;
+  }
+  const auto second = decode_stored(scene, stored.merge_metallic_roughness, texture.warnings);
+  if (!second) return std::unexpected(second.error());
+  texture.image = merged(*first, *second);
+  return texture;
+}
+
+Expected<uint64_t> decoded_bytes(const Scene& scene) {
+  uint64_t sum = 0;
+  for (const Mesh& mesh : scene.meshes)
+    for (const MeshSection& section : mesh.sections)
+      if (auto fits = charge_decoded(sum, mesh_bytes(section), scene.path + ": " + section.place); !fits)
+        return std::unexpected(fits.error());
+  std::vector<bool> used(scene.images.size());
+  const auto use = [&](const TextureSlot& slot, bool) {
+    if (slot) used[size_t(slot.image)] = true;
+  };
+  for (const Material& material : scene.materials) for_each_slot(material, use), for_each_traced_slot(material, use);
+  for (size_t i = 0; i < used.size(); ++i)
+    if (const auto info = used[i] ? info_of(scene, scene.images[i]) : std::nullopt)
+      if (auto fits = charge_decoded(sum, decoded_bytes_with_mips(*info), scene.images[i].place); !fits)
+        return std::unexpected(fits.error());
+  return sum;
+}
+
+Expected<DecodedImage> read_sky(const std::filesystem::path& path, const Scene& scene) {
+  const auto before = decoded_bytes(scene);
+  if (!before) return std::unexpected(before.error());
+  std::vector<std::string> warnings;
+  auto image = read_environment(path, warnings, *before);
+  for (const std::string& warning : warnings) log::warning("{}", warning);
+  return image;
 }
 
 }  // namespace candela

@@ -122,9 +122,16 @@ Expected<View> from_eye(const CameraRequest& request, double yfov_rad, ImageSize
 
 std::string camera_names(const Scene& scene) {
   if (scene.cameras.empty()) return "the file has no cameras";
+  const size_t count = scene.cameras.size();
+  const bool unnamed =
+      std::all_of(scene.cameras.begin(), scene.cameras.end(), [](const Camera& c) { return c.name.empty(); });
+  if (unnamed)
+    return count == 1 ? "there is one, without a name: take it by its index 0"
+                      : fmt::format("there are {} without names: take one by its index, 0 to {}", count, count - 1);
   std::string names = "there are";
-  for (size_t i = 0; i < scene.cameras.size(); ++i)
-    names += fmt::format("{} {} '{}'", i ? "," : "", i, scene.cameras[i].name);
+  for (size_t i = 0; i < count; ++i)
+    names += fmt::format("{} {} {}", i ? "," : "", i,
+                         scene.cameras[i].name.empty() ? "(no name)" : "'" + scene.cameras[i].name + "'");
   return names;
 }
 

@@ -86,6 +86,7 @@ Expected<void> StabilityRun::write_files(const StabilityScene& scene) {
 }
 
 Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display) {
+  job.effects = "none";  // what the pictures are compared with is traced without shadows
   auto frame = renderer_->frame(job, {.linear = true, .display = display, .display_bits = 16}, time_s);
   if (!frame) return std::unexpected(frame.error());
   auto beauty = beauty_of(*frame);

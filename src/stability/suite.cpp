@@ -62,26 +62,19 @@ Readers<StabilityOptions> readers() {
           {"large", read_large}};
 }
 
-Expected<std::string> text_in(const std::filesystem::path& file) {
-  const auto bytes = read_file(file);
-  if (!bytes) return std::unexpected(bytes.error());
-  return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-}
-
 }  // namespace
 
 bool names_built_in_suite(const std::filesystem::path& file) {
-  const auto text = text_in(file);
-  if (!text) return false;
-  const Json j = Json::parse(*text, nullptr, false);
-  return j.is_object() && j.contains("suite");
+  const auto j = read_json_file(file);
+  return j && j->is_object() && j->contains("suite");
 }
 
 Expected<StabilityOptions> stability_suite_from_json(const std::string& text, const std::string& place) {
-  const Json j = Json::parse(text, nullptr, false);
-  if (j.is_discarded() || !j.is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
+  const auto j = read_json(text, place);
+  if (!j) return std::unexpected(j.error());
+  if (!j->is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
   StabilityOptions options;
-  if (auto read = read_keys(j, Place{{}, {}, place + ": "}, readers(), options); !read)
+  if (auto read = read_keys(*j, Place{{}, {}, place + ": "}, readers(), options); !read)
     return std::unexpected(read.error());
   if (std::set(options.sizes.begin(), options.sizes.end()).size() != options.sizes.size())
     return fail(ErrorKind::input, place + ": /sizes", "the same size stands there twice");
@@ -89,9 +82,10 @@ Expected<StabilityOptions> stability_suite_from_json(const std::string& text, co
 }
 
 Expected<StabilityOptions> read_stability_suite(const std::filesystem::path& file) {
-  const auto text = text_in(file);
-  if (!text) return std::unexpected(text.error());
-  return stability_suite_from_json(*text, file.string());
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
+  return stability_suite_from_json(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()),
+                                   file.string());
 }
 
 }  // namespace candela

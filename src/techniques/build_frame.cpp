@@ -19,7 +19,9 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     const std::string instance = fmt::format("s{:02}", i);
     sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(n, i) / glm::dvec2(scene.width_px, scene.height_px));
     const Surfaces seen = seen_again(frame, sample, surfaces, instance);
-    const Lighting lit = scene.light_grid.tiled ? light_surfaces(frame, sample, seen, instance) : lighting;
+    Lighting lit = lighting;
+    if (scene.light_grid.tiled) lit = light_surfaces(frame, sample, seen, instance);
+    lit.lists.sun_maps = lighting.lists.sun_maps;
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
     const ImageHandle radiance = composite(frame, sample, seen, lit, shaded, instance);
     sum = frame.add(Supersample{}, {radiance, sum, scene.width_px, scene.height_px}, instance).sum;
@@ -32,7 +34,8 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
 void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique) {
   const uint32_t n = uint32_t(frame.knobs.get<Supersample::Knobs>().n);
   const Surfaces surfaces = visible_surfaces(frame, scene);
-  const Lighting lighting = light_surfaces(frame, scene, surfaces);
+  Lighting lighting = light_surfaces(frame, scene, surfaces);
+  lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   ImageHandle radiance;
   if (n > 1) {
     radiance = supersampled(frame, scene, technique, surfaces, lighting, n);

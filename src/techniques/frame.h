@@ -18,7 +18,7 @@ struct FrameOutput {
 // What a pass counted, by the buffer in the plan, and how to say it.
 struct FrameReport {
   int resource = -1;
-  std::function<std::vector<std::string>(std::span<const std::byte>)> warnings;
+  std::function<std::vector<std::string>(std::span<const std::byte>)> warnings, notes;
 };
 
 // A graph under construction, with what passes ask to know whether they are needed, and what the frame gives.
@@ -46,16 +46,22 @@ struct Frame {
     if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); }))
       return absent<typename P::Out>(builder.last_absence());
     if constexpr (Reports<P>)
-      if (out.report)
-        reports.push_back({out.report.resource, [pass](std::span<const std::byte> bytes) {
-                             typename P::Report report;
-                             std::memcpy(&report, bytes.data(), sizeof report);
-                             return pass.warnings(report);
-                           }});
+      if (out.report) reports.push_back(report_of(pass, out.report));
     return out;
   }
 
  private:
+  template <class P>
+  static FrameReport report_of(const P& pass, BufferHandle buffer) {
+    const auto read = [](std::span<const std::byte> bytes) {
+      typename P::Report report;
+      std::memcpy(&report, bytes.data(), sizeof report);
+      return report;
+    };
+    FrameReport result{buffer.resource, [pass, read](auto bytes) { return pass.warnings(read(bytes)); }, {}};
+    if constexpr (ReportsNotes<P>) result.notes = [pass, read](auto bytes) { return pass.notes(read(bytes)); };
+    return result;
+  }
   template <class T>
   static T absent(int reason) {
     T value{};

@@ -15,6 +15,20 @@ CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth,
 
 }  // namespace
 
+ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
+  constexpr std::string_view instance = "sun";
+  if (!scene.sun_image) {
+    ImageHandle none;
+    none.absence = frame.builder.leave_out(std::string(DepthViews::name) + ".sun", scene.sun_absence);
+    return none;
+  }
+  const ViewRange views{scene.views, scene.view_regions, 0, uint32_t(scene.sun_image->views.size()),
+                        scene.view_first_command};
+  const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
+  const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
+  return frame.add(DepthViews{}, {scene, draws, surfaces.deformed, scene.sun_image}, instance).depth;
+}
+
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view instance) {
   return {light_lists(frame, scene, surfaces.depth, instance)};
 }

@@ -17,12 +17,22 @@ Tonemap::In tonemap_in(const Frame& frame, const SceneInputs& scene, ImageHandle
   return in;
 }
 
+BloomPass::In bloom_in(const Frame& frame, const SceneInputs& scene, ImageHandle linear) {
+  const FrameRequest& request = frame.request;
+  BloomPass::In in{linear, scene.width_px, scene.height_px};
+  if (request.look.bloom) in.look = *request.look.bloom;
+  in.exposure = std::exp2(request.exposure_ev - request.pre_exposure_ev);
+  in.glow_wanted = request.has_layer("bloom");
+  return in;
+}
+
 }  // namespace
 
 void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance) {
   const uint32_t width = scene.width_px, height = scene.height_px;
   const ImageHandle linear = newest(frame.add(Resolve{}, {radiance, width, height, scene.samples}).resolved, radiance);
-  const ImageHandle display = frame.add(Tonemap{}, tonemap_in(frame, scene, linear)).display;
+  const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear)).color, linear);
+  const ImageHandle display = frame.add(Tonemap{}, tonemap_in(frame, scene, bloomed)).display;
 
   Readback::In readback;
   const auto want = [&](const std::string& layer, ImageHandle image) {
@@ -31,7 +41,8 @@ void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance) {
     readback.sources.push_back({layer, image, uint64_t(width) * height * format_bytes(format)});
     frame.outputs.push_back({layer, format, -1});
   };
-  if (frame.request.want_linear) want("beauty", linear);
+  const std::optional<Bloom>& bloom = frame.request.look.bloom;
+  if (frame.request.want_linear) want("beauty", bloom && bloom->in_beauty ? bloomed : linear);
   want("display", display);
   for (const auto& [layer, image] : frame.builder.published())
     if (frame.request.has_layer(layer)) want(layer, image);

@@ -20,6 +20,7 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   Layers::In wanted{scene, surfaces.draws, surfaces.deformed, lighting.lists};
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(Layers::layers[i].name);
   frame.add(Layers{}, wanted);
+  frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
 }
 

@@ -20,6 +20,8 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
 struct Lighting {
   CellLists lists;
 };
+// The depth maps of directional lights' cascades; empty: none casts a shadow.
+ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                         std::string_view instance = {});
 

@@ -43,6 +43,8 @@ constexpr SceneEntry table[] = {
     {"spheres", "metallic by roughness, under directional, point and spot lights", make_spheres},
     {"street", "a city at night that grows with its lights: street lamps, cars, windows and signs", make_street,
      most_light_instances},
+    {"street-dense", "the street's 1,024 lights' worth of city, which more lights make denser", make_street_dense,
+     most_light_instances},
     {"texture-transform", "KHR_texture_transform, wrap modes, filters and the second UV set", make_texture_transform},
     {"unlit-box", "a textured unlit box (KHR_materials_unlit)", make_unlit_box},
 };

@@ -88,6 +88,22 @@ class City {
     }
   }
 
+  // Points anywhere over the cells, up to the height of the signs: lights that have no lamp, window or sign of their
+  // own.
+  void scatter(const std::vector<Cell>& cells, int count) {
+    Rng rng = rng_at(seed_, int(cells.size()), 920);
+    for (int i = 0; i < count; ++i) {
+      const glm::dvec3 corner = cells[size_t(i) % cells.size()].centre() - glm::dvec3(cell_m / 2, 0, cell_m / 2);
+      const double x = rng.uniform(0, cell_m), y = rng.uniform(0.5, 9), z = rng.uniform(0, cell_m);
+      push(scattered_.translation, corner + glm::dvec3(x, y, z));
+      const double warmth = rng.uniform();
+      push(scattered_.color, glm::dvec3(1, 0.6 + 0.3 * warmth, 0.3 + 0.6 * warmth));
+      scattered_.intensity.push_back(rng.uniform(0.5, 2));
+      scattered_.range.push_back(6 * rng.uniform(0.8, 1.2));
+      push(scattered_.modulation, {0.3, 3, rng.uniform()});
+    }
+  }
+
   void write() {
     for (size_t b = 0; b < houses_.size(); ++b) {
       const Houses& h = houses_[b];
@@ -99,6 +115,7 @@ class City {
     lamps_.write(out_, "street lamps", spot("street lamp", {1, 1, 1}, 1, 16, 0.45, 1.1));
     windows_.write(out_, "windows", point("window", 6));
     signs_.write(out_, "signs", point("sign", 7));
+    if (!scattered_.intensity.empty()) scattered_.write(out_, "scattered", point("scattered", 6));
     write_traffic();
   }
 
@@ -225,10 +242,12 @@ class City {
   Parts parts_;
   std::vector<Houses> houses_;
   std::vector<double> streets_;
-  LightArrays lamps_, windows_, signs_;
+  LightArrays lamps_, windows_, signs_, scattered_;
   std::array<std::array<Traffic, speeds_s.size()>, lanes_a_cell> traffic_;
   std::array<int, speeds_s.size()> samplers_{-1, -1};
 };
+
+void add_street_camera(GlbWriter& out) { out.camera_node({2.5, 5.8, 10}, {7.5, 0, -13}, 0.87); }
 
 }  // namespace
 
@@ -241,7 +260,26 @@ void make_street(GlbWriter& out, SceneOptions& options) {
     left -= std::min(left, lights_a_cell);
   }
   city.write();
-  out.camera_node({2.5, 5.8, 10}, {7.5, 0, -13}, 0.87);
+  add_street_camera(out);
+}
+
+void make_street_dense(GlbWriter& out, SceneOptions& options) {
+  // Where the street has 1,024 lights.
+  constexpr int cells = 16;
+  const int lights = options.lights > 0 ? options.lights : default_lights;
+  City city(out, options.rng.next());
+  const std::vector<Cell> all = cells_outwards(cells);
+  int placed = 0;
+  for (int i = 0; i < cells; ++i) {
+    // As even as whole numbers are.
+    const int share =
+        int(std::min<int64_t>(int64_t(lights) * (i + 1) / cells - int64_t(lights) * i / cells, lights_a_cell));
+    city.add(all[size_t(i)], share);
+    placed += share;
+  }
+  city.scatter(all, lights - placed);
+  city.write();
+  add_street_camera(out);
 }
 
 }  // namespace candela

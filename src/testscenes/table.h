@@ -30,6 +30,7 @@ void make_animation_pointer(GlbWriter& out, SceneOptions& options);
 void make_animated(GlbWriter& out, SceneOptions& options);
 
 void make_street(GlbWriter& out, SceneOptions& options);
+void make_street_dense(GlbWriter& out, SceneOptions& options);
 void make_lights_stacked(GlbWriter& out, SceneOptions& options);
 void make_light_field(GlbWriter& out, SceneOptions& options);
 

@@ -94,6 +94,9 @@ text() {
     # XML needs the name spaces that the W3C chose.
     /https?:\/\/[A-Za-z0-9]/ && !/https?:\/\/www\.w3\.org\// { broken("URL with a host name") }
     /(deb|archive|snapshot|security)\.(debian|ubuntu)|pypi\.|pythonhosted|npmjs|crates\.io|ghcr\.io|docker\.io/ { broken("host name of a registry") }
+    FILENAME ~ /^src\// && FILENAME !~ /^src\/base\/json\./ && /[Jj]son(_sax)?(<[^>]*>)?::(sax_)?(parse|accept)\(/ {
+      broken("JSON is read by base/json.h alone")
+    }
     END { exit bad }'
 }
 

@@ -54,6 +54,7 @@ expect includes shaders/shared/a.h '#include "base/error.h"' 'shared may not inc
 expect text src/base/a.cpp 'int a;  // TO''DO: more' 'unfinished'
 expect text cmake/a.cmake 'set(a /wo''rk/b)' 'absolute path'
 expect text run 'curl https://deb.deb''ian.org' 'host name'
+expect text src/scene/a.cpp 'auto j = nlohmann::json::parse(text);' 'base/json.h alone'
 expect length src/base/a.cpp "$(printf '\\n%.0s' {1..501})" 'longer than'
 expect format src/base/a.cpp 'int  a;' 'code should be clang-formatted'
 expect format shaders/a.comp "$(printf 'x%.0s' {1..121})" 'wider than'

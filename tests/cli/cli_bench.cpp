@@ -129,17 +129,33 @@ TEST(Bench, ReadsSuitesStrictly) {
 }
 
 TEST(Bench, SaysWhenTimeOrMemoryRunOut) {
-  const Ended late = bench(small({"--json", "-", "--budget-s", "0.000001"}));
+  const Ended late =
+      bench({"animated",     "--lights",    "2,5",        "--size", "40x24",      "--samples",  "1",
+             "--techniques", "brute-force", "--min-runs", "3",      "--max-runs", "9",          "--precision",
+             "1e-9",         "--warm-up-s", "0.001",      "--json", "-",          "--budget-s", "0.000001"});
   ASSERT_EQ(late.code, 0) << late.err;
   Json json = Json::parse(late.out);
   EXPECT_NE(json["notes"].dump().find("time budget"), std::string::npos) << json["notes"];
-  EXPECT_EQ(json["rows"][0]["budget_hit"], true);
+  ASSERT_EQ(json["rows"].size(), 2u);
+  for (const Json& row : json["rows"]) {
+    EXPECT_EQ(row["frame_ms"]["count"], 3) << "the least number of runs";
+    EXPECT_EQ(row["budget_hit"], true);
+  }
   const Ended few = bench(small({"--json", "-", "--max-sessions", "1"}));
   ASSERT_EQ(few.code, 0) << few.err;
   json = Json::parse(few.out);
   EXPECT_EQ(json["rows"][0]["reopened"], false);
   EXPECT_EQ(json["rows"][3]["reopened"], true);
   EXPECT_EQ(json["rows"][3]["frame_ms"]["count"], 3);
+}
+
+TEST(Bench, ARunThatMeasuresNothingFails) {
+  const TestFolder folder;
+  std::ofstream(folder / "s.json") << R"({"scenes": ["assets:none.glb"], "techniques": ["brute-force"]})";
+  const Ended nothing = bench({folder / "s.json", "--json", folder / "r.json", "--assets", folder / "absent"});
+  EXPECT_EQ(nothing.code, 3);
+  EXPECT_NE(nothing.err.find("nothing was measured"), std::string::npos) << nothing.err;
+  EXPECT_EQ(Json::parse(bytes_of(folder / "r.json"))["rows"].size(), 1u);
 }
 
 TEST(Bench, UsageErrorsSayWhatIsMeant) {

@@ -26,9 +26,13 @@ TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
   ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_NE(ended.out.find("below 0.01 against direct-unshadowed"), std::string::npos) << ended.out;
   const Json json = Json::parse(bytes_of(folder / "e.json"));
-  size_t whole = 0, of_time = 0;
+  // Quality normal and high plan the same as exact where all lights have ranges: they are names of its row.
+  size_t whole = 0, of_time = 0, measured_whole = 0;
   for (const Json& row : json["rows"]) {
+    measured_whole += row["suite"] == "whole";
     whole += row["suite"] == "whole";
+    for (const Json& same : row.value("same_work", Json::array())) whole += same["suite"] == "whole";
+    EXPECT_EQ(row["views"], 6);
     ASSERT_EQ(row["errors"].size(), 4u) << row;
     EXPECT_LE(row["gpu_ms"]["ci95"][0], row["gpu_ms"]["median"]);
     EXPECT_GE(row["gpu_ms"]["ci95"][1], row["gpu_ms"]["median"]);
@@ -37,6 +41,10 @@ TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
       EXPECT_TRUE(error["metrics"].contains("relmse")) << error;
       EXPECT_EQ(error["hdr_flip_exposures"], json["rows"][0]["errors"][0]["hdr_flip_exposures"]);
       EXPECT_EQ(error.contains("noise_floor"), error["reference"] != "exact");
+      ASSERT_EQ(error["views"].size(), 6u);
+      double sum = 0;
+      for (const Json& view : error["views"]) sum += view["metrics"]["relmse"].get<double>();
+      EXPECT_NEAR(error["metrics"]["relmse"].get<double>(), sum / 6, 1e-9 + sum * 1e-9);
       EXPECT_EQ(error.value("spp", 0), error["reference"] == "exact" ? 0 : 2);
     }
     // The exact end of each ladder is the exact picture itself, bit for bit; and so is what knobs of time give.
@@ -54,6 +62,8 @@ TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
     }
   }
   EXPECT_EQ(whole, 4u);
+  EXPECT_LT(measured_whole, 4u);
+  EXPECT_NE(json["unswept_knobs"].dump().find("lights.mask"), std::string::npos) << json["unswept_knobs"];
   EXPECT_GE(of_time, 8u);
   const Json& findings = json["error_findings"][0];
   EXPECT_EQ(findings["defects"].size(), 0u);
@@ -108,9 +118,9 @@ TEST(ErrorSweep, ReferencesAreKept) {
   const TestFolder folder;
   const std::string street = made_street(folder);
   const auto bench = [&](const char* spp) {
-    const Ended ended =
-        candela({"bench", street, "--size", "32x24", "--error", "--techniques", "brute-force", "--min-runs", "1",
-                 "--max-runs", "1", "--warm-up-s", "0.001", "--reference-spp", spp, "--json", folder / "e.json"});
+    const Ended ended = candela({"bench", street, "--size", "32x24", "--error", "--techniques", "brute-force",
+                                 "--min-runs", "1", "--max-runs", "1", "--warm-up-s", "0.001", "--reference-spp", spp,
+                                 "--views", "1", "--json", folder / "e.json"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     Json errors = Json::array();
     for (const Json& row : Json::parse(bytes_of(folder / "e.json"))["rows"]) errors.push_back(row["errors"]);
@@ -139,6 +149,20 @@ TEST(ErrorSweep, ReferencesAreKept) {
     unsetenv("CANDELA_CACHE_DIR");
 }
 
+// A budget is of sampling: references and first frames have their own time, and each row its least number of runs.
+TEST(ErrorSweep, AShortBudgetLeavesNoRowWithoutRuns) {
+  const TestFolder folder;
+  const Ended ended =
+      candela({"bench", "animated", "--size", "24x16", "--error", "--techniques", "brute-force", "--budget-s", "0.001",
+               "--min-runs", "2", "--warm-up-s", "0.001", "--reference-spp", "1", "--json", folder / "e.json"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const Json json = Json::parse(bytes_of(folder / "e.json"));
+  EXPECT_GE(json["rows"].size(), 2u);
+  EXPECT_GT(json["opening_s"], 0);
+  for (const Json& row : json["rows"]) EXPECT_EQ(row["gpu_ms"]["count"], 2) << row["settings"];
+  EXPECT_NE(ended.out.find("relmse below 0.1 against direct-unshadowed"), std::string::npos) << ended.out;
+}
+
 TEST(ErrorSweep, KnobsSayWhatTheyTrade) {
   const Ended ended = candela({"list", "knobs", "--json"});
   ASSERT_EQ(ended.code, 0);
@@ -151,6 +175,7 @@ TEST(ErrorSweep, KnobsSayWhatTheyTrade) {
 TEST(ErrorSweep, UsageErrors) {
   for (const auto& more : std::vector<std::vector<std::string>>{{"street", "--error", "--quality", "high"},
                                                                 {"street", "--reference-spp", "4"},
+                                                                {"street", "--views", "3"},
                                                                 {"--suite", "exactness", "--error"},
                                                                 {"street", "--error", "--hdr-flip", "1,2"}}) {
     std::vector<std::string> words = {"bench"};

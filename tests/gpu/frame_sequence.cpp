@@ -60,6 +60,7 @@ class FailingSession : public Session {
     return result;
   }
   int in_flight() const override { return session_.in_flight(); }
+  void set_camera(const CameraRequest& camera) override { session_.set_camera(camera); }
   const Scene& scene() const override { return session_.scene(); }
   const gpu::Device& device() const override { return session_.device(); }
   const Timings& opening() const override { return session_.opening(); }

@@ -114,14 +114,15 @@ TEST_F(FrameSky, LightsADiffuseSurfaceByItsMeanRadiance) {
 // Under a uniform sky a surface gives back the integral of its BRDF, whatever its roughness, metal and angle: one
 // square a case, all seen from +Z without perspective. What is left is the table between its nodes.
 TEST_F(FrameSky, ReflectsTheIntegralOfTheBrdfUnderAUniformSky) {
-  constexpr std::array roughness = {0.0, 0.2, 0.5, 0.8, 1.0}, metallic = {0.0, 0.4, 1.0};
+  constexpr std::array roughness = {0.0, 0.2, 0.5, 0.8, 1.0};
+  constexpr std::array metallic = {0.0, 0.4, 1.0};
   constexpr std::array degrees = {0.0, 35.0, 60.0, 75.0, 84.0};
   constexpr int cell = 15, columns = int(roughness.size() * metallic.size()), rows = int(degrees.size());
   const glm::dvec3 color(0.9, 0.4, 0);
   GltfBuilder b = empty_scene();
   use_materials(b);
   for (int x = 0; x < columns; ++x) {
-    Json pbr = base_color(color.r, color.g, color.b);
+    Json pbr = base_color(color.x, color.y, color.z);
     pbr["roughnessFactor"] = roughness[size_t(x) % roughness.size()];
     pbr["metallicFactor"] = metallic[size_t(x) / roughness.size()];
     const int mesh = add_square_mesh(b, 0.45f, add_material(b, {{"pbrMetallicRoughness", pbr}}));

@@ -138,7 +138,7 @@ TEST_F(InFlight, AChangeOfPlanDoesNotWaitForTheFramesBeforeIt) {
 // Timing and hashing need the device for themselves, and the frames before them keep what they left.
 TEST_F(InFlight, TimedAndHashedRunsWaitForTheFramesBefore) {
   const Planned planned = copy_frame(32);
-  for (const RunOptions options : {RunOptions{.timed = true}, RunOptions{.hash_outputs = true}}) {
+  for (const RunOptions& options : {RunOptions{.timed = true}, RunOptions{.hash_outputs = true}}) {
     const FrameTicket before = submit(planned, texels(32, 1)), alone = submit(planned, texels(32, 2), options),
                       after = submit(planned, texels(32, 3));
     const FrameRun result = runner->collect(alone);

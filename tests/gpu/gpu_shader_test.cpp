@@ -103,6 +103,23 @@ TEST_F(Shaders, ASecondCompileComesFromTheCacheAndADamagedFileIsMadeAgain) {
   EXPECT_FALSE(compiler.compile("a.comp")->from_cache);
 }
 
+TEST_F(Shaders, AWholeCacheFileUnderAnotherKeysNameIsNotTaken) {
+  write("a.comp", "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n");
+  write("b.comp", "#version 460\nlayout(local_size_x = 2) in;\nvoid main() {}\n");
+  const fs::path cache = folder / "cache";
+  const ShaderCompiler compiler(folder, cache);
+  ASSERT_TRUE(compiler.compile("a.comp"));
+  const fs::path file_of_a = files_below(cache).at(0);
+  const auto b = compiler.compile("b.comp");
+  ASSERT_TRUE(b);
+  for (const fs::path& file : files_below(cache))
+    if (file != file_of_a) fs::copy_file(file_of_a, file, fs::copy_options::overwrite_existing);
+  const auto again = compiler.compile("b.comp");
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(again->from_cache);
+  EXPECT_EQ(again->spirv, b->spirv);
+}
+
 TEST_F(Shaders, WorkgroupSizeComesFromTheCodeAndItsConstants) {
   const ShaderCompiler compiler(shader_folder());
   EXPECT_EQ(workgroup_size(compiler.compile("fill.comp")->spirv, {}), (std::array<uint32_t, 3>{8, 4, 1}));

@@ -2,9 +2,11 @@
 
 #include <set>
 
+#include "base/text.h"
 #include "bench/error_analysis.h"
 #include "bench/error_choice.h"
 #include "bench/error_truth.h"
+#include "bench/error_views.h"
 #include "bench/error_walk.h"
 #include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
@@ -17,10 +19,10 @@ BenchRow row_of(const std::string& suite, const std::string& technique, const st
   BenchRow row;
   row.suite = suite, row.scene = "street", row.technique = technique, row.quality = quality, row.settings = settings;
   row.width_px = 64, row.height_px = 32, row.device = "a device", row.scene_content = "content of " + row.scene;
-  row.passes = {
-      {"light_sort", {ms / 4, ms / 4, ms / 4}}, {"shade_forward", {ms / 2, ms / 2, ms / 2}}, {"tonemap", {9, 9, 9}}};
+  const auto six = [](double v) { return std::vector<double>(6, v); };
+  row.passes = {{"light_sort", six(ms / 4)}, {"shade_forward", six(ms / 2)}, {"tonemap", six(9)}};
   row.memory = {{"frame_bytes", 1 << 20}};
-  row.gpu = {"gpu", {ms, ms, ms}}, row.frame = {"frame", {ms + 1, ms + 1, ms + 1}};
+  row.gpu = {"gpu", six(ms)}, row.frame = {"frame", six(ms + 1)};
   Job job;
   job.technique = technique, job.quality = quality;
   if (!settings.empty()) {
@@ -52,13 +54,17 @@ std::vector<const BenchRow*> pointers(const std::vector<BenchRow>& rows) {
   return all;
 }
 
+const BudgetPlace here{
+    .scene = "street.glb", .scene_content = "content of street", .width_px = 64, .height_px = 32, .device = "a device"};
+
 TEST(ErrorPoints, DominatedOnesAreKnown) {
   const auto rows = sweep();
   const auto all = pointers(rows);
   const auto points = error_points(std::span(all).first(4), open_reference_name, "relmse");
   ASSERT_EQ(points.size(), 4u);
   const std::vector<bool> dominated = {false, false, true, true};
-  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(points[i].dominated, dominated[i]) << i;
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(points[i].standing == ErrorPoint::Standing::dominated, dominated[i]) << i;
+  EXPECT_EQ(points[2].by, &rows[0]);
   EXPECT_TRUE(error_points(all, "path", "relmse").empty());
 }
 
@@ -67,8 +73,13 @@ TEST(ErrorSentences, NameTheCheapestAndTheNoise) {
   const auto all = pointers(rows);
   const std::string sentence = cheapest_sentence(all, open_reference_name, "relmse", 0.05);
   EXPECT_NE(sentence.find("clustered, quality exact, lights.floor_lux=0.01: 5 ms"), std::string::npos) << sentence;
-  EXPECT_EQ(cheapest_sentence(all, open_reference_name, "relmse", 1e-6),
-            "no setting has relmse below 1e-06 against direct-unshadowed");
+  EXPECT_TRUE(cheapest_sentence(all, open_reference_name, "relmse", 1e-6)
+                  .starts_with("no setting surely has relmse below 1e-06 against direct-unshadowed: clustered, quality "
+                               "exact has 0.01"));
+  EXPECT_EQ(cheapest_sentence(all, "path", "relmse", 1), "") << "no sentence without data";
+  auto unmeasured = sweep();
+  for (BenchRow& row : unmeasured) row.gpu.ms.clear();
+  EXPECT_EQ(cheapest_sentence(pointers(unmeasured), open_reference_name, "relmse", 1), "");
   rows[1].errors[1].metrics["relmse"] = 1e-6;
   EXPECT_NE(cheapest_sentence(all, open_reference_name, "relmse", 1e-4).find("below the reference's own noise"),
             std::string::npos);
@@ -103,7 +114,7 @@ TEST(KnobStudies, AFireflyOfTheTechniqueHidesNothing) {
 
 TEST(KnobStudies, AValueThatCostsMoreAndGivesLessIsDominated) {
   auto rows = sweep();
-  rows[5].gpu.ms = {7, 7, 7};  // 0.1 is now slower than the exact value
+  rows[5].gpu.ms = {7, 7, 7, 7, 7, 7};  // 0.1 is now slower than the exact value
   const auto studies = knob_studies(pointers(rows));
   EXPECT_TRUE(studies[0].values[1].dominated);
   EXPECT_NE(studies[0].values[1].verdict.find("no: "), std::string::npos);
@@ -119,26 +130,131 @@ TEST(KnobStudies, AnIdleKnobIsSaidToBeIdleAndNoiseIsNotJudged) {
   EXPECT_EQ(idle.values[0].verdict, "changes nothing in this picture");
   // 0.01 took less time than 0 by far less than its own spread: neither dominates, and the exact one is advised.
   rows = sweep();
-  rows[5].gpu.ms = {20, 20, 20};
-  rows[6].gpu.ms = {4, 6, 8}, rows[1].gpu.ms = {5, 5.9, 7};
+  rows[5].gpu.ms = {20, 20, 20, 20, 20, 20};
+  rows[6].gpu.ms = {4, 6, 8, 4, 6, 8}, rows[1].gpu.ms = {5, 5.9, 7, 5, 5.9, 7};
   rows[1].errors[0].metrics["relmse"] = 0.0008;  // both hidden
   const auto noisy = knob_studies(pointers(rows))[0];
   EXPECT_FALSE(noisy.values[2].dominated);
   EXPECT_EQ(noisy.advised, "0.01");
 }
 
+const BenchRow* cheapest_row(const std::vector<BenchRow>& rows, double most) {
+  const auto all = pointers(rows);
+  const auto settings = setting_points(all, open_reference_name, "relmse");
+  const SettingPoint* found = cheapest(settings, most);
+  return found ? found->row : nullptr;
+}
+
 TEST(ErrorSentences, PreferAQualityToOneKnobOfIt) {
   auto rows = sweep();
-  rows[6].gpu.ms = {5.9, 5.9, 6.3};  // a knob that changes nothing but the name
+  rows[6].gpu.ms = {5.9, 5.9, 6.3, 5.9, 5.9, 6.3};  // a knob that changes nothing but the name
   rows[6].errors = rows[1].errors;
-  rows[1].gpu.ms = {5.8, 6.0, 6.1};
-  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[1]);
+  rows[1].gpu.ms = {5.8, 6.0, 6.1, 5.8, 6.0, 6.1};
+  EXPECT_EQ(cheapest_row(rows, 0.05), &rows[1]);
   // Of several such qualities the quickest.
   rows[2].errors = rows[1].errors;
-  rows[2].gpu.ms = {5.8, 6.2, 6.3};
-  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[1]);
-  rows[2].gpu.ms = {5.8, 5.95, 6.3};
-  EXPECT_EQ(cheapest(pointers(rows), open_reference_name, "relmse", 0.05), &rows[2]);
+  rows[2].gpu.ms = {5.8, 6.2, 6.3, 5.8, 6.2, 6.3};
+  EXPECT_EQ(cheapest_row(rows, 0.05), &rows[1]);
+  rows[2].gpu.ms = {5.8, 5.95, 6.3, 5.8, 5.95, 6.3};
+  EXPECT_EQ(cheapest_row(rows, 0.05), &rows[2]);
+}
+
+// One function chooses for the report and for a render.
+TEST(ChooseSetting, AgreesWithTheReportsSentence) {
+  auto rows = sweep();
+  rows[6].gpu.ms = {5.9, 5.9, 6.3, 5.9, 5.9, 6.3};
+  rows[6].errors = rows[1].errors;
+  rows[1].gpu.ms = {5.8, 6.0, 6.1, 5.8, 6.0, 6.1};
+  for (const double bound : {1.0, 0.3, 0.05, 0.015}) {
+    const auto choice = choose_setting(rows, here, {.error = bound}, "f");
+    ASSERT_TRUE(choice) << choice.error().text();
+    const std::string sentence = cheapest_sentence(pointers(rows), open_reference_name, "relmse", bound);
+    EXPECT_NE(sentence.find("the cheapest setting is " + choice->text + ": "), std::string::npos) << sentence << "\n"
+                                                                                                  << choice->text;
+  }
+}
+
+TEST(ErrorPoints, WhatIsNotSurelyQuickerIsNotDistinguishable) {
+  auto rows = sweep();
+  // Both vary by far more than they differ; the second is slower in every round.
+  rows[0].gpu.ms = {2, 9, 3, 8, 4, 7};
+  rows[2].gpu.ms = {2.1, 9.1, 3.1, 8.1, 4.1, 7.1};
+  using Standing = ErrorPoint::Standing;
+  const auto all = pointers(rows);
+  const auto standing = [&](size_t i) {
+    return error_points(std::span(all).first(3), open_reference_name, "relmse")[i].standing;
+  };
+  EXPECT_EQ(standing(2), Standing::dominated) << "pairs of rounds tell them apart";
+  rows[2].gpu.ms = {9.1, 2.1, 8.1, 3.1, 7.1, 4.1};
+  EXPECT_EQ(standing(2), Standing::unclear);
+  EXPECT_EQ(standing(0), Standing::front);
+  rows[0].gpu.ms = {2, 9, 3, 8, 4}, rows[2].gpu.ms = {2.1, 9.1, 3.1, 8.1, 4.1};
+  EXPECT_EQ(standing(2), Standing::unclear) << "five pairs are too few";
+  rows[0].gpu.ms = {2, 9, 3, 8, 4, 7}, rows[2].gpu.ms = {2.1, 9.1, 3.1, 8.1, 4.1, 7.1}, rows[2].run = 1;
+  EXPECT_EQ(standing(2), Standing::unclear) << "rounds of another run are no pairs";
+}
+
+// Six views: error i + shift.
+PictureError of_views(double shift, double odd = 0) {
+  std::vector<PictureError> views;
+  for (int i = 0; i < 6; ++i)
+    views.push_back({.reference = open_reference_name,
+                     .metrics = {{"relmse", 0.01 * i + (i % 2 ? odd : 0) + shift}, {"max", double(i)}, {"rmse", 3}},
+                     .noise = NoiseFloor{3, 0.001, 0.0002}});
+  return error_over(std::move(views));
+}
+
+TEST(ErrorViews, MeansAndIntervals) {
+  const PictureError error = of_views(0.1);
+  EXPECT_NEAR(error.metrics.at("relmse"), 0.125, 1e-12);
+  EXPECT_EQ(error.metrics.at("max"), 5);
+  EXPECT_NEAR(error.metrics.at("rmse"), 3, 1e-12);
+  EXPECT_EQ(error.views.size(), 6u);
+  ASSERT_TRUE(error.noise);
+  EXPECT_NEAR(error.noise->relmse_sd, 0.0002 / std::sqrt(6.0), 1e-12);
+  // The spread of 0, 1, ... 5 is sqrt(3.5); t of 5 degrees of freedom 2.571; and the floor of 0.001 below.
+  const double half = 2.571 * 0.01 * std::sqrt(3.5 / 6);
+  const Interval ci = error_interval(error, "relmse");
+  EXPECT_NEAR(ci.low, 0.125 - half - 0.001, 1e-6);
+  EXPECT_NEAR(ci.high, 0.125 + half, 1e-6);
+  EXPECT_EQ(error_interval(of_views(0, 0.5), "relmse").low, 0) << "no error is negative";
+  // Of one view nothing but its noise is known.
+  const PictureError one{.reference = "direct", .metrics = {{"relmse", 0.5}}, .noise = NoiseFloor{1, 0.01, 0.1}};
+  EXPECT_NEAR(error_interval(one, "relmse").low, 0.5 - 0.196 - 0.01, 1e-4);
+  EXPECT_NEAR(error_interval(one, "relmse").high, 0.696, 1e-4);
+}
+
+TEST(ErrorViews, WorseIsDecidedOnPairsOfViews) {
+  BenchRow a, b;
+  a.errors = {of_views(0.1)}, b.errors = {of_views(0.1001)};
+  EXPECT_EQ(order_of_errors(a, b, open_reference_name, "relmse"), Order::less) << "less in every view";
+  b.errors = {of_views(0.1, 0.005)};
+  EXPECT_EQ(order_of_errors(a, b, open_reference_name, "relmse"), Order::unclear) << "the same in half of them";
+  EXPECT_EQ(order_of_errors(a, a, open_reference_name, "relmse"), Order::equal);
+  EXPECT_EQ(order_of_errors(a, b, "path", "relmse"), Order::unclear);
+}
+
+TEST(RowsByName, WhatPlansTheSameWorkHasItsOwnName) {
+  auto rows = sweep();
+  rows.erase(rows.begin() + 3);
+  PictureError own{.reference = exact_reference, .metrics = {{"relmse", 0.125}, {"rmse", 0.25}}};
+  rows[1].same_work = {{"whole", "brute-force", "exact", "", rows[1].job, rows[1].knobs, own}};
+  EXPECT_EQ(error_names(rows[1]), "clustered, quality exact = brute-force, quality exact");
+  const auto named = rows_by_name(pointers(rows));
+  ASSERT_EQ(named.size(), rows.size() + 1);
+  EXPECT_EQ(named[2].technique, "brute-force");
+  EXPECT_EQ(named[2].gpu.ms, rows[1].gpu.ms);
+  EXPECT_EQ(error_of(named[2], exact_reference, "relmse"), 0.125);
+  EXPECT_EQ(total_errors(pointers(named), open_reference_name).size(), 4u);
+}
+
+TEST(UnsweptKnobs, AreNamedWithTheReason) {
+  const auto rows = sweep();
+  const std::vector<std::string> unswept = unswept_knobs(rows);
+  const std::string all = joined(unswept);
+  EXPECT_EQ(all.find("lights.floor_lux"), std::string::npos) << all;
+  EXPECT_NE(all.find("resolve.samples (no row has its passes)"), std::string::npos) << all;
+  EXPECT_NE(all.find("lights.cap (all its values plan the same work)"), std::string::npos) << all;
 }
 
 TEST(KnobStudies, OfTimeAlone) {
@@ -151,7 +267,7 @@ TEST(KnobStudies, OfTimeAlone) {
   auto study = knob_studies(pointers(rows))[0];
   EXPECT_EQ(study.advised, "1") << "the quickest";
   EXPECT_EQ(study.values[3].verdict, "no: 1 is quicker and no worse");
-  for (const size_t i : {4, 5, 6}) rows[i].gpu.ms = {5, 6.1, 7};
+  for (const size_t i : {4, 5, 6}) rows[i].gpu.ms = {5, 6.1, 7, 5, 6.1, 7};
   EXPECT_EQ(knob_studies(pointers(rows))[0].advised, "0") << "nothing is quicker beyond doubt";
   EXPECT_TRUE(error_defects(pointers(rows)).empty());
   rows[5].errors[0].metrics["differing"] = 1;
@@ -213,14 +329,21 @@ TEST(Knobs, WalksEndAtTheExactValue) {
 }
 
 struct Walked {
-  std::set<std::string> rows,
-      exact;  // "clustered lights.test=aabb"; knobs whose study the technique's exact end belongs to
+  // "clustered lights.test=aabb"; what plans the same work as a row; knobs whose study the technique's exact end
+  // belongs to.
+  std::set<std::string> rows, same, exact;
   std::string notes;
 };
 Walked walked(const SweepPlace& place) {
   Walked w;
   for (const SweepRow& row : place.rows) {
     const Job& job = row.configuration.job;
+    EXPECT_EQ(row.configuration.views.size(), place.views.size());
+    for (const SameWork& same : row.same_work) {
+      w.same.insert(same.technique + " " + (same.settings.empty() ? same.quality : same.settings));
+      for (const KnobPoint& point : same.knobs)
+        if (same.suite == "whole") w.exact.insert(same.technique + " " + point.knob);
+    }
     EXPECT_EQ(row.suite == "whole", job.settings.empty());
     if (row.suite == "whole") {
       EXPECT_EQ(row.knobs.empty(), job.quality != "exact");
@@ -257,7 +380,10 @@ TEST(SweepPlaces, WalkEveryKnobWithEveryTechniqueThatHasItsPasses) {
                           "clustered lights.floor_lux=0.1", "clustered lights.tile_px=8",
                           "forward-plus lights.test=cone-sphere", "forward-plus lights.mask=0",
                           "brute-force resolve.samples=1", "brute-force lights.floor_lux=1", "clustered lights.cap=4"})
-    EXPECT_TRUE(w.rows.contains(row)) << row;
+    EXPECT_TRUE(w.rows.contains(row) || w.same.contains(row)) << row;
+  for (const std::string& name : w.same) EXPECT_FALSE(w.rows.contains(name)) << name << " is measured twice";
+  EXPECT_TRUE(w.same.contains("clustered lights.floor_lux=0.1")) << "it is quality normal";
+  EXPECT_EQ(place.views.size(), 6u);
   // What plans the same work is measured once, as the technique's exact end.
   for (const char* row :
        {"brute-force lights.test=aabb", "brute-force lights.cap=4", "forward-plus lights.tile_px=8",
@@ -291,15 +417,12 @@ TEST(ErrorBudget, Parse) {
     EXPECT_FALSE(parse_error_budget(bad, budget)) << bad;
 }
 
-const BudgetPlace here{
-    .scene = "street.glb", .scene_content = "content of street", .width_px = 64, .height_px = 32, .device = "a device"};
-
 TEST(ChooseSetting, TheWorstOfItsTimesCounts) {
   auto rows = sweep();
   // The same at another moment, where draft is slow and 0.01 leaves more error.
   for (BenchRow row : sweep()) {
     row.time_s = 1;
-    if (row.quality == "draft") row.gpu.ms = {20, 20, 20};
+    if (row.quality == "draft") row.gpu.ms = {20, 20, 20, 20, 20, 20};
     if (row.settings.ends_with("=0.01")) row.errors[1].metrics["relmse"] = 0.5;
     rows.push_back(row);
   }

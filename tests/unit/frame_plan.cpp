@@ -79,6 +79,18 @@ TEST(Plan, KnobsOfKeptPassesArePartOfIt) {
   EXPECT_EQ(plan_hash(plan(unlit, tiles).graph.plan), plan_hash(plan(unlit).graph.plan));
 }
 
+// What no pass draws is said once, where the scene would need it.
+TEST(Plan, SaysWhatIsNotDrawnYet) {
+  const auto said = [](const PlannedFrame& frame) {
+    for (const std::string& note : frame.notes)
+      if (note.starts_with("not drawn yet")) return note;
+    return std::string();
+  };
+  EXPECT_EQ(said(plan(generated("unlit-box"))), "");
+  EXPECT_NE(said(plan(generated("street"))).find("shadows of point and spot lights"), std::string::npos);
+  EXPECT_EQ(said(plan(generated("street"))).find("reflections"), std::string::npos) << "there is no sky";
+}
+
 // What is missing says which pass would have made it, and why that was left out.
 TEST(Plan, AnEmptyHandleCarriesItsReason) {
   const PlannedFrame frame = plan(generated("unlit-box"));

@@ -96,7 +96,7 @@ TEST(FrameViews, TooManyDrawsAreAnErrorThatNamesTheNeedAndTheKnob) {
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().kind, ErrorKind::usage);
   EXPECT_NE(none.error().message.find("1800"), std::string::npos) << none.error().message;
-  EXPECT_NE(none.error().message.find("views.draws"), std::string::npos) << none.error().message;
+  EXPECT_NE(none.error().message.find("sun.draws"), std::string::npos) << none.error().message;
 }
 
 TEST(FrameViews, ManyCubeFacesTakeWhatIsDrawnAndNotAFullBufferEach) {

@@ -160,8 +160,10 @@ TEST(GltfMaterials, MergedImagesDecodeToTheirChannels) {
   b.json["images"][2]["uri"] = small;
   const Expected<Scene> scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
-  const Expected<DecodedImage> image = decode_scene_image(*scene, 3);
-  ASSERT_TRUE(image) << image.error().text();
+  const Expected<SceneTexture> texture = decode_scene_image(*scene, 3);
+  ASSERT_TRUE(texture) << texture.error().text();
+  EXPECT_TRUE(texture->warnings.empty());
+  const DecodedImage* image = &texture->image;
   ASSERT_EQ(image->width, 2);
   ASSERT_EQ(image->height, 1);
   ASSERT_EQ(image->format, DecodedImage::Format::rgba8);

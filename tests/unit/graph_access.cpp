@@ -53,6 +53,7 @@ const Row rows[] = {
     {Access::index_read, "index_read", index_input, index_read, VK_IMAGE_LAYOUT_UNDEFINED, 0, 0x40, false},
     {Access::indirect_read, "indirect_read", indirect, indirect_read, VK_IMAGE_LAYOUT_UNDEFINED, 0, 0x100, false},
     {Access::host_read, "host_read", host, host_r, VK_IMAGE_LAYOUT_UNDEFINED, 0, 0, false},
+    {Access::storage_image_read, "storage_image_read", compute, storage_r, VK_IMAGE_LAYOUT_GENERAL, 0x8, 0, false},
 };
 
 TEST(GraphAccess, TableAgainstAWrittenOne) {

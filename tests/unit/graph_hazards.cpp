@@ -43,6 +43,7 @@ std::vector<Part> parts_of(const ImageRange& range) {
 // access of a range is one event for each subresource. A transition is a write inside its barrier.
 struct Event {
   int time;
+  int batch;  // of its queue; see Queues
   int memory;
   int resource;
   Part part;
@@ -53,7 +54,64 @@ struct Event {
   bool writes() const { return transition || (access & all_writes); }
 };
 
+// Two queues as a graph of batches, with one on the main queue before all and one behind all: a batch has ended when
+// one that comes after it on its queue begins to be waited for, and what waits begins after that. A plan without
+// batches is one batch of the main queue.
+struct Queues {
+  std::vector<Queue> queue;             // by batch
+  std::vector<std::vector<int>> waits;  // by batch: for batches of whatever queue
+  std::vector<int> of_pass;             // batch by pass
+  std::vector<std::vector<bool>>
+      crosses;  // [from][to]: a semaphore lies between the end of `from` and the begin of `to`
+  int first() const { return 0; }
+  int last() const { return int(queue.size()) - 1; }
+};
+
+Queues queues_of(const FramePlan& plan) {
+  Queues q;
+  std::vector<QueueBatch> batches = plan.batches;
+  if (batches.empty()) {
+    q.queue = {Queue::main};
+    q.waits = {{}};
+    q.of_pass.assign(plan.passes.size(), 0);
+    q.crosses = {{false}};
+    return q;
+  }
+  q.of_pass.assign(plan.passes.size(), -1);
+  q.queue.push_back(Queue::main);
+  q.waits.push_back({});
+  std::map<Queue, int> newest;
+  for (const QueueBatch& batch : batches) {
+    const int index = int(q.queue.size());
+    q.queue.push_back(batch.queue);
+    q.waits.emplace_back();
+    if (!newest.contains(batch.queue) && batch.queue == Queue::compute) q.waits.back().push_back(q.first());
+    for (const int wait : batch.waits) q.waits.back().push_back(wait + 1);
+    for (const int pass : batch.passes) q.of_pass[size_t(pass)] = index;
+    newest[batch.queue] = index;
+  }
+  q.queue.push_back(Queue::main);
+  q.waits.emplace_back();
+  for (const auto& [queue, batch] : newest) q.waits.back().push_back(batch);
+  // reached[a][b]: b begins after the end of a, by a path that holds a semaphore or not.
+  const size_t n = q.queue.size();
+  q.crosses.assign(n, std::vector<bool>(n, false));
+  for (size_t from = 0; from < n; ++from) {
+    std::vector<bool> after(n, false);  // begins after the end of `from` on the same queue
+    for (size_t to = from + 1; to < n; ++to) {
+      after[to] = q.queue[to] == q.queue[from];
+      for (const int wait : q.waits[to])
+        if (wait == int(from) || after[size_t(wait)] || q.crosses[from][size_t(wait)]) q.crosses[from][to] = true;
+      for (size_t between = from + 1; between < to; ++between)  // what its queue waited for, it waited for
+        if (q.queue[between] == q.queue[to] && q.crosses[from][between]) q.crosses[from][to] = true;
+    }
+  }
+  return q;
+}
+
 struct Timeline {
+  Queues queues;
+  std::vector<int> call_batch;              // by call
   std::vector<std::vector<Barrier>> calls;  // call i lies before step i of the frame; the last one before the host
   std::vector<Event> events;
   std::vector<int> memory;  // of each resource
@@ -73,6 +131,7 @@ VkImageLayout expected_layout(Access access, VkFormat format) {
     case Access::sampled_compute:
       return depth ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     case Access::storage_image_write:
+    case Access::storage_image_read:
     case Access::storage_image_read_write:
       return VK_IMAGE_LAYOUT_GENERAL;
     case Access::transfer_source:
@@ -98,6 +157,7 @@ std::vector<Barrier> barriers_of(const PassBarriers& barriers) {
 // A pass without steps is one. What it declared for every step happens in each.
 struct Step {
   const PlanPass* pass;
+  size_t pass_index;
   size_t index;
   const PassBarriers* barriers;
   std::vector<const PlanUse*> uses;
@@ -106,7 +166,8 @@ std::vector<Step> steps_of(const FramePlan& plan) {
   std::vector<Step> steps;
   for (const PlanPass& pass : plan.passes)
     for (size_t i = 0; i <= pass.step_barriers.size(); ++i) {
-      steps.push_back({&pass, i, i == 0 ? &pass.barriers : &pass.step_barriers[i - 1], {}});
+      steps.push_back(
+          {&pass, size_t(&pass - plan.passes.data()), i, i == 0 ? &pass.barriers : &pass.step_barriers[i - 1], {}});
       for (const PlanUse& use : pass.uses)
         if (use.step < 0 || use.step == int(i)) steps.back().uses.push_back(&use);
     }
@@ -118,35 +179,42 @@ Timeline timeline_of(const FramePlan& plan) {
   for (size_t i = 0; i < plan.resources.size(); ++i)
     line.memory.push_back(plan.resources[i].block >= 0 ? plan.resources[i].block : int(1000 + i));
   const std::vector<Step> steps = steps_of(plan);
-  for (const Step& step : steps) line.calls.push_back(barriers_of(*step.barriers));
+  line.queues = queues_of(plan);
+  for (const Step& step : steps) {
+    line.calls.push_back(barriers_of(*step.barriers));
+    line.call_batch.push_back(line.queues.of_pass[step.pass_index]);
+  }
   line.calls.push_back(barriers_of(plan.final_barriers));
+  line.call_batch.push_back(line.queues.last());
 
-  const auto add = [&](int time, int resource, const ImageRange& range, Stages stages, Mask access, std::string name,
-                       const Barrier* transition) {
+  const auto add = [&](int time, int batch, int resource, const ImageRange& range, Stages stages, Mask access,
+                       std::string name, const Barrier* transition) {
     for (const Part& part : parts_of(range))
       line.events.push_back(
-          {time, line.memory[resource], resource, part, stages, access, transition,
+          {time, batch, line.memory[resource], resource, part, stages, access, transition,
            fmt::format("{} of {} ({} {})", name, plan.resources[resource].name(), part.mip, part.layer)});
   };
   constexpr ImageRange buffer_range{0, 1, 0, 1};
   for (size_t i = 0; i < plan.resources.size(); ++i)
     if (const auto* buffer = std::get_if<BufferDesc>(&plan.resources[i].desc); buffer && buffer->zeroed)
-      add(-1, int(i), buffer_range, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, "fill", nullptr);
+      add(-1, line.queues.first(), int(i), buffer_range, VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+          VK_ACCESS_2_TRANSFER_WRITE_BIT, "fill", nullptr);
   for (size_t s = 0; s < steps.size(); ++s) {
+    const int batch = line.call_batch[s];
     const std::string where = fmt::format("{} {}", steps[s].pass->name, steps[s].index);
     for (const Barrier& barrier : line.calls[s])
       if (barrier.transition)
-        add(int(2 * s), barrier.image, barrier.range, 0, 0, "transition before " + where, &barrier);
+        add(int(2 * s), batch, barrier.image, barrier.range, 0, 0, "transition before " + where, &barrier);
     for (const PlanUse* use : steps[s].uses) {
       const AccessInfo& info = access_info(use->access);
-      add(int(2 * s + 1), use->resource, use->range, info.stages, info.mask, fmt::format("{} in {}", info.name, where),
-          nullptr);
+      add(int(2 * s + 1), batch, use->resource, use->range, info.stages, info.mask,
+          fmt::format("{} in {}", info.name, where), nullptr);
     }
   }
   for (size_t i = 0; i < plan.resources.size(); ++i)
     if (plan.resources[i].lifetime == Lifetime::readback && plan.resources[i].first_pass >= 0)
-      add(int(2 * steps.size() + 1), int(i), buffer_range, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT,
-          "host_read", nullptr);
+      add(int(2 * steps.size() + 1), line.queues.last(), int(i), buffer_range, VK_PIPELINE_STAGE_2_HOST_BIT,
+          VK_ACCESS_2_HOST_READ_BIT, "host_read", nullptr);
   return line;
 }
 
@@ -193,7 +261,25 @@ std::vector<Stages> bits(Stages stages) {
   return result;
 }
 
+// A semaphore makes all that came before it available, and visible to all that the device does after it.
+void pass_semaphore(Progress& progress) {
+  constexpr Stages device = ~Stages(VK_PIPELINE_STAGE_2_HOST_BIT);
+  progress.waiting |= device;
+  progress.available |= device;
+  progress.visible.emplace_back(device, ~Mask(VK_ACCESS_2_HOST_READ_BIT));
+}
+
 bool ordered(const Timeline& line, const Event& from, const Event& to) {
+  const Queues& q = line.queues;
+  const bool crosses = q.crosses[size_t(from.batch)][size_t(to.batch)];
+  const bool same_queue = q.queue[size_t(from.batch)] == q.queue[size_t(to.batch)];
+  if (!same_queue && !crosses) return false;
+  // Barriers count on the queue of `to`: behind `from`, or behind the semaphore that stands between.
+  const auto counts = [&](size_t call) {
+    const size_t batch = size_t(line.call_batch[call]);
+    if (q.queue[batch] != q.queue[size_t(to.batch)]) return false;
+    return same_queue || q.crosses[size_t(from.batch)][batch];
+  };
   std::vector<Stages> starts = bits(from.stages);
   if (from.transition) starts = {0};
   for (const Stages stage : starts) {
@@ -202,9 +288,10 @@ bool ordered(const Timeline& line, const Event& from, const Event& to) {
       progress.waiting = progress.available = from.transition->destination;
       progress.visible.emplace_back(from.transition->destination, from.transition->destination_access);
     }
+    if (crosses) pass_semaphore(progress);
     // Calls strictly after `from` and strictly before `to`; the call that holds a transition is judged below.
     for (int call = (from.time + 2) / 2; 2 * call < to.time; ++call)
-      if (2 * call > from.time) pass_call(progress, line.calls[call], line, from, to, stage);
+      if (2 * call > from.time && counts(size_t(call))) pass_call(progress, line.calls[call], line, from, to, stage);
     if (to.transition) {
       const Barrier& b = *to.transition;
       const bool direct = stage && (b.source & stage);
@@ -262,6 +349,16 @@ void check_contents(const FramePlan& plan, std::vector<std::string>& found) {
   }
 }
 
+// A queue without graphics has fewer stages; barriers may name no others there.
+void check_stages(const FramePlan& plan, std::vector<std::string>& found) {
+  constexpr Stages compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT |
+                             VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  for (const Step& step : steps_of(plan))
+    for (const Barrier& b : barriers_of(*step.barriers))
+      if (step.pass->queue == Queue::compute && ((b.source | b.destination) & ~compute))
+        found.push_back(fmt::format("{}: a barrier with stages that the compute queue lacks", step.pass->name));
+}
+
 }  // namespace
 
 std::vector<std::string> find_hazards(const FramePlan& plan) {
@@ -276,6 +373,7 @@ std::vector<std::string> find_hazards(const FramePlan& plan) {
       if (!ordered(line, from, to)) found.push_back(from.name + " | " + to.name);
     }
   check_contents(plan, found);
+  check_stages(plan, found);
   return found;
 }
 

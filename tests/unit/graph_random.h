@@ -2,13 +2,15 @@
 #include <random>
 
 #include "graph/builder.h"
+#include "graph/queues.h"
 
 // Graphs from a seed: every kind of resource and access, chains, rewrites, readers that nobody needs.
 namespace candela::test {
 
 class RandomGraph {
  public:
-  explicit RandomGraph(uint32_t seed) : random_(seed) {
+  // queues: 2 marks about half of the passes for the compute queue.
+  explicit RandomGraph(uint32_t seed, int queues = 1) : random_(seed), queues_(queues) {
     for (int i = 0; i < 2; ++i)
       buffers_.push_back({builder_.import_buffer({.name = fmt::format("import{}", i), .size_bytes = 64}), true, false});
     const int passes = 3 + below(14);
@@ -44,6 +46,10 @@ class RandomGraph {
   };
 
   int below(int limit) { return int(random_() % uint32_t(limit)); }
+  // What the queue of the open pass cannot do becomes what it can.
+  Access on_queue(Access access, Access otherwise) const {
+    return compute_ && (access_info(access).stages & stages_of(Queue::compute)) == 0 ? otherwise : access;
+  }
   Access pick(std::initializer_list<Access> accesses) { return accesses.begin()[below(int(accesses.size()))]; }
 
   void create(int pass) {
@@ -93,6 +99,8 @@ class RandomGraph {
                         ? pick({Access::depth_attachment, Access::depth_attachment, Access::transfer_destination})
                         : pick({Access::color_attachment, Access::storage_image_write, Access::transfer_destination,
                                 Access::resolve_attachment, Access::storage_image_read_write});
+    if (compute_ && image.depth) return;
+    access = on_queue(access, Access::storage_image_write);
     const ImageRange range = range_of(image, access != Access::transfer_destination);
     const bool volume = image.desc.kind == ImageKind::d3;
     if (access == Access::resolve_attachment && image.samples != 1) access = Access::color_attachment;
@@ -112,8 +120,8 @@ class RandomGraph {
     });
   }
   void write(Buffer& buffer) {
-    buffer.handle = builder_.write(buffer.handle,
-                                   pick({Access::compute_write, Access::fragment_write, Access::transfer_destination}));
+    const Access access = pick({Access::compute_write, Access::fragment_write, Access::transfer_destination});
+    buffer.handle = builder_.write(buffer.handle, on_queue(access, Access::compute_write));
   }
   void read(const Image& image) {
     const bool sampled = below(2) == 0;
@@ -121,8 +129,14 @@ class RandomGraph {
     if (!image.has(range) || taken(image, range)) return;
     used_.push_back({image.handle.resource, range});
     if (!image.depth) {
-      builder_.read(image.handle, pick({Access::sampled_fragment, Access::sampled_compute, Access::transfer_source}),
-                    "image", range);
+      Access access = pick(
+          {Access::sampled_fragment, Access::sampled_compute, Access::transfer_source, Access::storage_image_read});
+      if (access == Access::storage_image_read && range.mip_count != 1) access = Access::sampled_compute;
+      builder_.read(image.handle, on_queue(access, Access::sampled_compute), "image", range);
+      return;
+    }
+    if (compute_) {
+      builder_.read(image.handle, Access::sampled_compute, "depth", range);
       return;
     }
     builder_.read(image.handle, sampled ? Access::sampled_fragment : Access::depth_test, "depth", range);
@@ -130,14 +144,14 @@ class RandomGraph {
       builder_.read(image.handle, sampled ? Access::depth_test : Access::sampled_compute, "depth", range);
   }
   void read(const Buffer& buffer) {
-    builder_.read(buffer.handle,
-                  pick({Access::vertex_read, Access::fragment_read, Access::graphics_read, Access::compute_read,
-                        Access::index_read, Access::indirect_read, Access::transfer_source}),
-                  "buffer");
+    const Access access = pick({Access::vertex_read, Access::fragment_read, Access::graphics_read, Access::compute_read,
+                                Access::index_read, Access::indirect_read, Access::transfer_source});
+    builder_.read(buffer.handle, on_queue(access, Access::compute_read), "buffer");
   }
   // Steps go over all images again, so they read and write what the steps before made.
   void add_pass(int index) {
-    builder_.begin_pass(fmt::format("pass{}", index));
+    compute_ = queues_ > 1 && below(2) == 0;
+    builder_.begin_pass(fmt::format("pass{}", index), compute_ ? Queue::compute : Queue::main);
     used_.clear();
     const size_t old_buffers = buffers_.size();
     const int steps = below(4) == 0 ? 1 + below(4) : 0;
@@ -163,6 +177,8 @@ class RandomGraph {
   }
 
   std::mt19937 random_;
+  int queues_ = 1;
+  bool compute_ = false;  // the open pass is of the compute queue
   GraphBuilder builder_;
   std::vector<Image> images_;
   std::vector<Buffer> buffers_;

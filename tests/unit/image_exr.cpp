@@ -184,5 +184,19 @@ TEST(Exr, MutatedBytesNeverCrash) {
   }
 }
 
+TEST(Exr, BytesAfterTheEndAreRefusedWhereTheWholeFileIsWanted) {
+  for (const char* name : {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"}) {
+    const auto encoded = encode_exr(every_type(), *exr_compression_from_name(name), "x.exr");
+    ASSERT_TRUE(encoded) << encoded.error().text();
+    const auto decoded = [](const std::string& file) {
+      return decode_exr(std::as_bytes(std::span(file)), "x.exr", true);
+    };
+    EXPECT_TRUE(decoded(*encoded)) << name << ": " << decoded(*encoded).error().text();
+    const auto longer = decoded(*encoded + "warning: ");
+    ASSERT_FALSE(longer) << name;
+    EXPECT_NE(longer.error().message.find("9 bytes follow the end"), std::string::npos) << longer.error().message;
+  }
+}
+
 }  // namespace
 }  // namespace candela

@@ -36,5 +36,14 @@ TEST(PngText, EveryTruncationAndEveryFlippedByteIsSeen) {
   }
 }
 
+TEST(PngText, NothingMayFollowTheEnd) {
+  auto png = smallest_png();
+  ASSERT_TRUE(png_text(png, "key", "x.png"));
+  png.push_back(std::byte{'w'});
+  const auto text = png_text(png, "key", "x.png");
+  ASSERT_FALSE(text);
+  EXPECT_NE(text.error().message.find("bytes follow its end"), std::string::npos) << text.error().message;
+}
+
 }  // namespace
 }  // namespace candela

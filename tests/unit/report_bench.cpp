@@ -104,6 +104,30 @@ TEST(BenchHtml, WithoutGnuplotItSaysSoAndKeepsTheTables) {
   EXPECT_EQ(html.find("image/svg+xml"), std::string::npos);
 }
 
+// Passes are timed one by one, each alone: their sum is another quantity than the frame's time.
+TEST(BenchHtml, FramesAndPassesShareNoTable) {
+  const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", false);
+  size_t frames = 0, passes = 0;
+  for (size_t at = html.find("<table>"); at != std::string::npos; at = html.find("<table>", at + 1)) {
+    const std::string table = html.substr(at, html.find("</table>", at) - at);
+    const bool of_frames = table.find(">frame, ms<") != std::string::npos;
+    const bool of_passes = table.find(">sum of passes<") != std::string::npos;
+    frames += of_frames, passes += of_passes;
+    EXPECT_FALSE(of_frames && (of_passes || table.find(">shade<") != std::string::npos)) << table;
+  }
+  EXPECT_EQ(frames, 1u);
+  EXPECT_EQ(passes, 1u);
+}
+
+TEST(BenchRun, NamesRowsThatHaveNoRuns) {
+  BenchRow left = row_of(16, 0), stopped = row_of(64, 0), failed = row_of(256, 0);
+  left.frame.ms.clear(), left.left_out = "the suite limits it";
+  stopped.frame.ms.clear();
+  failed.frame.ms.clear(), failed.error = "out of memory";
+  const auto titles = rows_without_runs(run_of({row_of(4, 10), left, stopped, failed}));
+  EXPECT_EQ(titles, (std::vector<std::string>{row_title(stopped), row_title(failed)}));
+}
+
 TEST(BenchHtml, DevicesDoNotShareAxes) {
   BenchRow gpu = row_of(4, 1);
   gpu.device = "Some GPU", gpu.device_type = "discrete";

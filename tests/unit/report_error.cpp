@@ -16,7 +16,7 @@ BenchRow row_of(const std::string& quality, double ms, double error) {
   BenchRow row;
   row.suite = "whole", row.scene = "a <scene>", row.technique = "clustered", row.quality = quality, row.output = "exr";
   row.width_px = 64, row.height_px = 32, row.device = "a device", row.device_type = "gpu", row.job = "{}";
-  row.gpu = {"gpu", {ms, ms, ms}}, row.frame = {"frame", {ms, ms, ms}};
+  row.gpu = {"gpu", std::vector<double>(6, ms)}, row.frame = {"frame", std::vector<double>(6, ms)};
   row.errors = {{.reference = exact_reference, .metrics = {{"relmse", error}, {"rmse", error}}},
                 {.reference = open_reference_name,
                  .metrics = {{"relmse", error + 0.001}, {"hdr-flip", 0.1}},
@@ -26,6 +26,9 @@ BenchRow row_of(const std::string& quality, double ms, double error) {
                 {.reference = "path", .note = "could not be traced"}};
   row.knobs = {{"lights.floor_lux", "0.1", "error", {"shade_forward"}}};
   row.memory = {{"frame_bytes", 3 << 20}, {"device_peak_bytes", 7 << 20}};
+  row.views = 6, row.run = 1;
+  row.errors[1].views = std::vector<ViewError>(6, {{{"relmse", error + 0.001}}, NoiseFloor{0.001, 0.0005, 1e-5}});
+  row.same_work = {{"whole", "forward-plus", quality, "", "{}", row.knobs, row.errors[0]}};
   row.strip = {std::byte('p'), std::byte('n'), std::byte('g')};
   return row;
 }
@@ -40,6 +43,12 @@ TEST(ErrorRows, ComeBackFromJson) {
   EXPECT_EQ(again->rows[0].errors[1].exposures, (ExposureRange{-4, 4, 9}));
   EXPECT_EQ(again->rows[0].errors[2].note, "could not be traced");
   EXPECT_EQ(again->rows[0].errors[1].spp, 16u);
+  EXPECT_EQ(again->rows[0].errors[1].views[1].metrics.at("relmse"), 0.05 + 0.001);
+  EXPECT_EQ(again->rows[0].errors[1].views[0].noise->relmse_sd, 1e-5);
+  EXPECT_EQ(again->rows[0].same_work[0].technique, "forward-plus");
+  EXPECT_EQ(again->rows[0].same_work[0].exact->metrics.at("relmse"), 0.05);
+  EXPECT_EQ(again->rows[0].views, 6);
+  EXPECT_EQ(again->rows[0].run, 1);
   EXPECT_EQ(again->rows[0].knobs[0].passes, std::vector<std::string>{"shade_forward"});
   std::filesystem::remove(file);
 }
@@ -98,6 +107,16 @@ TEST(Scatter, TicksAtOneTwoAndFive) {
   EXPECT_NE(svg.find("H263.8"), std::string::npos) << svg;
   const std::string flat = scatter_svg({.title = "t", .points = {{"a", 3, 3, 0, false}}});
   EXPECT_EQ(flat.find("nan"), std::string::npos);
+}
+
+TEST(Scatter, RingsAndBarsSayWhatIsNotSure) {
+  Scatter s{.title = "t",
+            .points = {{"a", 1, 0.1, 0, false, 0, 0, 0.05, 0.2}, {"b", 2, 0.2, 0, false, 0, 0, 0, 0, true}}};
+  const std::string svg = scatter_svg(s);
+  EXPECT_NE(svg.find("r=\"5\" fill=\"#fff\" stroke="), std::string::npos) << svg;
+  EXPECT_EQ(svg.find("opacity=\"0.3\""), std::string::npos) << "nothing is dimmed";
+  // From 0.05 to 0.2 of 0.05 to 0.5 over 380 up from 414, with ends of four to each side.
+  EXPECT_NE(svg.find("M76.0 414.0H84.0M80.0 414.0V185.2"), std::string::npos) << svg;
 }
 
 TEST(Scatter, DrawsALaw) {

@@ -55,6 +55,42 @@ TEST(Look, SaysHowLargeTheSunIs) {
   }
 }
 
+TEST(Look, ReadsBloomAndItsPreset) {
+  const auto plain = look_from_json(R"({"bloom": {"strength": 0.1, "weights": [1, 2]}})", "l.json");
+  ASSERT_TRUE(plain && plain->bloom);
+  EXPECT_EQ(plain->bloom->strength, 0.1);
+  EXPECT_EQ(plain->bloom->threshold, 0);
+  EXPECT_EQ(plain->bloom->weights, (std::vector<double>{1, 2}));
+  EXPECT_TRUE(plain->bloom->keeps);
+  const auto preset = look_from_json(R"({"bloom": {"knee": 0.5, "preset": "city-lights"}})", "l.json");
+  ASSERT_TRUE(preset && preset->bloom);
+  EXPECT_EQ(preset->bloom->threshold, 1.5);
+  EXPECT_EQ(preset->bloom->knee, 0.5) << "keys go over the preset, in any order";
+  EXPECT_EQ(preset->bloom->weights, (std::vector<double>{1, 0.5, 0.25, 0.125, 0.0625}));
+  for (const char* wrong :
+       {R"({"bloom": {"strength": 2}})", R"({"bloom": {"weights": []}})", R"({"bloom": {"weights": [0, 0]}})",
+        R"({"bloom": {"weights": [-1]}})", R"({"bloom": {"preset": "none"}})", R"({"bloom": {"keeps": 1}})"})
+    EXPECT_FALSE(look_from_json(wrong, "l.json")) << wrong;
+}
+
+TEST(Look, IsEvaluatedAtATime) {
+  const std::string text = R"({"bloom": {"strength": {"keys": [[1, 0.2], [3, 0.6]]}}})";
+  for (const auto& [time, strength] :
+       {std::pair(0.0, 0.2), std::pair(1.0, 0.2), std::pair(2.0, 0.4), std::pair(9.0, 0.6)}) {
+    const auto look = look_from_json(text, "l.json", time);
+    ASSERT_TRUE(look && look->bloom) << time;
+    EXPECT_DOUBLE_EQ(look->bloom->strength, strength) << time;
+  }
+  const auto fog =
+      look_from_json(R"({"fog": {"extinction": {"keys": [[0, [1, 2, 3]], [2, [3, 2, 1]]]}}})", "l.json", 1);
+  ASSERT_TRUE(fog && fog->fog);
+  EXPECT_EQ(fog->fog->extinction_per_m, glm::dvec3(2, 2, 2));
+  for (const char* wrong :
+       {R"({"bloom": {"strength": {"keys": []}}})", R"({"bloom": {"strength": {"keys": [[1, 0], [1, 1]]}}})",
+        R"({"bloom": {"strength": {"keys": [[0, 0], [1, [1, 2]]]}}})"})
+    EXPECT_FALSE(look_from_json(wrong, "l.json")) << wrong;
+}
+
 TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
   const std::vector<std::array<const char*, 3>> cases = {
       {R"({"fogg": {}})", "l.json: /fogg", "did you mean 'fog'"},
@@ -77,7 +113,7 @@ TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
       {R"({"fog": {"extinction": 1, "scattering": 1}})", "l.json: /fog", "one pair"},
       {R"({"fog": {"albedo": 1}})", "l.json: /fog", "lacks extinction"},
       {R"({"fog": {"extinction": [1, 0, 1], "emission": [0, 1, 0]}})", "l.json: /fog/emission", "extinction above 0"},
-      {R"({"fog": {"extinction": 1, "extinction": 2}})", "l.json", "twice"},
+      {R"({"fog": {"extinction": 1, "extinction": 2}})", "l.json: /fog/extinction", "twice"},
       {R"({"fog": []})", "l.json: /fog", "not an object"},
       {R"([])", "l.json", "object"},
       {R"({"fog": {"extinction": 1},})", "l.json", "JSON"},

@@ -132,6 +132,23 @@ TEST(MakeScene, TheStreetGrowsOutwardsAtOneDensity) {
   EXPECT_NEAR(covered(16384) / covered(4096), 4, 0.8);
 }
 
+// The same city whatever the number of lights: density grows with them.
+TEST(MakeScene, TheDenseStreetKeepsItsArea) {
+  std::set<size_t> items;
+  for (int lights : {16, 1000, 1024, 1025, 8192}) {
+    const FrameData frame = frame_of("street-dense", lights, 0.3);
+    EXPECT_EQ(frame.lights.size(), size_t(lights));
+    items.insert(frame.items.size());
+    for (const LightItem& light : frame.lights) {
+      EXPECT_LT(glm::length(light.position), 400) << lights;
+      EXPECT_TRUE(std::isfinite(light.range_m));
+    }
+  }
+  EXPECT_EQ(items.size(), 1u) << "the same houses, streets and cars";
+  // With the street's own number it is the street.
+  EXPECT_EQ(frame_of("street-dense", 1024, 0.3).items.size(), frame_of("street", 1024, 0.3).items.size());
+}
+
 TEST(MakeScene, EveryLightOfTheStreetChangesWithTime) {
   const FrameData a = frame_of("street", 640, 0.25), b = frame_of("street", 640, 0.75);
   ASSERT_EQ(a.lights.size(), b.lights.size());

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/json.h"
 #include "gltf/validate/validate.h"
 
 // What the validate_*.cpp files share. The codes and their meaning are those of the Khronos glTF validator; which of
@@ -37,9 +37,6 @@ class Findings {
   std::vector<Finding> findings_;
   size_t fatal_count_ = 0, warning_count_ = 0;
 };
-
-// One reference token of a JSON pointer, escaped (RFC 6901).
-std::string pointer_token(std::string_view key);
 
 // Readers for documents whose types the schema checks have passed. A missing member gives null, an empty array or the
 // default.

@@ -13,19 +13,6 @@ void Findings::add(Harm harm, std::string_view code, std::string path, std::stri
   findings_.push_back({harm == Harm::fatal, std::string(code), std::move(path), std::move(message)});
 }
 
-std::string pointer_token(std::string_view key) {
-  std::string token;
-  for (const char c : key) {
-    if (c == '~')
-      token += "~0";
-    else if (c == '/')
-      token += "~1";
-    else
-      token += c;
-  }
-  return token;
-}
-
 const Json& member(const Json& object, std::string_view key) {
   static const Json none;
   if (!object.is_object()) return none;

@@ -18,6 +18,7 @@ Layers::Out Layers::declare(GraphBuilder& builder, const In& in) const {
   if (in.wanted[size_t(Layer::direct)]) declare_lights(builder, in.scene, in.lists);
   Out out;
   RunPipelineChoice choice;
+  if (in.wanted[size_t(Layer::direct)]) choice.desc.constants = light_constants(in.lists);
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = "layers.frag";
   choice.desc.depth_format = depth_format;

@@ -41,6 +41,14 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists) {
   for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
     builder.read_optional(b, Access::fragment_read);
+  if (!lists.sun_maps) return;
+  builder.read(lists.sun_maps, Access::sampled_fragment, "the suns' maps");
+  builder.read(scene.suns, Access::fragment_read, "the suns' cascades");
+}
+
+std::vector<SpecConstant> light_constants(const CellLists& lists) {
+  if (!lists.sun_maps) return {};
+  return {sun_shadows_constant()};
 }
 
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
@@ -66,6 +74,10 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
     push.light_cells = address(lists->cells);
     push.light_entries = address(lists->entries);
     push.light_tiles = address(lists->tiles);
+    if (lists->sun_maps) {
+      push.suns = commands.address(scene.suns);
+      push.sun_maps = commands.sampled(lists->sun_maps);
+    }
   }
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
@@ -75,6 +87,24 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
     commands.set_cull(run.cull_back, run.mirrored);
     commands.draw_indexed_indirect_count(draws.commands, uint64_t(run.first) * sizeof(shared::DrawCommand),
                                          draws.counts, r * sizeof(uint32_t), run.count);
+  }
+}
+
+void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                      const RunPipelines& pipelines, uint32_t view, const glm::mat4& clip_from_relative) {
+  commands.bind_index_buffer(scene.indices);
+  shared::DepthViewPush push{};
+  push.deformed = deformed ? commands.address(deformed) : 0;
+  push.clip_from_relative = clip_from_relative;
+  for (size_t r = 0; r < scene.runs->size(); ++r) {
+    const size_t region = view * scene.runs->size() + r;
+    const uint32_t first = (*draws.first_command)[region], room = (*draws.first_command)[region + 1] - first;
+    if (!pipelines.by_run[r] || room == 0) continue;
+    commands.bind(pipelines.by_run[r]);
+    commands.push(push);
+    commands.set_cull(false, false);
+    commands.draw_indexed_indirect_count(draws.commands, uint64_t(first) * sizeof(shared::DrawCommand), draws.counts,
+                                         region * sizeof(uint32_t), room);
   }
 }
 

@@ -30,6 +30,13 @@ ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHa
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                  const RunPipelines& pipelines, const CellLists* lists = nullptr);
 
+// The same for what casts shadows in a view of the range that the draws are of: depth alone, surfaces from both sides.
+void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                      const RunPipelines& pipelines, uint32_t view, const glm::mat4& clip_from_relative);
+
+// The specialization constants that say what such a pass finds.
+std::vector<SpecConstant> light_constants(const CellLists& lists);
+
 // What a pass that shades under lights reads besides.
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists);
 

@@ -17,7 +17,8 @@ SpecConstant constant(Feature f) {
                                       "IS_MASKED",
                                       "IS_UNLIT",
                                       "HAS_TEXTURES",
-                                      "IS_SUBSAMPLE"};
+                                      "IS_SUBSAMPLE",
+                                      "HAS_SUN_SHADOWS"};
   return {uint32_t(f), names[uint32_t(f)], 1};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -56,6 +57,8 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
       Feature::textures);
   return list;
 }
+
+SpecConstant sun_shadows_constant() { return constant(Feature::sun_shadows); }
 
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features) {
   features.push_back(constant(Feature::subsample));

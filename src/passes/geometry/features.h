@@ -23,12 +23,15 @@ enum class Feature : uint32_t {
   is_unlit,
   textures,
   subsample,
+  sun_shadows,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
 std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient);
 // The same for a picture that is one of a supersampled frame's.
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
+// Of a pass that shades under lights with shadow maps.
+SpecConstant sun_shadows_constant();
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs
 // none, an unlit or masked depth one only what the base colour takes.
 std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,

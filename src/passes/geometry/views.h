@@ -1,8 +1,10 @@
 #pragma once
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "graph/handle.h"
+#include "shared/cull.h"
 
 namespace candela {
 
@@ -15,6 +17,13 @@ struct ViewRange {
   // Where a region is empty the view does not draw the run. Null: the camera, with room for every item.
   std::shared_ptr<const std::vector<uint32_t>> first_command;
   bool is_camera() const { return first_command == nullptr; }
+};
+
+// The views of a range as the host knows them, and the layered image of square maps that their depth is drawn into.
+struct ViewImage {
+  std::string name;
+  uint32_t size_px = 0, layers = 0;
+  std::vector<shared::View> views;
 };
 
 // The commands that culling leaves for a range of views, and their counts.

@@ -21,11 +21,13 @@ struct LightGridShape {
   LightKnobs knobs;
 };
 
-// What shading passes walk (shaders/lib/light_list.glsl). Empty handles: no lists.
+// What shading passes walk (shaders/lib/light_list.glsl), and the depth maps of directional lights. Empty handles: no
+// lists, no shadows.
 struct CellLists {
   BufferHandle cells;    // bitmasks of all cells, or where each cell's entries begin
   BufferHandle entries;  // compact: light indices, ascending inside a cell
   BufferHandle tiles;    // tiled: depths
+  ImageHandle sun_maps;  // a layer a cascade (shaders/lib/sun_shadow.glsl)
 };
 
 }  // namespace candela

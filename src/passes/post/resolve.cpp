@@ -17,7 +17,8 @@ std::span<const Knob<Resolve::Knobs>> Resolve::Knobs::table() {
        Trades::error,
        {},
        {"resolve", "depth_prepass", "shade_forward", "shade_unlit", "sky", "background", "transparent"},
-       {1, 2, 4, 8}},
+       {1, 2, 4, 8},
+       "supersample.n=1"},
   };
   return table;
 }

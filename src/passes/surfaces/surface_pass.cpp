@@ -20,6 +20,7 @@ typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, 
   choice.desc.samples = in.scene.samples;
   choice.desc.depth_test = true;
   choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
+  if (lit) choice.desc.constants = light_constants(in.lists);
   Out out;
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,

@@ -8,9 +8,9 @@ namespace candela {
 // Radiance of the opaque and masked surfaces that won the depth pre-pass (EQUAL test), each fragment once. Units: cd/m2
 // times the pre-exposure.
 //   shade_forward (lit): glTF 2.0 metallic-roughness under every punctual light that reaches the point (each pixel
-//   walks its cell's list, or all lights, in light order), plus ambient light and emission. Leaves wrong: no shadows,
-//   ambient reflections as blurred as diffuse light. shade_unlit: KHR_materials_unlit, and lines and points without
-//   normals: base colour goes out as radiance.
+//   walks its cell's list, or all lights, in light order), plus ambient light and emission. Leaves wrong: shadows of
+//   other lights than those with maps, ambient reflections as blurred as diffuse light. shade_unlit:
+//   KHR_materials_unlit, and lines and points without normals: base colour goes out as radiance.
 template <bool lit>
 struct SurfacePass {
   static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";

@@ -19,10 +19,12 @@ Transparent::Out Transparent::declare(GraphBuilder& builder, const In& in) const
   choice.desc.blend = Blend::premultiplied_over;
   Out out;
   choice.desc.fragment_shader = "shade_forward.frag";
+  choice.desc.constants = light_constants(in.lists);
   out.lit = declare_runs(
       builder, in.scene, in.draws, in.deformed,
       [](const DrawRun& r) { return r.alpha == AlphaMode::blend && !r.unlit; }, choice);
   choice.desc.fragment_shader = "shade_unlit.frag";
+  choice.desc.constants = {};
   out.unlit = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend && r.unlit; },
       choice);

@@ -1,0 +1,30 @@
+#version 460
+// The picture and its glow, and the luminance of both by groups of 64 pixels, in an order that does not change.
+#include "shared/bloom.h"
+layout(push_constant, scalar) uniform Push { BloomCompositePush pc; };
+#include "lib/bindless.glsl"
+#include "lib/bloom.glsl"
+layout(local_size_x = bloom_group, local_size_y = 1) in;
+layout(constant_id = 0) const int HAS_GLOW = 0;  // the glow is wanted as a layer
+
+shared vec2 energies[bloom_group];
+
+void main() {
+  const uvec2 p = gl_GlobalInvocationID.xy;
+  vec2 energy = vec2(0.0);
+  if (all(lessThan(p, pc.size_px))) {
+    const vec4 color = texelFetch(pass_images[pc.color], ivec2(p), 0);
+    const vec3 glow = texelFetch(pass_images[pc.bloom], ivec2(p), 0).rgb * pc.scale;
+    vec3 composed = color.rgb + pc.strength * glow;
+    if (pc.keeps != 0u) composed -= pc.strength * bloom_bright(color.rgb, pc.threshold, pc.knee);
+    imageStore(storage_images[pc.composed], ivec2(p), vec4(composed, color.a));
+    if (HAS_GLOW != 0) imageStore(storage_images[pc.glow], ivec2(p), vec4(glow, 1.0));
+    energy = vec2(bloom_luminance(bloom_clean(color.rgb)), bloom_luminance(bloom_clean(composed)));
+  }
+  energies[gl_LocalInvocationIndex] = energy;
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
+  vec2 sum = vec2(0.0);
+  for (uint i = 0u; i < bloom_group; ++i) sum += energies[i];
+  EnergiesRef(pc.energies).e[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = sum;
+}

@@ -1,0 +1,25 @@
+#version 460
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DepthViewPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/vertex_position.glsl"
+// Depth of a view that is not the camera's.
+layout(location = 0) out flat uint out_material;
+layout(location = 1) centroid out vec2 out_uv0;
+layout(location = 2) centroid out vec2 out_uv1;
+layout(location = 3) centroid out vec4 out_color;
+
+void main() {
+  const Item item = load_item(gl_InstanceIndex);
+  const Geometry g = load_geometry(item.geometry);
+  gl_Position = pc.clip_from_relative * vec4(relative_position(item, g, gl_VertexIndex), 1.0);
+  gl_Position.z = min(gl_Position.z, gl_Position.w);  // what lies before the near plane is flattened onto it
+  if (IS_MASKED != 0) {
+    const uint v = gl_VertexIndex;
+    out_material = item.material;
+    out_uv0 = g.uv0 != absent ? load2(frame.vertices, g.uv0 + 2u * v) : vec2(0.0);
+    out_uv1 = HAS_UV1 != 0 && g.uv1 != absent ? load2(frame.vertices, g.uv1 + 2u * v) : vec2(0.0);
+    out_color = HAS_VERTEX_COLOR != 0 && g.color != absent ? load4(frame.vertices, g.color + 4u * v) : vec4(1.0);
+  }
+}

@@ -1,0 +1,89 @@
+// How much of a directional light's rays come through, from its cascades of depth maps. Needs lib/scene.glsl, the
+// push constants pc.suns and pc.sun_maps, and a fragment shader. Only where HAS_SUN_SHADOWS is 1.
+//
+// A point takes the finest cascade that covers it, from there the mean of nine comparisons on a Poisson disc that is
+// turned from pixel to pixel (noise instead of bands; Jimenez, "Next Generation Post Processing in Call of Duty:
+// Advanced Warfare", 2014, for the turn). The disc's radius is 1.25 texels, and widens to 2.5 towards a cascade's edge,
+// where the next one's texels are larger. The point is moved off its surface along the triangle's normal by as much as
+// the slope can differ within the reach of the lookup (Holbert, "Saying Goodbye to Shadow Acne", 2011).
+#include "lib/image_kinds.glsl"
+#include "shared/shadows.h"
+
+const float KERNEL_TEXELS = 1.25, WIDEST_KERNEL_TEXELS = 2.5;
+const vec2 POISSON_DISC[9] = vec2[](vec2(-0.4862, 0.1613), vec2(0.5966, 0.2921), vec2(0.4500, -0.7884),
+                                    vec2(-0.4681, -0.6912), vec2(-0.4098, 0.8839), vec2(0.1890, -0.1863),
+                                    vec2(-0.9707, -0.2080), vec2(0.9302, -0.2334), vec2(0.1930, 0.7432));
+
+// The triangle's own normal, on the viewer's side. The positions' differences lie in its plane wherever the pixel's
+// samples are. Outside of branches that differ between neighbours only.
+vec3 triangle_normal(vec3 position, vec3 to_viewer) {
+  const vec3 n = normalize_or(cross(dFdx(position), dFdy(position)), to_viewer);
+  return dot(n, to_viewer) < 0.0 ? -n : n;
+}
+
+struct CascadePlace {
+  SunCascade cascade;
+  uint number;      // max_sun_cascades: no cascade covers the point
+  float to_edge;    // 0 in the middle of what it covers, 1 at the edge
+};
+CascadePlace find_cascade(uint sun, vec3 position) {
+  SunShadowsRef suns = SunShadowsRef(pc.suns);
+  CascadePlace place;
+  place.number = max_sun_cascades;
+  const vec2 across = vec2(dot(suns.s[sun].right, position), dot(suns.s[sun].up, position));
+  if (dot(suns.s[sun].depth, vec4(position, 1.0)) < 0.0) return place;
+  const uint count = suns.s[sun].cascade_count;
+  for (uint c = 0u; c < count; ++c) {
+    const SunCascade cascade = suns.s[sun].cascades[c];
+    const vec2 off = abs(across - cascade.centre_m);
+    const float farthest = max(off.x, off.y);
+    if (farthest <= cascade.covered_m) {
+      place.cascade = cascade;
+      place.number = c;
+      place.to_edge = farthest / cascade.covered_m;
+      break;
+    }
+  }
+  return place;
+}
+
+// 1: lit, 0: in shadow. position: relative; normal: of the triangle.
+float sun_visibility(uint sun, vec3 position, vec3 normal) {
+  SunShadowsRef suns = SunShadowsRef(pc.suns);
+  const float n_l = dot(normal, suns.s[sun].to_light);
+  if (!(n_l > 0.0)) return 0.0;
+  const CascadePlace place = find_cascade(sun, position);
+  if (place.number == max_sun_cascades) return 1.0;
+  const SunCascade cascade = place.cascade;
+  const float radius = mix(KERNEL_TEXELS, WIDEST_KERNEL_TEXELS, clamp(2.0 * place.to_edge - 1.0, 0.0, 1.0));
+  // The lookup reads texels up to radius + sqrt(2) away, whose depth on a plane differs by that times the tangent of
+  // the angle; moving by d along the normal gains d divided by the cosine.
+  const float sine = sqrt(max(1.0 - n_l * n_l, 0.0));
+  const vec3 moved = position + normal * ((radius + 1.4142136) * cascade.texel_m * sine);
+  const vec2 across = vec2(dot(suns.s[sun].right, moved), dot(suns.s[sun].up, moved)) - cascade.centre_m;
+  const float depth = dot(suns.s[sun].depth, vec4(moved, 1.0)) + suns.s[sun].bias;
+  const float per_metre = 0.5 / cascade.half_m;
+  const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * per_metre;
+  const float layer = float(suns.s[sun].first_layer + place.number);
+  vec2 pixel = floor(gl_FragCoord.xy);
+  if (IS_SUBSAMPLE != 0) pixel += 37.0 * pc.subsample_ndc * vec2(frame.size_px);  // each sample has its own turn
+  const float turn = 6.2831853 * fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+  const vec2 cos_sin = vec2(cos(turn), sin(turn)) * (radius * cascade.texel_m * per_metre);
+  float lit = 0.0;
+  for (int i = 0; i < 9; ++i) {
+    const vec2 p = POISSON_DISC[i];
+    const vec2 at = uv + vec2(p.x * cos_sin.x - p.y * cos_sin.y, p.x * cos_sin.y + p.y * cos_sin.x);
+    lit += textureGrad(sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
+                       vec4(at, layer, depth), vec2(0.0), vec2(0.0));
+  }
+  return lit / 9.0;
+}
+
+// Of any light: 1 for those without a map.
+float light_visibility(LightRef light, vec3 position, vec3 normal) {
+  const uint sun = floatBitsToUint(light_word(light, 6u).y);
+  if (sun == 0u) return 1.0;
+  // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be
+  // valid.
+  return sun_visibility(max(sun, 1u) - 1u, position, normal);
+}

@@ -1,0 +1,29 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "frame/frame_upload.h"
+#include "frame/frame_views.h"
+#include "passes/geometry/views.h"
+#include "passes/shadows/sun_knobs.h"
+#include "scene/survey.h"
+#include "shared/shadows.h"
+
+namespace candela {
+
+// The frame's shadow maps of directional lights, decided before the graph is built.
+struct FrameSuns {
+  std::string absence;                     // why there are none; empty: there are
+  std::vector<shared::SunShadow> shadows;  // the brightest light's first
+  FrameViews views;
+  std::shared_ptr<const ViewImage> image;  // null: none
+  std::vector<std::string> notes;
+};
+
+// Chooses the lights that get maps, fits their cascades, and tells the uploaded lights which is whose. Errors: more
+// draw commands than the knob sun.draws has room for.
+Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const DrawList& draws, const SceneFacts& facts,
+                              const FrameRequest& request, const SunKnobs& knobs, bool culling, FrameUpload& upload);
+
+}  // namespace candela

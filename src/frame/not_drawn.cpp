@@ -1,0 +1,22 @@
+#include "frame/not_drawn.h"
+
+namespace candela {
+
+std::vector<std::string> not_drawn(const SceneFacts& facts, const Pose& pose) {
+  const bool lit = facts.lit_items + facts.blend_lit_items > 0;
+  bool glass = false;
+  for (size_t m = 0; m < pose.materials.size(); ++m)
+    glass |= facts.material_used[m] && pose.materials[m].transmission > 0;
+  std::vector<std::string> names;
+  const auto add = [&](bool needed, const char* name) {
+    if (needed) names.emplace_back(name);
+  };
+  add(lit && facts.directional_lights > 0, "shadows of directional lights");
+  add(lit && facts.point_lights + facts.spot_lights > 0, "shadows of point and spot lights");
+  add(lit && facts.environment, "ambient occlusion");
+  add(lit && facts.environment, "sharp reflections of the sky");
+  add(glass, "transmission and refraction");
+  return names;
+}
+
+}  // namespace candela

@@ -1,0 +1,55 @@
+#include "gltf/named_files.h"
+
+#include "base/files.h"
+#include "base/input.h"
+#include "gltf/uri.h"
+
+namespace candela::gltf {
+
+Expected<std::vector<std::byte>> read_named_file(Document& document, const std::string& uri, const std::string& path) {
+  if (is_data_uri(uri)) {
+    std::optional<std::vector<std::byte>> bytes = decode_data_uri(uri);
+    if (!bytes) document.refuse(path, "the data URI is not valid base64 (INVALID_URI)");
+    return std::move(*bytes);  // already counted: its text is part of the file
+  }
+  if (has_scheme(uri))
+    document.refuse(path, "'{}' is not a relative path; only files beside the scene and data URIs are read", uri);
+  const std::optional<std::string> relative = percent_decoded(uri);
+  if (!relative || relative->empty() || relative->find('\0') != std::string::npos)
+    document.refuse(path, "'{}' is not a valid URI (INVALID_URI)", uri);
+  const std::filesystem::path file = document.folder / *relative;
+  if (auto allowed = check_named_file(file, document.folder); !allowed)
+    document.refuse(path, "{} (IO_ERROR)", allowed.error().message);
+  Expected<std::vector<std::byte>> bytes = read_file(file);
+  if (!bytes) return bytes;
+  if (std::find(document.files.begin(), document.files.end(), file.string()) == document.files.end()) {
+    document.files.push_back(file.string());
+    document.bytes_read += bytes->size();
+  } else {
+    document.charge(bytes->size(), 1, path);  // read again: a copy that no bytes on disk pay for
+  }
+  return bytes;
+}
+
+std::span<const std::byte> buffer_bytes(Document& document, size_t buffer) {
+  std::span<const std::byte>& bytes = document.buffers[buffer];
+  if (!bytes.empty()) return bytes;
+  const Json& json = document.json["buffers"][buffer];
+  const std::string path = fmt::format("/buffers/{}", buffer);
+  const double wanted = number(document, json, "byteLength", 0, path);
+  std::span<const std::byte> stored = document.binary;
+  if (json.contains("uri")) {
+    auto read = read_named_file(document, text(document, json, "uri", "", path), path + "/uri");
+    if (!read) document.refuse(path + "/uri", "{} (IO_ERROR)", read.error().text());
+    document.storage.push_back(std::move(*read));
+    stored = document.storage.back();
+  } else if (buffer != 0 || !document.has_binary) {
+    document.refuse(path, "the buffer has no bytes: neither a uri nor a binary chunk");
+  }
+  if (!(wanted <= double(stored.size())))
+    document.refuse(path + "/byteLength", "byteLength is {:.0f} but there are {} bytes (BUFFER_BYTE_LENGTH_MISMATCH)",
+                    wanted, stored.size());
+  return bytes = stored.first(size_t(wanted));
+}
+
+}  // namespace candela::gltf

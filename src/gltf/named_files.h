@@ -1,0 +1,14 @@
+#pragma once
+#include "gltf/document.h"
+
+namespace candela::gltf {
+
+// The bytes behind a URI: in it (data:) or in a file below the scene's folder. An error where the file is not there or
+// cannot be read; throws Failure for what a scene may not name (base/input.h) and for what is no URI.
+Expected<std::vector<std::byte>> read_named_file(Document& document, const std::string& uri, const std::string& path);
+
+// The bytes of a buffer, whose file is read when they are first asked for: what nobody uses may be absent. Throws
+// Failure.
+std::span<const std::byte> buffer_bytes(Document& document, size_t buffer);
+
+}  // namespace candela::gltf

@@ -1,0 +1,40 @@
+#include "passes/geometry/depth_views.h"
+
+#include "shared/draw.h"
+
+namespace candela {
+
+Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+}
+
+DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
+  Out out;
+  RunPipelineChoice choice;
+  choice.desc.vertex_shader = "depth_view.vert";
+  choice.desc.depth_format = depth_format;
+  choice.desc.depth_test = choice.desc.depth_write = true;
+  choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+  choice.masked_fragment = "depth_prepass.frag";
+  out.pipelines = declare_runs(
+      builder, in.scene, in.draws, in.deformed,
+      [](const DrawRun& r) { return r.alpha != AlphaMode::blend && r.topology == Topology::triangles; }, choice);
+  ImageDesc desc{in.image->name, depth_format, in.image->size_px, in.image->size_px};
+  desc.kind = ImageKind::d2_array;
+  desc.layers = in.image->layers;
+  out.depth = builder.create(desc);
+  for (uint32_t layer = 0; layer < desc.layers; ++layer)
+    out.depth = builder.write(out.depth, Access::depth_attachment, ImageRange::layer(layer));
+  return out;
+}
+
+void DepthViews::record(CommandList& commands, const In& in, const Out& out) const {
+  for (uint32_t v = 0; v < in.image->views.size(); ++v) {
+    const shared::View& view = in.image->views[v];
+    commands.begin_rendering({}, out.depth, ImageRange::layer(view.layer));
+    record_view_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, v, view.clip_from_relative);
+    commands.end_rendering();
+  }
+}
+
+}  // namespace candela

@@ -1,0 +1,245 @@
+#include "passes/post/bloom.h"
+
+#include <cmath>
+
+namespace candela {
+namespace {
+
+// What the steps do, in order: down (levels), up (levels), or two convolutions a level; then composite and energy.
+struct Steps {
+  uint32_t levels = 0;  // of the pyramid; 0: convolutions
+  uint32_t convolutions = 0;
+  uint32_t composite() const { return levels > 0 ? 2 * levels : 2 * convolutions; }
+};
+
+Steps steps_of(const BloomPass& pass, const BloomPass::In& in) {
+  const uint32_t wanted = uint32_t(in.look.weights.size());
+  if (pass.knobs.levels == 0) return {0, wanted};
+  // Halving ends at one texel.
+  uint32_t possible = 1;
+  while (possible < 31 && (std::max(in.width_px, in.height_px) >> (possible + 1)) > 0) ++possible;
+  return {std::min({wanted, uint32_t(pass.knobs.levels), possible}), 0};
+}
+
+// Levels that the pyramid does not have are drawn as wide as its last.
+std::vector<float> weights_of(const Steps& steps, const Bloom& look) {
+  std::vector<float> weights(steps.levels > 0 ? steps.levels : look.weights.size(), 0);
+  for (size_t k = 0; k < look.weights.size(); ++k) weights[std::min(k, weights.size() - 1)] += float(look.weights[k]);
+  return weights;
+}
+
+double sum_of(const std::vector<double>& weights) {
+  double sum = 0;
+  for (const double w : weights) sum += w;
+  return sum;
+}
+
+}  // namespace
+
+std::span<const Knob<BloomPass::Knobs>> BloomPass::Knobs::table() {
+  static const Knob<Knobs> table[] = {
+      {"levels",
+       &Knobs::levels,
+       "",
+       0,
+       12,
+       {3, 6, 12, 0},
+       "levels of the pyramid, at most; fewer than the look has weights make the glow narrower; 0: convolution in "
+       "float",
+       {},
+       Trades::error,
+       {1, 2, 3, 6, 12, 0}},
+      {"karis",
+       &Knobs::karis,
+       "",
+       0,
+       1,
+       {1, 1, 0, 0},
+       "1 holds single bright pixels down (no flicker of small lights), and loses their energy",
+       {},
+       Trades::error,
+       {1, 0}},
+  };
+  return table;
+}
+
+std::vector<std::string> BloomPass::warnings(const Report& report) const {
+  if (report.nonfinite == 0) return {};
+  return {fmt::format("bloom took {} non-finite pixels for black", report.nonfinite)};
+}
+
+std::vector<std::string> BloomPass::notes(const Report& report) const {
+  if (!(report.before > 0)) return {};
+  return {fmt::format("bloom: the picture's luminance sums to {:.6f} of what it was", report.after / report.before)};
+}
+
+Need BloomPass::needed(const SceneFacts&, const FrameRequest& request) const {
+  if (!request.wants_looked("bloom", request.look.bloom.has_value()))
+    return {false, "the look has no bloom (--look, --effects)"};
+  const bool shown = request.want_display && request.view == "beauty";
+  const bool in_beauty = request.look.bloom && request.look.bloom->in_beauty && request.want_linear;
+  return needed_if(shown || in_beauty || request.has_layer("bloom"),
+                   "only display output shows bloom, and none is wanted");
+}
+
+BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
+  const Steps steps = steps_of(*this, in);
+  // Half the picture, and a border that goes on with its edge, so that every level is exactly half the one before.
+  const uint32_t unit = 1u << (std::max(steps.levels, 1u) - 1);
+  const auto padded = [&](uint32_t size_px) { return (size_px + 2 * unit - 1) / (2 * unit) * unit; };
+  const glm::uvec2 half{padded(in.width_px), padded(in.height_px)};
+  Out out;
+  out.report = builder.create(BufferDesc{"bloom.report", sizeof(Report), BufferMemory::host_read, true});
+  const auto full = [&](const char* image) {
+    return builder.create(
+        ImageDesc{.name = image, .format = color_format, .width_px = in.width_px, .height_px = in.height_px});
+  };
+  const auto chain = [&](const char* image) {
+    return builder.create(ImageDesc{.name = image,
+                                    .format = color_format,
+                                    .width_px = half.x,
+                                    .height_px = half.y,
+                                    .mips = std::max(steps.levels, 1u)});
+  };
+  const auto pipeline = [&](const char* shader, std::vector<SpecConstant> constants) {
+    out.pipelines.push_back(builder.pipeline(ComputePipelineDesc{shader, std::move(constants)}));
+  };
+  if (steps.levels > 0) {
+    out.down = chain("bloom.down");
+    for (uint32_t k = 0; k < steps.levels; ++k) {
+      pipeline("bloom_down.comp",
+               k > 0 ? std::vector<SpecConstant>{}
+                     : std::vector<SpecConstant>{{0, "IS_FIRST", 1}, {1, "KARIS", uint32_t(knobs.karis)}});
+      builder.begin_step();
+      if (k == 0) {
+        builder.read(in.color, Access::sampled_compute, "color");
+        out.report = builder.write(out.report, Access::compute_write);
+      } else {
+        builder.read(out.down, Access::sampled_compute, "the level before", ImageRange::mip(k - 1));
+      }
+      out.down = builder.write(out.down, Access::storage_image_write, ImageRange::mip(k));
+    }
+    // Up to level k from level k + 1; the last step leads to the picture's size.
+    if (steps.levels > 1) out.up = chain("bloom.up");
+    out.blurred = full("bloom.blurred");
+    for (uint32_t k = steps.levels; k-- > 0;) {
+      pipeline("bloom_up.comp", k > 0 ? std::vector<SpecConstant>{{0, "HAS_FINE", 1}} : std::vector<SpecConstant>{});
+      builder.begin_step();
+      builder.read(k + 1 == steps.levels ? out.down : out.up, Access::sampled_compute, "the coarser level",
+                   ImageRange::mip(k));
+      if (k > 0) {
+        builder.read(out.down, Access::sampled_compute, "the level", ImageRange::mip(k - 1));
+        out.up = builder.write(out.up, Access::storage_image_write, ImageRange::mip(k - 1));
+      } else {
+        out.blurred = builder.write(out.blurred, Access::storage_image_write);
+      }
+    }
+  } else {
+    // Each level: along x into `down`, along y onto the sum, which goes to and fro between `up` and `blurred`.
+    out.down = full("bloom.along_x");
+    out.up = full("bloom.sum");
+    out.blurred = full("bloom.blurred");
+    for (uint32_t k = 0; k < steps.convolutions; ++k) {
+      pipeline("bloom_convolve.comp",
+               k == 0 ? std::vector<SpecConstant>{{2, "COUNTS", 1}} : std::vector<SpecConstant>{});
+      builder.begin_step();
+      builder.read(in.color, Access::sampled_compute, "color");
+      if (k == 0) out.report = builder.write(out.report, Access::compute_write);
+      out.down = builder.write(out.down, Access::storage_image_write);
+      pipeline("bloom_convolve.comp", k == 0 ? std::vector<SpecConstant>{{0, "ALONG_Y", 1}}
+                                             : std::vector<SpecConstant>{{0, "ALONG_Y", 1}, {1, "ADDS", 1}});
+      builder.begin_step();
+      builder.read(out.down, Access::sampled_compute, "the rows");
+      const bool last_is_blurred = (steps.convolutions - 1 - k) % 2 == 0;
+      ImageHandle& target = last_is_blurred ? out.blurred : out.up;
+      if (k > 0) builder.read(last_is_blurred ? out.up : out.blurred, Access::sampled_compute, "the sum");
+      target = builder.write(target, Access::storage_image_write);
+    }
+  }
+  pipeline("bloom_composite.comp",
+           in.glow_wanted ? std::vector<SpecConstant>{{0, "HAS_GLOW", 1}} : std::vector<SpecConstant>{});
+  builder.begin_step();
+  builder.read(in.color, Access::sampled_compute, "color");
+  builder.read(out.blurred, Access::sampled_compute, "the blurred levels");
+  out.color = builder.write(full("bloomed"), Access::storage_image_write);
+  if (in.glow_wanted) {
+    out.glow = builder.write(full("bloom.glow"), Access::storage_image_write);
+    builder.publish("bloom", out.glow);
+  }
+  const uint64_t groups = uint64_t((in.width_px + shared::bloom_group - 1) / shared::bloom_group) * in.height_px;
+  out.energies =
+      builder.write(builder.create(BufferDesc{"bloom.energies", groups * sizeof(glm::vec2)}), Access::compute_write);
+  pipeline("bloom_energy.comp", {});
+  builder.begin_step();
+  builder.read(out.energies, Access::compute_read, "the groups' luminance");
+  out.report = builder.write(out.report, Access::compute_write);
+  builder.sink(out.report);
+  return out;
+}
+
+void BloomPass::record(CommandList& commands, const In& in, const Out& out) const {
+  const Steps steps = steps_of(*this, in);
+  const uint32_t step = commands.step(), composite = steps.composite();
+  const std::vector<float> weights = weights_of(steps, in.look);
+  const float threshold = float(in.look.threshold) / in.exposure, knee = float(in.look.knee) / in.exposure;
+  const glm::uvec2 full{in.width_px, in.height_px};
+  commands.bind(out.pipelines[step]);
+  if (step == composite + 1) {
+    const uint32_t groups = (full.x + shared::bloom_group - 1) / shared::bloom_group * full.y;
+    commands.push(shared::BloomEnergyPush{commands.address(out.energies), commands.address(out.report), groups});
+    commands.dispatch(shared::bloom_group);
+  } else if (step == composite) {
+    shared::BloomCompositePush push{};
+    push.color = commands.sampled(in.color);
+    push.bloom = commands.sampled(out.blurred);
+    push.composed = commands.storage(out.color);
+    push.glow = out.glow ? commands.storage(out.glow) : 0;
+    push.size_px = full;
+    push.scale = float(1 / sum_of(in.look.weights));
+    push.strength = float(in.look.strength);
+    push.threshold = threshold, push.knee = knee;
+    push.keeps = in.look.keeps ? 1 : 0;
+    push.energies = commands.address(out.energies);
+    commands.push(push);
+    commands.dispatch(full.x, full.y);
+  } else if (steps.levels == 0) {
+    const uint32_t k = step / 2;
+    const bool along_y = step % 2 != 0, to_blurred = (steps.convolutions - 1 - k) % 2 == 0;
+    shared::BloomConvolvePush push{};
+    push.source = along_y ? commands.sampled(out.down) : commands.sampled(in.color);
+    push.target = commands.storage(!along_y ? out.down : to_blurred ? out.blurred : out.up);
+    if (along_y && k > 0) push.sum = commands.sampled(to_blurred ? out.up : out.blurred);
+    push.size_px = full;
+    push.sigma_px = float(std::sqrt(Bloom::variance_px2(k)));
+    push.weight = weights[k];
+    push.threshold = threshold, push.knee = knee;
+    push.report = step == 0 ? commands.address(out.report) : 0;
+    commands.push(push);
+    commands.dispatch(full.x, full.y);
+  } else if (step < steps.levels) {
+    shared::BloomDownPush push{};
+    push.source = step == 0 ? commands.sampled(in.color) : commands.sampled(out.down);
+    push.target = commands.storage(out.down);
+    push.source_px = step == 0 ? full : commands.size(out.down, step - 1);
+    push.target_px = commands.size(out.down, step);
+    push.threshold = threshold, push.knee = knee;
+    push.report = step == 0 ? commands.address(out.report) : 0;
+    commands.push(push);
+    commands.dispatch(push.target_px.x, push.target_px.y);
+  } else {
+    const uint32_t k = 2 * steps.levels - 1 - step;  // from mip k to mip k - 1, or to the picture's size
+    shared::BloomUpPush push{};
+    push.coarse = commands.sampled(k + 1 == steps.levels ? out.down : out.up, ImageRange::mip(k));
+    push.coarse_weight = k + 1 == steps.levels ? weights[k] : 1.0f;
+    if (k > 0) {
+      push.fine = commands.sampled(out.down, ImageRange::mip(k - 1));
+      push.fine_weight = weights[k - 1];
+    }
+    push.target = k > 0 ? commands.storage(out.up) : commands.storage(out.blurred);
+    push.target_px = k > 0 ? commands.size(out.up, k - 1) : full;
+    commands.push(push);
+    commands.dispatch(push.target_px.x, push.target_px.y);
+  }
+}
+
+}  // namespace candela

@@ -1,0 +1,29 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+
+namespace candela {
+
+// Of the nearest opaque or masked surface at the pixel's centre: `shadow`, the share of the directional lights' light
+// that arrives, each weighed by its illuminance and cosine, 1 where none faces it; and which cascade tells it for the
+// brightest light: `debug.cascades`, 1 the finest, 0 none. Lights without maps count as unblocked. Background: 1 and 0.
+struct SunLayers {
+  static constexpr std::string_view name = "sun_layers";
+  static constexpr LayerName layers[2] = {{"shadow"}, {"debug.cascades"}};
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    CellLists lists;        // for the maps
+  };
+  struct Out {
+    std::array<ImageHandle, 2> images;
+    ImageHandle depth;  // its own depth buffer
+    RunPipelines pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "image/io.h"
+#include "program.h"
+
+// Inputs that nobody should have to trust: what they name, how large they become, what the system refuses.
+namespace candela::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+// A quad before the camera whose unlit colour is the texture.
+std::string textured(const std::string& image) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"extensionsUsed":["KHR_materials_unlit"],
+"meshes":[{"primitives":[{"attributes":{"POSITION":1,"TEXCOORD_0":2},"indices":0,"material":0}]}],
+"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}},"extensions":{"KHR_materials_unlit":{}}}],
+"textures":[{"source":0}],"images":[{"uri":")" +
+         image + R"("}],
+"buffers":[{"byteLength":44,"uri":"data:application/octet-stream;base64,AAABAAIAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAA="}],
+"bufferViews":[{"buffer":0,"byteLength":6},{"buffer":0,"byteOffset":8,"byteLength":36},{"buffer":0,"byteOffset":8,"byteLength":24}],
+"accessors":[{"bufferView":0,"componentType":5123,"count":3,"type":"SCALAR"},
+{"bufferView":1,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":2,"componentType":5126,"count":3,"type":"VEC2"}]})";
+}
+
+TEST(NamedFiles, AreBelowTheScenesFolderOrAnAllowedOne) {
+  TestFolder folder;
+  fs::create_directories(folder / "scene");
+  ASSERT_EQ(candela({"render", scene("animated"), "-o", folder / "outside.png", "--size", "16x16"}).code, 0);
+  std::ofstream(folder / "scene/a.gltf") << textured("../outside.png");
+  const Ended refused = candela({"plan", folder / "scene/a.gltf"});
+  EXPECT_EQ(refused.code, 3) << refused.err;
+  EXPECT_NE(refused.err.find("--allow-path"), std::string::npos) << refused.err;
+  EXPECT_EQ(candela({"plan", folder / "scene/a.gltf", "--allow-path", folder.path().string()}).code, 0);
+  EXPECT_EQ(candela({"plan", folder / "scene/a.gltf", "--allow-path", folder / "outside.png"}).code, 2);
+  std::ofstream(folder / "scene/suite.json") << R"({"scenes": ["../../scene/a.glb"]})";
+  const Ended suite = candela({"bench", folder / "scene/suite.json"});
+  EXPECT_EQ(suite.code, 3) << suite.err;
+  EXPECT_NE(suite.err.find("suite.json: /scenes/0: "), std::string::npos) << suite.err;
+}
+
+TEST(SpecialFiles, AreRefusedAtOnceAsAnyInput) {
+  TestFolder folder;
+  const std::string fifo = folder / "fifo", box = scene("unlit-box"), out = folder / "a.exr";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  for (const std::string& special : {fifo, std::string("/dev/zero"), folder.path().string()})
+    for (const Arguments& arguments :
+         {Arguments{"plan", special}, Arguments{"plan", box, "--sky", special},
+          Arguments{"plan", box, "--look", special}, Arguments{"plan", box, "--config", special},
+          Arguments{"reference", special, "-o", out}, Arguments{"bench", "--json", "-", "--from", special},
+          Arguments{"bench", "--compare", special, special}, Arguments{"compare", special, special}}) {
+      const Ended ended = candela(arguments);
+      EXPECT_EQ(ended.code, 3) << arguments[0] << " " << arguments.back() << ": " << ended.err;
+      EXPECT_NE(ended.err.find("not a regular file"), std::string::npos) << arguments[0] << ": " << ended.err;
+    }
+  fs::rename(fifo, folder / "suite.json");
+  EXPECT_EQ(candela({"bench", folder / "suite.json"}).code, 3);
+}
+
+TEST(DecodeBudget, IsExitThreeWithFileAndSum) {
+  TestFolder folder;
+  FloatImage sky{.width = 512, .height = 256};
+  for (const char* name : {"R", "G", "B"})
+    sky.channels.push_back({name, ChannelType::half, std::vector<float>(512 * 256, 1.0f), {}});
+  ASSERT_TRUE(write_exr(folder / "sky.exr", sky));
+  const Arguments plan = {"plan", scene("unlit-box"), "--sky", folder / "sky.exr", "--quiet"};
+  EXPECT_EQ(candela(plan).code, 0);
+  Arguments small = plan;
+  small.insert(small.end(), {"--decode-budget-mb", "1"});
+  const Ended over = candela(small);
+  EXPECT_EQ(over.code, 3) << over.err;
+  for (const char* part : {"sky.exr", "the sum of textures, sky and meshes is 3 MiB", "budget of 1 MiB"})
+    EXPECT_NE(over.err.find(part), std::string::npos) << over.err;
+  EXPECT_EQ(candela({"compare", folder / "sky.exr", folder / "sky.exr", "--decode-budget-mb", "1"}).code, 3);
+  EXPECT_EQ(candela({"plan", scene("unlit-box"), "--decode-budget-mb", "0"}).code, 2);
+}
+
+TEST(DeepJson, IsRefusedWhereverJsonIsRead) {
+  TestFolder folder;
+  std::string deep;
+  for (int i = 0; i < 1'000'000; ++i) deep += R"({"a":)";
+  fs::create_directories(folder / "golden/deep");
+  for (const char* name : {"scene.gltf", "look.json", "suite.json", "rows.json", "golden/deep/golden.json"})
+    std::ofstream(folder / name) << deep;
+  for (const Arguments& arguments :
+       {Arguments{"plan", folder / "scene.gltf"}, Arguments{"plan", scene("unlit-box"), "--look", folder / "look.json"},
+        Arguments{"bench", folder / "suite.json"}, Arguments{"bench", "--json", "-", "--from", folder / "rows.json"},
+        Arguments{"golden", "check", "--root", folder / "golden"}}) {
+    const Ended ended = candela(arguments);
+    EXPECT_EQ(ended.code, 3) << arguments[0] << ": " << ended.err;
+    EXPECT_NE(ended.err.find("nest deeper than 128 levels"), std::string::npos) << arguments[0] << ": " << ended.err;
+  }
+}
+
+TEST(MissingTexture, IsACheckerInEveryRendererAndExitThreeWhenStrict) {
+  TestFolder folder;
+  std::ofstream(folder / "a.gltf") << textured("absent.png");
+  const Arguments common = {folder / "a.gltf", "--size", "32x32", "--exr-type", "float"};
+  Arguments render = {"render", "-o", folder / "render.exr", "--samples", "8"},
+            reference = {"reference", "-o", folder / "reference.exr", "--spp", "64"};
+  for (Arguments* arguments : {&render, &reference}) {
+    arguments->insert(arguments->end(), common.begin(), common.end());
+    const Ended ended = candela(*arguments);
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_NE(ended.err.find("absent.png"), std::string::npos) << ended.err;
+    EXPECT_NE(ended.err.find("a magenta and black checker is drawn instead"), std::string::npos) << ended.err;
+    arguments->push_back("--strict");
+    EXPECT_EQ(candela(*arguments).code, 3);
+  }
+  const auto a = read_image(folder / "render.exr"), b = read_image(folder / "reference.exr");
+  ASSERT_TRUE(a && b);
+  int magenta = 0, black = 0, different = 0;
+  for (size_t i = 0; i < 32 * 32; ++i) {
+    const auto value = [&](const FloatImage& image, const char* channel) { return image.find(channel)->f[i]; };
+    if (value(*a, "A") < 1 || value(*b, "A") < 1) continue;
+    EXPECT_EQ(value(*a, "G"), 0);
+    magenta += value(*a, "R") > 0.9f && value(*a, "B") > 0.9f;
+    black += value(*a, "R") < 0.1f;
+    const float traced = value(*b, "R");
+    if (traced < 0.02f || traced > 0.98f) different += std::abs(value(*a, "R") - traced) > 0.3f;  // off the edges
+  }
+  EXPECT_GT(magenta, 20);
+  EXPECT_GT(black, 20);
+  EXPECT_LT(different, 5);
+}
+
+// A user of its own has processes of its own: the limit then counts what the program starts.
+TEST(Limits, RefusedThreadsAndMemoryAreAnExitCodeAndALine) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can become a user without processes";
+  TestFolder folder;
+  fs::permissions(folder.path(), fs::perms::all);
+  fs::permissions(folder.path().parent_path(), fs::perms::others_exec, fs::perm_options::add);
+  fs::copy_file(scene("unlit-box"), folder / "box.glb");
+  for (const char* command : {"render", "reference"})
+    for (const int processes : {1, 3, 5, 9, 64}) {
+      const Ended ended = run_program({"setpriv", "--reuid", "61234", "--clear-groups", "prlimit",
+                                       "--nproc=" + std::to_string(processes), "--core=0", "env",
+                                       "HOME=" + folder.path().string(), CANDELA_PROGRAM, command, folder / "box.glb",
+                                       "--size", "16x16", "-o", folder / "a.exr", "--quiet"});
+      const int wanted = processes == 64 ? 0 : 6;
+      const bool may_do = std::string(command) == "reference" && processes > 1;  // the CPU alone needs few
+      EXPECT_TRUE(ended.code == wanted || (may_do && ended.code == 0)) << command << processes << ended.err;
+      if (ended.code == 6) EXPECT_NE(ended.err.find("threads"), std::string::npos) << ended.err;
+    }
+  const Ended memory = run_program({"prlimit", "--as=200000000", "--core=0", CANDELA_PROGRAM, "render",
+                                    folder / "box.glb", "--size", "16x16", "-o", folder / "b.exr"});
+  EXPECT_EQ(memory.code, 6) << memory.err;
+  EXPECT_NE(memory.err.find("memory ran out while Vulkan started"), std::string::npos) << memory.err;
+}
+
+}  // namespace
+}  // namespace candela::test

@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "base/files.h"
+#include "image/exr.h"
+#include "program.h"
+
+// What the system may do to the program: closed streams, limits, signals.
+namespace candela::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+// candela behind a piece of shell, which has it as "$0" and the arguments as "$@".
+Ended candela_in_shell(const std::string& shell, Arguments arguments) {
+  arguments.insert(arguments.begin(), {"sh", "-c", shell, CANDELA_PROGRAM});
+  return run_program(std::move(arguments));
+}
+
+TEST(ClosedStreams, NoLogLineLandsInAPicture) {
+  TestFolder folder;
+  // Every frame is blank, which is a warning for each.
+  const Ended ended = candela_in_shell(
+      "exec \"$0\" \"$@\" <&- >&- 2>&-",
+      {"sequence", scene("unlit-box"), "--frames", "0-19", "--size", "16x16", "--eye", "0,0,100", "--target", "0,0,200",
+       "--exr-compression", "none", "-o", folder / "%02d.exr", "-o", folder / "%02d.png"});
+  ASSERT_EQ(ended.code, 0);
+  ASSERT_EQ(files_in(folder.path()).size(), 40u);
+  for (int frame = 0; frame < 20; ++frame) {
+    const auto bytes = read_file(folder / (std::to_string(frame / 10) + std::to_string(frame % 10) + ".exr"));
+    const auto image = decode_exr(*bytes, "frame", true);
+    EXPECT_TRUE(image) << image.error().text();
+  }
+  EXPECT_EQ(candela_in_shell("exec \"$0\" \"$@\" >&-", {"list", "knobs"}).code, 5);
+}
+
+TEST(Resume, AFileWithBytesAfterItsEndIsDamaged) {
+  TestFolder folder;
+  const Arguments arguments = {
+      "sequence", scene("unlit-box"), "--frames", "0-2",    "--size", "16x16", "-o", folder / "%d.exr",
+      "-o",       folder / "%d.png",  "--resume", "--quiet"};
+  ASSERT_EQ(candela(arguments).code, 0);
+  const std::string exr = bytes_of(folder / "0.exr"), png = bytes_of(folder / "1.png");
+  std::ofstream(folder / "0.exr", std::ios::app) << "warning: the frame is blank\n";
+  std::ofstream(folder / "1.png", std::ios::app) << "w";
+  ASSERT_EQ(candela(arguments).code, 0);
+  EXPECT_TRUE(bytes_of(folder / "0.exr") == exr);
+  EXPECT_TRUE(bytes_of(folder / "1.png") == png);
+}
+
+TEST(Limits, AFileSizeLimitIsExitFive) {
+  TestFolder folder;
+  const Arguments common = {scene("unlit-box"), "--size", "128x72", "--exr-compression", "none", "-o",
+                            folder / "a.exr"};
+  Arguments traced = {"reference", "--spp", "1"}, drawn = {"render"};
+  traced.insert(traced.end(), common.begin(), common.end());
+  drawn.insert(drawn.end(), common.begin(), common.end());
+  const Ended file = candela_in_shell("ulimit -f 8; exec \"$0\" \"$@\"", traced);
+  EXPECT_EQ(file.code, 5) << file.err;
+  EXPECT_NE(file.err.find("File too large"), std::string::npos) << file.err;
+  // The driver's memory is a file as well.
+  const Ended driver = candela_in_shell("ulimit -f 8; exec \"$0\" \"$@\"", drawn);
+  EXPECT_EQ(driver.code, 5) << driver.err;
+  EXPECT_NE(driver.err.find("error: "), std::string::npos) << driver.err;
+  EXPECT_TRUE(files_in(folder.path()).empty());
+}
+
+TEST(Names, TheLongestLegalOneIsWrittenAndALongerOneRefusedBeforeRendering) {
+  TestFolder folder;
+  const std::string name = std::string(251, 'n') + ".png";
+  const Ended fits = candela({"render", scene("unlit-box"), "--size", "16x16", "-o", folder / name});
+  EXPECT_EQ(fits.code, 0) << fits.err;
+  const Ended longer = candela({"render", scene("unlit-box"), "--size", "16x16", "-o", folder / ("n" + name)});
+  EXPECT_EQ(longer.code, 5) << longer.err;
+  EXPECT_EQ(longer.err.find("device"), std::string::npos) << longer.err;
+}
+
+TEST(Video, NoEndLeavesATemporaryForEver) {
+  if (run_program({"ffmpeg", "-version"}).code != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  TestFolder folder;
+  const Arguments endless = {"sequence", scene("animated"), "--frames", "0-9999",        "--size",
+                             "64x36",    "--quiet",         "--video",  folder / "a.mp4"};
+  ASSERT_TRUE(candela_killed_after(endless, 900, SIGHUP));
+  EXPECT_TRUE(files_in(folder.path()).empty()) << files_in(folder.path())[0];
+  ASSERT_TRUE(candela_killed_after(endless, 900, SIGKILL));
+  // ffmpeg has the last word on what it was given; then a temporary lies there.
+  ASSERT_EQ(candela({"sequence", scene("animated"), "--frames", "0-1", "--size", "64x36", "--quiet", "--video",
+                     folder / "a.mp4"})
+                .code,
+            0);
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"a.mp4"}));
+}
+
+}  // namespace
+}  // namespace candela::test

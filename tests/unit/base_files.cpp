@@ -1,0 +1,107 @@
+#include "base/files.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+
+#include "base/process.h"
+
+namespace candela {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Files : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(testing::TempDir()) /
+             (std::string("candela-files-") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  fs::path folder;
+};
+
+// The exit code of `work` in a process of its own.
+template <class F>
+int in_a_child(F&& work) {
+  const pid_t child = fork();
+  if (child == 0) _exit(work());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+TEST_F(Files, NoFileGetsTheNumberOfAStandardStreamThatCameClosed) {
+  const std::string file = (folder / "picture").string();
+  for (const int closed : {1, 2, 4, 5, 6, 7})
+    EXPECT_EQ(in_a_child([&] {
+                for (int stream = 0; stream <= 2; ++stream)
+                  if (closed >> stream & 1) close(stream);
+                if (!prepare_process()) return 100;
+                const int opened = open(file.c_str(), O_WRONLY | O_CREAT, 0600);
+                char byte = 0;
+                for (int stream = 0; stream <= 2; ++stream)  // still of no use
+                  if (closed >> stream & 1)
+                    if ((stream == 0 ? read(stream, &byte, 1) : write(stream, &byte, 1)) != -1 || errno != EBADF)
+                      return 101;
+                return opened;
+              }),
+              3)
+        << closed;
+}
+
+TEST_F(Files, AFileSizeLimitIsAnErrorOfTheOutput) {
+  const fs::path file = folder / "large";
+  EXPECT_EQ(in_a_child([&] {
+              prepare_process();
+              const rlimit most{4096, 4096};
+              setrlimit(RLIMIT_FSIZE, &most);
+              const auto written = write_file_atomically(file, std::string(8192, 'x'));
+              return written ? 0 : int(written.error().kind);
+            }),
+            int(ErrorKind::output));
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST_F(Files, TheLongestLegalNameCanBeWritten) {
+  for (const char* ending : {".exr", ".ending-of-forty-characters-which-no-one-has"}) {
+    const fs::path file = folder / (std::string(255 - std::string(ending).size(), 'n') + ending);
+    const auto written = write_file_atomically(file, std::string_view("whole"));
+    ASSERT_TRUE(written) << written.error().text();
+    EXPECT_EQ(fs::file_size(file), 5u);
+  }
+}
+
+TEST_F(Files, TemporariesOfDeadProcessesAreRemovedAndNoOthers) {
+  const fs::path target = folder / "film.mp4", other = folder / "other.mp4";
+  const auto left_by_a_child = [&](const fs::path& path) {
+    EXPECT_EQ(in_a_child([&] {
+                std::ofstream(temporary_beside(path)) << "part";
+                return 0;
+              }),
+              0);
+  };
+  left_by_a_child(target);
+  left_by_a_child(other);
+  const fs::path alive = temporary_beside(target);
+  std::ofstream(alive) << "part";
+  std::ofstream(folder / ".candela-notes") << "mine";
+  remove_stale_temporaries(std::span(&target, 1));
+  size_t left = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) left += entry.is_regular_file();
+  EXPECT_EQ(left, 3u);  // of the living process, of the other target, and what is no temporary
+  EXPECT_TRUE(fs::exists(alive));
+  remove_stale_temporaries(std::span(&other, 1));
+  EXPECT_TRUE(fs::exists(folder / ".candela-notes"));
+  EXPECT_TRUE(fs::exists(alive));
+}
+
+}  // namespace
+}  // namespace candela

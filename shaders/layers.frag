@@ -29,9 +29,6 @@ layout(location = OBJECT_ID) out uint out_object_id;
 #ifdef MATERIAL_ID
 layout(location = MATERIAL_ID) out uint out_material_id;
 #endif
-#ifdef EMISSION
-layout(location = EMISSION) out vec4 out_emission;
-#endif
 #ifdef DIRECT
 layout(location = DIRECT) out vec4 out_direct;
 #endif
@@ -41,7 +38,7 @@ void main() {
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
 #ifdef DIRECT
-  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(v.relative_position, to_viewer) : vec3(0.0);
+  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
 #endif
   const bool unlit = (m.flags & material_unlit) != 0u;
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
@@ -60,9 +57,6 @@ void main() {
 #endif
 #ifdef MATERIAL_ID
   out_material_id = m.id;
-#endif
-#ifdef EMISSION
-  out_emission = vec4((unlit ? s.base_color : s.emission) * frame.pre_exposure, 1.0);
 #endif
 #ifdef DIRECT
   precise vec3 direct = vec3(0.0);

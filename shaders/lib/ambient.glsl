@@ -17,7 +17,11 @@ vec3 split_sum(float roughness, float n_v) {
   return textureLod(sampler2D(textures[frame.split_sum_texture], samplers[frame.split_sum_sampler]),
       (at * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
-vec3 ambient_light(Surface s, vec3 v) {
+// By the lobes that reflect it, without the material's occlusion.
+struct AmbientLobes {
+  vec3 diffuse, specular;
+};
+AmbientLobes ambient_lobes(Surface s, vec3 v) {
   const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
   const vec3 f_dielectric = s.dielectric_f0 * albedo.x + s.dielectric_f90 * albedo.y;
   const vec3 f_metal = s.base_color * albedo.x + albedo.y;
@@ -25,5 +29,9 @@ vec3 ambient_light(Surface s, vec3 v) {
   const float diffuse_left = 1.0 - (f0_max + (s.dielectric_f90 - f0_max) * albedo.z);
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * ambient_radiance(s.normal);
   const vec3 specular = mix(f_dielectric, f_metal, s.metallic) * ambient_radiance(reflect(-v, s.normal));
-  return (diffuse + specular) * s.occlusion;
+  return AmbientLobes(diffuse, specular);
+}
+vec3 ambient_light(Surface s, vec3 v) {
+  const AmbientLobes lobes = ambient_lobes(s, v);
+  return (lobes.diffuse + lobes.specular) * s.occlusion;
 }

@@ -22,6 +22,7 @@
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
 #include "passes/surfaces/surface_pass.h"
+#include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
 
 namespace candela {
@@ -38,7 +39,7 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
-                           LightFill, LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers,
+                           LightFill, LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms,
                            SunLayers, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback>;
 
 namespace knobs_detail {

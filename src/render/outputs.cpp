@@ -8,6 +8,7 @@
 #include "frame/timings.h"
 #include "image/exr.h"
 #include "image/png_text.h"
+#include "passes/surfaces/terms.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/metadata.h"
@@ -79,7 +80,8 @@ void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t 
 
 // Layers whose values grow with the light and thus carry the pre-exposure.
 bool carries_exposure(const std::string& layer) {
-  return layer == "beauty" || layer == "emission" || layer == "direct";
+  return layer == "beauty" || layer == "direct" ||
+         std::ranges::any_of(Terms::layers, [&](const LayerName& term) { return term.name == layer; });
 }
 
 std::vector<std::string> channel_names(const OutputImage& output) {

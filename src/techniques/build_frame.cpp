@@ -7,14 +7,19 @@ namespace candela {
 namespace {
 
 // The mean of n x n pictures, each from its own point of every pixel. Lists of lights that follow a depth are made for
-// each picture; those of clusters serve all.
+// each picture; those of clusters serve all. The terms of each are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
-                         const Lighting& lighting, uint32_t n) {
+                         const Lighting& lighting, uint32_t n, TermImages& terms) {
   SceneInputs sample = scene;
   sample.is_subsample = true;
   sample.features = with_subsample(scene.features);
   sample.subsample_lod = -std::log2(float(n));
   ImageHandle sum;
+  const bool divided = bool(Terms{}.needed(frame.facts, frame.request));
+  if (!divided) frame.add(Terms{}, {});
+  const auto add = [&](ImageHandle picture, ImageHandle before, const std::string& of) {
+    return frame.add(Supersample{}, {picture, before, scene.width_px, scene.height_px}, of).sum;
+  };
   for (uint32_t i = 0; i < n * n; ++i) {
     const std::string instance = fmt::format("s{:02}", i);
     sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(n, i) / glm::dvec2(scene.width_px, scene.height_px));
@@ -24,7 +29,11 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     lit.lists.sun_maps = lighting.lists.sun_maps;
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
     const ImageHandle radiance = composite(frame, sample, seen, lit, shaded, instance);
-    sum = frame.add(Supersample{}, {radiance, sum, scene.width_px, scene.height_px}, instance).sum;
+    sum = add(radiance, sum, instance);
+    if (!divided) continue;
+    const TermImages parts = divide(frame, sample, seen, lit, instance);
+    for (uint32_t t = 0; t < term_count; ++t)
+      if (parts[t]) terms[t] = add(parts[t], terms[t], fmt::format("{}.{}", instance, Terms::layers[t].name));
   }
   return sum;
 }
@@ -37,14 +46,17 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   Lighting lighting = light_surfaces(frame, scene, surfaces);
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   ImageHandle radiance;
+  TermImages terms;
   if (n > 1) {
-    radiance = supersampled(frame, scene, technique, surfaces, lighting, n);
+    radiance = supersampled(frame, scene, technique, surfaces, lighting, n, terms);
   } else {
     frame.add(Supersample{}, {});
     const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting, {});
     radiance = composite(frame, scene, surfaces, lighting, shaded);
+    terms = divide(frame, scene, surfaces, lighting);
   }
   describe(frame, scene, surfaces, lighting);
+  publish_terms(frame, scene, terms);
   post(frame, scene, radiance);
 }
 

@@ -33,6 +33,13 @@ ImageHandle composite(Frame& frame, const SceneInputs& scene, const Surfaces& su
 // Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
 
+// Beauty's terms (passes/surfaces/terms.h) as composite() would have them, as far as layers ask for them.
+using TermImages = std::array<ImageHandle, term_count>;
+TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                  std::string_view instance = {});
+// Resolves them like beauty and publishes them.
+void publish_terms(Frame& frame, const SceneInputs& scene, const TermImages& terms);
+
 // From a frame's radiance to what the host gets: resolve, tone mapping, read-back of all outputs and layers that are
 // asked for.
 void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance);

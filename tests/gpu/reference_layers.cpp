@@ -93,8 +93,7 @@ TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
     const double normal_floor = name == "normal-mapped" ? 9e-3 : 2e-5, colour_floor = 2e-3;
     std::vector<Bound> bounds = {{"depth.Z", 1e-6, 0.01}};
     for (const char* part : {"X", "Y", "Z"}) bounds.push_back({std::string("normal.") + part, normal_floor, 0.02});
-    for (const char* layer : {"albedo.", "emission."})
-      for (const char* part : {"R", "G", "B"}) bounds.push_back({std::string(layer) + part, colour_floor, 0.02});
+    for (const char* part : {"R", "G", "B"}) bounds.push_back({std::string("albedo.") + part, colour_floor, 0.02});
     size_t edges = 0, surfaces = 0;
     for (size_t i = 0; i < size_t(p.w()) * size_t(p.h()); ++i) {
       const std::string at = fmt::format("pixel {},{}", i % size_t(p.w()), i / size_t(p.w()));

@@ -137,6 +137,47 @@ TEST(Plan, LayersAreMadeForLinearOutputsOnly) {
     EXPECT_TRUE(r.first_pass < 0 || r.name().rfind("layers.", 0) != 0) << r.name();
 }
 
+// Terms of beauty have a pass and images of their own, of which a frame without them holds nothing; the passes of
+// beauty are the same with them.
+TEST(Plan, TermsCostNothingUnlessAskedFor) {
+  const Scene scene = generated("spheres");
+  const auto images = [](const PlannedFrame& frame) {
+    Names names;
+    for (const PlanResource& r : frame.graph.plan.resources)
+      if (r.first_pass >= 0 && r.name().starts_with("terms.")) names.push_back(r.name());
+    return names;
+  };
+  const PlannedFrame without = plan(scene);
+  EXPECT_EQ(reason(without, "terms"), "no term of beauty is wanted (--layers)");
+  EXPECT_EQ(images(without), Names{});
+  for (const std::string& pass : kept(without)) EXPECT_EQ(pass.find("term"), std::string::npos) << pass;
+
+  Job job = small_job();
+  job.layers = {"direct.sun", "emission"};
+  const PlannedFrame with = plan(scene, job);
+  EXPECT_EQ(images(with), (Names{"terms.direct.sun", "terms.emission"}));
+  EXPECT_EQ(outputs(with), (Names{"beauty", "direct.sun", "emission"}));
+  Names expected = kept(without), of_beauty = kept(with);
+  for (const char* pass : {"terms", "resolve.direct.sun", "resolve.emission"})
+    EXPECT_EQ(std::erase(of_beauty, pass), 1u) << pass;
+  std::ranges::sort(expected);
+  std::ranges::sort(of_beauty);
+  EXPECT_EQ(of_beauty, expected);
+  // What lies behind everything is drawn again for its own term alone.
+  EXPECT_FALSE(has(with, "background.term"));
+  job.layers = {"background"};
+  EXPECT_TRUE(has(plan(scene, job), "background.term"));
+
+  // A supersampled frame divides each of its pictures, and says once that it does not.
+  job.settings = {{"supersample", "n", "2"}};
+  EXPECT_TRUE(has(plan(scene, job), "terms.s03"));
+  job.layers.clear();
+  const PlannedFrame alone = plan(scene, job);
+  EXPECT_EQ(
+      std::ranges::count_if(alone.graph.plan.left_out, [](const LeftOut& l) { return l.pass.starts_with("terms"); }),
+      1);
+}
+
 TEST(Plan, OneSampleNeedsNoResolve) {
   const Scene scene = generated("spheres");
   const PlannedFrame one = plan(scene, small_job(1)), four = plan(scene, small_job(4));

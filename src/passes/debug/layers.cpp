@@ -2,8 +2,8 @@
 
 namespace candela {
 namespace {
-constexpr VkFormat formats[layer_count] = {VK_FORMAT_R32_SFLOAT, color_format, color_format, VK_FORMAT_R32_UINT,
-                                           VK_FORMAT_R32_UINT,   color_format, color_format};
+constexpr VkFormat formats[layer_count] = {VK_FORMAT_R32_SFLOAT, color_format,       color_format,
+                                           VK_FORMAT_R32_UINT,   VK_FORMAT_R32_UINT, color_format};
 constexpr float no_id = -1;  // clear values travel as floats; -1 wraps to 0xffffffff in an unsigned format
 
 }  // namespace

@@ -8,17 +8,17 @@
 namespace candela {
 
 // The layers beside beauty, in the order of shaders/layers.frag's outputs.
-enum class Layer : uint32_t { depth, normal, albedo, object_id, material_id, emission, direct };
-inline constexpr uint32_t layer_count = 7;
+enum class Layer : uint32_t { depth, normal, albedo, object_id, material_id, direct };
+inline constexpr uint32_t layer_count = 6;
 
-// Depth (metres along the view axis), world normal, base colour, ids, emission and direct light of the nearest opaque
-// or masked surface, one sample at the pixel's centre: averaged ids and depths would name surfaces that do not exist.
-// Blended surfaces do not appear. Background: depth 1e10, ids 0xffffffff, everything else 0.
+// Depth (metres along the view axis), world normal, base colour, ids and direct light of the nearest opaque or masked
+// surface, one sample at the pixel's centre: averaged ids and depths would name surfaces that do not exist. Blended
+// surfaces do not appear. Background: depth 1e10, ids 0xffffffff, everything else 0.
 struct Layers {
   static constexpr std::string_view name = "layers";
   using SharedKnobs = std::tuple<TextureKnobs>;
-  static constexpr LayerName layers[layer_count] = {{"depth"},       {"normal"},   {"albedo"}, {"object_id"},
-                                                    {"material_id"}, {"emission"}, {"direct"}};
+  static constexpr LayerName layers[layer_count] = {{"depth"},     {"normal"},      {"albedo"},
+                                                    {"object_id"}, {"material_id"}, {"direct"}};
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -1,0 +1,99 @@
+#version 460
+// The terms whose sum shade_forward.frag and shade_unlit.frag put out, each into an attachment of its own and
+// premultiplied as they do it, so that the same blending composites every term as it does the sum.
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DrawPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/surface.glsl"
+#include "lib/brdf.glsl"
+#include "lib/light_eval.glsl"
+#include "lib/sun_shadow.glsl"
+#include "lib/light_cells.glsl"
+#include "lib/light_list.glsl"
+#include "lib/ambient.glsl"
+#include "lib/draw.frag.glsl"
+
+// Each wanted term is defined as its attachment's number; an unwanted one has no output.
+#ifdef DIRECT_SUN
+layout(location = DIRECT_SUN) out vec4 out_direct_sun;
+#endif
+#ifdef DIRECT_POINT
+layout(location = DIRECT_POINT) out vec4 out_direct_point;
+#endif
+#ifdef DIRECT_SPOT
+layout(location = DIRECT_SPOT) out vec4 out_direct_spot;
+#endif
+#ifdef AMBIENT_DIFFUSE
+layout(location = AMBIENT_DIFFUSE) out vec4 out_ambient_diffuse;
+#endif
+#ifdef AMBIENT_SPECULAR
+layout(location = AMBIENT_SPECULAR) out vec4 out_ambient_specular;
+#endif
+#ifdef EMISSION
+layout(location = EMISSION) out vec4 out_emission;
+#endif
+#ifdef BACKGROUND
+layout(location = BACKGROUND) out vec4 out_background;
+#endif
+#if defined(DIRECT_SUN) || defined(DIRECT_POINT) || defined(DIRECT_SPOT)
+#define ANY_DIRECT
+#endif
+
+uint light_kind(LightRef light) { return floatBitsToUint(light_word(light, 3u).y); }
+
+vec4 covering(vec3 radiance, float coverage) { return vec4(radiance * frame.pre_exposure * coverage, coverage); }
+
+void main() {
+  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Varyings v = load_varyings();
+  const vec3 to_viewer = direction_to_viewer();
+  const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
+  const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);  // the pre-pass cut: shade_forward.frag
+  // What unlit surfaces show counts as emission.
+#ifdef EMISSION
+  out_emission = covering(IS_UNLIT != 0 ? s.base_color : s.emission, coverage);
+#endif
+#if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
+  AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
+  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) ambient = ambient_lobes(s, to_viewer);
+#endif
+#ifdef AMBIENT_DIFFUSE
+  out_ambient_diffuse = covering(ambient.diffuse * s.occlusion, coverage);
+#endif
+#ifdef AMBIENT_SPECULAR
+  out_ambient_specular = covering(ambient.specular * s.occlusion, coverage);
+#endif
+#ifdef ANY_DIRECT
+  // Each sum takes its lights in the order of the whole.
+  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  precise vec3 sun = vec3(0.0), point = vec3(0.0), spot = vec3(0.0);
+  if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
+    const BrdfTerms brdf = brdf_terms(s, to_viewer);
+    for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
+      LightRef light = light_at(pc.lights, w.light);
+      vec3 reaching = light_contribution(light, brdf, v.relative_position);
+      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
+      const uint kind = light_kind(light);
+      if (kind == light_directional)
+        sun += reaching;
+      else if (kind == light_point)
+        point += reaching;
+      else
+        spot += reaching;
+    }
+  }
+#endif
+#ifdef DIRECT_SUN
+  out_direct_sun = covering(sun, coverage);
+#endif
+#ifdef DIRECT_POINT
+  out_direct_point = covering(point, coverage);
+#endif
+#ifdef DIRECT_SPOT
+  out_direct_spot = covering(spot, coverage);
+#endif
+#ifdef BACKGROUND
+  out_background = covering(vec3(0.0), coverage);
+#endif
+}

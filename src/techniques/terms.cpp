@@ -1,0 +1,31 @@
+#include "techniques/technique.h"
+
+namespace candela {
+
+TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                  std::string_view instance) {
+  const auto& [draws, deformed, depth] = surfaces;
+  Terms::In in{scene, draws, deformed, lighting.lists, depth, {}, {}};
+  for (uint32_t i = 0; i < term_count; ++i) in.wanted[i] = frame.request.has_layer(Terms::layers[i].name);
+  constexpr size_t background = size_t(Term::background);
+  if (in.wanted[background]) {
+    const std::string behind = instance.empty() ? "term" : fmt::format("{}.term", instance);
+    in.background = frame.add(Sky{}, {scene, depth, {}}, behind).color;
+    in.background = newest(frame.add(Background{}, {scene, depth, in.background}, behind).color, in.background);
+  }
+  TermImages images = frame.add(Terms{}, in, instance).images;
+  // Where nothing is visible there is no pass, and the background is all.
+  images[background] = newest(images[background], in.background);
+  return images;
+}
+
+void publish_terms(Frame& frame, const SceneInputs& scene, const TermImages& terms) {
+  for (uint32_t i = 0; i < term_count; ++i) {
+    if (!terms[i]) continue;
+    const std::string layer(Terms::layers[i].name);
+    const Resolve::In in{terms[i], scene.width_px, scene.height_px, scene.samples};
+    frame.builder.publish(layer, newest(frame.add(Resolve{}, in, layer).resolved, terms[i]));
+  }
+}
+
+}  // namespace candela

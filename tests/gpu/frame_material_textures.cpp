@@ -80,31 +80,6 @@ TEST_F(FrameMaterialTextures, RoughnessIsGreenAndMetalIsBlue) {
     }
 }
 
-// Occlusion weakens ambient light by 1 + strength (red - 1), alone or in one texture with roughness and metal.
-TEST_F(FrameMaterialTextures, OcclusionHasItsStrength) {
-  const glm::dvec3 codes(51, 255, 255);  // a fifth
-  for (const bool shared : {false, true}) {
-    std::vector<glm::vec4> pictures[2];
-    for (const bool occluded : {false, true}) {
-      GltfBuilder b = empty_scene();
-      use_materials(b);
-      Json pbr = base_color(0.8, 0.4, 0.2);
-      const int texture = add_texel(b, codes);
-      if (shared) pbr["metallicRoughnessTexture"] = {{"index", texture}};
-      Json material = {{"pbrMetallicRoughness", pbr}};
-      if (occluded)
-        material["occlusionTexture"] = {{"index", shared ? texture : add_texel(b, codes)}, {"strength", 0.25}};
-      add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))}});
-      pictures[occluded] = images_of(front_view(b))["beauty"].values<glm::vec4>();
-    }
-    for (size_t i = 0; i < pictures[0].size(); ++i)
-      for (int c = 0; c < 3; ++c) {
-        ASSERT_GT(pictures[0][i][c], 0.01f);
-        ASSERT_NEAR(pictures[1][i][c], 0.8 * pictures[0][i][c], 1e-5 * pictures[0][i][c]) << i << " shared " << shared;
-      }
-  }
-}
-
 TEST_F(FrameMaterialTextures, TheNormalTextureHasItsScale) {
   const glm::dvec3 codes(180, 90, 220);
   for (const double scale : {1.0, 0.25, 2.0}) {
@@ -131,8 +106,9 @@ TEST_F(FrameMaterialTextures, EmissionIsItsFactorTimesItsTexture) {
   const Images images = images_of(front_view(b));
   for (const char* layer : {"beauty", "emission"})
     for (int c = 0; c < 3; ++c) {
-      const double wanted = factor[c] * srgb_decode(codes[c] / 255);
-      EXPECT_NEAR(images[layer].at<glm::vec4>(8, 8)[c], wanted, 5e-3 * wanted) << layer;
+      const float e = images[layer].at<glm::vec4>(8, 8)[c];  // Vulkan allows 0.6 of a code value
+      EXPECT_GE(e, factor[c] * srgb_decode((codes[c] - 0.6) / 255)) << layer;
+      EXPECT_LE(e, factor[c] * srgb_decode((codes[c] + 0.6) / 255)) << layer;
     }
 }
 

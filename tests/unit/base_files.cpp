@@ -51,7 +51,7 @@ TEST_F(Files, NoFileGetsTheNumberOfAStandardStreamThatCameClosed) {
                   if (closed >> stream & 1)
                     if ((stream == 0 ? read(stream, &byte, 1) : write(stream, &byte, 1)) != -1 || errno != EBADF)
                       return 101;
-                return opened;
+                return opened > 2 ? 3 : opened;
               }),
               3)
         << closed;

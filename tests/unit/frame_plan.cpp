@@ -36,12 +36,13 @@ std::vector<std::string> kept(const PlannedFrame& frame) {
   return names;
 }
 bool has(const PlannedFrame& frame, const std::string& pass) {
-  const auto names = kept(frame);
-  return std::find(names.begin(), names.end(), pass) != names.end();
+  for (const PlanPass& kept : frame.graph.plan.passes)
+    if (kept.pass() == pass) return true;
+  return false;
 }
 std::string reason(const PlannedFrame& frame, const std::string& pass) {
   for (const LeftOut& left : frame.graph.plan.left_out)
-    if (left.pass == pass) return left.reason;
+    if (left.pass.substr(0, left.pass.find('.')) == pass) return left.reason;
   return {};
 }
 std::vector<std::string> outputs(const PlannedFrame& frame) {

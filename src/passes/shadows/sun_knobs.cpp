@@ -63,7 +63,7 @@ std::span<const Knob<SunKnobs>> SunKnobs::table() {
        .highest = 1,
        .ladder = {0},
        .trades = "1 fits a cascade to the corners of its slice: smaller texels, that change as the camera turns",
-       .walk = {0, 1},
+       .walk = {1, 0},
        .passes = drawing},
       {.name = "skip_served",
        .member = &SunKnobs::skip_served,
@@ -96,6 +96,7 @@ std::span<const Knob<SunKnobs>> SunKnobs::table() {
        .ladder = {double(1 << 21)},
        .trades = "room for draw commands of all shadow views; a frame that needs more is refused and says how many",
        .kind = Trades::time,
+       .walk = {double(1 << 22), double(1 << 21)},
        .passes = drawing},
   };
   return rows;

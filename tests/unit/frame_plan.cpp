@@ -37,7 +37,7 @@ std::vector<std::string> kept(const PlannedFrame& frame) {
 }
 bool has(const PlannedFrame& frame, const std::string& pass) {
   for (const PlanPass& kept : frame.graph.plan.passes)
-    if (kept.pass() == pass) return true;
+    if (kept.pass() == pass || kept.name == pass) return true;
   return false;
 }
 std::string reason(const PlannedFrame& frame, const std::string& pass) {

@@ -24,7 +24,7 @@ void main() {
   // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples
   // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
-  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(v.relative_position, to_viewer) : vec3(0.0);
+  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
   if (HAS_LIGHTS != 0) {

@@ -1,5 +1,6 @@
 #version 460
-// How much of the directional lights' light arrives at the nearest opaque or masked surface, and which cascade tells it.
+// How much of the directional lights' light arrives at the nearest opaque or masked surface, and which cascade tells
+// it.
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
@@ -17,7 +18,7 @@ void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
-  const vec3 plane_normal = triangle_normal(v.relative_position, to_viewer);
+  const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
   out_visibility = 1.0;

@@ -66,7 +66,7 @@ void main() {
 #endif
 #ifdef ANY_DIRECT
   // Each sum takes its lights in the order of the whole.
-  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(v.relative_position, to_viewer) : vec3(0.0);
+  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   precise vec3 sun = vec3(0.0), point = vec3(0.0), spot = vec3(0.0);
   if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);

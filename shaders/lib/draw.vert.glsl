@@ -8,6 +8,9 @@ layout(location = 3) centroid out vec4 out_tangent;
 layout(location = 4) centroid out vec2 out_uv0;
 layout(location = 5) centroid out vec2 out_uv1;
 layout(location = 6) centroid out vec4 out_color;
+// Not centroid: its differences from pixel to pixel lie in the triangle's plane and are never parallel, where those of
+// the centroids of partly covered pixels may be.
+layout(location = 7) out vec3 out_plane_position;
 
 void main() {
   const uint v = gl_VertexIndex;
@@ -19,6 +22,7 @@ void main() {
   out_position = relative_position(item, g, v);
   gl_Position = clip_position(out_position);
   gl_PointSize = 1.0;
+  if (HAS_SUN_SHADOWS != 0) out_plane_position = out_position;
   if (IS_UNLIT == 0) {
     out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0))
         : vec3(0.0);

@@ -14,8 +14,8 @@ const vec2 POISSON_DISC[9] = vec2[](vec2(-0.4862, 0.1613), vec2(0.5966, 0.2921),
                                     vec2(-0.4681, -0.6912), vec2(-0.4098, 0.8839), vec2(0.1890, -0.1863),
                                     vec2(-0.9707, -0.2080), vec2(0.9302, -0.2334), vec2(0.1930, 0.7432));
 
-// The triangle's own normal, on the viewer's side. The positions' differences lie in its plane wherever the pixel's
-// samples are. Outside of branches that differ between neighbours only.
+// The triangle's own normal, on the viewer's side, from a position that is interpolated to the pixel's middle. Outside
+// of branches that differ between neighbours only.
 vec3 triangle_normal(vec3 position, vec3 to_viewer) {
   const vec3 n = normalize_or(cross(dFdx(position), dFdy(position)), to_viewer);
   return dot(n, to_viewer) < 0.0 ? -n : n;
@@ -73,8 +73,9 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
   for (int i = 0; i < 9; ++i) {
     const vec2 p = POISSON_DISC[i];
     const vec2 at = uv + vec2(p.x * cos_sin.x - p.y * cos_sin.y, p.x * cos_sin.y + p.y * cos_sin.x);
-    lit += textureGrad(sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
-                       vec4(at, layer, depth), vec2(0.0), vec2(0.0));
+    lit += textureGrad(
+        sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
+        vec4(at, layer, depth), vec2(0.0), vec2(0.0));
   }
   return lit / 9.0;
 }

@@ -365,7 +365,7 @@ std::vector<std::string> unswept_knobs(const std::vector<BenchRow>& rows) {
     names.push_back(name + (knob.kind == "look"     ? " (of the look)"
                             : knob.walk.size() <= 1 ? " (it has no values to walk)"
                             : !kept                 ? " (no row has its passes)"
-                                                    : " (all its values plan the same work)"));
+                                                    : " (its passes run; no row differs in it)"));
   }
   return names;
 }

@@ -160,6 +160,8 @@ void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalI
   info.arrayLayers = desc.layers;
   info.samples = VkSampleCountFlagBits(desc.samples);
   info.usage = resource.image_usage;
+  // Depth is sampled in a layout that only attachments have (graph/access.h).
+  if (is_depth_format(desc.format)) info.usage |= VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   if (resource.both_queues) share(device_, info);
   if (copyable) {
     const VkImageUsageFlags more = desc.samples > 1 ? VK_IMAGE_USAGE_SAMPLED_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;

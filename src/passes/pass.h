@@ -54,6 +54,12 @@ concept IgnoresKnobs = requires(const P pass) {
   { pass.ignores(std::string_view{}) } -> std::same_as<bool>;
 };
 
+// A queue of its own: Queue::compute runs beside the drawing where the device has a second queue (graph/queues.h).
+template <class P>
+concept ChoosesQueue = requires {
+  { P::queue } -> std::convertible_to<Queue>;
+};
+
 // Layers that it can give (--layers): it publishes their images in declare(). `viewable`: counts that PNG can show in
 // colours with a legend (--view).
 struct LayerName {

@@ -17,7 +17,7 @@ struct SceneInputs {
   BufferHandle views, view_regions, suns;  // of shadow maps; empty without
   std::shared_ptr<const ViewImage> sun_image;
   std::shared_ptr<const std::vector<uint32_t>> view_first_command;
-  std::string sun_absence;  // why there are none
+  std::string sun_absence;                    // why there are none
   BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
   std::shared_ptr<const std::vector<DrawRun>> runs;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials

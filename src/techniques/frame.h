@@ -40,7 +40,10 @@ struct Frame {
     if constexpr (HasKnobs<P>) pass.knobs = knobs.get<typename P::Knobs>();
     if (const Need need = pass.needed(facts, request); !need)
       return absent<typename P::Out>(builder.leave_out(name, need.reason));
-    builder.begin_pass(name);
+    if constexpr (ChoosesQueue<P>)
+      builder.begin_pass(name, P::queue);
+    else
+      builder.begin_pass(name);
     knobs.declare(builder, pass, facts);
     typename P::Out out = pass.declare(builder, in);
     if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); }))

@@ -18,9 +18,10 @@ using Arguments = std::vector<std::string>;
 // A quad before the camera whose unlit colour is the texture.
 std::string textured(const std::string& image) {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
-"extensionsUsed":["KHR_materials_unlit"],
+"extensionsUsed":["KHR_materials_unlit","KHR_texture_transform"],
 "meshes":[{"primitives":[{"attributes":{"POSITION":1,"TEXCOORD_0":2},"indices":0,"material":0}]}],
-"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}},"extensions":{"KHR_materials_unlit":{}}}],
+"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.06,0]}}}},
+"extensions":{"KHR_materials_unlit":{}}}],
 "textures":[{"source":0}],"images":[{"uri":")" +
          image + R"("}],
 "buffers":[{"byteLength":44,"uri":"data:application/octet-stream;base64,AAABAAIAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAA="}],
@@ -102,9 +103,9 @@ TEST(DeepJson, IsRefusedWhereverJsonIsRead) {
 TEST(MissingTexture, IsACheckerInEveryRendererAndExitThreeWhenStrict) {
   TestFolder folder;
   std::ofstream(folder / "a.gltf") << textured("absent.png");
-  const Arguments common = {folder / "a.gltf", "--size", "32x32", "--exr-type", "float"};
-  Arguments render = {"render", "-o", folder / "render.exr", "--samples", "8"},
-            reference = {"reference", "-o", folder / "reference.exr", "--spp", "64"};
+  const Arguments common = {folder / "a.gltf", "--size", "192x192", "--exr-type", "float"};
+  Arguments render = {"render", "-o", folder / "render.exr", "--samples", "4"},
+            reference = {"reference", "-o", folder / "reference.exr", "--spp", "16"};
   for (Arguments* arguments : {&render, &reference}) {
     arguments->insert(arguments->end(), common.begin(), common.end());
     const Ended ended = candela(*arguments);
@@ -117,7 +118,7 @@ TEST(MissingTexture, IsACheckerInEveryRendererAndExitThreeWhenStrict) {
   const auto a = read_image(folder / "render.exr"), b = read_image(folder / "reference.exr");
   ASSERT_TRUE(a && b);
   int magenta = 0, black = 0, different = 0;
-  for (size_t i = 0; i < 32 * 32; ++i) {
+  for (size_t i = 0; i < 192 * 192; ++i) {
     const auto value = [&](const FloatImage& image, const char* channel) { return image.find(channel)->f[i]; };
     if (value(*a, "A") < 1 || value(*b, "A") < 1) continue;
     EXPECT_EQ(value(*a, "G"), 0);
@@ -136,7 +137,7 @@ TEST(Limits, RefusedThreadsAndMemoryAreAnExitCodeAndALine) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become a user without processes";
   TestFolder folder;
   fs::permissions(folder.path(), fs::perms::all);
-  fs::permissions(folder.path().parent_path(), fs::perms::others_exec, fs::perm_options::add);
+  fs::permissions(folder.path().parent_path(), fs::perms::group_exec | fs::perms::others_exec, fs::perm_options::add);
   fs::copy_file(scene("unlit-box"), folder / "box.glb");
   for (const char* command : {"render", "reference"})
     for (const int processes : {1, 3, 5, 9, 64}) {

@@ -52,11 +52,11 @@ TEST(Help, ListsEveryOption) {
                                         "--verbose"};
   const std::map<std::string, std::vector<std::string>> own = {
       {"render",
-       {"--frame", "--time", "-o,--output", "--timings", "--trace", "--check-determinism", "--device", "--validate",
-        "--shader-dir", "--json"}},
+       {"--frame", "--time", "-o,--output", "--timings", "--trace", "--overlap", "--check-determinism", "--device",
+        "--validate", "--shader-dir", "--queues", "--json"}},
       {"sequence",
-       {"--frames", "-o,--output", "--video", "--audio", "--resume", "--shard", "--timings", "--trace", "--device",
-        "--json"}},
+       {"--frames", "-o,--output", "--video", "--audio", "--resume", "--in-flight", "--shard", "--timings", "--trace",
+        "--device", "--queues", "--json"}},
       {"plan", {"--frame", "--time", "--json", "--dot"}},
       {"facts", {"--frame", "--time"}}};
   for (const auto& [command, options] : own) {
@@ -117,6 +117,9 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"render", box, "-o", "x.exr", "--timeout", "0"}, "--timeout"},
       {{"render", box, "-o", "x.exr", "--timeout", "-5"}, "--timeout"},
       {{"render", box, "-o", "x.exr", "--timeout", "nan"}, "--timeout"},
+      {{"render", box, "-o", "x.exr", "--queues", "3"}, "--queues"},
+      {{"render", box, "-o", "x.exr", "--overlap"}, "--timings"},
+      {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--in-flight", "-1"}, "--in-flight"},
       {{"render", box, "-o", "x.exr", "--check-determinism", "0"}, "--check-determinism"},
       {{"render", box, "-o", "x.exr", "--shader-dir", "nowhere"}, "--shader-dir"},
       {{"render", box, "-o", "x.exr", "--shader-dir", box}, "--shader-dir"},
@@ -187,6 +190,7 @@ TEST(Stdout, IsCleanJson) {
            {"facts", box},
            {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--json"},
            {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--timings", "-"},
+           {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--queues", "1", "--overlap", "--json"},
            {"render", box, "--check-determinism", "2", "--size", "16x16", "--json"},
            {"sequence", box, "--frames", "0-1", "-o", folder / "%04d.exr", "--size", "16x16", "--json"},
            {"compare", folder / "a.exr", folder / "a.exr", "--json"}}) {

@@ -44,7 +44,7 @@ class ReferenceParity : public FrameTest {
   // Both at side * side samples a pixel on a grid: the GPU at `side` times the size with one sample, averaged.
   static Pair rendered(Job job, int side, double time_s = 0) {
     job.settings.push_back({"lights", "floor_lux", "0"});  // an approximation of the GPU's
-    job.effects = "none";  // no shadows: the reference's are off below
+    job.effects = "none";                                  // no shadows: the reference's are off below
     Pair out;
     Job large = job;
     large.width_px *= side, large.height_px *= side, large.samples = 1;

@@ -28,6 +28,9 @@ TEST(GltfMaterials, DefaultsAndFactors) {
   EXPECT_EQ(scene->materials[0].base_color, defaults.base_color);
   EXPECT_EQ(scene->materials[0].metallic, 1);
   EXPECT_EQ(scene->materials[0].ior, 1.5f);
+  scene = textured({{"alphaMode", "MASK"}}).load();
+  ASSERT_TRUE(scene) << scene.error().text();
+  EXPECT_EQ(scene->materials[0].alpha_cutoff, 0.5f);
   scene =
       textured(
           {{"pbrMetallicRoughness",

@@ -364,14 +364,17 @@ void check_stages(const FramePlan& plan, std::vector<std::string>& found) {
 std::vector<std::string> find_hazards(const FramePlan& plan) {
   const Timeline line = timeline_of(plan);
   std::vector<std::string> found;
-  for (const Event& from : line.events)
-    for (const Event& to : line.events) {
-      if (from.time >= to.time || from.memory != to.memory) continue;
-      const bool other_owner = from.resource != to.resource;  // aliased: contents change hands, even between reads
-      if (!other_owner && from.part != to.part) continue;
-      if (!from.writes() && !to.writes() && !other_owner) continue;
-      if (!ordered(line, from, to)) found.push_back(from.name + " | " + to.name);
-    }
+  std::map<int, std::vector<const Event*>> by_memory;
+  for (const Event& event : line.events) by_memory[event.memory].push_back(&event);
+  const auto check = [&](const Event& from, const Event& to) {
+    const bool other_owner = from.resource != to.resource;  // aliased: contents change hands, even between reads
+    if (!other_owner && (from.part != to.part || (!from.writes() && !to.writes()))) return;
+    if (!ordered(line, from, to)) found.push_back(from.name + " | " + to.name);
+  };
+  for (const auto& [memory, events] : by_memory)
+    for (const Event* from : events)
+      for (const Event* to : events)
+        if (from->time < to->time) check(*from, *to);
   check_contents(plan, found);
   check_stages(plan, found);
   return found;

@@ -36,4 +36,17 @@ TEST(Display, AlphaComesOutStraight) {
   EXPECT_EQ(wide.pixels.size(), 16u);
 }
 
+// Greys through AgX: a toe of power 3 below the pivot, a shoulder of power 3.25 above it.
+TEST(Display, AgxHasItsToeAndItsShoulder) {
+  const double pivot = 10 / 16.5;
+  for (const double x : {0.2, 0.4, 0.75, 0.9}) {
+    const bool toe = x < pivot;
+    const double power = toe ? 3 : 3.25, reach = toe ? pivot : 1 - pivot;
+    const double scale = std::pow(std::pow(2 * reach, -power) * (std::pow(4 * reach, power) - 1), -1 / power);
+    const double u = 2 * std::abs(x - pivot) / scale, y = scale * u / std::pow(1 + std::pow(u, power), 1 / power);
+    const double grey = std::exp2(-12.47393 + x * (4.026069 + 12.47393));
+    EXPECT_NEAR(tone_mapped("agx", glm::dvec3(grey)).x, std::pow(0.5 + (toe ? -y : y), 2.2), 1e-3) << x;
+  }
+}
+
 }  // namespace candela::reference::test

@@ -99,6 +99,7 @@ TEST(LightTree, LeavesOutWhatCannotReach) {
   const LightTree tree({near, far});
   EXPECT_EQ(tree.probability(0, {0, 0, 0}, {0, 1, 0}, false), 1);
   EXPECT_EQ(tree.probability(1, {0, 0, 0}, {0, 1, 0}, true), 0);
+  EXPECT_GT(tree.probability(1, {0, 10.5, 0}, {0, 1, 0}, true), 0) << "half a metre within its range";
 }
 
 TEST(LightTree, ConesHoldBoth) {

@@ -107,6 +107,26 @@ TEST(Textures, ChannelsOfAMaterial) {
   EXPECT_NEAR(s.dielectric_f0.x, 0.04, 1e-7);
 }
 
+// The sky's light on a hollow is weaker by what the occlusion texture says.
+TEST(Textures, OcclusionWeakensTheSky) {
+  double mean[2] = {};
+  for (const bool occluded : {false, true}) {
+    GltfBuilder b = empty_scene();
+    use_materials(b);
+    Json material = diffuse_material(1, 1, 1);
+    if (occluded) material["occlusionTexture"] = {{"index", add_texel(b, {51, 0, 0})}, {"strength", 0.25}};
+    const int square = add_square_mesh(b, 4, add_material(b, material));
+    b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TEXCOORD_0"] =
+        b.accessor<float>("VEC2", {0, 1, 1, 1, 1, 0, 0, 0});
+    add_node(b, {{"mesh", square}});
+    const TestCamera camera{.yfov_deg = 20, .width = 4, .height = 4};
+    const auto t = make_world(b, camera, Sky::constant(glm::dvec3(1)));
+    mean[occluded] = mean_of(traced(*t, centred(), camera, 1024)).mean;
+  }
+  EXPECT_NEAR(mean[0], 1, 0.008) << "traced, under a sky of radiance 1";
+  EXPECT_NEAR(mean[1] / mean[0], 0.8, 1e-3);
+}
+
 // glTF 2.0, 3.9.6: the normal turns over on the back of a double-sided surface.
 TEST(Textures, NormalsFaceTheViewer) {
   GltfBuilder b = empty_scene();

@@ -75,6 +75,26 @@ TEST(Transport, BlendedSurfacesCoverFrontToBack) {
   }
 }
 
+// Emission is covered as all light of a surface is: a quarter of a lamp is a quarter as bright, in both modes.
+TEST(Transport, BlendedEmissionIsCoveredToo) {
+  GltfBuilder b = empty_scene();
+  use_all(b);
+  Json material = with_alpha(diffuse_material(0, 0, 0), "BLEND", 0.25);
+  material["emissiveFactor"] = {0.5, 0.25, 1};
+  add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, material))}});
+  const TestCamera camera{.eye = {0, 0, 4}, .yfov_deg = 20, .width = 4, .height = 4};
+  const auto t = make_world(b, camera, {}, false, {1, 1, 1, 1});
+  const glm::dvec4 expected(0.875, 0.8125, 1, 1);
+  const Film film = traced(*t, centred(), camera, 1);
+  for (size_t i = 0; i < film.pixels(); ++i)
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(film.mean(i)[c], expected[c], 1e-6) << i << " " << c;
+  const Film path = traced(*t, path_settings(), camera, 1024);
+  for (int c = 0; c < 3; ++c) {
+    const MeanError m = mean_of(path, c);
+    EXPECT_NEAR(m.mean, expected[c], 5 * m.error + 1e-6) << c;
+  }
+}
+
 TEST(Transport, MasksAreAllOrNothingAndCulledBacksAreNotSeen) {
   GltfBuilder b = empty_scene();
   use_all(b);

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "base/log.h"
+#include "bench/error_parts.h"
 #include "bench/error_views.h"
 #include "bench/error_walk.h"
 #include "bench/picture.h"
@@ -132,11 +133,23 @@ Expected<BenchRun> run_place(const SweepPlace& place, const ErrorSweepOptions& o
       }
     }
   }
-  Judge judge(place, std::move(truths), o.exposures);
-  return run_items(items, budget_s, settings, stop,
-                   [&](size_t item, BenchRow& row, const FrameResult& frame, const Session& session) {
-                     judge.see(item, row, frame, session);
-                   });
+  Judge judge(place, truths, o.exposures);
+  auto run = run_items(items, budget_s, settings, stop,
+                       [&](size_t item, BenchRow& row, const FrameResult& frame, const Session& session) {
+                         judge.see(item, row, frame, session);
+                       });
+  if (!run) return run;
+  if (truths.empty()) return run;
+  // Of whole techniques, in the first view: what a knob does to them its study says.
+  std::vector<Job> jobs(run->rows.size());
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    if (place.rows[i].suite != "whole" || run->rows[i].errors.empty()) continue;
+    jobs[i] = place.rows[i].configuration.job;
+    jobs[i].camera = place.views.front().camera;
+    if (const auto file = store.file_of(place.rows[i].configuration)) jobs[i].scene = *file;
+  }
+  divide_errors(run->rows, jobs, place.views.front().time_s, truths.front(), settings, stop);
+  return run;
 }
 
 }  // namespace

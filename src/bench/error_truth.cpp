@@ -2,8 +2,10 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "bench/error_parts.h"
 #include "frame/session.h"
 #include "render/reference_frame.h"
+#include "render/reference_layers.h"
 
 namespace candela {
 namespace {
@@ -34,11 +36,11 @@ struct KeptFilm {
   reference::Film film;
   fs::path file;  // empty: it is not kept
 };
-KeptFilm kept_film(const Hash128& identity, const Job& job, uint64_t most_spp) {
-  KeptFilm kept{reference::Film(job.width_px, job.height_px), film_file(identity)};
+KeptFilm kept_film(const Hash128& identity, const Job& job, reference::FilmParts parts, uint64_t most_spp) {
+  KeptFilm kept{reference::Film(job.width_px, job.height_px, parts), film_file(identity)};
   std::error_code failed;
   if (kept.file.empty() || !fs::exists(kept.file, failed)) return kept;
-  auto film = reference::Film::load(kept.file, identity, job.width_px, job.height_px);
+  auto film = reference::Film::load(kept.file, identity, job.width_px, job.height_px, parts);
   if (!film) return kept;  // damaged: it is made anew
   if (film->samples() <= most_spp)
     kept.film = std::move(*film);
@@ -52,8 +54,9 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const Trut
   reference::TraceSettings settings;
   settings.mode = truth.name == "path" ? reference::Mode::path : reference::Mode::direct;
   settings.visibility = truth.name != open_reference_name;
-  const Hash128 identity = film_identity(job, frame, settings, {});
-  auto [film, file] = kept_film(identity, job, limits.spp);
+  const std::vector<std::string> layers = reference_part_layers(frame.world->medium() != nullptr);
+  const Hash128 identity = film_identity(job, frame, settings, {}, true);
+  auto [film, file] = kept_film(identity, job, film_parts(frame, layers), limits.spp);
   const uint64_t kept = film.samples();
   const reference::Integrator integrator(*frame.world, settings, film.width(), film.height());
   constexpr double save_every_us = 60e6;
@@ -75,10 +78,15 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const Trut
   log::info("reference {}: {} samples a pixel ({} of them kept before), relative standard error {:.3g} %", truth.name,
             film.samples(), kept, film.relative_error() * 100);
   truth.spp = film.samples();
-  if (truth.spp == 0)
+  if (truth.spp == 0) {
     truth.failed = "stopped before its first sample";
-  else
-    truth.image = reference_image(film, frame, job, settings_json(settings, {}), {"variance"}, std::nullopt, {});
+    return;
+  }
+  const auto image = [&](const std::vector<std::string>& with) {
+    return reference_image(film, frame, job, settings_json(settings, {}), with, std::nullopt, {});
+  };
+  truth.image = image({"variance"});
+  truth.divided = image(layers);
 }
 
 }  // namespace

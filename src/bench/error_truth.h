@@ -20,6 +20,7 @@ std::vector<std::string> error_reference_names();
 struct Truth {
   std::string name;
   FloatImage image;
+  FloatImage divided;  // the same with the layers of error_parts.h
   uint64_t spp = 0;
   std::string failed;  // why there is none
 };

@@ -4,6 +4,7 @@
 
 #include "bench/error_analysis.h"
 #include "bench/error_truth.h"
+#include "report/error_parts_table.h"
 #include "report/error_rows.h"
 #include "report/error_tables.h"
 #include "report/golden_report.h"
@@ -144,6 +145,15 @@ std::string error_html(const BenchRun& run) {
         "technique at its exact end, <i>model</i> the "
         "exact end's own distance from the reference, <i>total</i> the row's.</p>\n" +
         totals_table(place);
+    if (const std::string parts = parts_table(place); !parts.empty())
+      html +=
+          "<h3>Where the error lies</h3>\n<p>In the first view: squared errors over the square of the reference's "
+          "beauty plus 0.01. <i>edges</i>: of beauty, where another object or a crease is in the pixel or beside it; "
+          "the "
+          "terms: of each of them, elsewhere. Against <i>exact</i> what is left off edges is textures and shading "
+          "within "
+          "a pixel. The parts need not add up to <i>all</i>: errors of two terms may cancel.</p>\n" +
+          parts;
     html +=
         "<h3>Fronts</h3>\n<p>Dimmed: another setting is surely quicker and no worse. Ring: by its numbers another is "
         "no "

@@ -1,0 +1,160 @@
+#include "bench/error_parts.h"
+
+#include <array>
+#include <memory>
+
+#include "base/log.h"
+#include "metrics/numeric.h"
+#include "passes/surfaces/terms.h"
+#include "render/outputs.h"
+#include "render/reference_layers.h"
+
+namespace candela {
+namespace {
+
+const std::vector<std::string>& edge_layers() {
+  static const std::vector<std::string> names = {"object_id", "material_id", "normal"};
+  return names;
+}
+
+using Colour = std::array<const std::vector<float>*, 3>;
+
+// Empty pointers where the image has no such layer.
+Colour colour_of(const FloatImage& image, const std::string& layer) {
+  Colour colour{};
+  for (size_t c = 0; c < 3; ++c) {
+    const Channel* channel = image.find(layer.empty() ? std::string(1, "RGB"[c]) : layer + "." + "RGB"[c]);
+    if (!channel) return {};
+    colour[c] = &channel->f;
+  }
+  return colour;
+}
+
+class Edges {
+ public:
+  explicit Edges(const FloatImage& image) : width_(image.width), height_(image.height) {
+    for (const char* name : {"object_id", "material_id"})
+      if (const Channel* ids = image.find(name)) ids_.push_back(&ids->u);
+    for (const char* name : {"normal.X", "normal.Y", "normal.Z"})
+      if (const Channel* part = image.find(name)) normal_.push_back(&part->f);
+  }
+  bool known() const { return ids_.size() == 2 && normal_.size() == 3; }
+  bool at(int x, int y) const {
+    const size_t here = index(x, y);
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height_ - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width_ - 1); ++i)
+        if (differ(here, index(i, j))) return true;
+    return false;
+  }
+
+ private:
+  size_t index(int x, int y) const { return size_t(y) * size_t(width_) + size_t(x); }
+  bool differ(size_t a, size_t b) const {
+    for (const std::vector<uint32_t>* ids : ids_)
+      if ((*ids)[a] != (*ids)[b]) return true;
+    double dot = 0, of_a = 0;
+    for (const std::vector<float>* n : normal_)
+      dot += double((*n)[a]) * double((*n)[b]), of_a += double((*n)[a]) * double((*n)[a]);
+    constexpr double least_cosine = 0.8660254;  // of 30 degrees
+    return of_a > 0 && dot < least_cosine;
+  }
+
+  int width_, height_;
+  std::vector<const std::vector<uint32_t>*> ids_;
+  std::vector<const std::vector<float>*> normal_;
+};
+
+}  // namespace
+
+std::vector<std::string> gpu_part_layers() {
+  std::vector<std::string> names = edge_layers();
+  for (const LayerName& term : Terms::layers) names.emplace_back(term.name);
+  return names;
+}
+
+std::vector<std::string> reference_part_layers(bool with_fog) {
+  std::vector<std::string> names = edge_layers();
+  for (const std::string& term : term_layer_names())
+    if (term != "shadow") names.push_back(term);  // a share of light, and no light
+  if (with_fog) names.emplace_back("fog.L");
+  return names;
+}
+
+std::map<std::string, double> error_parts(const FloatImage& reference, const FloatImage& picture) {
+  const Edges edges(reference);
+  const Colour beauty = colour_of(reference, {}), seen = colour_of(picture, {});
+  if (!edges.known() || !beauty[0] || !seen[0] || reference.width != picture.width ||
+      reference.height != picture.height)
+    return {};
+  struct Term {
+    Colour reference, picture;
+    double* sum;
+  };
+  std::map<std::string, double> parts;
+  double &all = parts["part.all"], &at_edges = parts["part.edges"];
+  std::vector<Term> terms;
+  for (const std::string& name : reference_part_layers(true))
+    if (const Colour colour = colour_of(reference, name); colour[0])
+      terms.push_back({colour, colour_of(picture, name), &parts["part." + name]});
+  if (terms.empty()) return {};
+  for (int y = 0; y < reference.height; ++y)
+    for (int x = 0; x < reference.width; ++x) {
+      const size_t i = size_t(y) * size_t(reference.width) + size_t(x);
+      const bool edge = edges.at(x, y);
+      for (size_t c = 0; c < 3; ++c) {
+        const double truth = (*beauty[c])[i], scale = truth * truth + relmse_epsilon, d = (*seen[c])[i] - truth;
+        if (!std::isfinite(d / scale)) continue;
+        all += d * d / scale;
+        if (edge) {
+          at_edges += d * d / scale;
+          continue;
+        }
+        for (const Term& term : terms) {
+          const double e = (term.picture[0] ? double((*term.picture[c])[i]) : 0.0) - (*term.reference[c])[i];
+          *term.sum += e * e / scale;
+        }
+      }
+    }
+  for (auto& [name, sum] : parts) sum /= 3 * double(reference.width) * double(reference.height);
+  return parts;
+}
+
+void divide_errors(std::span<BenchRow> rows, std::span<const Job> jobs, double time_s, std::span<const Truth> truths,
+                   const RunSettings& settings, const std::function<bool()>& stop) {
+  std::map<std::string, std::shared_ptr<const FloatImage>> exact;  // by technique
+  for (size_t i = 0; i < rows.size(); ++i) {
+    BenchRow& row = rows[i];
+    if (jobs[i].scene.empty() || (stop && stop())) continue;
+    auto made = picture_with_parts(jobs[i], time_s, settings);
+    if (!made) {
+      log::warning("{}: its error is not divided: {}", row_title(row), made.error().text());
+      continue;
+    }
+    const auto picture = std::make_shared<const FloatImage>(std::move(*made));
+    if (row.quality == "exact") exact[row.technique] = picture;
+    for (const SameWork& same : row.same_work)
+      if (same.suite == "whole" && same.quality == "exact") exact[same.technique] = picture;
+    for (PictureError& error : row.errors) {
+      if (error.metrics.empty()) continue;
+      if (error.reference == exact_reference) {
+        const auto own = exact.find(row.technique);
+        if (own != exact.end()) error.metrics.merge(error_parts(*own->second, *picture));
+      } else if (const auto own = std::ranges::find(truths, error.reference, &Truth::name); own != truths.end()) {
+        error.metrics.merge(error_parts(own->divided, *picture));
+      }
+    }
+  }
+}
+
+Expected<FloatImage> picture_with_parts(Job job, double time_s, const RunSettings& settings) {
+  job.layers = gpu_part_layers();
+  job.exr_float = true;
+  const auto session = Session::open(job, {.linear = true, .display = false}, settings);
+  if (!session) return std::unexpected(session.error());
+  const auto frame = (*session)->render(time_s);
+  if (!frame) return std::unexpected(frame.error());
+  NonFinite nonfinite;
+  return linear_image(*frame, job, **session, std::nullopt, FrameRate{}, nonfinite);
+}
+
+}  // namespace candela

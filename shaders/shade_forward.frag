@@ -25,6 +25,8 @@ void main() {
   // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
   const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  const vec3 surface_point = HAS_SUN_SHADOWS != 0 ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
+                                                  : v.relative_position;
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
   if (HAS_LIGHTS != 0) {
@@ -32,7 +34,7 @@ void main() {
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
-      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
+      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, surface_point, plane_normal);
       radiance += reaching;
     }
   }

@@ -67,13 +67,15 @@ void main() {
 #ifdef ANY_DIRECT
   // Each sum takes its lights in the order of the whole.
   const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  const vec3 surface_point = HAS_SUN_SHADOWS != 0 ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
+                                                  : v.relative_position;
   precise vec3 sun = vec3(0.0), point = vec3(0.0), spot = vec3(0.0);
   if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
-      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
+      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, surface_point, plane_normal);
       const uint kind = light_kind(light);
       if (kind == light_directional)
         sun += reaching;

@@ -25,9 +25,9 @@ vec2 texture_uv(TextureRef r, Varyings v) {
 vec4 sample_texture(TextureRef r, Varyings v) {
   const vec2 uv = texture_uv(r, v);
   if (IS_SUBSAMPLE != 0)
-    return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
-                                           samplers[nonuniformEXT(r.sampler_index)])),
-                   uv, pc.subsample_lod);
+    return textureGrad(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
+                                               samplers[nonuniformEXT(r.sampler_index)])),
+                       uv, dFdx(uv) * pc.subsample_footprint, dFdy(uv) * pc.subsample_footprint);
   return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)], samplers[nonuniformEXT(r.sampler_index)])),
                  uv);
 }

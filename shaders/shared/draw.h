@@ -6,10 +6,10 @@ struct DrawPush {  // every pass that draws the scene
   uint64_t deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
   uint64_t suns;                                     // SunShadow; only with shadow maps
-  // Of a supersampled frame: where this sample lies off the pixel's middle, and what its smaller footprint takes from a
-  // texture's level of detail.
+  // Of a supersampled frame: where this sample lies off the pixel's middle, and its side in pixels, by which the
+  // footprints of textures shrink.
   vec2 subsample_ndc;
-  float subsample_lod;
+  float subsample_footprint;
   uint sun_maps;  // the maps' place among the pass's images
 };
 struct DepthViewPush {  // depth as a view sees it

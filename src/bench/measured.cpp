@@ -197,7 +197,7 @@ Expected<void> Measured::sample(const std::string& scene_file) {
     if (auto opened = open_session(scene_file); !opened) return opened;
     if (auto warm = warm_up(); !warm) return warm;
   }
-  // Means over the views. A pass that runs twice in a frame counts once, with both times.
+  // Means over the views. A pass that stands several times in a frame counts once, with all its times.
   const double part = 1 / double(views_.size());
   double gpu = 0;
   std::vector<std::pair<std::string, double>> passes, stages;
@@ -208,7 +208,8 @@ Expected<void> Measured::sample(const std::string& scene_file) {
   };
   const auto ms = render_views([&](const FrameResult& frame) {
     gpu += frame.timings.frame_gpu_ms * part;
-    for (const gpu::PassTime& pass : frame.timings.gpu_ms) add(passes, pass.name, pass.gpu_ms);
+    for (const gpu::PassTime& pass : frame.timings.gpu_ms)
+      add(passes, pass.name.substr(0, pass.name.find('.')), pass.gpu_ms);
     for (const auto& [stage, stage_ms] : frame.timings.cpu_ms) add(stages, stage, stage_ms);
   });
   if (!ms) return std::unexpected(ms.error());

@@ -37,8 +37,8 @@ Expected<double> parse_value(const KnobSetting& s, const Knob<K>& knob) {
   const auto [at, error] = std::from_chars(s.value.data(), end, value);
   const bool number = error == std::errc() && at == end;
   if (!knob.only.empty() && (!number || std::find(knob.only.begin(), knob.only.end(), value) == knob.only.end()))
-    return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is none of {}", s.pass, s.knob, s.value,
-                fmt::join(knob.only, ", "));
+    return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not {} or {}", s.pass, s.knob, s.value,
+                fmt::join(std::span(knob.only).first(knob.only.size() - 1), ", "), knob.only.back());
   if (!number || !(value >= knob.lowest && value <= knob.highest))
     return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not a number from {} to {}", s.pass, s.knob, s.value,
                 knob.lowest, knob.highest);

@@ -25,11 +25,11 @@ struct SceneInputs {
   std::vector<uint32_t> deform_vertices;  // vertex count of each deform job
   uint32_t deformed_words = 0;            // size of the deformed buffer
   uint32_t width_px = 0, height_px = 0, samples = 1;
-  // Of one picture of a supersampled frame: normalised device coordinates off the middle of the pixel, and a bias of
-  // textures' level of detail.
+  // Of one picture of a supersampled frame: normalised device coordinates off the middle of the pixel, and a sample's
+  // side in pixels.
   bool is_subsample = false;
   glm::vec2 subsample_ndc{0};
-  float subsample_lod = 0;
+  float subsample_footprint = 1;
   std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed
 };
 

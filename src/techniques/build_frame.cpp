@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "passes/geometry/features.h"
 #include "techniques/technique.h"
 
@@ -13,7 +11,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   SceneInputs sample = scene;
   sample.is_subsample = true;
   sample.features = with_subsample(scene.features);
-  sample.subsample_lod = -std::log2(float(n));
+  sample.subsample_footprint = 1 / float(n);
   ImageHandle sum;
   const bool divided = bool(Terms{}.needed(frame.facts, frame.request));
   if (!divided) frame.add(Terms{}, {});

@@ -94,6 +94,34 @@ TEST_F(FrameMaterialTextures, TheNormalTextureHasItsScale) {
   }
 }
 
+// Occlusion weakens ambient light by 1 + strength (red - 1), alone or in one texture with roughness and metal. The
+// neutral light's lamp is none of it.
+TEST_F(FrameMaterialTextures, OcclusionHasItsStrength) {
+  const glm::dvec3 codes(51, 255, 255);  // a fifth
+  for (const bool shared : {false, true}) {
+    std::vector<glm::vec4> pictures[2];
+    for (const bool occluded : {false, true}) {
+      GltfBuilder b = empty_scene();
+      use_materials(b);
+      Json pbr = {{"baseColorFactor", {0.8, 0.4, 0.2, 1.0}}, {"metallicFactor", 0.0}};
+      const int texture = add_texel(b, codes);
+      if (shared) {
+        pbr["metallicRoughnessTexture"] = {{"index", texture}};
+      }
+      Json material = {{"pbrMetallicRoughness", pbr}};
+      if (occluded)
+        material["occlusionTexture"] = {{"index", shared ? texture : add_texel(b, codes)}, {"strength", 0.25}};
+      add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))}});
+      pictures[occluded] = images_of(front_view(b))["ambient.diffuse"].values<glm::vec4>();
+    }
+    for (size_t i = 0; i < pictures[0].size(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        ASSERT_GT(pictures[0][i][c], 0.01f);
+        ASSERT_NEAR(pictures[1][i][c], 0.8 * pictures[0][i][c], 1e-5 * pictures[0][i][c]) << i << " shared " << shared;
+      }
+  }
+}
+
 // Emission is the factor times the decoded texture.
 TEST_F(FrameMaterialTextures, EmissionIsItsFactorTimesItsTexture) {
   const glm::dvec3 codes(255, 128, 40), factor(0.5, 1, 0.25);

@@ -1,5 +1,6 @@
 #include <glm/gtc/quaternion.hpp>
 
+#include "../unit/reference_fixture.h"
 #include "base/rng.h"
 #include "frame_fixture.h"
 
@@ -55,14 +56,17 @@ class FrameSun : public FrameTest {
 // A square a metre above the floor: its shadow is the square moved along the light, for a quarter of a texel.
 TEST_F(FrameSun, AShadowLiesWhereTheLightCarriesIt) {
   const glm::dvec3 centre(0, 1, 0), moved = centre + shines / -shines.y;
-  const Images images = images_of(looking_down(floor_and_squares({centre})));
+  constexpr int columns = 2 * width, rows = 2 * height;
+  Job job = looking_down(floor_and_squares({centre}));
+  job.width_px = columns, job.height_px = rows;
+  const Images images = images_of(job);
   const glm::dvec3 eye(0, 5, 6), forward = glm::normalize(-eye), right(1, 0, 0), up = glm::cross(right, forward);
-  const double tan_y = std::tan(30 * 3.14159265358979 / 180), tan_x = tan_y * width / height;
+  const double tan_y = std::tan(30 * 3.14159265358979 / 180), tan_x = tan_y * columns / rows;
   int dark = 0, lit = 0;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) {
       const glm::dvec3 ray =
-          forward + right * (tan_x * (2 * (x + 0.5) / width - 1)) - up * (tan_y * (2 * (y + 0.5) / height - 1));
+          forward + right * (tan_x * (2 * (x + 0.5) / columns - 1)) - up * (tan_y * (2 * (y + 0.5) / rows - 1));
       if (ray.y > -0.1) continue;
       const glm::dvec3 at = eye + ray * (-eye.y / ray.y), over = eye + ray * ((1 - eye.y) / ray.y);
       if (std::max(std::abs(over.x - centre.x), std::abs(over.z - centre.z)) < 0.6) continue;  // hidden by the square
@@ -80,6 +84,30 @@ TEST_F(FrameSun, AShadowLiesWhereTheLightCarriesIt) {
     }
   EXPECT_GT(dark, 20);
   EXPECT_GT(lit, 1000);
+}
+
+// A convex body does not darken itself, with several samples a pixel either, where a pixel on an edge is shaded at the
+// centroid of the samples that a triangle covers.
+TEST_F(FrameSun, ABallCastsNoShadowOnItsLitSide) {
+  GltfBuilder b = empty_scene();
+  add_node(b, {{"mesh", reference::test::add_sphere_mesh(b, 1, add_material(b, diffuse_material(0.8, 0.8, 0.8)), 24)}});
+  add_light(b, {{"type", "directional"}, {"intensity", 3.0}}, {{"rotation", turned({0, 0, -1}, shines)}});
+  for (const int samples : {1, 4}) {
+    Job job = job_for(write(b), width, height, samples);
+    look(job, {0, 1, 4}, {0, 0, 0}, 30);
+    const Image shadowed = images_of(job)["beauty"];
+    job.effects = "none";
+    const Image bare = images_of(job)["beauty"];
+    int facing = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const float expected = bare.at<glm::vec4>(x, y).x;
+        if (expected < 0.2f) continue;  // near the terminator facets turn away from the sun
+        ++facing;
+        EXPECT_NEAR(shadowed.at<glm::vec4>(x, y).x, expected, 0.01f * expected) << samples << ": " << x << "," << y;
+      }
+    EXPECT_GT(facing, 500);
+  }
 }
 
 TEST_F(FrameSun, WithoutShadowsTheFrameIsTheBareOne) {

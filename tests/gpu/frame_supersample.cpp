@@ -19,9 +19,12 @@ class Supersampling : public FrameTest {
 // n x n samples a pixel are the pixels of a picture n times as large: same positions, same footprints.
 TEST_F(Supersampling, IsTheMeanOfALargerPicturesPixels) {
   for (const char* name : {"street", "texture-transform", "alpha", "normal-mapped"})
-    for (const int n : {2, 4}) {
-      Job large = job_for(scene(name), 48 * n, 27 * n);
-      const Image truth = images_of(large)["beauty"], mean = images_of(sampled(name, n))["beauty"];
+    for (const auto& [n, anisotropy] : {std::pair(2, "1"), std::pair(4, "1"), std::pair(4, "8")}) {
+      // lavapipe takes an anisotropic footprint's shape from a quad of pixels, which is n times as wide here: only
+      // where it is small against the texture's detail are both the same.
+      Job large = job_for(scene(name), 48 * n, 27 * n), small = sampled(name, n);
+      for (Job* job : {&large, &small}) job->settings.push_back({"textures", "anisotropy", anisotropy});
+      const Image truth = images_of(large)["beauty"], mean = images_of(small)["beauty"];
       double worst = 0, sum = 0;
       for (int y = 0; y < 27; ++y)
         for (int x = 0; x < 48; ++x) {

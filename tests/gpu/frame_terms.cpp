@@ -101,7 +101,7 @@ TEST_F(FrameTerms, SumToBeautyAndChangeNoBitOfIt) {
         EXPECT_TRUE(alone["beauty"] == divided["beauty"]);
         // Four lights, emission and ambient; up to four blended layers of three operations each; the samples.
         expect_sum(divided, 6 + 12 + samples + 4, width * height / 3);
-        for (const std::string& name : {"direct.sun", "direct.point", "direct.spot", "emission"}) {
+        for (const std::string name : {"direct.sun", "direct.point", "direct.spot", "emission"}) {
           size_t lit = 0;
           for (const glm::vec4& v : divided[name].values<glm::vec4>()) lit += v.x > 0;
           EXPECT_GT(lit, 40u) << name;

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/files.h"
+#include "base/input.h"
 #include "frame_fixture.h"
 #include "gltf/gltf.h"
 #include "render/reference_frame.h"
@@ -43,8 +44,9 @@ class ReferenceParity : public FrameTest {
 
   // Both at side * side samples a pixel on a grid: the GPU at `side` times the size with one sample, averaged.
   static Pair rendered(Job job, int side, double time_s = 0) {
-    job.settings.push_back({"lights", "floor_lux", "0"});  // an approximation of the GPU's
-    job.effects = "none";                                  // no shadows: the reference's are off below
+    job.settings.push_back({"lights", "floor_lux", "0"});     // an approximation of the GPU's
+    job.settings.push_back({"textures", "anisotropy", "1"});  // the reference reads one place of level 0
+    job.effects = "none";                                     // no shadows: the reference's are off below
     Pair out;
     Job large = job;
     large.width_px *= side, large.height_px *= side, large.samples = 1;
@@ -82,6 +84,10 @@ class ReferenceParity : public FrameTest {
   // The light stands beside and above the camera that candela takes by itself. Returns the copy's path.
   static std::string one_lamp(const std::filesystem::path& scene_file, Light light,
                               Textures textures = Textures::level_0) {
+    // The copy names its files by links into the scene's own folder.
+    InputRules rules = input_rules();
+    rules.allowed_folders = {scene_file.parent_path()};
+    set_input_rules(rules);
     const auto bytes = read_file(scene_file);
     EXPECT_TRUE(bytes) << scene_file;
     if (!bytes) return {};

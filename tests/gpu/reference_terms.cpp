@@ -33,8 +33,9 @@ class ReferenceTerms : public ReferenceParity {
  protected:
   // Both at side * side samples a pixel on a grid.
   static std::vector<TermPair> terms_of(Job job, int side, double time_s = 0) {
-    job.settings.push_back({"lights", "floor_lux", "0"});  // an approximation of the GPU's
-    job.effects = "none";                                  // no shadows: the reference's are off below
+    job.settings.push_back({"lights", "floor_lux", "0"});     // an approximation of the GPU's
+    job.settings.push_back({"textures", "anisotropy", "1"});  // the reference reads one place of level 0
+    job.effects = "none";                                     // no shadows: the reference's are off below
     std::vector<TermPair> pairs;
     for (const LayerName& term : Terms::layers) pairs.push_back({std::string(term.name), {}, {}});
     Job large = job;

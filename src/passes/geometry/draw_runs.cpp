@@ -65,7 +65,7 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
   push.subsample_ndc = scene.subsample_ndc;
-  push.subsample_lod = scene.subsample_lod;
+  push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
   if (lists && scene.lights) {
     // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.

@@ -146,7 +146,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.view = std::move(*view);
   f.data = make_frame_data(context.scene, f.pose, f.view);
   f.request = make_request(job, *knobs, wanted, time_s);
-  auto look = look_of(job, time_s);
+  auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
   f.request.look = std::move(*look);
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};

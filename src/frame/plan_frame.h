@@ -51,6 +51,7 @@ struct PlanContext {
   const Scene& scene;
   const GeometryLayout& layout;
   const AmbientSh* environment = nullptr;  // of the sky image, when the job has one
+  const LookFile* look = nullptr;          // the job's, as the session read it; without one plan_frame reads the file
 };
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);

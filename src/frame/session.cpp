@@ -57,6 +57,7 @@ class DeviceSession : public Session {
   std::string left_out_;  // of the look
   AmbientSh environment_{};
   Hash128 scene_content_;
+  std::optional<LookFile> look_;
   std::unique_ptr<gpu::Device> device_;
   std::unique_ptr<gpu::Bindless> bindless_;
   std::unique_ptr<GpuScene> gpu_scene_;
@@ -78,7 +79,12 @@ Expected<void> DeviceSession::load() {
     environment_ = project_environment(*image);
     sky_ = std::move(*image);
   }
-  const auto look = look_of(job_);
+  if (!job_.look.empty()) {
+    auto read = read_look_file(job_.look);
+    if (!read) return std::unexpected(read.error());
+    look_ = std::move(*read);
+  }
+  const auto look = look_ ? look_from_json(look_->text, look_->place) : Expected<Look>(Look{});
   if (!look) return std::unexpected(look.error());
   left_out_ = left_out_of(job_, *look);
   auto content = hash_files(scene_.files, job_.sky, job_.look);
@@ -121,8 +127,9 @@ Expected<void> DeviceSession::open() {
 
 Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   const double start = process_clock_us();
-  auto planned =
-      plan_frame(job_, PlanContext{scene_, layout_, job_.sky.empty() ? nullptr : &environment_}, wanted_, time_s);
+  auto planned = plan_frame(
+      job_, PlanContext{scene_, layout_, job_.sky.empty() ? nullptr : &environment_, look_ ? &*look_ : nullptr},
+      wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
     Begun begun;

@@ -169,7 +169,7 @@ Expected<void> read_sun(const Json& j, const std::string& place, Look& look) {
   return {};
 }
 
-Expected<double> knob_of_bloom(const Json& j, const std::string& place, double most) {
+Expected<double> from_zero_to(const Json& j, const std::string& place, double most) {
   const auto value = from_zero(j, place);
   if (value && *value > most) return wrong(place, fmt::format("{} is above {}", *value, most));
   return value;
@@ -186,7 +186,7 @@ Expected<void> read_bloom(const Json& j, const std::string& place, Look& look) {
   }
   const auto into_number = [](double Bloom::*member, double most) {
     return [=](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
-      const auto value = knob_of_bloom(v, at, most);
+      const auto value = from_zero_to(v, at, most);
       if (!value) return std::unexpected(value.error());
       b.*member = *value;
       return {};
@@ -289,11 +289,16 @@ Expected<Look> look_from_json(const std::string& text, const std::string& place,
   return look;
 }
 
-Expected<Look> read_look(const std::filesystem::path& file, double time_s) {
+Expected<LookFile> read_look_file(const std::filesystem::path& file) {
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(bytes.error());
-  return look_from_json(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), file.string(),
-                        time_s);
+  return LookFile{std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), file.string()};
+}
+
+Expected<Look> read_look(const std::filesystem::path& file, double time_s) {
+  const auto read = read_look_file(file);
+  if (!read) return std::unexpected(read.error());
+  return look_from_json(read->text, read->place, time_s);
 }
 
 }  // namespace candela

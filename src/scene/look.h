@@ -62,6 +62,11 @@ struct Look {
 //
 // Any number, list of numbers or colour may stand as {"keys": [[time in seconds, value], ...]} with ascending times: it
 // is then interpolated between them, and constant before the first and after the last.
+// A file's text as it was read once, for a sequence whose frames evaluate it at their own times.
+struct LookFile {
+  std::string text, place;  // place: the file's name, for errors
+};
+Expected<LookFile> read_look_file(const std::filesystem::path& file);
 Expected<Look> read_look(const std::filesystem::path& file, double time_s = 0);
 Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s = 0);
 

@@ -10,7 +10,8 @@ struct DrawPush {  // every pass that draws the scene
   // footprints of textures shrink.
   vec2 subsample_ndc;
   float subsample_footprint;
-  uint sun_maps;  // the maps' place among the pass's images
+  uint sun_maps;   // the maps' place among the pass's images
+  uint occlusion;  // of ambient occlusion's texels; only where shading reads them
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;

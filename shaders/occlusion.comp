@@ -8,8 +8,40 @@ layout(push_constant, scalar) uniform Push { OcclusionPush pc; };
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(constant_id = 0) const int SHAPE = 257;
 
+layout(constant_id = 1) const int KEEPS_NORMALS = 0;
+
 const float PI = 3.14159265358979323846;
-const int TEXEL_PX = OCCLUSION_TEXEL_PX(SHAPE);
+#include "lib/occlusion_depth.glsl"
+
+// The difference of the positions at p and beside it along one axis, from the side whose surface goes on through p.
+// On a plane depth is linear over the picture: the side is taken whose two next depths, prolonged, miss p's less. Where
+// there is none the surface is taken to be as far off as at p.
+vec3 difference(ivec2 p, ivec2 axis, int s, float depth, float metres, vec3 at, vec2 place_px) {
+  vec3 best = occlusion_position(place_px + vec2(axis), metres, pc.subsample_ndc) - at;
+  float least = 3e38;
+  for (int side = -1; side <= 1; side += 2) {
+    const float d1 = depth_beside(p + side * axis, s), d2 = depth_beside(p + 2 * side * axis, s);
+    if (!(d1 > 0.0)) continue;
+    const float miss = abs((d2 > 0.0 ? 2.0 * d1 - d2 : d1) - depth);
+    if (!(miss < least)) continue;
+    least = miss;
+    best = float(side) * (occlusion_position(place_px + vec2(side * axis), depth_m(d1), pc.subsample_ndc) - at);
+  }
+  return best;
+}
+
+// Of the surface at a depth sample, towards the viewer.
+vec3 surface_normal(ivec2 p, int s, vec2 place_px, float metres, vec3 at) {
+  const float depth = sample_depth(p, s);
+  // Scaled: the square of a difference may underflow or overflow.
+  const vec3 dx = difference(p, ivec2(1, 0), s, depth, metres, at, place_px) / metres,
+             dy = difference(p, ivec2(0, 1), s, depth, metres, at, place_px) / metres;
+  const vec3 to_eye = frame.perspective != 0u ? -normalize(at / metres) : vec3(0.0, 0.0, 1.0);
+  const vec3 n = cross(dx, dy);
+  const float size = length(n);
+  if (!(size > 0.0)) return to_eye;
+  return dot(n, to_eye) < 0.0 ? -n / size : n / size;
+}
 
 // Abramowitz and Stegun, 4.4.45: off by 6.7e-5 rad at most.
 float fast_acos(float x) {
@@ -36,15 +68,24 @@ vec2 noise(uvec2 texel) {
 void main() {
   const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(uvec2(texel), pc.texels))) return;
-  const float point = texelFetch(pass_images[pc.points], texel, 0).r;
+  // Of the texel's pixels, the first that a surface covers.
+  float point = 0.0;
+  for (int i = 0; i < TEXEL_PX * TEXEL_PX && !(point > 0.0); ++i) {
+    const ivec2 pixel = TEXEL_PX * texel + ivec2(i % TEXEL_PX, i / TEXEL_PX);
+    if (any(greaterThanEqual(uvec2(pixel), frame.size_px))) continue;
+    const float z = texelFetch(pass_images[pc.points], pixel, 0).r;
+    const uint name = uint(i * SAMPLES) + (floatBitsToUint(z) & occlusion_name_mask(PIXELS));
+    point = occlusion_named(z, name, SHAPE);
+  }
   float open = 1.0;
+  vec3 n = vec3(0.0, 0.0, 1.0);
   if (point > 0.0) {
     const vec2 place_px = occlusion_place_px(texel, point, SHAPE);
     const vec3 p = occlusion_position(place_px, point, pc.subsample_ndc);
     const bool perspective = frame.perspective != 0u;
     const float distance = perspective ? length(p) : point;
     const vec3 v = perspective ? -p / distance : vec3(0.0, 0.0, 1.0);
-    vec3 n = unpack_normal(texelFetch(pass_uint_images[pc.normals], texel, 0).r);
+    n = surface_normal(ivec2(place_px), int(floatBitsToUint(point) & occlusion_name_mask(SHAPE)) % SAMPLES, place_px, point, p);
     n = normalize(n + max(1e-4 - dot(n, v), 0.0) * v);
     // Axes across the view vector, which slices are even about.
     const vec3 right = normalize(vec3(v.z, 0.0, -v.x)), up = cross(v, right);
@@ -77,7 +118,7 @@ void main() {
         const vec2 to = float(side) * way;
         // As far as the picture.
         const vec2 edge = mix(place_px, vec2(frame.size_px) - place_px, greaterThan(to, vec2(0.0))) / max(abs(to), 1e-6);
-        const float end_px = min(reach_px, min(edge.x, edge.y)), first_px = 1.3 * float(TEXEL_PX);
+        const float end_px = min(reach_px, min(edge.x, edge.y)), first_px = 1.0;
         float horizon = float(-side) * sin_g;  // cosine of the tangent plane's angle
         float area = size * arc(horizon, float(side), cos_g, sin_g);
         whole += area;
@@ -85,11 +126,11 @@ void main() {
           const float u = (float(j) + offset.y) / float(pc.samples);
           const float at_px = max(end_px * u * u, first_px * (1.0 + float(j) / float(pc.samples)));
           if (at_px > end_px) continue;
-          const ivec2 other = ivec2(floor((place_px + to * at_px) / float(TEXEL_PX)));
-          if (other == texel || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(pc.texels)))) continue;
+          const ivec2 other = ivec2(floor(place_px + to * at_px));
+          if (other == ivec2(place_px) || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(frame.size_px)))) continue;
           const float z = texelFetch(pass_images[pc.points], other, 0).r;
           if (!(z > 0.0)) continue;
-          const vec3 s = occlusion_point(other, z, SHAPE, pc.subsample_ndc) - p;
+          const vec3 s = occlusion_point(other, z, PIXELS, pc.subsample_ndc) - p;
           const float hidden = clamp((pc.radius_m - length(s)) / pc.fade_m, 0.0, 1.0);
           const vec3 in_slice = s - dot(s, axis) * into;
           const float c = dot(in_slice, v) * inversesqrt(max(dot(in_slice, in_slice), 1e-30));
@@ -104,5 +145,6 @@ void main() {
     }
     open = whole > 0.0 ? clamp(1.0 - pc.strength * lost / whole, 0.0, 1.0) : 1.0;
   }
+  if (KEEPS_NORMALS != 0) imageStore(storage_uint_images[pc.normals], texel, uvec4(pack_normal(n)));
   imageStore(storage_images[pc.open], texel, vec4(open, point, 0.0, 0.0));
 }

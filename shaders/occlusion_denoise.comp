@@ -1,6 +1,6 @@
 #version 460
 // The mean over 5 by 5 texels whose outer rows count half, so that each value of the pattern of 4 by 4 counts alike;
-// texels off the tangent plane count less.
+// texels off the tangent plane count less, and those farther off than contacts are wide.
 #include "shared/occlusion.h"
 layout(push_constant, scalar) uniform Push { OcclusionDenoisePush pc; };
 #include "lib/frame.glsl"
@@ -25,7 +25,8 @@ void main() {
         const vec2 o = texelFetch(pass_images[pc.open], other, 0).xy;
         if (!(o.y > 0.0)) continue;
         float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0);
-        w *= occlusion_likeness(occlusion_point(other, o.y, SHAPE, pc.subsample_ndc), p, n);
+        const vec3 q = occlusion_point(other, o.y, SHAPE, pc.subsample_ndc), away = (q - p) / pc.reach_m;
+        w *= occlusion_likeness(q, p, n) * exp2(-dot(away, away));
         if (!(w > 0.0)) continue;
         sum += w * o.x;
         weights += w;

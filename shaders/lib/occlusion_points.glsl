@@ -1,5 +1,5 @@
-// The points that ambient occlusion is computed at: each texel has one depth sample of its pixels, the nearest. Its
-// distance in metres along the view axis is kept as a float whose last bits say which sample it is, so that the point
+// The points that ambient occlusion is computed at: each texel has one depth sample of its pixels, the first that a
+// surface covers. Its distance in metres along the view axis is kept as a float whose last bits say which sample it is, so that the point
 // is known exactly. 0: no surface. Needs lib/frame.glsl.
 #include "shared/occlusion.h"
 
@@ -18,6 +18,11 @@ vec2 occlusion_sample_px(int samples, uint s) {
 // How many of a point's last bits name its sample.
 uint occlusion_name_mask(int shape) {
   return uint(OCCLUSION_TEXEL_PX(shape) * OCCLUSION_TEXEL_PX(shape) * OCCLUSION_SAMPLES(shape)) - 1u;
+}
+
+// 0 stays 0: no surface.
+float occlusion_named(float metres, uint name, int shape) {
+  return metres > 0.0 ? uintBitsToFloat((floatBitsToUint(metres) & ~occlusion_name_mask(shape)) | name) : 0.0;
 }
 
 // In pixels of the picture.

@@ -9,13 +9,11 @@
 
 SHARED_BEGIN
 struct OcclusionPointsPush {
-  uint depth, points, normals;
-  uvec2 texels;  // size in texels
-  vec2 subsample_ndc;
+  uint depth, points;
 };
 struct OcclusionPush {
-  uint points, normals, open;
-  uvec2 texels;
+  uint depth, points, normals, open;
+  uvec2 texels;  // size in texels
   vec2 subsample_ndc;
   float radius_m, fade_m;  // hidden by saturate((radius - distance) / fade)
   float strength;
@@ -27,6 +25,7 @@ struct OcclusionDenoisePush {
   uint normals, open, smooth_open;
   uvec2 texels;
   vec2 subsample_ndc;
+  float reach_m;  // at which a texel counts half
 };
 SHARED_END
 

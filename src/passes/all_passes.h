@@ -40,9 +40,10 @@ struct PassList {
 
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
-using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
-                           LightFill, LightSort, AmbientOcclusion, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms,
-                           SunLayers, OcclusionLayer, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback>;
+using AllPasses =
+    PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
+             LightSort, AmbientOcclusion, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms,
+             SunLayers, OcclusionLayer, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

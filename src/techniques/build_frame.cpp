@@ -5,7 +5,8 @@ namespace candela {
 namespace {
 
 // The mean of n x n pictures, each from its own point of every pixel. Lists of lights that follow a depth are made for
-// each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of each are summed as their pictures are.
+// each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of each
+// are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
                          const Lighting& lighting, uint32_t n, TermImages& terms) {
   SceneInputs sample = scene;

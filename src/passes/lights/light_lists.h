@@ -30,10 +30,10 @@ struct OcclusionTexels {
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of directional lights, and ambient occlusion.
 // Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
-  BufferHandle cells;    // bitmasks of all cells, or where each cell's entries begin
-  BufferHandle entries;  // compact: light indices, ascending inside a cell
-  BufferHandle tiles;    // tiled: depths
-  ImageHandle sun_maps;  // a layer a cascade (shaders/lib/sun_shadow.glsl)
+  BufferHandle cells;         // bitmasks of all cells, or where each cell's entries begin
+  BufferHandle entries;       // compact: light indices, ascending inside a cell
+  BufferHandle tiles;         // tiled: depths
+  ImageHandle sun_maps;       // a layer a cascade (shaders/lib/sun_shadow.glsl)
   OcclusionTexels occlusion;  // for opaque and masked surfaces alone
 };
 

@@ -27,7 +27,8 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .lowest = 1,
        .highest = 4,
        .ladder = {2, 2, 2, 1},
-       .trades = "side of a texel of ambient occlusion: 1 full resolution, 2 half; coarser ones blur contacts and edges",
+       .trades =
+           "side of a texel of ambient occlusion: 1 full resolution, 2 half; coarser ones blur contacts and edges",
        .walk = {4, 2, 1},
        .passes = passes,
        .only = {1, 2, 4}},
@@ -80,48 +81,48 @@ glm::uvec2 AmbientOcclusion::texels(const SceneInputs& scene) const {
 }
 
 AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In& in) const {
-  const glm::uvec2 size = texels(in.scene);
-  const std::vector<SpecConstant> constants = {{0, "SHAPE", shape(in.scene)}};
-  const auto image = [&](const char* name, VkFormat format) {
-    return builder.create(ImageDesc{.name = name, .format = format, .width_px = size.x, .height_px = size.y});
+  const glm::uvec2 size = texels(in.scene), picture{in.scene.width_px, in.scene.height_px};
+  std::vector<SpecConstant> constants = {{0, "SHAPE", shape(in.scene)}};
+  const auto image = [&](const char* name, VkFormat format, glm::uvec2 px) {
+    return builder.create(ImageDesc{.name = name, .format = format, .width_px = px.x, .height_px = px.y});
   };
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   Out out;
   out.find = builder.pipeline(ComputePipelineDesc{"occlusion_points.comp", constants});
   builder.begin_step();
   builder.read(in.depth, Access::sampled_compute, "depth");
-  out.points = builder.write(image("occlusion.points", VK_FORMAT_R32_SFLOAT), Access::storage_image_write);
-  out.normals = builder.write(image("occlusion.normals", VK_FORMAT_R32_UINT), Access::storage_image_write);
+  out.points = builder.write(image("occlusion.points", VK_FORMAT_R32_SFLOAT, picture), Access::storage_image_write);
+  if (knobs.denoise != 0) constants.push_back({1, "KEEPS_NORMALS", 1});
   out.integrate = builder.pipeline(ComputePipelineDesc{"occlusion.comp", constants});
   builder.begin_step();
+  builder.read(in.depth, Access::sampled_compute, "depth");
   builder.read(out.points, Access::sampled_compute, "points");
-  builder.read(out.normals, Access::sampled_compute, "normals");
-  out.open = builder.write(image("occlusion", VK_FORMAT_R32G32_SFLOAT), Access::storage_image_write);
+  out.open = builder.write(image("occlusion", VK_FORMAT_R32G32_SFLOAT, size), Access::storage_image_write);
+  if (knobs.denoise != 0)
+    out.normals = builder.write(image("occlusion.normals", VK_FORMAT_R32_UINT, size), Access::storage_image_write);
   if (knobs.denoise == 0) return out;
   out.noisy = out.open;
-  out.smooth = builder.pipeline(ComputePipelineDesc{"occlusion_denoise.comp", constants});
+  out.smooth = builder.pipeline(ComputePipelineDesc{"occlusion_denoise.comp", {{0, "SHAPE", shape(in.scene)}}});
   builder.begin_step();
   builder.read(out.normals, Access::sampled_compute, "normals");
   builder.read(out.noisy, Access::sampled_compute, "noisy occlusion");
-  out.open = builder.write(image("occlusion.smooth", VK_FORMAT_R32G32_SFLOAT), Access::storage_image_write);
+  out.open = builder.write(image("occlusion.smooth", VK_FORMAT_R32G32_SFLOAT, size), Access::storage_image_write);
   return out;
 }
 
 void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& out) const {
   const glm::uvec2 size = texels(in.scene);
   if (commands.step() == 0) {
-    shared::OcclusionPointsPush push{};
-    push.depth = commands.sampled(in.depth);
-    push.points = commands.storage(out.points);
-    push.normals = commands.storage(out.normals);
-    push.texels = size;
-    push.subsample_ndc = in.scene.subsample_ndc;
     commands.bind(out.find);
-    commands.push(push);
-  } else if (commands.step() == 1) {
+    commands.push(shared::OcclusionPointsPush{commands.sampled(in.depth), commands.storage(out.points)});
+    commands.dispatch(in.scene.width_px, in.scene.height_px);
+    return;
+  }
+  if (commands.step() == 1) {
     shared::OcclusionPush push{};
     push.points = commands.sampled(out.points);
-    push.normals = commands.sampled(out.normals);
+    push.depth = commands.sampled(in.depth);
+    push.normals = out.normals ? commands.storage(out.normals) : 0;
     push.open = commands.storage(out.noisy ? out.noisy : out.open);
     push.texels = size;
     push.subsample_ndc = in.scene.subsample_ndc;
@@ -139,6 +140,7 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     push.normals = commands.sampled(out.normals);
     push.open = commands.sampled(out.noisy);
     push.smooth_open = commands.storage(out.open);
+    push.reach_m = std::max(0.15f * float(in.look.radius_m), 1e-30f);
     push.texels = size;
     push.subsample_ndc = in.scene.subsample_ndc;
     commands.bind(out.smooth);

@@ -14,9 +14,10 @@ namespace candela {
 // and the sum is divided by that of the free slices, so that where nothing rises V is 1 for any number of slices and
 // any slope.
 //
-// Three steps. Points: for each texel the nearest depth sample, and its normal from the depths beside it, on the side
-// whose surface goes on. Integral, with a pattern of 4 by 4 offsets. Denoise: the mean over the pattern, of texels near
-// the tangent plane. The texels are brought to the fragments where these are shaded (shaders/lib/occlusion.glsl).
+// Three steps. Points: of each pixel one depth sample, never an average. Integral, at one pixel of each texel, over the
+// points of all pixels: the normal from the depths beside it, on the side whose surface goes on; horizons with a
+// pattern of 4 by 4 offsets. Denoise: the mean over the pattern, of texels near the tangent plane. The texels are
+// brought to the fragments where these are shaded (shaders/lib/occlusion.glsl).
 //
 // Leaves wrong: what the depth buffer does not hold. Surfaces behind others and beyond the picture's edge hide nothing
 // (a border as wide as the radius is too bright, never dark), and what is seen is taken to be as thick as the radius.
@@ -42,7 +43,7 @@ struct AmbientOcclusion {
   };
   struct Out {
     ImageHandle open;             // V, and the point that it is of (shaders/lib/occlusion_points.glsl)
-    ImageHandle points, normals;  // on the way
+    ImageHandle points, normals;  // on the way; normals for the denoising alone
     ImageHandle noisy;            // V before the denoising; empty without
     PipelineHandle find, integrate, smooth;
   };

@@ -1,0 +1,130 @@
+// Ambient occlusion against the traced term, at the pixels' centres. What is wrong with the integral and what the depth
+// buffer cannot know are told apart: the first is the difference to the pass's own exact end, the second is that end's
+// from the traced term.
+#include "base/rng.h"
+#include "reference/sampling.h"
+#include "reference/visibility.h"
+#include "reference_parity.h"
+#include "testscenes/make_scene.h"
+
+namespace candela::test {
+namespace {
+
+struct Difference {
+  double rmse = 0, bias = 0;
+};
+
+}  // namespace
+
+class ReferenceOcclusion : public ReferenceParity {
+ protected:
+  struct Truth {
+    std::vector<double> open;  // below 0: no surface that takes light
+  };
+  static constexpr int rays = 16;  // squared
+
+  static Truth traced(const Job& job) {
+    auto frame = open_reference(job, 0, {});
+    EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
+    Truth out;
+    if (!frame) return out;
+    const reference::World& world = *(*frame)->world;
+    const Occlusion occlusion = world.occlusion();
+    Rng rng(1);
+    for (int y = 0; y < job.height_px; ++y)
+      for (int x = 0; x < job.width_px; ++x) {
+        const reference::CameraRay camera = world.camera_ray(glm::dvec2(x, y) + 0.5, job.width_px, job.height_px);
+        const Ray ray = reference::rounded(camera);
+        std::optional<Hit> hit = reference::next_surface(world, ray, true, nullptr, nullptr);
+        while (hit && world.is_blended(hit->item)) {
+          const Hit passed = *hit;
+          hit = reference::next_surface(world, ray, true, &passed, nullptr);
+        }
+        double& open = out.open.emplace_back(-1);
+        if (!hit) continue;
+        const reference::Surface surface = world.surface(*hit, camera.origin, camera.direction);
+        if (surface.unlit) continue;
+        const SurfacePoint point = world.accel().surface(*hit);
+        double sum = 0;
+        for (int i = 0; i < rays; ++i)
+          for (int j = 0; j < rays; ++j) {
+            const glm::dvec2 u((i + rng.uniform()) / rays, (j + rng.uniform()) / rays);
+            sum +=
+                reference::near_visibility(world, point, reference::cosine_direction(surface.geometric, u), occlusion);
+          }
+        open = 1 - occlusion.strength * (1 - sum / (rays * rays));
+      }
+    return out;
+  }
+  static std::vector<double> drawn(Job job, const std::vector<KnobSetting>& settings) {
+    job.layers = {"occlusion"};
+    job.settings.insert(job.settings.end(), settings.begin(), settings.end());
+    std::vector<double> out;
+    const Images images = images_of(job);
+    for (const float v : images["occlusion"].values<float>()) out.push_back(double(v));
+    return out;
+  }
+  static Difference difference(const std::vector<double>& test, const std::vector<double>& against,
+                               const Truth& where) {
+    Difference d;
+    double count = 0;
+    for (size_t i = 0; i < test.size(); ++i) {
+      if (where.open[i] < 0) continue;
+      const double e = test[i] - against[i];
+      d.rmse += e * e, d.bias += e, ++count;
+    }
+    d.rmse = std::sqrt(d.rmse / count), d.bias /= count;
+    return d;
+  }
+  static std::vector<KnobSetting> exact() {
+    return {{"occlusion", "texel_px", "1"},
+            {"occlusion", "slices", "64"},
+            {"occlusion", "samples", "64"},
+            {"occlusion", "denoise", "0"}};
+  }
+  // Of the defaults and of the exact end.
+  struct Result {
+    Difference defaults, integration, model;
+  };
+  Result compared(const Job& job) {
+    const Truth truth = traced(job);
+    const std::vector<double> defaults = drawn(job, {}), end = drawn(job, exact());
+    const Result r{difference(defaults, truth.open, truth), difference(defaults, end, truth),
+                   difference(end, truth.open, truth)};
+    const std::string line = fmt::format(
+        "RMSE of V at defaults {:.4f} (bias {:+.4f}); integration {:.4f}; exact end, so the model, {:.4f} (bias "
+        "{:+.4f})",
+        r.defaults.rmse, r.defaults.bias, r.integration.rmse, r.model.rmse, r.model.bias);
+    fmt::print("{}\n", line);
+    RecordProperty("occlusion", line);
+    return r;
+  }
+  static Job sponza(int width_px, int height_px) {
+    Job job = job_for(CANDELA_SOURCE_DIR "/../shared/assets/scenes/Sponza/Sponza.gltf", width_px, height_px, 4);
+    look(job, {-9, 1.5, 0}, {0, 2, 0});
+    return job;
+  }
+  static std::string street() {
+    const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "candela_occlusion_street.glb";
+    const auto bytes = make_scene_bytes("street", 1, 16);
+    EXPECT_TRUE(bytes);
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes->data()), long(bytes->size()));
+    return path;
+  }
+};
+
+TEST_F(ReferenceOcclusion, SponzaAgreesWithTheTracedTerm) {
+  const Job job = sponza(320, 180);
+  if (!std::filesystem::exists(job.scene)) GTEST_SKIP() << "Sponza is not here";
+  const Result r = compared(job);
+  EXPECT_LT(r.defaults.rmse, 0.05);
+  EXPECT_LT(r.model.rmse, 0.05);
+}
+
+TEST_F(ReferenceOcclusion, TheStreetAgreesWithTheTracedTerm) {
+  const Result r = compared(job_for(street(), 320, 180, 4));
+  EXPECT_LT(r.defaults.rmse, 0.05);
+  EXPECT_LT(r.model.rmse, 0.05);
+}
+
+}  // namespace candela::test

@@ -24,7 +24,7 @@ const int FOG_RUN = 4;
 const uint FOG_CELLS = 4u;
 // Of the distance between neighbouring rays, how much a ray keeps clear of every lamp: what it gives stands for all
 // points as near to it as to the others, where the mean of 1/d is that of a disc.
-const float FOG_SPREAD = 0.35;
+const float FOG_SPREAD = 0.7;
 
 struct FogWalk {
   uint light;
@@ -155,7 +155,8 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     slices[j].metres = fog_through(before) * fog_held(metres) * frame.fog.scattering;
     before = min(before + metres, 3e38);
   }
-  precise vec3 sums[FOG_RUN] = vec3[](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+  precise vec3 sums[FOG_RUN];
+  for (int j = 0; j < FOG_RUN; ++j) sums[j] = vec3(0.0);
   for (FogWalk walk = begin_fog_lights(ray, node_m[0], node_m[FOG_RUN]); next_fog_light(walk);) {
     LightRef light = light_at(pc.lights, walk.light);
     const vec2 z_type = light_word(light, 3u);

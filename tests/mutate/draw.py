@@ -4,7 +4,7 @@ import re
 from fnmatch import fnmatch
 
 # Lines that are no code of a function's body, or whose value the compiler needs.
-NO_CODE = re.compile(r"constexpr|static|template|using |namespace|enum|struct|class |case |default:|layout\(|precision|CHECK\("
+NO_CODE = re.compile(r"constexpr|static|template|std::array<|using |namespace|enum|struct|class |case |default:|layout\(|precision|CHECK\("
                      r"|#|refuse|fail\(|warn\(|fmt::|push_back\(\"|operator|extern|\bshared (u?int|float)|readonly|^\s*(//|\{|\"|\d)")
 FLOAT = re.compile(r"(?<![\w.\"])(\d+\.\d*(e-?\d+)?f?|\d+e-?\d+f?)(?![\w.])")
 STEP = re.compile(r"(?<=\w [+-] )1u?(?![\w.])")

@@ -43,7 +43,9 @@ def choice(edits, old):
         for number, edit in edits:
             code = f"if (candela_active_fault == {number}) {{ {edit['new']} }} else {code}"
         return "{ " + code + " }"
-    code = f"({old})"
+    # A negated condition may be a pointer.
+    negated = any(edit["new"] == f"!({old})" for _, edit in edits)
+    code = f"bool({old})" if negated else f"({old})"
     for number, edit in edits:
         code = f"(candela_active_fault == {number} ? ({edit['new']}) : {code})"
     return code

@@ -74,8 +74,9 @@ def candidates(name, text):
 
 
 def draw(root, settings, taken, text_of):
-    """`taken`: places of other faults, by file; drawn ones keep off them."""
+    """`taken`: places of other faults, by file; drawn ones keep off them, and off those that settings say are equivalent."""
     random_of = random.Random(settings["seed"])
+    equivalent = {(e["file"], e["operator"], e["old"]) for e in settings.get("equivalent", [])}
     faults = []
     for area in settings["area"]:
         places = []
@@ -93,6 +94,8 @@ def draw(root, settings, taken, text_of):
             for place in places:
                 name, kind, start, end, new = place
                 if kind != operator or any(start < b and a < end for a, b in taken.get(name, [])):
+                    continue
+                if (name, kind, text_of(name)[start:end]) in equivalent:
                     continue
                 taken.setdefault(name, []).append((start, end))
                 line = text_of(name)[:start].count("\n") + 1

@@ -167,6 +167,9 @@ def main(root, out):
                 continue
             edit["line"] = text_of(edit["file"])[:edit["at"][0]].count("\n") + 1
             taken.setdefault(edit["file"], []).append(tuple(edit["at"]))
+    for place in drawn_settings.get("equivalent", []):
+        if place["old"] not in text_of(place["file"]):
+            wrong.append(f"drawn.toml says that this is equivalent, but {place['file']} does not hold it: {place['old']}")
     if wrong:
         raise Wrong("\n".join(wrong))
     faults = table + draw.draw(root, drawn_settings, taken, text_of)

@@ -257,6 +257,8 @@ ImageHandle GraphBuilder::write(ImageHandle image, Access access, ImageRange ran
 }
 BufferHandle GraphBuilder::write(BufferHandle buffer, Access access) { return write_any(buffer, access); }
 
+void GraphBuilder::clear_first(ImageHandle image) { std::get<ImageDesc>(resource_of(image).desc).covered = false; }
+
 void GraphBuilder::begin_step() {
   require_open("begin_step");
   ++passes_.back().steps;

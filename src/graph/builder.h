@@ -49,6 +49,8 @@ class GraphBuilder {
   // The new version. An empty handle counts as a missing required input, and comes back empty.
   ImageHandle write(ImageHandle image, Access access, ImageRange range = {}, std::optional<ImageKind> view = {});
   BufferHandle write(BufferHandle buffer, Access access);
+  // Takes back ImageDesc::covered, for a reader who may see what a later pass covers.
+  void clear_first(ImageHandle image);
   // Opens the next step of the pass: the graph orders steps like passes, with a barrier before each, and `record` is
   // called once for each (CommandList::step). The pass is timed once. What was declared before the first step belongs
   // to every step.

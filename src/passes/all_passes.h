@@ -1,6 +1,7 @@
 #pragma once
 #include <type_traits>
 
+#include "passes/debug/dump.h"
 #include "passes/debug/layers.h"
 #include "passes/debug/light_heat.h"
 #include "passes/geometry/cull.h"
@@ -40,7 +41,7 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
                            LightFill, LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms,
-                           SunLayers, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback>;
+                           SunLayers, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -25,6 +25,8 @@
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
+#include "passes/volumes/fog.h"
+#include "passes/volumes/fog_layers.h"
 
 namespace candela {
 
@@ -39,9 +41,10 @@ struct PassList {
 
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
-using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
-                           LightFill, LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms,
-                           SunLayers, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback, Dump>;
+using AllPasses =
+    PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
+             LightSort, FogGrid, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms, FogLayers,
+             SunLayers, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -66,6 +66,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
   request.noise_seed = uint32_t(noise ^ (noise >> 32));
+  request.still_seed = uint32_t(job.seed ^ (job.seed >> 32));
   return request;
 }
 

@@ -1,12 +1,16 @@
 #pragma once
-// Fog between the camera and what is shaded. Transmittance and the light that fog emits are closed forms. The light that
-// it scatters comes from the grid (FOG is 2) or is followed along the ray of the point itself (3); 1: there is none.
+// Fog between the camera and what is shaded. Transmittance and the light that fog emits are closed forms. The light
+// that it scatters comes from the grid (FOG is 2) or is followed along the ray of the point itself (3); 1: there is
+// none.
 // Passes compile these lines only for frames with fog, by "#FOG=..." behind a shader's name (passes/volumes/fog_view.h):
 // shaders of other frames stay what they were, to the byte.
 #include "lib/image_kinds.glsl"
 #include "lib/fog_medium.glsl"
 #include "lib/fog_ray.glsl"
 #if FOG == 3
+#include "lib/fog_light.glsl"
+#elif defined(FOG_LAST)
+#define FOG_RUN 1
 #include "lib/fog_light.glsl"
 #endif
 
@@ -45,6 +49,16 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
   const vec2 most = vec2(frame.fog.nodes.xy) - 1.0;
   const vec2 at = clamp((ndc * 0.5 + 0.5) * most, vec2(0.0), most - 1e-4 * most);
   const vec3 before = k < 0 ? vec3(0.0) : fog_grid_light(at, k);
+#ifdef FOG_LAST
+  // The slice in which a surface stands, as far as it lies before it: a lamp may be behind.
+  const vec2 cells = 2.0 * frame.tan_half / vec2(frame.size_px);
+  float node_m[FOG_RUN + 1];
+  node_m[0] = min(a_m, end_m);
+  node_m[1] = end_m;
+  vec3 gained[FOG_RUN];
+  fog_run(ray, node_m, sqrt(cells.x * cells.y), gained);
+  return before + gained[0] * frame.pre_exposure;
+#endif
   const vec3 after = fog_grid_light(at, k + 1);
   return before + (after - before) * mix(vec3(0.0), min(part / all, 1.0), greaterThan(all, vec3(0.0)));
 #elif FOG == 3

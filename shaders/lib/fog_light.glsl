@@ -19,7 +19,13 @@
 #endif
 
 // Slices that one walk through the lists serves: a light's words are loaded once for all of them.
-const int FOG_RUN = 4;
+#ifndef FOG_RUN
+#define FOG_RUN 4
+#endif
+// Where a lamp sees a slice under more than this angle, it is taken at several points: near lamps a slice crosses cones
+// and phases. Fewer would do for most of the air, and more cost little, for few lamps are as near to a ray.
+const float FOG_ANGLE = 0.25;
+const int FOG_POINTS = 6;
 // A slice can lie in several slices of the lights' grid; in more than these it walks every light.
 const uint FOG_CELLS = 4u;
 // Of the distance between neighbouring rays, how much a ray keeps clear of every lamp: what it gives stands for all
@@ -137,8 +143,28 @@ struct FogSlice {
   vec3 metres;            // of medium, each by its transmittance to the camera
 };
 
-// The light of four slices between the five distances, unexposed, as it arrives at the camera. cell: distance between
-// neighbouring rays for a metre of depth, or in metres (orthographic).
+// Of a lamp's intensity, what fog scatters into the ray at a point `y` beyond where the ray passes it, but for the
+// inverse square. Exactly 0 outside range and cone.
+vec3 fog_lamp(LightRef light, uint type, FogRay ray, float nearest, vec3 off, float y, vec3 shines, vec2 cone,
+              float inverse_range2) {
+  const float d2 = dot(off, off) + y * y, x2 = d2 * inverse_range2;
+  if (x2 >= 1.0) return vec3(0.0);
+  const vec3 towards = off - ray.direction * y;
+  const float d = sqrt(d2);
+  const vec3 l = d > 0.0 ? towards / d : vec3(0.0, 1.0, 0.0);
+  float factor = max(1.0 - x2 * x2, 0.0);
+  if (type == light_spot) {
+    const vec3 e = l + shines;
+    const float c = clamp(cone.y - dot(e, e) * cone.x, 0.0, 1.0);
+    factor *= c * c;
+  }
+  if (factor == 0.0) return vec3(0.0);
+  const vec3 at = ray.origin + ray.direction * (nearest + y);
+  return factor * henyey_greenstein(dot(l, ray.direction)) * fog_through(at, l, d);
+}
+
+// The light of the slices between neighbouring distances, unexposed, as it arrives at the camera. cell: distance
+// between neighbouring rays for a metre of depth, or in metres (orthographic).
 void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[FOG_RUN]) {
   const vec2 inside = fog_inside(ray.origin, ray.direction, vec2(0.0, FOG_FAR));
   FogSlice slices[FOG_RUN];
@@ -186,24 +212,22 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     const vec2 cone = light_word(light, 4u);
     for (int j = 0; j < FOG_RUN; ++j) {
       const float wide = slices[j].wide_m, a = slices[j].begin_m - nearest, b = a + wide;
-      const float to_a = sqrt(h2 + a * a), to_b = sqrt(h2 + b * b);
-      // In the middle of the angle under which the lamp sees the slice.
-      const float y = (a * to_b + b * to_a) / (to_a + to_b);
-      const float d2 = off2 + y * y, x2 = d2 * inverse_range2;
-      if (!(wide > 0.0) || x2 >= 1.0) continue;
-      const vec3 towards = off - ray.direction * y;
-      const float d = sqrt(d2);
-      const vec3 l = d > 0.0 ? towards / d : vec3(0.0, 1.0, 0.0);
-      float factor = max(1.0 - x2 * x2, 0.0) * atan(wide * h, h2 + a * b) / (h * wide);
-      if (type == light_spot) {
-        const vec3 e = l + shines;
-        const float c = clamp(cone.y - dot(e, e) * cone.x, 0.0, 1.0);
-        factor *= c * c;
+      if (!(wide > 0.0)) continue;
+      const float angle = atan(wide * h, h2 + a * b), mean = angle / (h * wide);
+      const int points = angle > FOG_ANGLE ? FOG_POINTS : 1;
+      vec3 arriving = vec3(0.0);
+      for (int i = 0; i < points; ++i) {
+        float y;
+        if (points == 1) {
+          const float to_a = sqrt(h2 + a * a), to_b = sqrt(h2 + b * b);
+          y = (a * to_b + b * to_a) / (to_a + to_b);  // in the middle of the angle
+        } else {
+          y = clamp(h * tan(atan(a / h) + angle * (float(i) + 0.5) / float(FOG_POINTS)), a, b);
+        }
+        arriving += fog_lamp(light, type, ray, nearest, off, y, shines, cone, inverse_range2);
       }
-      if (factor == 0.0) continue;
-      const vec3 at = ray.origin + ray.direction * (nearest + y);
-      sums[j] += slices[j].metres * intensity * (factor * henyey_greenstein(dot(l, ray.direction))) *
-          fog_through(at, l, d);
+      if (arriving == vec3(0.0)) continue;
+      sums[j] += slices[j].metres * intensity * (arriving * (mean / float(points)));
     }
   }
 #ifdef FOG_AMBIENT

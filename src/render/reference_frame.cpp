@@ -191,7 +191,7 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
       std::vector<float>& plane = add(layer + "." + rgba[c], ChannelType::float32);
       for (size_t i = 0; i < film.pixels(); ++i)
         plane[i] = float((layer == "variance" ? film.variance(i)
-                          : layer == "fog"  ? film.fog_light(i)
+                          : layer == "fog"    ? film.fog_light(i)
                                               : film.fog_through(i))[c]);
     }
   }

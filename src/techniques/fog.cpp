@@ -9,6 +9,7 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lightin
   if (!frame.request.draws_fog()) return fog;
   const bool scatters = frame.request.look.fog->scattering_per_m != glm::dvec3(0);
   fog.ambient = ambient;
+  fog.last = frame.knobs.get<FogKnobs>().last != 0;
   fog.light = fog.grid                                            ? FogLight::grid
               : scatters && (frame.facts.lights() > 0 || ambient) ? FogLight::march
                                                                   : FogLight::nothing;
@@ -20,6 +21,12 @@ CellLists fog_alone(const CellLists& lists) {
   if (fog_walks(lists)) alone = lists;
   alone.fog = lists.fog;
   return alone;
+}
+
+CellLists fog_to_infinity(const CellLists& lists) {
+  CellLists far = lists;
+  far.fog.last = false;
+  return fog_alone(far);
 }
 
 FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,

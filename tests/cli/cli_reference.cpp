@@ -195,8 +195,8 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   const TestFolder folder;
   const std::string look = folder / "look.json";
   std::ofstream(look) << R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": 0.5}})";
-  const Ended ended = candela(traced(
-      folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers", "fog,fog.transmittance", "--json"}));
+  const Ended ended = candela(traced(folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers",
+                                                          "fog,fog.transmittance", "--json"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["job"]["look"], look);
@@ -205,7 +205,8 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   const auto image = read_image(folder / "fog.exr");
   ASSERT_TRUE(image);
   double light = 0, clear[2] = {0, 0};
-  for (const char* name : {"fog.R", "fog.G", "fog.B", "fog.transmittance.R", "fog.transmittance.G", "fog.transmittance.B"})
+  for (const char* name :
+       {"fog.R", "fog.G", "fog.B", "fog.transmittance.R", "fog.transmittance.G", "fog.transmittance.B"})
     ASSERT_TRUE(image->find(name)) << name;
   for (size_t i = 0; i < image->find("fog.R")->f.size(); ++i) {
     light += image->find("fog.R")->f[i];

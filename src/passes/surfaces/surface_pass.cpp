@@ -12,7 +12,7 @@ template <bool lit>
 typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.depth, Access::depth_test, "depth");
   if (lit) declare_lights(builder, in.scene, in.lists);
-  if (!lit || !fog_walks(in.lists)) declare_fog(builder, in.scene, in.lists);  // what walks has its lights by now
+  declare_fog(builder, in.scene, in.lists, lit);
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = with_fog(lit ? "shade_forward.frag" : "shade_unlit.frag", in.lists);

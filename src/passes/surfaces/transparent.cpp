@@ -9,7 +9,7 @@ Need Transparent::needed(const SceneFacts& facts, const FrameRequest&) const {
 Transparent::Out Transparent::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
   declare_lights(builder, in.scene, in.lists);
-  if (!fog_walks(in.lists)) declare_fog(builder, in.scene, in.lists);
+  declare_fog(builder, in.scene, in.lists, true);
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.color_formats = {color_format};

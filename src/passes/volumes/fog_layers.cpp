@@ -29,7 +29,9 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
   declare_fog(builder, in.scene, lists);
   GraphicsPipelineDesc behind;
   behind.vertex_shader = "background.vert";
-  behind.fragment_shader = with_fog("fog_layers_sky.frag" + wanted, lists);
+  CellLists far = lists;
+  far.fog.last = false;
+  behind.fragment_shader = with_fog("fog_layers_sky.frag" + wanted, far);
   behind.color_formats = formats;
   behind.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
   behind.samples = in.scene.samples;

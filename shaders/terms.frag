@@ -12,6 +12,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
+#include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
 #ifdef FOG
 #include "lib/fog.glsl"
@@ -64,6 +65,10 @@ void main() {
 #ifdef FOG
   through_fog = fog_before_through(v.relative_position);
 #endif
+  const bool in_plane = HAS_SUN_SHADOWS != 0 || HAS_OCCLUSION != 0;
+  const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
+                                      : v.relative_position;
   // What unlit surfaces show counts as emission.
 #ifdef EMISSION
   out_emission = covering(IS_UNLIT != 0 ? s.base_color : s.emission, coverage);
@@ -71,6 +76,8 @@ void main() {
 #if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
   AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) ambient = ambient_lobes(s, to_viewer);
+  if (HAS_AMBIENT != 0 && HAS_OCCLUSION != 0 && IS_UNLIT == 0)
+    ambient = occluded_lobes(ambient, s, to_viewer, occlusion_open(surface_point, plane_normal));
 #ifdef FOG
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
     const vec3 sky = fog_sky_through(v.relative_position, s.normal, false);
@@ -87,9 +94,6 @@ void main() {
 #endif
 #ifdef ANY_DIRECT
   // Each sum takes its lights in the order of the whole.
-  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
-  const vec3 surface_point = HAS_SUN_SHADOWS != 0 ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
-                                                  : v.relative_position;
   precise vec3 sun = vec3(0.0), point = vec3(0.0), spot = vec3(0.0);
   if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);

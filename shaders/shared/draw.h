@@ -12,6 +12,7 @@ struct DrawPush {  // every pass that draws the scene
   float subsample_footprint;
   uint sun_maps;   // the maps' place among the pass's images
   uint fog_light;  // the same of the grid of fog's light
+  uint occlusion;  // of ambient occlusion's texels; only where shading reads them
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;

@@ -75,7 +75,7 @@ std::vector<std::string> gpu_part_layers() {
 std::vector<std::string> reference_part_layers(bool with_fog) {
   std::vector<std::string> names = edge_layers();
   for (const std::string& term : term_layer_names())
-    if (term != "shadow") names.push_back(term);  // a share of light, and no light
+    if (term != "shadow" && term != "occlusion") names.push_back(term);  // shares of light, and no light
   if (with_fog) names.emplace_back("fog");
   return names;
 }

@@ -66,6 +66,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
   request.noise_seed = uint32_t(noise ^ (noise >> 32));
+  request.still_seed = uint32_t(job.seed ^ (job.seed >> 32));
   return request;
 }
 
@@ -195,14 +196,29 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
+  const auto build = [&](GraphBuilder& builder) {
+    f.imports.clear();
+    SceneInputs inputs = import_scene(builder, context, f);
+    inputs.background = *background;
+    Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
+    if (!f.dumps.empty())
+      frame.observe = [&](Frame& observed, const std::string& pass) { add_dumps(observed, pass, f.dumps); };
+    build_frame(frame, inputs, *technique);
+    if (wanted.dumps.empty()) builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump)");
+    f.outputs = std::move(frame.outputs);
+    f.reports = std::move(frame.reports);
+    f.graph = compile_graph(builder);
+  };
   GraphBuilder builder;
-  SceneInputs inputs = import_scene(builder, context, f);
-  inputs.background = *background;
-  Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
-  build_frame(frame, inputs, *technique);
-  f.outputs = std::move(frame.outputs);
-  f.reports = std::move(frame.reports);
-  f.graph = compile_graph(builder);
+  build(builder);
+  f.hash = plan_hash(f.graph.plan);
+  if (!wanted.dumps.empty()) {
+    auto dumps = place_dumps(wanted.dumps, builder, f.graph.plan);
+    if (!dumps) return std::unexpected(dumps.error());
+    f.dumps = std::move(*dumps);
+    GraphBuilder observed;
+    build(observed);
+  }
   add_notes(f, *knobs);
   f.plan_ms = ms_since(start);
   return f;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "frame/frame_dumps.h"
 #include "frame/frame_suns.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
@@ -34,9 +35,11 @@ struct PlannedFrame {
   FrameSuns suns;
   TextureKnobs textures;
   CompiledGraph graph;
+  Hash128 hash;              // of the plan, without dumps: whoever asks for one gets the same frame
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
   std::vector<FrameReport> reports;
   std::vector<OutputImage> outputs;
+  std::vector<FrameDump> dumps;
   std::vector<std::string> notes;
   double animate_ms = 0, light_grid_ms = 0, plan_ms = 0;
 };
@@ -44,6 +47,7 @@ struct WantedOutputs {
   bool linear = true;    // EXR
   bool display = false;  // PNG, video
   int display_bits = 8;  // 8 or 16
+  std::vector<DumpRequest> dumps = {};
 };
 
 // What does not change with time, made once for a scene.

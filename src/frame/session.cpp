@@ -147,7 +147,8 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.request = planned->request;
     result.outputs = planned->outputs;
     result.pre_exposure = planned->upload.constants.pre_exposure;
-    result.plan_hash = plan_hash(planned->graph.plan);
+    result.plan_hash = planned->hash;
+    result.dumps = std::move(planned->dumps);
     result.left_out = planned->graph.plan.left_out;
     result.plan = std::move(planned->graph.plan);
     result.notes = std::move(planned->notes);

@@ -84,6 +84,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.accel = accel;
   input.glass = path;
   input.fog = look->fog;
+  input.occlusion = look->occlusion;
   if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (sky) {
     input.sky = reference::Sky(*sky);

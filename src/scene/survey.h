@@ -48,6 +48,7 @@ struct FrameRequest {
   int display_bits = 8;          // 8 or 16
   bool dither = true;            // before 8 bits
   uint32_t noise_seed = 0;       // differs from frame to frame
+  uint32_t still_seed = 0;       // for noise that stays as it is from frame to frame
   std::string quality = "high";  // draft, normal, high, exact
   std::string effects = "auto";  // auto, none, or names of effects separated by commas
   Look look;                     // of the frame's time

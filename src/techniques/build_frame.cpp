@@ -5,7 +5,8 @@ namespace candela {
 namespace {
 
 // The mean of n x n pictures, each from its own point of every pixel. Lists of lights that follow a depth are made for
-// each picture; those of clusters serve all. The terms of each are summed as their pictures are.
+// each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of each
+// are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
                          const Lighting& lighting, uint32_t n, TermImages& terms, FogImages& fog) {
   SceneInputs sample = scene;
@@ -28,6 +29,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     if (scene.light_grid.tiled) lit = light_surfaces(frame, sample, seen, instance);
     lit.lists.sun_maps = lighting.lists.sun_maps;
     lit.lists.fog = lighting.lists.fog;
+    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
     const ImageHandle radiance = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(radiance, sum, instance);
@@ -50,6 +52,11 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   const uint32_t n = uint32_t(frame.knobs.get<Supersample::Knobs>().n);
   const Surfaces surfaces = visible_surfaces(frame, scene);
   Lighting lighting = light_surfaces(frame, scene, surfaces);
+  // Of a supersampled frame only the layer is of this depth. Before the suns' maps, which are drawn meanwhile.
+  OcclusionTexels occlusion;
+  if (n == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
+    occlusion = ambient_occlusion(frame, scene, surfaces.depth);
+  if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   lighting.lists.fog = fog_view(frame, scene, lighting);
   ImageHandle radiance;
@@ -64,7 +71,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     terms = divide(frame, scene, surfaces, lighting);
     fog = fog_layers(frame, scene, surfaces, lighting);
   }
-  describe(frame, scene, surfaces, lighting);
+  describe(frame, scene, surfaces, lighting, occlusion);
   publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
   post(frame, scene, radiance);

@@ -29,6 +29,8 @@ struct Frame {
   const KnobValues& knobs;
   std::vector<FrameOutput> outputs;
   std::vector<FrameReport> reports;
+  // Called behind each pass that is added, with its instance's name: what looks at a frame without being part of it.
+  std::function<void(Frame&, const std::string&)> observe = {};
 
   // Adds a pass and returns its outputs; empty ones, which carry the reason, when the pass says it is not needed or a
   // required input is empty (docs/design.md, "Leaving out"). A pass that stands in the frame several times has an
@@ -50,6 +52,7 @@ struct Frame {
       return absent<typename P::Out>(builder.last_absence());
     if constexpr (Reports<P>)
       if (out.report) reports.push_back(report_of(pass, out.report));
+    if (observe) observe(*this, name);
     return out;
   }
 

@@ -41,14 +41,17 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists) {
   for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
     builder.read_optional(b, Access::fragment_read);
+  builder.read_optional(lists.occlusion.open, Access::sampled_fragment);
   if (!lists.sun_maps) return;
   builder.read(lists.sun_maps, Access::sampled_fragment, "the suns' maps");
   builder.read(scene.suns, Access::fragment_read, "the suns' cascades");
 }
 
 std::vector<SpecConstant> light_constants(const CellLists& lists) {
-  if (!lists.sun_maps) return {};
-  return {sun_shadows_constant()};
+  std::vector<SpecConstant> constants;
+  if (lists.sun_maps) constants.push_back(sun_shadows_constant());
+  if (lists.occlusion.open) constants.push_back(occlusion_constant(lists.occlusion.shape));
+  return constants;
 }
 
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
@@ -96,6 +99,7 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
   push_lights(commands, scene, lists, fog, push);
+  if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
     const DrawRun& run = (*scene.runs)[r];

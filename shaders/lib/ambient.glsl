@@ -35,3 +35,16 @@ vec3 ambient_light(Surface s, vec3 v) {
   const AmbientLobes lobes = ambient_lobes(s, v);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }
+// What is left of the lobes where a share `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
+// Rousiers, "Moving Frostbite to Physically Based Rendering", 2014: a smooth surface loses them later than a rough one
+// its light.
+float specular_open(float open, float n_v, float roughness) {
+  return clamp(pow(clamp(n_v, 0.0, 1.0) + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
+}
+AmbientLobes occluded_lobes(AmbientLobes lobes, Surface s, vec3 v, float open) {
+  return AmbientLobes(lobes.diffuse * open, lobes.specular * specular_open(open, dot(s.normal, v), s.roughness));
+}
+vec3 occluded_ambient_light(Surface s, vec3 v, float open) {
+  const AmbientLobes lobes = occluded_lobes(ambient_lobes(s, v), s, v, open);
+  return (lobes.diffuse + lobes.specular) * s.occlusion;
+}

@@ -15,4 +15,5 @@ layout(constant_id = 11) const int IS_MASKED = 0;
 layout(constant_id = 12) const int IS_UNLIT = 0;
 layout(constant_id = 14) const int IS_SUBSAMPLE = 0;       // one of several samples of a supersampled frame
 layout(constant_id = 15) const int HAS_SUN_SHADOWS = 0;    // of some directional light
+layout(constant_id = 16) const int HAS_OCCLUSION = 0;      // its texels' shape (shared/occlusion.h)
 layout(constant_id = 13) const int HAS_TEXTURES = 0;       // any of the above: UVs are passed on

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "frame/caster_hash.h"
+#include "frame/frame_fog.h"
 #include "frame/frame_knobs.h"
 #include "frame/job_look.h"
 #include "frame/not_drawn.h"
@@ -66,6 +67,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
   request.noise_seed = uint32_t(noise ^ (noise >> 32));
+  request.still_seed = uint32_t(job.seed ^ (job.seed >> 32));
   return request;
 }
 
@@ -187,6 +189,12 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
   f.notes.insert(f.notes.end(), f.suns.notes.begin(), f.suns.notes.end());
+  if (f.request.draws_fog()) {
+    const FogKnobs& fog = knobs->get<FogKnobs>();
+    f.upload.constants.fog =
+        frame_fog(*f.request.look.fog, f.view, f.data, extent.farthest_m,
+                  fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
+  }
   f.light_grid_ms = ms_since(start);
 
   start = Clock::now();

@@ -35,6 +35,19 @@ ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   return frame.add(DepthViews{}, {scene, draws, surfaces.deformed, scene.sun_image, maps.image}, instance).depth;
 }
 
+OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance,
+                                  uint32_t index, uint32_t count) {
+  AmbientOcclusion pass;
+  pass.knobs = frame.knobs.get<AmbientOcclusion::Knobs>();
+  AmbientOcclusion::In in{scene, depth};
+  in.look = frame.request.look.occlusion.value_or(Occlusion{});
+  in.seed = frame.request.still_seed;
+  in.subsample = index, in.subsamples = count;
+  return {frame.add(pass, in, instance).open, pass.shape(scene)};
+}
+
+bool shades_occluded(const Frame& frame) { return bool(AmbientOcclusion::shades(frame.facts, frame.request)); }
+
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view instance) {
   return {light_lists(frame, scene, surfaces.depth, instance)};
 }

@@ -18,7 +18,8 @@ SpecConstant constant(Feature f) {
                                       "IS_UNLIT",
                                       "HAS_TEXTURES",
                                       "IS_SUBSAMPLE",
-                                      "HAS_SUN_SHADOWS"};
+                                      "HAS_SUN_SHADOWS",
+                                      "HAS_OCCLUSION"};
   return {uint32_t(f), names[uint32_t(f)], 1};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -59,6 +60,12 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
 }
 
 SpecConstant sun_shadows_constant() { return constant(Feature::sun_shadows); }
+
+SpecConstant occlusion_constant(uint32_t shape) {
+  SpecConstant c = constant(Feature::occlusion);
+  c.value = shape;
+  return c;
+}
 
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features) {
   features.push_back(constant(Feature::subsample));

@@ -180,6 +180,7 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     const float x = min(mean_extinction * metres, 1e30);
     slices[j].begin_m = a;
     slices[j].wide_m = (b - a) * (x < 1e-2 ? 1.0 - x * (1.0 / 6.0) : 2.0 * (1.0 / x - 1.0 / (exp(min(x, 80.0)) - 1.0)));
+    if (metres > 0.0) slices[j].wide_m = max(slices[j].wide_m, 1e-30);  // else an angle of 0 is divided by a width of 0
     slices[j].metres = fog_through(before) * fog_held(metres) * frame.fog.scattering;
     before = min(before + metres, 3e38);
   }

@@ -111,9 +111,9 @@ TEST_F(FrameFog, AFrameWithoutItIsTheBareOne) {
 
 // Lists, techniques and the rest of what changes time alone change no bit of fog.
 TEST_F(FrameFog, ListsChangeNoBit) {
-  for (const char* grid : {"32x18x24", "96x54x48", "march"}) {
+  for (const char* grid : {"32x18x24", "march"}) {
     Job job = seen(lamps(), R"({"extinction": 0.1, "falloff": 0.1, "anisotropy": 0.6})", 1);
-    job.settings = {{"fog", "grid", grid}, {"fog", "steps", "16"}};
+    job.settings = {{"fog", "grid", grid}, {"fog", "steps", "16"}, {"fog", "last", "1"}};
     job.layers = {"fog"};
     job.technique = "brute-force";
     const Images all = images_of(job);

@@ -10,10 +10,9 @@ struct GridSize {
   glm::uvec3 nodes;
 };
 // The seed's, and finer ones.
-constexpr GridSize fog_grids[] = {{"32x18x24", {32, 18, 24}},      {"64x36x32", {64, 36, 32}},
-                                  {"96x54x48", {96, 54, 48}},      {"128x72x64", {128, 72, 64}},
-                                  {"160x90x96", {160, 90, 96}},    {"160x90x128", {160, 90, 128}},
-                                  {"256x144x256", {256, 144, 256}}};
+constexpr GridSize fog_grids[] = {{"32x18x24", {32, 18, 24}},     {"64x36x32", {64, 36, 32}},
+                                  {"96x54x48", {96, 54, 48}},     {"128x72x64", {128, 72, 64}},
+                                  {"160x90x128", {160, 90, 128}}, {"256x144x256", {256, 144, 256}}};
 constexpr int march = int(std::size(fog_grids));
 
 const std::vector<std::string_view> seen_by = {"fog",        "shade_forward", "shade_unlit", "sky",
@@ -38,14 +37,14 @@ std::span<const Knob<FogKnobs>> FogKnobs::table() {
        "rays across and down and depths at which the light of fog is kept; march: each pixel follows a ray of its own",
        names,
        Trades::error,
-       {0, 1, 2, 3, 4, 5, 6, double(march)},
+       {0, 1, 2, 3, 4, 5, double(march)},
        seen_by},
       {"last",
        &FogKnobs::last,
        "",
        0,
        1,
-       {0, 1, 1, 1},
+       {0, 0, 0, 1},
        "the slice in which a surface stands: 0 interpolated, so that lamps behind it shine through; 1 followed by each "
        "pixel through its own lists",
        {},

@@ -85,7 +85,8 @@ void main() {
     const bool perspective = frame.perspective != 0u;
     const float distance = perspective ? length(p) : point;
     const vec3 v = perspective ? -p / distance : vec3(0.0, 0.0, 1.0);
-    n = surface_normal(ivec2(place_px), int(floatBitsToUint(point) & occlusion_name_mask(SHAPE)) % SAMPLES, place_px, point, p);
+    const ivec2 pixel = ivec2(place_px);
+    n = surface_normal(pixel, int(floatBitsToUint(point) & occlusion_name_mask(SHAPE)) % SAMPLES, place_px, point, p);
     n = normalize(n + max(1e-4 - dot(n, v), 0.0) * v);
     // Axes across the view vector, which slices are even about.
     const vec3 right = normalize(vec3(v.z, 0.0, -v.x)), up = cross(v, right);
@@ -117,17 +118,20 @@ void main() {
       for (int side = -1; side <= 1; side += 2) {
         const vec2 to = float(side) * way;
         // As far as the picture.
-        const vec2 edge = mix(place_px, vec2(frame.size_px) - place_px, greaterThan(to, vec2(0.0))) / max(abs(to), 1e-6);
-        const float end_px = min(reach_px, min(edge.x, edge.y)), first_px = 1.0;
+        const vec2 edge = mix(place_px, vec2(frame.size_px) - place_px, greaterThan(to, vec2(0.0))) /
+            max(abs(to), 1e-6);
+        const float end_px = min(reach_px, min(edge.x, edge.y));
         float horizon = float(-side) * sin_g;  // cosine of the tangent plane's angle
         float area = size * arc(horizon, float(side), cos_g, sin_g);
         whole += area;
         for (int j = 0; j < pc.samples; ++j) {
           const float u = (float(j) + offset.y) / float(pc.samples);
-          const float at_px = max(end_px * u * u, first_px * (1.0 + float(j) / float(pc.samples)));
+          // Denser towards the point; the first in the next pixel.
+          const float at_px = max(end_px * u * u, 1.0 + float(j) / float(pc.samples));
           if (at_px > end_px) continue;
           const ivec2 other = ivec2(floor(place_px + to * at_px));
-          if (other == ivec2(place_px) || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(frame.size_px)))) continue;
+          if (other == pixel || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(uvec2(other), frame.size_px)))
+            continue;
           const float z = texelFetch(pass_images[pc.points], other, 0).r;
           if (!(z > 0.0)) continue;
           const vec3 s = occlusion_point(other, z, PIXELS, pc.subsample_ndc) - p;

@@ -164,6 +164,7 @@ double Integrator::sun_visibility(const Surface& s, const SurfacePoint& point, g
 }
 
 double Integrator::near_occlusion(const Surface& s, const SurfacePoint& point, glm::dvec2 u) const {
+  if (!settings_.visibility) return 1;
   const Occlusion occlusion = world_.occlusion();
   const double open = near_visibility(world_, point, cosine_direction(s.geometric, u), occlusion);
   return 1 - occlusion.strength * (1 - open);

@@ -27,6 +27,11 @@ struct Lighting {
     return with;
   }
 };
+// What is seen through fog: the grid of its light, or how points do without. Made once, for all samples of a picture.
+FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lighting);
+// For passes that walk no lights unless the fog does.
+CellLists fog_alone(const CellLists& lists);
+CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
 // The depth maps of directional lights' cascades; empty: none casts a shadow.
 ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
@@ -54,6 +59,12 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
                   std::string_view instance = {});
 // Resolves them like beauty and publishes them.
 void publish_terms(Frame& frame, const SceneInputs& scene, const TermImages& terms);
+
+// The layers of fog, in the same way.
+using FogImages = std::array<ImageHandle, 2>;
+FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                     std::string_view instance = {});
+void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
 // From a frame's radiance to what the host gets: resolve, tone mapping, read-back of all outputs and layers that are
 // asked for.

@@ -33,7 +33,7 @@ struct TestCamera {
 inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const TestCamera& camera = {}, Sky sky = {},
                                              bool sky_visible = false, glm::dvec4 background = glm::dvec4(0),
                                              bool glass = false, std::optional<Fog> fog = {},
-                                             double sun_radius_rad = 0) {
+                                             double sun_radius_rad = 0, std::optional<Occlusion> occlusion = {}) {
   auto t = std::make_unique<TestWorld>();
   auto scene = builder.load(glass ? LoadFor::path_tracing : LoadFor::raster);
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().text());
@@ -53,6 +53,7 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
   input.sky = std::move(sky), input.sky_visible = sky_visible, input.background = background, input.glass = glass;
   input.fog = fog;
   input.sun_radius_rad = sun_radius_rad;
+  input.occlusion = occlusion;
   t->world = std::make_unique<World>(input, t->warnings);
   EXPECT_TRUE(t->warnings.empty());
   return t;

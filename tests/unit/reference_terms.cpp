@@ -213,6 +213,31 @@ TEST(Terms, ShadowIsTheMeanOverWhatIsSeen) {
   for (size_t i = 0; i < film.pixels(); ++i) EXPECT_NEAR(film.shadow(i), double(0.4f), 1e-12) << i;
 }
 
+// Under an endless roof at height h a direction meets it at h over its cosine: the share (h/R)^2 of the light by cosine
+// comes from beyond a radius R. A blended roof hides by its coverage, and in direct the sky's light follows the look.
+TEST(Terms, OcclusionIsTheShareThatNearSurfacesLeave) {
+  constexpr double height = 6, radius = 8, strength = 0.8, radiance = 0.7;
+  const double beyond = height * height / (radius * radius);
+  for (const Mode mode : {Mode::direct, Mode::path})
+    for (const auto& [alpha_mode, alpha] : {std::pair("OPAQUE", 1.0), std::pair("BLEND", 0.25)}) {
+      GltfBuilder b = plane(diffuse_material(0.5, 0.5, 0.5));
+      const int roof = add_material(b, covering(diffuse_material(0, 0, 0), alpha_mode, alpha));
+      add_node(b, {{"mesh", add_square_mesh(b, 100, roof)}, {"translation", {0, 0, height}}});
+      const Occlusion look{radius, 0, strength};
+      const auto t = make_world(b, above, Sky::constant(radiance), false, glm::dvec4(0), false, {}, 0, look);
+      const Film film = traced(*t, mode == Mode::path ? path_settings() : centred(), above, 512, true);
+      double open = 0;
+      glm::dvec3 ambient(0);
+      for (size_t i = 0; i < film.pixels(); ++i) {
+        open += film.occlusion(i) / double(film.pixels());
+        ambient += film.term(Term::ambient_diffuse, i) / double(film.pixels());
+      }
+      const double expected = 1 - strength * alpha * (1 - beyond);
+      EXPECT_NEAR(open, expected, 0.005) << alpha_mode;
+      if (mode == Mode::direct) EXPECT_NEAR(ambient.x, 0.5 * radiance * expected, 0.02 * radiance) << alpha_mode;
+    }
+}
+
 // A closed room whose walls emit E and reflect rho: the walls show E/(1 - rho), of which they emit E themselves. What
 // the model of direct leaves out is the rest, all of it.
 TEST(Terms, IndirectIsWhatDirectLeavesOut) {

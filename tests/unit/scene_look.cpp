@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 
 namespace candela::test {
 namespace {
@@ -52,6 +53,27 @@ TEST(Look, SaysHowLargeTheSunIs) {
     ASSERT_FALSE(look) << wrong;
     EXPECT_EQ(look.error().kind, ErrorKind::input);
     EXPECT_NE(look.error().text().find("l.json: /sun"), std::string::npos) << look.error().text();
+  }
+}
+
+TEST(Look, SaysHowFarSurfacesHideTheSky) {
+  const auto look = look_from_json(R"({"occlusion": {"radius_m": 2, "falloff": 0.5}})", "l.json");
+  ASSERT_TRUE(look && look->occlusion);
+  const Occlusion& o = *look->occlusion;
+  EXPECT_EQ(o.strength, 1);
+  EXPECT_EQ(o.hidden(0), 1);
+  EXPECT_EQ(o.hidden(1), 1) << "up to (1 - falloff) radii";
+  EXPECT_DOUBLE_EQ(o.hidden(1.5), 0.5);
+  EXPECT_EQ(o.hidden(2), 0);
+  EXPECT_EQ(o.hidden(std::numeric_limits<double>::infinity()), 0);
+  EXPECT_EQ((Occlusion{1, 0, 1}.hidden(0.999)), 1) << "a hard end";
+  EXPECT_FALSE(look_from_json("{}", "l.json")->occlusion);
+  for (const char* wrong : {R"({"occlusion": {"radius_m": 0}})", R"({"occlusion": {"radius_m": -1}})",
+                            R"({"occlusion": {"falloff": 1.1}})", R"({"occlusion": {"strength": 2}})",
+                            R"({"occlusion": {"radius": 1}})", R"({"occlusion": 1})"}) {
+    const auto refused = look_from_json(wrong, "l.json");
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_NE(refused.error().text().find("l.json: /occlusion"), std::string::npos) << refused.error().text();
   }
 }
 

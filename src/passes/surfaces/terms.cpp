@@ -10,6 +10,12 @@ bool wants_lighting(const Terms::In& in) {
           (in.wanted[size_t(Term::ambient_diffuse)] || in.wanted[size_t(Term::ambient_specular)]));
 }
 
+// Terms are what fog leaves of them; its own light is none of them.
+CellLists transmitted(CellLists lists) {
+  if (lists.fog) lists.fog.light = FogLight::nothing;
+  return lists;
+}
+
 // "direct.sun" is DIRECT_SUN in the shader.
 std::string define_of(std::string_view layer) {
   std::string define(layer);
@@ -39,6 +45,7 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     choice.desc.fragment_shader += fmt::format("#{}={}", define_of(layers[i].name), choice.desc.color_formats.size());
     choice.desc.color_formats.push_back(color_format);
   }
+  choice.desc.fragment_shader = with_fog(choice.desc.fragment_shader, transmitted(in.lists));
   choice.desc.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
   choice.desc.samples = in.scene.samples;
   choice.desc.depth_test = tested;

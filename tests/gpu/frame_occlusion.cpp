@@ -21,9 +21,9 @@ class FrameOcclusion : public FrameTest {
       at += origin;
       add_node(b, {{"mesh", mesh}, {"translation", {at.x, at.y, at.z}}, {"rotation", turn}});
     };
-    add(square, {0, 0, 0}, {-h, 0, 0, h});      // floor: normal +y
-    add(square, {0, 2, -2}, {0, 0, 0, 1});      // back: normal +z
-    add(square, {-2, 2, 0}, {0, h, 0, h});      // left: normal +x
+    add(square, {0, 0, 0}, {-h, 0, 0, h});  // floor: normal +y
+    add(square, {0, 2, -2}, {0, 0, 0, 1});  // back: normal +z
+    add(square, {-2, 2, 0}, {0, h, 0, h});  // left: normal +x
     add(reference::test::add_sphere_mesh(b, 0.4, number, 24), {0.3, 0.4, -0.8}, {0, 0, 0, 1});
     return b;
   }

@@ -224,7 +224,8 @@ TEST(Terms, OcclusionIsTheShareThatNearSurfacesLeave) {
       const int roof = add_material(b, covering(diffuse_material(0, 0, 0), alpha_mode, alpha));
       add_node(b, {{"mesh", add_square_mesh(b, 100, roof)}, {"translation", {0, 0, height}}});
       const Occlusion look{radius, 0, strength};
-      const auto t = make_world(b, above, Sky::constant(radiance), false, glm::dvec4(0), false, {}, 0, look);
+      const auto t =
+          make_world(b, above, Sky::constant(glm::dvec3(radiance)), false, glm::dvec4(0), false, {}, 0, look);
       const Film film = traced(*t, mode == Mode::path ? path_settings() : centred(), above, 512, true);
       double open = 0;
       glm::dvec3 ambient(0);

@@ -100,6 +100,8 @@ Expected<void> check_part(const DumpRequest& request, const ImageDesc& image) {
 Expected<void> check_made(const DumpRequest& request, const GraphBuilder& builder, const FramePlan& plan, size_t last,
                           int image) {
   const ImageDesc& desc = std::get<ImageDesc>(builder.resources()[size_t(image)].desc);
+  const GraphBuilder::Resource& resource = builder.resources()[size_t(image)];
+  if (resource.imported && !resource.to_fill) return {};  // an earlier frame did
   const ImageRange part = ImageRange::layer(desc.kind == ImageKind::d3 ? 0 : request.layer, request.mip);
   for (size_t pass = last + 1; pass-- > 0;)
     for (const PlanUse& use : builder.passes()[pass].uses) {

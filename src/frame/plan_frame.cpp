@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "frame/caster_hash.h"
 #include "frame/frame_fog.h"
 #include "frame/frame_knobs.h"
 #include "frame/job_look.h"
@@ -102,6 +103,9 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.light_grid = f.light_grid.shape;
   s.sun_image = f.suns.image;
   s.sun_absence = f.suns.absence;
+  if (context.kept && s.sun_image)
+    if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures))
+      s.sun_key = depth_views_key(*casters, *s.sun_image);
   s.view_first_command = std::make_shared<const std::vector<uint32_t>>(f.suns.views.first_command);
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
@@ -196,28 +200,34 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
+  std::map<Hash128, KeptState> kept_states;
   const auto build = [&](GraphBuilder& builder) {
     f.imports.clear();
     SceneInputs inputs = import_scene(builder, context, f);
     inputs.background = *background;
     Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
+    frame.kept_states = kept_states;
     if (!f.dumps.empty())
       frame.observe = [&](Frame& observed, const std::string& pass) { add_dumps(observed, pass, f.dumps); };
     build_frame(frame, inputs, *technique);
     if (wanted.dumps.empty()) builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump)");
     f.outputs = std::move(frame.outputs);
     f.reports = std::move(frame.reports);
+    f.kept = std::move(frame.kept);
     f.graph = compile_graph(builder);
   };
-  GraphBuilder builder;
-  build(builder);
+  auto builder = std::make_unique<GraphBuilder>();
+  build(*builder);
   f.hash = plan_hash(f.graph.plan);
+  for (const KeptUse& use : f.kept)
+    if (const KeptState state = context.kept(use.key, use.desc); state != KeptState::unknown)
+      kept_states[use.key] = state;
+  if (!kept_states.empty()) build(*(builder = std::make_unique<GraphBuilder>()));
   if (!wanted.dumps.empty()) {
-    auto dumps = place_dumps(wanted.dumps, builder, f.graph.plan);
+    auto dumps = place_dumps(wanted.dumps, *builder, f.graph.plan);
     if (!dumps) return std::unexpected(dumps.error());
     f.dumps = std::move(*dumps);
-    GraphBuilder observed;
-    build(observed);
+    build(*(builder = std::make_unique<GraphBuilder>()));
   }
   add_notes(f, *knobs);
   f.plan_ms = ms_since(start);

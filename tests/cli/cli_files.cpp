@@ -108,6 +108,26 @@ TEST(Render, DumpsImagesOfThePlan) {
   EXPECT_EQ(with({"--dump", "resolve.resolved"}).code, 2);
 }
 
+// What frames keep for later ones shows in no byte, in one run or in shards.
+TEST(Sequence, KeptShadowMapsChangeNoByte) {
+  TestFolder folder;
+  const auto films = [&](const std::string& name, const Arguments& more) {
+    Arguments arguments = {"sequence", scene("spheres"), "--frames",        "0-5", "--size",
+                           "48x27",    "--set",          "sun.size_px=512", "-o",  folder / (name + "/%04d.exr"),
+                           "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = candela(arguments);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+  };
+  films("off", {"--cache", "off"});
+  films("on", {});
+  films("flight", {"--cache", "on", "--in-flight", "3"});
+  for (const char* shard : {"2/2", "1/2"}) films("shards", {"--shard", shard});
+  const auto off = contents(folder / "off");
+  EXPECT_EQ(off.size(), 6u);
+  for (const char* other : {"on", "flight", "shards"}) EXPECT_EQ(contents(folder / other), off) << other;
+}
+
 // OpenEXR's rule: a point times worldToNDC is the place in the picture, (0,0) the upper left corner.
 TEST(Render, WorldToNdcFindsTheTargetInTheMiddle) {
   TestFolder folder;

@@ -51,7 +51,8 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
   const vec3 before = k < 0 ? vec3(0.0) : fog_grid_light(at, k);
 #ifdef FOG_LAST
   // The slice in which a surface stands, as far as it lies before it: a lamp may be behind.
-  const vec2 cells = 2.0 * frame.tan_half / vec2(frame.size_px);
+  // A quarter of a pixel: a ray of its own stands for nothing but its pixel.
+  const vec2 cells = 0.5 * frame.tan_half / vec2(frame.size_px);
   float node_m[FOG_RUN + 1];
   node_m[0] = min(a_m, end_m);
   node_m[1] = end_m;
@@ -62,7 +63,8 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
   const vec3 after = fog_grid_light(at, k + 1);
   return before + (after - before) * mix(vec3(0.0), min(part / all, 1.0), greaterThan(all, vec3(0.0)));
 #elif FOG == 3
-  const vec2 cells = 2.0 * frame.tan_half / vec2(frame.size_px);
+  // A quarter of a pixel: a ray of its own stands for nothing but its pixel.
+  const vec2 cells = 0.5 * frame.tan_half / vec2(frame.size_px);
   const float farthest = subgroupMax(end_m);  // the walk through the lists takes all lanes
   precise vec3 sum = vec3(0.0);
   for (int first = 0; first < int(frame.fog.nodes.z); first += FOG_RUN) {

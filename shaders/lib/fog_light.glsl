@@ -28,9 +28,11 @@ const float FOG_ANGLE = 0.25;
 const int FOG_POINTS = 6;
 // A slice can lie in several slices of the lights' grid; in more than these it walks every light.
 const uint FOG_CELLS = 4u;
-// Of the distance between neighbouring rays, how much a ray keeps clear of every lamp: what it gives stands for all
-// points as near to it as to the others, where the mean of 1/d is that of a disc.
-const float FOG_SPREAD = 0.7;
+// Of the distance between neighbouring rays, how much a ray keeps clear of every lamp. What it gives is interpolated
+// over its neighbourhood, and a lamp that a ray nearly meets would shine out of all of it, before the lamp's own
+// housing too. Measured on a street of 1,024 lamps: less leaves single pixels a thousand times too bright, more dulls
+// the glow.
+const float FOG_SPREAD = 1.5;
 
 struct FogWalk {
   uint light;

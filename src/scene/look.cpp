@@ -311,7 +311,8 @@ Expected<Look> look_from_json(const std::string& text, const std::string& place,
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
   if (auto evaluated = evaluate(*j, place + ": ", time_s); !evaluated) return std::unexpected(evaluated.error());
   Look look;
-  const Readers<Look> readers = {{"fog", read_fog}, {"sun", read_sun}, {"bloom", read_bloom}, {"occlusion", read_occlusion}};
+  const Readers<Look> readers = {
+      {"fog", read_fog}, {"sun", read_sun}, {"bloom", read_bloom}, {"occlusion", read_occlusion}};
   if (auto read = read_keys(*j, place + ": ", readers, look); !read) return std::unexpected(read.error());
   return look;
 }

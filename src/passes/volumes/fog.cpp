@@ -34,7 +34,7 @@ std::span<const Knob<FogKnobs>> FogKnobs::table() {
        "",
        0,
        double(march),
-       {0, 3, 5, double(march)},
+       {0, 2, 3, double(march)},
        "rays across and down and depths at which the light of fog is kept; march: each pixel follows a ray of its own",
        names,
        Trades::error,

@@ -7,7 +7,7 @@ namespace candela {
 // How light in fog is resolved: the knobs `fog.*`.
 struct FogKnobs {
   static constexpr std::string_view name = "fog";
-  int grid = 5;             // into fog_grids, or the march
+  int grid = 3;             // into fog_grids, or the march
   int last = 1;             // the slice in which a surface stands is followed for itself
   int steps = 128;          // of a march
   int sky_directions = 16;  // of the transmittance before the sky

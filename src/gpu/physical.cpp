@@ -57,11 +57,15 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
       const auto& desc = std::get<BufferDesc>(resource.desc);
       VkBufferUsageFlags usage = resource.buffer_usage;
       if (copyable) usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-      buffers_[i] =
-          Buffer(device_, desc.size_bytes, usage, Buffer::Memory::device, Device::Purpose::frame, desc.name.c_str());
+      // What is hashed may not hold what another buffer left in the bytes that it does not write.
+      if (resource.block < 0 || copyable)
+        buffers_[i] =
+            Buffer(device_, desc.size_bytes, usage, Buffer::Memory::device, Device::Purpose::frame, desc.name.c_str());
+      else
+        buffers_[i] = Buffer(device_, desc.size_bytes, usage, desc.name.c_str());
     }
   }
-  bind_blocks(plan);
+  bind_blocks(plan, copyable);
   make_views(plan);
 }
 
@@ -196,13 +200,19 @@ PhysicalImage make_image(Device& device, const ImageDesc& desc, const ImageMakin
   return image;
 }
 
-void Physical::bind_blocks(const FramePlan& plan) {
+void Physical::bind_blocks(const FramePlan& plan, bool copyable) {
+  const auto shares = [&](size_t i) {
+    return plan.resources[i].block >= 0 && (images_[i].image || (buffers_[i] && !copyable));
+  };
   std::vector<VkMemoryRequirements> needs(plan.block_bytes.size(), {0, 1, ~0u});
   for (size_t i = 0; i < plan.resources.size(); ++i) {
-    if (!images_[i].image) continue;
+    CHECK_MSG(!images_[i].image || plan.resources[i].block >= 0, plan.resources[i].name());
+    if (!shares(i)) continue;
     VkMemoryRequirements own;
-    vkGetImageMemoryRequirements(device_.handle(), images_[i].image, &own);
-    CHECK_MSG(plan.resources[i].block >= 0, plan.resources[i].name());
+    if (images_[i].image)
+      vkGetImageMemoryRequirements(device_.handle(), images_[i].image, &own);
+    else
+      own = buffers_[i].requirements();
     VkMemoryRequirements& block = needs[size_t(plan.resources[i].block)];
     block.size = std::max(block.size, own.size);
     block.alignment = std::max(block.alignment, own.alignment);
@@ -212,9 +222,14 @@ void Physical::bind_blocks(const FramePlan& plan) {
   for (size_t block = 0; block < needs.size(); ++block)
     if (needs[block].size > 0)
       blocks_[block] = device_.allocate(needs[block], 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, Device::Purpose::frame);
-  for (size_t i = 0; i < plan.resources.size(); ++i)
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
+    if (!shares(i)) continue;
+    const VkDeviceMemory memory = blocks_[size_t(plan.resources[i].block)];
     if (images_[i].image)
-      VK_CHECK(vkBindImageMemory(device_.handle(), images_[i].image, blocks_[size_t(plan.resources[i].block)], 0));
+      VK_CHECK(vkBindImageMemory(device_.handle(), images_[i].image, memory, 0));
+    else
+      buffers_[i].bind(memory);
+  }
 }
 
 namespace {

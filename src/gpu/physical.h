@@ -64,7 +64,8 @@ struct StepImages {
 // plans, whatever the plans import.
 Hash128 physical_key(const FramePlan& plan);
 
-// The images and device buffers that a plan names. Images of one alias block share one piece of memory.
+// The images and device buffers that a plan names. What is in one alias block shares one piece of memory; while outputs
+// are hashed, buffers have their own.
 class Physical {
  public:
   Physical(Device& device, Bindless& bindless) : device_(device), bindless_(bindless) {}
@@ -90,7 +91,7 @@ class Physical {
   }  // empty: imported, read back, or unused
 
  private:
-  void bind_blocks(const FramePlan& plan);
+  void bind_blocks(const FramePlan& plan, bool copyable);
   void make_views(const FramePlan& plan);
   struct StepSets {
     VkDescriptorPool pool = VK_NULL_HANDLE;

@@ -28,15 +28,8 @@ Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Me
                const char* name)
     : device_(&device), size_(size_bytes) {
   try {
-    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-    info.size =
-        (std::max<uint64_t>(size_bytes, 16) + 3) & ~3ull;  // Vulkan has no empty buffers; fills go by four bytes
-    info.usage = usage;
-    share(device, info);
-    VK_CHECK(vkCreateBuffer(device.handle(), &info, nullptr, &buffer_));
-    device.set_name(VK_OBJECT_TYPE_BUFFER, uint64_t(buffer_), name);
-    VkMemoryRequirements needs;
-    vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
+    create(usage, name);
+    const VkMemoryRequirements needs = requirements();
     const MemoryFlags flags = memory_flags(memory);
     memory_ = device.allocate(needs, flags.wanted, flags.preferred, purpose);
     device.set_name(VK_OBJECT_TYPE_DEVICE_MEMORY, uint64_t(memory_), name);
@@ -46,14 +39,42 @@ Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Me
       VK_CHECK(vkMapMemory(device.handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped));
       mapped_ = static_cast<std::byte*>(mapped);
     }
-    if (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) {
-      VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, buffer_};
-      address_ = vkGetBufferDeviceAddress(device.handle(), &address);
-    }
+    find_address();
   } catch (...) {
     this->~Buffer();
     throw;
   }
+}
+
+Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, const char* name)
+    : device_(&device), size_(size_bytes) {
+  create(usage, name);
+}
+
+void Buffer::create(VkBufferUsageFlags usage, const char* name) {
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = (std::max<uint64_t>(size_, 16) + 3) & ~3ull;  // Vulkan has no empty buffers; fills go by four bytes
+  info.usage = usage_ = usage;
+  share(*device_, info);
+  VK_CHECK(vkCreateBuffer(device_->handle(), &info, nullptr, &buffer_));
+  device_->set_name(VK_OBJECT_TYPE_BUFFER, uint64_t(buffer_), name);
+}
+
+VkMemoryRequirements Buffer::requirements() const {
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device_->handle(), buffer_, &needs);
+  return needs;
+}
+
+void Buffer::bind(VkDeviceMemory shared) {
+  VK_CHECK(vkBindBufferMemory(device_->handle(), buffer_, shared, 0));
+  find_address();
+}
+
+void Buffer::find_address() {
+  if (!(usage_ & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT)) return;
+  VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, buffer_};
+  address_ = vkGetBufferDeviceAddress(device_->handle(), &address);
 }
 
 Buffer::~Buffer() {
@@ -66,6 +87,7 @@ Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(buffer_, other.buffer_);
+  std::swap(usage_, other.usage_);
   std::swap(memory_, other.memory_);
   std::swap(size_, other.size_);
   std::swap(address_, other.address_);

@@ -18,6 +18,10 @@ class Buffer {
   Buffer() = default;
   Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Memory memory, Device::Purpose purpose,
          const char* name);
+  // Without memory of its own: nothing may be done with it before bind.
+  Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, const char* name);
+  VkMemoryRequirements requirements() const;
+  void bind(VkDeviceMemory shared);  // at its begin; the memory's owner outlives the buffer
   ~Buffer();
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
@@ -31,7 +35,10 @@ class Buffer {
 
  private:
   Device* device_ = nullptr;
+  void create(VkBufferUsageFlags usage, const char* name);
+  void find_address();
   VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkBufferUsageFlags usage_ = 0;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
   uint64_t size_ = 0, address_ = 0;
   std::byte* mapped_ = nullptr;

@@ -3,18 +3,28 @@
 
 namespace candela {
 
-// Interval colouring of the images' lifetimes: the largest first, each into the first block that no member uses at the
+namespace {
+// A buffer whose memory was another's waits for that one's passes; below this it is not worth the wait.
+constexpr uint64_t least_buffer_bytes = 64 << 10;
+
+// Buffers that are filled with zeros are so before the first pass, and what the host reads outlives the last.
+bool can_share(const PlanResource& resource) {
+  if (resource.first_pass < 0 || resource.lifetime != Lifetime::frame) return false;
+  const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
+  return !buffer || (!buffer->zeroed && resource.bytes >= least_buffer_bytes);
+}
+}  // namespace
+
+// Interval colouring of lifetimes: the largest first, each into the first block of its kind that no member uses at the
 // same time: everything that is done with one must have ended before anything is done with the other begins, on
-// whatever queues. Buffers keep their own memory: they are small, and zeroed ones are filled before the first pass.
+// whatever queues. Images and buffers have blocks of their own: their memory may be of different types.
 void alias_memory(FramePlan& plan) {
-  std::vector<int> images;
+  std::vector<int> sharing;
   for (size_t i = 0; i < plan.resources.size(); ++i) {
-    PlanResource& resource = plan.resources[i];
-    resource.block = -1;
-    if (resource.is_image() && resource.first_pass >= 0 && resource.lifetime == Lifetime::frame)
-      images.push_back(int(i));
+    plan.resources[i].block = -1;
+    if (can_share(plan.resources[i])) sharing.push_back(int(i));
   }
-  std::stable_sort(images.begin(), images.end(),
+  std::stable_sort(sharing.begin(), sharing.end(),
                    [&](int a, int b) { return plan.resources[a].bytes > plan.resources[b].bytes; });
 
   const PassOrder order(plan);
@@ -31,17 +41,19 @@ void alias_memory(FramePlan& plan) {
 
   plan.block_bytes.clear();
   std::vector<std::vector<int>> members;
-  for (const int index : images) {
-    PlanResource& image = plan.resources[index];
-    const auto disjoint = [&](int other) { return before(other, index) || before(index, other); };
+  for (const int index : sharing) {
+    PlanResource& resource = plan.resources[index];
+    const auto disjoint = [&](int other) {
+      return plan.resources[other].is_image() == resource.is_image() && (before(other, index) || before(index, other));
+    };
     size_t block = 0;
     while (block < members.size() && !std::all_of(members[block].begin(), members[block].end(), disjoint)) ++block;
     if (block == members.size()) {
       members.emplace_back();
-      plan.block_bytes.push_back(image.bytes);  // sorted, so the first member is the largest
+      plan.block_bytes.push_back(resource.bytes);  // sorted, so the first member is the largest
     }
     members[block].push_back(index);
-    image.block = int(block);
+    resource.block = int(block);
   }
 }
 

@@ -216,7 +216,8 @@ class Walk {
       if (plan_.resources[need.resource].is_image() && state.layout != need.layout) {
         fresh.push_back(transition(need, state));
       } else {
-        const Dependency dependency = hazard(state, need);
+        Dependency dependency = hazard(state, need);
+        if (!plan_.resources[need.resource].is_image() && untouched(state)) take_over(need, dependency);
         barriers.source_stages |= dependency.source.stages;
         barriers.source_access |= dependency.source.access;
         barriers.destination_stages |= dependency.destination.stages;
@@ -289,7 +290,20 @@ class Walk {
             need.all.access, state.layout,  need.layout,     range};
   }
 
-  // The images that had the memory block before, newest first, back to one that is as large and was used whole: a
+  static bool untouched(const State& state) { return state.write.stages == 0 && state.reads.empty() && !state.changed; }
+
+  // A buffer's memory was another's: whatever was done with that is over, and its writes come before the new ones.
+  void take_over(const Need& need, Dependency& dependency) const {
+    for (const int before : predecessors_in_block(need.resource)) {
+      const Scope last = states_[size_t(before)][0].last();  // of the other queue: a semaphore stands between
+      dependency.source.stages |= last.stages;
+      dependency.source.access |= last.access;
+      if (last.stages)
+        dependency.destination.stages |= need.all.stages, dependency.destination.access |= need.all.access;
+    }
+  }
+
+  // What had the memory block before, newest first, back to one that is as large and was used whole: a
   // smaller one took over only its part of the memory, and the rest is still as an older one left it.
   std::vector<int> predecessors_in_block(int resource) const {
     const PlanResource& image = plan_.resources[resource];
@@ -303,7 +317,7 @@ class Walk {
     std::sort(before.begin(), before.end(),
               [&](int a, int b) { return plan_.resources[a].last_pass > plan_.resources[b].last_pass; });
     const auto covers = [&](int other) {
-      return plan_.resources[other].bytes >= image.bytes &&
+      return plan_.resources[other].is_image() && plan_.resources[other].bytes >= image.bytes &&
              std::all_of(states_[other].begin(), states_[other].end(),
                          [](const State& part) { return part.layout != VK_IMAGE_LAYOUT_UNDEFINED; });
     };

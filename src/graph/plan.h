@@ -101,7 +101,7 @@ struct PlanResource {
   VkImageUsageFlags image_usage = 0;  // unions over kept passes: pruning narrows usage too
   VkBufferUsageFlags buffer_usage = 0;
   int first_pass = -1, last_pass = -1;  // positions in FramePlan::passes; -1: unused, owns nothing
-  int block = -1;                       // transient images share memory blocks where lifetimes are disjoint
+  int block = -1;                       // what is transient shares memory blocks where lifetimes are disjoint
   uint64_t bytes = 0;                   // estimate: size without padding
   bool both_queues = false;             // passes of both queues use it
   const std::string& name() const {

@@ -141,12 +141,13 @@ std::string images_text(const FramePlan& plan) {
 }
 
 std::string buffers_text(const FramePlan& plan) {
-  Table table({"buffer", "lifetime", "bytes", "passes"}, "  >");
+  Table table({"buffer", "lifetime", "bytes", "passes", "block"}, "  > >");
   constexpr const char* lifetimes[] = {"scene", "frame", "readback"};
   for (const PlanResource& resource : plan.resources) {
     if (resource.is_image() || resource.first_pass < 0) continue;
     table.row({resource.name(), lifetimes[int(resource.lifetime)], human_bytes(resource.bytes),
-               fmt::format("{}-{}", resource.first_pass, resource.last_pass)});
+               fmt::format("{}-{}", resource.first_pass, resource.last_pass),
+               resource.block < 0 ? "" : fmt::format("{}", resource.block)});
   }
   return table.empty() ? "" : "\nbuffers\n" + table.text();
 }

@@ -18,7 +18,10 @@ class Sources {
   explicit Sources(const FramePlan& plan) : plan_(plan), last_(plan.passes.size(), -1) {
     for (const PlanResource& resource : plan.resources) {
       const auto* image = std::get_if<ImageDesc>(&resource.desc);
-      touched_.emplace_back(image ? size_t(image->mips) * image->layers : 1);
+      Touched found;
+      if (image && resource.imported && !resource.to_fill)
+        found.layout = image_layout(Access::sampled_fragment, image->format);
+      touched_.emplace_back(image ? size_t(image->mips) * image->layers : 1, found);
     }
     for (size_t pass = 0; pass < plan.passes.size(); ++pass)
       for (const PlanUse& use : plan.passes[pass].uses) add(int(pass), use);

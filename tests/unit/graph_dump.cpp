@@ -80,7 +80,7 @@ images
   display  R8G8B8A8_UNORM       64x32        1   8.00 KiB  2-3         0
 
 buffers
-  buffer    lifetime     bytes  passes
+  buffer    lifetime     bytes  passes  block
   scene     scene     2.93 KiB  0-1
   readback  readback  8.00 KiB  3-3
 

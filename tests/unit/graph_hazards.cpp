@@ -390,6 +390,20 @@ void check_contents(const FramePlan& plan, std::vector<std::string>& found) {
   }
 }
 
+// Images and buffers share no memory with each other, and nothing shares that of a buffer which is filled before the
+// first pass, or which the host reads.
+void check_sharing(const FramePlan& plan, std::vector<std::string>& found) {
+  std::map<int, bool> images;  // by block
+  for (const PlanResource& resource : plan.resources) {
+    if (resource.block < 0) continue;
+    if (!images.emplace(resource.block, resource.is_image()).second && images[resource.block] != resource.is_image())
+      found.push_back(fmt::format("{} shares memory of another kind", resource.name()));
+    const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
+    if (resource.imported || (buffer && (buffer->zeroed || buffer->memory != BufferMemory::device)))
+      found.push_back(fmt::format("{} shares memory", resource.name()));
+  }
+}
+
 // A queue without graphics has fewer stages; barriers may name no others there.
 void check_stages(const FramePlan& plan, std::vector<std::string>& found) {
   constexpr Stages compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT |
@@ -418,6 +432,7 @@ std::vector<std::string> find_hazards(const FramePlan& plan) {
         if (from->time < to->time) check(*from, *to);
   check_contents(plan, found);
   check_stages(plan, found);
+  check_sharing(plan, found);
   return found;
 }
 

@@ -82,7 +82,7 @@ class RandomGraph {
       const bool zeroed = below(3) == 0, readback = below(4) == 0;
       buffers_.push_back(
           {builder_.create(BufferDesc{.name = fmt::format("buffer{}.{}", pass, buffers_.size()),
-                                      .size_bytes = 256,
+                                      .size_bytes = below(2) ? 256u : 1u << (16 + below(4)),
                                       .memory = readback ? BufferMemory::host_read : BufferMemory::device,
                                       .zeroed = zeroed}),
            false, readback, zeroed});

@@ -8,6 +8,7 @@
 #include "frame/job.h"
 #include "graph/builder.h"
 #include "passes/lights/light_grid.h"
+#include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
@@ -33,6 +34,7 @@ struct PlannedFrame {
   LightGrid light_grid;
   FrameSuns suns;
   TextureKnobs textures;
+  IblKnobs image_light;
   CompiledGraph graph;
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
   std::vector<FrameReport> reports;

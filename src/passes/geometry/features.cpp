@@ -18,7 +18,9 @@ SpecConstant constant(Feature f) {
                                       "IS_UNLIT",
                                       "HAS_TEXTURES",
                                       "IS_SUBSAMPLE",
-                                      "HAS_SUN_SHADOWS"};
+                                      "HAS_SUN_SHADOWS",
+                                      "IBL_METHOD",
+                                      "HAS_SKY_IRRADIANCE"};
   return {uint32_t(f), names[uint32_t(f)], 1};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -59,6 +61,13 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
 }
 
 SpecConstant sun_shadows_constant() { return constant(Feature::sun_shadows); }
+
+std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {
+  std::vector<SpecConstant> list = {constant(Feature::ibl_method)};
+  list.front().value = uint32_t(method) + 1;
+  if (irradiance_map) list.push_back(constant(Feature::sky_irradiance));
+  return list;
+}
 
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features) {
   features.push_back(constant(Feature::subsample));

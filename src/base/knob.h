@@ -25,7 +25,7 @@ struct Knob {
   std::variant<int K::*, float K::*> member;
   std::string_view unit;                  // "px", "m", "" for a count
   double lowest, highest;                 // outside is an error, never a clamp
-  std::vector<double> ladder;             // from draft to exact: what the quality presets take
+  std::vector<double> ladder;             // from draft to exact: what the quality presets take; empty: the default
   std::string_view trades;                // one sentence: what it costs and what it leaves wrong
   std::vector<std::string_view> choices;  // names for the values 0, 1, ...; empty for plain numbers
   Trades kind = Trades::error;

@@ -12,8 +12,9 @@ namespace candela {
 namespace {
 
 // draft takes the first rung of every ladder, exact the last; ladders of four and more have a rung for normal and one
-// for high, shorter ones give high the last.
-double rung(const std::vector<double>& ladder, const std::string& quality) {
+// for high, shorter ones give high the last. A knob without a ladder keeps its default.
+double rung(const std::vector<double>& ladder, double by_default, const std::string& quality) {
+  if (ladder.empty()) return by_default;
   if (quality == "draft") return ladder.front();
   if (quality == "normal" && ladder.size() > 2) return ladder[(ladder.size() - 1) / 2];
   if (quality == "high" && ladder.size() > 3) return ladder[ladder.size() - 2];
@@ -51,7 +52,9 @@ Expected<double> parse_value(const KnobSetting& s, const Knob<K>& knob) {
 
 Expected<KnobValues> frame_knobs(const Job& job) {
   KnobValues all;
-  all.each([&](std::string_view, const auto& knob, auto& knobs) { knob.set(knobs, rung(knob.ladder, job.quality)); });
+  all.each([&](std::string_view, const auto& knob, auto& knobs) {
+    knob.set(knobs, rung(knob.ladder, knob.value(knobs), job.quality));
+  });
   if (job.samples != 0) all.get<Resolve::Knobs>().samples = job.samples;
   for (const KnobSetting& s : job.settings) {
     bool known = false;
@@ -77,7 +80,7 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
   KnobValues all;
   std::vector<KnobRow> rows;
   all.each([&](std::string_view table, const auto& knob, auto& knobs) {
-    knob.set(knobs, rung(knob.ladder, quality));
+    knob.set(knobs, rung(knob.ladder, knob.value(knobs), quality));
     std::vector<std::string> ladder;
     for (const double v : knob.ladder) ladder.push_back(knob.text(v));
     KnobRow row{.pass = std::string(table),

@@ -1,10 +1,22 @@
 // PNG and JPEG in memory through stb_image. Only files that begin as one of the two reach it, so that its decoders of
 // other formats are never entered; what it does not notice (truncated JPEG, sizes no file of that length can hold) is
-// refused here.
-#include <stb/stb_image.h>
-
+// refused here. It is compiled here rather than linked: its memory begins as zeros, for a JPEG whose scan names a
+// Huffman table that it never defined is decoded by whatever lies there, and what it asserts is an error of the file.
 #include <climits>
+#include <cstdlib>
 #include <cstring>
+#include <stdexcept>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#define STBI_MALLOC(size) std::calloc(1, size)
+#define STBI_REALLOC(block, size) std::realloc(block, size)
+#define STBI_FREE(block) std::free(block)
+#define STBI_ASSERT(condition) ((condition) ? void() : throw std::logic_error(#condition))
+#include <stb/stb_image.h>
 
 #include "base/input.h"
 #include "image/environment_file.h"
@@ -144,6 +156,8 @@ Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const st
   return image;
 } catch (const std::bad_alloc&) {
   return fail(ErrorKind::out_of_memory, place, "not enough memory to decode the image");
+} catch (const std::logic_error& broken) {
+  return fail(ErrorKind::input, place, "is damaged: the decoder refuses it ({})", broken.what());
 }
 
 }  // namespace candela

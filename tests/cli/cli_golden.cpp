@@ -4,6 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/hash.h"
+#include "image/io.h"
 #include "program.h"
 
 namespace candela::test {
@@ -79,6 +81,34 @@ TEST_F(Golden, AChangedPictureFailsWithAReport) {
   EXPECT_EQ(Json::parse(failed.out)["goldens"][0]["verdict"], "failed");
   EXPECT_NE(bytes_of(folder / "report/index.html").find("box"), std::string::npos);
   EXPECT_NE(bytes_of(folder / "report/junit.xml").find("<failure"), std::string::npos);
+}
+
+// Pictures of a device class that are right there besides the golden's own are known by their digest: of size, channel
+// names and the digests of their values.
+TEST_F(Golden, OnlyTheAcceptedPictureIsAccepted) {
+  ASSERT_EQ(update("first").code, 0);
+  Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));
+  const std::string here = manifest["made"]["device_class"];
+  manifest["job"]["exposure"] = 2;
+  manifest["accepted"] = {{here, {hash128("another picture").hex()}}};
+  write_manifest(folder, "box", manifest);
+  const Ended failed = check({"--report", folder / "report"});
+  EXPECT_EQ(failed.code, 1) << failed.err;
+  EXPECT_EQ(Json::parse(failed.out)["goldens"][0]["verdict"], "failed");
+
+  const auto actual = read_image(folder / "report/box.png");
+  ASSERT_TRUE(actual) << actual.error().text();
+  std::string digests = "32x18";
+  for (const Channel& channel : actual->channels)
+    digests += "\n" + channel.name + " " + hash128(std::as_bytes(std::span(channel.f))).hex();
+  manifest["accepted"][here].push_back(hash128(digests).hex());
+  write_manifest(folder, "box", manifest);
+  const Ended passed = check();
+  EXPECT_EQ(passed.code, 0) << passed.err << passed.out;
+  // Of another class of device it is not.
+  manifest["accepted"] = {{"another", manifest["accepted"][here]}};
+  write_manifest(folder, "box", manifest);
+  EXPECT_EQ(check().code, 1);
 }
 
 TEST_F(Golden, AnotherDeviceClassIsRefusedUnlessMeant) {

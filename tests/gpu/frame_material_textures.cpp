@@ -8,14 +8,15 @@
 namespace candela::test {
 namespace {
 
-constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987;
+constexpr int nearest = 9728, linear_mipmap_linear = 9987, nearest_mipmap_nearest = 9984;
 
 // One sampler a texture.
 int add_texture(GltfBuilder& b, const std::vector<std::byte>& png, int min_filter = nearest) {
   std::vector<uint8_t> bytes(png.size());
   std::memcpy(bytes.data(), png.data(), png.size());
   b.json["images"].push_back({{"bufferView", b.view(bytes)}, {"mimeType", "image/png"}});
-  b.json["samplers"].push_back({{"magFilter", min_filter == nearest ? nearest : linear}, {"minFilter", min_filter}});
+  const int mag_filter = min_filter == linear_mipmap_linear ? 9729 : nearest;  // linear
+  b.json["samplers"].push_back({{"magFilter", mag_filter}, {"minFilter", min_filter}});
   const size_t index = b.json["images"].size() - 1;
   b.json["textures"].push_back({{"source", index}, {"sampler", index}});
   return int(index);
@@ -160,8 +161,8 @@ TEST_F(FrameMaterialTextures, TheSecondSetOfCoordinates) {
 }
 
 // At one texel a pixel the texture itself is shown, at two the mean of four texels: the level follows the footprint,
-// and no bias blurs or sharpens. A level off by 0.05 would mix in a twentieth of its neighbour, whose texels differ by
-// 0.2 on the average.
+// and no bias of half a level or more blurs or sharpens (MipLevelsChangeHalfWay: smaller ones). Texels of neighbouring
+// levels differ by 0.2 on the average.
 TEST_F(FrameMaterialTextures, MipLevelsFollowTheFootprint) {
   constexpr int texels = 64;
   Rng rng(7);
@@ -193,6 +194,33 @@ TEST_F(FrameMaterialTextures, MipLevelsFollowTheFootprint) {
         sum += (std::abs(p.x - wanted.x) + std::abs(p.y - wanted.y) + std::abs(p.z - wanted.z)) / 3;
       }
     EXPECT_LT(sum / (size * size), 0.01) << step << " texels a pixel";
+  }
+}
+
+// The nearest level changes at half a level, here between 2^0.4 and 2^0.6 texels a pixel: a bias of 0.1 either way
+// shows. (Between whole levels a device may mix as it likes: lavapipe takes the nearer one alone for half of the way.)
+TEST_F(FrameMaterialTextures, MipLevelsChangeHalfWay) {
+  constexpr int texels = 64;
+  const auto checks = [](double u, double v) {  // the level above is 0.5 all over
+    return (int(u * texels) + int(v * texels)) % 2 == 0 ? glm::dvec4(0, 0, 0, 1) : glm::dvec4(1);
+  };
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json material = unlit_material(1, 1, 1);
+  material["pbrMetallicRoughness"]["baseColorTexture"] = {
+      {"index", add_texture(b, png_from(texels, texels, 3, checks), nearest_mipmap_nearest)}};
+  add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))}});
+  add_camera_of_the_square(b);
+  for (const int size : {48, 42}) {
+    const bool finest = std::log2(double(texels) / size) < 0.5;
+    for (const glm::vec4& p : images_of(job_for(write(b), size, size))["beauty"].values<glm::vec4>()) {
+      const double from_half = std::abs(double(p.x) - 0.5);
+      if (finest) {
+        ASSERT_EQ(from_half, 0.5) << size;
+      } else {
+        ASSERT_LT(from_half, 0.01) << size;
+      }
+    }
   }
 }
 

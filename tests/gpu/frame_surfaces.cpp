@@ -169,7 +169,7 @@ TEST_F(FrameSurfaces, AMaskKeepsWhatEqualsItsCutoff) {
 }
 
 // A mask by vertex colours whose alpha falls from 1 to 0: solid up to the cutoff, then gone, in beauty and layers
-// alike.
+// alike. Each channel of the colours is its own.
 TEST_F(FrameSurfaces, AMaskCutsAtItsCutoff) {
   GltfBuilder b = empty_scene();
   use_materials(b);
@@ -177,7 +177,7 @@ TEST_F(FrameSurfaces, AMaskCutsAtItsCutoff) {
   material["alphaCutoff"] = 0.25;
   const int square = add_square_mesh(b, 1, add_material(b, material));
   b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["COLOR_0"] =
-      b.accessor<float>("VEC4", {1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 1});
+      b.accessor<float>("VEC4", {0.5, 0.25, 0.125, 1, 0.5, 0.25, 0.125, 0, 0.5, 0.25, 0.125, 0, 0.5, 0.25, 0.125, 1});
   add_node(b, {{"mesh", square}});
   for (const int samples : {1, 4}) {
     Job job = with_layers(job_for(write(b), 64, 36, samples));
@@ -189,7 +189,7 @@ TEST_F(FrameSurfaces, AMaskCutsAtItsCutoff) {
       const double at = 3 * tan_x * (2 * (x + 0.5) / 64 - 1), alpha = (1 - at) / 2;
       if (std::abs(at) > 0.95 || std::abs(alpha - 0.25) < 0.05) continue;
       const glm::vec4 p = images["beauty"].at<glm::vec4>(x, 18);
-      EXPECT_EQ(p, alpha > 0.25 ? glm::vec4(1, 0.5, 0.25, 1) : glm::vec4(0)) << x;
+      EXPECT_EQ(p, alpha > 0.25 ? glm::vec4(0.5, 0.125, 0.03125, 1) : glm::vec4(0)) << x;
       EXPECT_EQ(images["object_id"].at<uint32_t>(x, 18), alpha > 0.25 ? 0u : no_id) << x;
       (alpha > 0.25 ? solid : cut)++;
     }

@@ -33,12 +33,13 @@ double srgb_decode(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0
 class FrameTextures : public FrameTest {};
 
 // 4x4 texels of different colours, seen straight on: each has its place, and sRGB is decoded. Drivers decode by table
-// or formula; Vulkan allows 0.6 of an 8-bit code value; lavapipe uses 0.15 of it.
+// or formula; Vulkan allows 0.6 of an 8-bit code value; lavapipe uses 0.15 of it. Coordinates that are moved have no
+// number in common with those beside them.
 TEST_F(FrameTextures, TexelsLieWhereTheirCoordinatesSay) {
   const auto code = [](double u, double v) {
     return glm::dvec4(std::floor(u * 4) * 60, std::floor(v * 4) * 70, 10 + 20 * std::floor(u * 4), 255) / 255.0;
   };
-  for (const bool transformed : {false, true}) {
+  for (const auto& [transformed, moved] : {std::pair(false, false), {true, false}, {false, true}}) {
     GltfBuilder b = empty_scene();
     use_materials(b);
     b.use("KHR_texture_transform");
@@ -47,7 +48,11 @@ TEST_F(FrameTextures, TexelsLieWhereTheirCoordinatesSay) {
     if (transformed)
       material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
           {"offset", {0.25, 0.5}}, {"scale", {0.5, 1}}, {"rotation", std::numbers::pi / 2}};
-    add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))}});
+    const int square = add_textured_square(b, add_material(b, material));
+    if (moved)
+      b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TEXCOORD_0"] =
+          b.accessor<float>("VEC2", {0.25, 1.5, 1.25, 1.5, 1.25, 0.5, 0.25, 0.5});
+    add_node(b, {{"mesh", square}});
     b.json["cameras"] = {
         {{"type", "orthographic"}, {"orthographic", {{"xmag", 1.0}, {"ymag", 1.0}, {"znear", 0.5}, {"zfar", 20.0}}}}};
     add_node(b, {{"camera", 0}, {"translation", {0, 0, 2}}});
@@ -59,6 +64,7 @@ TEST_F(FrameTextures, TexelsLieWhereTheirCoordinatesSay) {
           const double su = 0.5 * u, sv = v;
           u = sv + 0.25, v = -su + 0.5;
         }
+        if (moved) u += 0.25, v += 0.5;
         const glm::dvec4 wanted = code(u - std::floor(u), v - std::floor(v));
         const glm::vec4 p = images["beauty"].at<glm::vec4>(x, y);
         for (int c = 0; c < 3; ++c) {
@@ -96,6 +102,32 @@ TEST_F(FrameTextures, NormalMapsFollowMirroredTransforms) {
     const double c = std::cos(t.turn_rad), s = std::sin(t.turn_rad);
     const glm::dvec3 wanted = glm::normalize(glm::dvec3(c * local.x - s * local.y, s * local.x + c * local.y, local.z));
     const glm::dvec3 n(images["normal"].at<glm::vec4>(8, 8));
+    EXPECT_LT(glm::length(n - wanted), 2e-6)
+        << n.x << " " << n.y << " " << n.z << " for " << wanted.x << " " << wanted.y << " " << wanted.z;
+  }
+}
+
+// A tangent of a slant, and the bitangent of its handedness.
+TEST_F(FrameTextures, NormalMapsFollowTheirTangents) {
+  const glm::dvec3 codes(180, 90, 220);
+  const glm::dvec3 mapped = glm::normalize(codes / 255.0 * 2.0 - 1.0);
+  for (const float handedness : {1.0f, -1.0f}) {
+    GltfBuilder b = empty_scene();
+    use_materials(b);
+    Json material = diffuse_material(0.5, 0.5, 0.5);
+    material["normalTexture"] = {
+        {"index",
+         add_texture(b, png_from(1, 1, 3, [&](double, double) { return glm::dvec4(codes / 255.0, 1); }), true)}};
+    const int square = add_textured_square(b, add_material(b, material));
+    std::vector<float> tangents;
+    for (int i = 0; i < 4; ++i) tangents.insert(tangents.end(), {0.6f, 0.8f, 0, handedness});
+    b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TANGENT"] = b.accessor<float>("VEC4", tangents);
+    add_node(b, {{"mesh", square}});
+    Job job = with_layers(job_for(write(b), 16, 16));
+    look(job, {0, 0, 3}, {0, 0, 0}, 20);
+    const glm::dvec3 n(images_of(job)["normal"].at<glm::vec4>(8, 8));
+    const glm::dvec3 tangent(0.6, 0.8, 0), bitangent = glm::dvec3(-0.8, 0.6, 0) * double(handedness);
+    const glm::dvec3 wanted = tangent * mapped.x + bitangent * mapped.y + glm::dvec3(0, 0, mapped.z);
     EXPECT_LT(glm::length(n - wanted), 2e-6)
         << n.x << " " << n.y << " " << n.z << " for " << wanted.x << " " << wanted.y << " " << wanted.z;
   }

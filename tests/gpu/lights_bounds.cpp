@@ -112,6 +112,35 @@ TEST_F(LightBoundsTest, TheFootOfThePerpendicularIsNotTheClosestPoint) {
   EXPECT_EQ(touches({p}, true)[0], 0xfu);
 }
 
+// Cones along the view that hold one corner of a tile by a hair: the capsule's ball there is as wide as the tile's
+// diagonal, and needs all of it.
+TEST_F(LightBoundsTest, AConeThatHoldsACornerByAHairIsKept) {
+  for (const bool perspective : {true, false}) {
+    std::vector<SlabPair> pairs;
+    const double half = perspective ? 0.1 : 1, tangent = 0.1, hair_m = 0.01;
+    for (const double z_far : {10.0, 11.0, 20.0})
+      for (const double z : {10.0, z_far})
+        for (const double side_x : {-1.0, 1.0})
+          for (const double side_y : {-1.0, 1.0})
+            for (const double shines : {-1.0, 1.0}) {
+              SlabPair p;
+              p.slab = {glm::vec2(float(-half)), glm::vec2(float(half)), 10, float(z_far)};
+              // Twenty metres before or behind the corner the cone is two metres wide.
+              const double across = half * (perspective ? z : 1) + (20 * tangent - hair_m) / std::sqrt(2.0);
+              const glm::dvec3 corner(glm::dvec2(side_x, side_y) * half * (perspective ? z : 1), z);
+              p.light.type = LightType::spot;
+              p.light.position = glm::vec3(float(side_x * across), float(side_y * across), float(z - 20 * shines));
+              p.light.direction = {0, 0, float(shines)};
+              p.light.range_m = 100;
+              p.light.outer_cone_rad = float(std::atan(tangent));
+              EXPECT_TRUE(reaches(p.light, corner));
+              pairs.push_back(p);
+            }
+    const auto bits = touches(pairs, perspective);
+    for (size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(bits[i], 0xfu) << i << " perspective " << perspective;
+  }
+}
+
 // Lights that only touch by a hair, and numbers near the ends of what floats hold: yes is always allowed, no only if it
 // is right.
 TEST_F(LightBoundsTest, ExtremeNumbersAreKept) {

@@ -144,6 +144,14 @@ const Case cases[] = {
            point(b, {rng.uniform(-0.4, 0.4) * z, -0.99, 3 - z}, range, z * z);
          }
      }},
+    // From above, the floor 15 m away. Slices end at the first power of two beyond the deepest light, 16 m, and the
+    // last of four to the octave begins at 14 m.
+    {"LightsInTheLastSliceAlone",
+     [](GltfBuilder& b, Rng& rng) {
+       for (int i = 0; i < 40; ++i) point(b, random_point(rng, {-4, -1, -6}, {4, -0.8, -2}), rng.uniform(0.3, 0.5), 50);
+     },
+     {0, 14, -2},
+     {0, -1, -4}},
     {"TinyRanges",
      [](GltfBuilder& b, Rng& rng) {
        for (int i = 0; i < 200; ++i)

@@ -89,7 +89,9 @@ glm::dvec3 expected(ToneCurve curve, glm::dvec3 c) {
 
 std::vector<glm::vec4> colours() {
   std::vector<glm::vec4> list;
-  std::vector<float> values = {0, 1e-10f, 0.5f, 1, 0.76f, 0.8f, 0.08f, 0.0031308f};
+  std::vector<float> values = {0, 1e-10f, 0.5f, 1, 0.08f, 0.0031308f};
+  // Where Khronos PBR Neutral begins to compress: 0.76, or 0.8 before the offset is taken off.
+  for (const float v : {0.75f, 0.76f, 0.765f, 0.77f, 0.78f, 0.79f, 0.8f, 0.81f, 0.82f, 0.83f}) values.push_back(v);
   for (double e = -4; e <= 5.001; e += 0.125) values.push_back(float(std::pow(10.0, e)));
   for (const float v : values) {
     const float part[] = {0, 0.3f, 1};

@@ -4,7 +4,7 @@ import re
 from fnmatch import fnmatch
 
 # Lines that are no code of a function's body, or whose value the compiler needs.
-NO_CODE = re.compile(r"constexpr|static|template|using |namespace|enum|struct|class |case |default:|layout\(|precision|CHECK\("
+NO_CODE = re.compile(r"constexpr|static|template|std::array<|using |namespace|enum|struct|class |case |default:|layout\(|precision|CHECK\("
                      r"|#|refuse|fail\(|warn\(|fmt::|push_back\(\"|operator|extern|\bshared (u?int|float)|readonly|^\s*(//|\{|\"|\d)")
 FLOAT = re.compile(r"(?<![\w.\"])(\d+\.\d*(e-?\d+)?f?|\d+e-?\d+f?)(?![\w.])")
 STEP = re.compile(r"(?<=\w [+-] )1u?(?![\w.])")
@@ -74,8 +74,9 @@ def candidates(name, text):
 
 
 def draw(root, settings, taken, text_of):
-    """`taken`: places of other faults, by file; drawn ones keep off them."""
+    """`taken`: places of other faults, by file; drawn ones keep off them, and off those that settings say are equivalent."""
     random_of = random.Random(settings["seed"])
+    equivalent = {(e["file"], e["operator"], e["old"]) for e in settings.get("equivalent", [])}
     faults = []
     for area in settings["area"]:
         places = []
@@ -93,6 +94,8 @@ def draw(root, settings, taken, text_of):
             for place in places:
                 name, kind, start, end, new = place
                 if kind != operator or any(start < b and a < end for a, b in taken.get(name, [])):
+                    continue
+                if (name, kind, text_of(name)[start:end]) in equivalent:
                     continue
                 taken.setdefault(name, []).append((start, end))
                 line = text_of(name)[:start].count("\n") + 1

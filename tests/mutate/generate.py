@@ -43,7 +43,9 @@ def choice(edits, old):
         for number, edit in edits:
             code = f"if (candela_active_fault == {number}) {{ {edit['new']} }} else {code}"
         return "{ " + code + " }"
-    code = f"({old})"
+    # A negated condition may be a pointer.
+    negated = any(edit["new"] == f"!({old})" for _, edit in edits)
+    code = f"bool({old})" if negated else f"({old})"
     for number, edit in edits:
         code = f"(candela_active_fault == {number} ? ({edit['new']}) : {code})"
     return code
@@ -165,6 +167,9 @@ def main(root, out):
                 continue
             edit["line"] = text_of(edit["file"])[:edit["at"][0]].count("\n") + 1
             taken.setdefault(edit["file"], []).append(tuple(edit["at"]))
+    for place in drawn_settings.get("equivalent", []):
+        if place["old"] not in text_of(place["file"]):
+            wrong.append(f"drawn.toml says that this is equivalent, but {place['file']} does not hold it: {place['old']}")
     if wrong:
         raise Wrong("\n".join(wrong))
     faults = table + draw.draw(root, drawn_settings, taken, text_of)

@@ -11,7 +11,7 @@ namespace {
 struct Frame {
   uint32_t width = 64, samples = 4, spec = 1;
   std::string shade = "shade";
-  bool extra_dropped_pass = false;
+  bool extra_dropped_pass = false, zeroed = false;
   Access use = Access::sampled_compute;
 
   FramePlan plan() const {
@@ -43,7 +43,8 @@ struct Frame {
     b.end_pass({});
     b.begin_pass("readback");
     b.read(display, Access::transfer_source, "display");
-    b.sink(b.write(b.create(BufferDesc{"readback", 8192, BufferMemory::host_read}), Access::transfer_destination));
+    b.sink(
+        b.write(b.create(BufferDesc{"readback", 8192, BufferMemory::host_read, zeroed}), Access::transfer_destination));
     b.end_pass({});
     if (extra_dropped_pass) {
       b.begin_pass("unread");
@@ -139,6 +140,7 @@ TEST(GraphDump, HashIsStableAndFeelsWhatTimingsDependOn) {
   EXPECT_NE(hash, plan_hash(Frame{.spec = 0}.plan()));
   EXPECT_NE(hash, plan_hash(Frame{.shade = "shade_unlit"}.plan()));
   EXPECT_NE(hash, plan_hash(Frame{.use = Access::sampled_fragment}.plan()));
+  EXPECT_NE(hash, plan_hash(Frame{.zeroed = true}.plan()));
 }
 
 }  // namespace

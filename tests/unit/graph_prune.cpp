@@ -84,6 +84,30 @@ TEST(GraphPrune, AWriteKeepsWhatItWritesOnto) {
   EXPECT_EQ(Buffers::names(compile_graph(g.builder).plan), "a blend");
 }
 
+// A pass that is kept for one image draws onto another: what was there before decides what it draws (a depth test).
+TEST(GraphPrune, WhatAKeptPassDrawsOverIsMade) {
+  for (const Access access : {Access::depth_attachment, Access::color_attachment}) {
+    const bool is_depth = access == Access::depth_attachment;
+    GraphBuilder builder;
+    builder.begin_pass("before");
+    ImageHandle over =
+        builder.write(builder.create(ImageDesc{.name = "drawn over",
+                                               .format = is_depth ? VK_FORMAT_D32_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM,
+                                               .width_px = 8,
+                                               .height_px = 8}),
+                      access);
+    builder.end_pass({});
+    builder.begin_pass("draw");
+    builder.write(over, access);
+    const ImageHandle color = builder.write(
+        builder.create(ImageDesc{.name = "color", .format = VK_FORMAT_R8G8B8A8_UNORM, .width_px = 8, .height_px = 8}),
+        Access::color_attachment);
+    builder.end_pass({});
+    builder.sink(color);
+    EXPECT_EQ(Buffers::names(compile_graph(builder).plan), "before draw") << "depth " << is_depth;
+  }
+}
+
 TEST(GraphPrune, PruningNarrowsUsage) {
   Buffers g;
   const BufferHandle a = g.pass("a", {});

@@ -36,6 +36,38 @@ TEST(Display, AlphaComesOutStraight) {
   EXPECT_EQ(wide.pixels.size(), 16u);
 }
 
+// The renderer's dither (shaders/tonemap.comp), number for number: PCG in three dimensions of pixel and seed (Jarzynski
+// and Olano 2020), triangular noise of one code value either way.
+TEST(Display, DitherIsThatOfTheRenderer) {
+  const auto pcg3d = [](glm::uvec3 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.z, v.y += v.z * v.x, v.z += v.x * v.y;
+    v ^= v >> 16u;
+    v.x += v.y * v.z, v.y += v.z * v.x, v.z += v.x * v.y;
+    return glm::dvec3(v >> 8u) / 16777216.0;
+  };
+  GltfBuilder b = empty_scene();
+  use_all(b);
+  add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, unlit_material(0.6, 0.2, 0.05)))}});
+  const TestCamera camera{.yfov_deg = 20, .width = 16, .height = 9};
+  const Film film = traced(*make_world(b, camera), centred(), camera, 1);
+  for (const uint32_t seed : {0u, 7u}) {
+    const DisplayImage image = display_image(film, {.curve = "none", .seed = seed});
+    ASSERT_EQ(image.pixels.size(), size_t(3 * 16 * 9));
+    for (uint32_t y = 0; y < 9; ++y)
+      for (uint32_t x = 0; x < 16; ++x) {
+        const glm::dvec3 noise = pcg3d({x, y, seed}) - pcg3d({x, y, seed ^ 0x9e3779b9u});
+        const double linear[] = {0.6, 0.2, 0.05};
+        for (size_t c = 0; c < 3; ++c) {
+          const double encoded = 255 * (1.055 * std::pow(linear[c], 1 / 2.4) - 0.055);
+          EXPECT_EQ(std::to_integer<int>(image.pixels[(size_t(y) * 16 + x) * 3 + c]),
+                    int(std::floor(encoded + noise[int(c)] + 0.5)))
+              << x << " " << y << " channel " << c << " seed " << seed;
+        }
+      }
+  }
+}
+
 // Greys through AgX: a toe of power 3 below the pivot, a shoulder of power 3.25 above it.
 TEST(Display, AgxHasItsToeAndItsShoulder) {
   const double pivot = 10 / 16.5;

@@ -173,6 +173,13 @@ TEST(Sampling, SkiesInClosedForm) {
   EXPECT_NEAR(neutral.radiance({0, 1, 0}).x, 0.7, 1e-12);
 }
 
+// A unit vector's rounding may take it past the poles.
+TEST(Sampling, ASkysPolesAreFinite) {
+  const Sky sky(test_sky());
+  const double beyond = std::nextafter(1.0, 2.0);
+  for (const double y : {-beyond, beyond}) EXPECT_EQ(sky.radiance({0, y, 0}), sky.radiance({0, y < 0 ? -1 : 1, 0}));
+}
+
 TEST(Sampling, CosineDirectionsHaveTheirMean) {
   const glm::dvec3 n = glm::normalize(glm::dvec3(-1, 2, -0.5));
   glm::dvec3 sum(0);

@@ -250,6 +250,37 @@ TEST(Transport, AResumedFilmIsTheUninterruptedOne) {
   EXPECT_NE(damaged.error().text().find("damaged"), std::string::npos);
 }
 
+// Variance and noise by their definitions, from the samples themselves.
+TEST(Transport, VarianceAndNoiseAreThoseOfTheSamples) {
+  const TestCamera camera{.eye = camera_of_furnished.eye, .width = 5, .height = 4};
+  const auto t = make_world(furnished(), camera, Sky::neutral(), true);
+  const Integrator integrator(*t->world, path_settings(), camera.width, camera.height);
+  for (const int count : {2, 5, 8}) {
+    const Film film = traced(*t, path_settings(), camera, count);
+    double square = 0, relative = 0;
+    for (size_t i = 0; i < film.pixels(); ++i) {
+      std::vector<glm::dvec3> x;
+      for (int s = 0; s < count; ++s)
+        x.push_back(integrator.sample(int(i) % camera.width, int(i) / camera.width, uint64_t(s)).radiance);
+      for (int c = 0; c < 3; ++c) {
+        double mean = 0, half[2] = {}, scatter = 0;
+        for (int s = 0; s < count; ++s) mean += x[size_t(s)][c] / count;
+        for (int s = 0; s < count; ++s) {
+          half[s % 2] += x[size_t(s)][c] / ((count + 1 - s % 2) / 2);
+          scatter += (x[size_t(s)][c] - mean) * (x[size_t(s)][c] - mean);
+        }
+        EXPECT_NEAR(film.mean(i)[c], mean, 1e-12 * mean);
+        EXPECT_NEAR(film.variance(i)[c], scatter / (count - 1) / count, 1e-12 * (1 + mean * mean));
+        const double error = std::pow((half[0] - half[1]) / 2, 2) / (3 * double(film.pixels()));
+        square += error, relative += error / (mean * mean + 0.01);
+      }
+    }
+    EXPECT_GT(square, 1e-4);
+    EXPECT_NEAR(film.mean_square_error(), square, 1e-12 * (1 + square)) << count;
+    EXPECT_NEAR(film.relative_error(), std::sqrt(relative), 1e-12) << count;
+  }
+}
+
 // The error that two halves tell is the true one: against a film of many more samples.
 TEST(Transport, HalvesTellTheNoise) {
   const auto t = make_world(furnished(), camera_of_furnished, Sky::neutral(), true);

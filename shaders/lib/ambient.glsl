@@ -24,25 +24,28 @@ struct AmbientLobes {
   vec3 diffuse, specular;
 };
 AmbientLobes ambient_lobes(Surface s, vec3 v) {
+  Surface in_image = s;
+  in_image.normal = in_sky(s.normal);
   if (IBL_METHOD == ibl_sampled) {
-    const SkyLobes sampled = sampled_sky(brdf_terms(s, v));
-    return AmbientLobes(sampled.diffuse, sampled.specular);
+    const SkyLobes sampled = sampled_sky(brdf_terms(in_image, in_sky(v)), s.roughness);
+    return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity);
   }
   const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
   const vec3 f_dielectric = s.dielectric_f0 * albedo.x + s.dielectric_f90 * albedo.y;
   const vec3 f_metal = s.base_color * albedo.x + albedo.y;
   const float f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
   const float diffuse_left = 1.0 - (f0_max + (s.dielectric_f90 - f0_max) * albedo.z);
-  const vec3 around = HAS_SKY_IRRADIANCE != 0 ? sky_irradiance(s.normal) : ambient_radiance(s.normal);
+  const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_image.normal) : ambient_radiance(s.normal);
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * around;
   vec3 specular = mix(f_dielectric, f_metal, s.metallic);
   const vec3 mirrored = reflect(-v, s.normal);
   if (IBL_METHOD == ibl_split) {
-    specular *= filtered_sky(mirrored, slice_of_roughness(s.roughness));
+    specular *= frame.sky_intensity * filtered_sky(in_sky(mirrored), slice_of_roughness(s.roughness));
   } else if (IBL_METHOD == ibl_lobe) {
     const vec2 lobe = lobe_shape(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
-    specular *= filtered_sky(normalize(mix(s.normal, mirrored, lobe.x)), lobe.y);
-    specular += sky_lights(brdf_terms(s, v), lobe.y);
+    specular *= filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
+    specular += sky_lights(brdf_terms(in_image, in_sky(v)), lobe.y);
+    specular *= frame.sky_intensity;
   } else {
     specular *= ambient_radiance(mirrored);
   }

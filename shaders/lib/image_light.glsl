@@ -37,9 +37,11 @@ vec2 lobe_shape(float roughness, float n_v) {
 }
 
 // The sky's bright spots, as far as they are not in the slice.
+float share_of_lights(float slice) {
+  return clamp((slice - float(sky_lights_after)) / float(sky_lights_from - sky_lights_after), 0.0, 1.0);
+}
 vec3 sky_lights(BrdfTerms b, float slice) {
-  const float share =
-      clamp((slice - float(sky_lights_after)) / float(sky_lights_from - sky_lights_after), 0.0, 1.0);
+  const float share = share_of_lights(slice);
   vec3 sum = vec3(0.0);
   if (share == 0.0) return sum;
   for (uint i = 0u; i < frame.image_light.light_count; ++i) {
@@ -59,22 +61,29 @@ vec3 sky_lights(BrdfTerms b, float slice) {
   return share * sum;
 }
 
-// The sky's image itself, seen through a cone of a solid angle.
-vec3 sky_through(vec3 d, float solid_angle) {
+// The sky's image itself, seen through a cone of a solid angle, and that without its bright spots.
+struct SkyTexels {
+  vec3 all, rest;
+};
+SkyTexels sky_through(vec3 d, float solid_angle) {
   const float across = length(d.xz);
   const vec2 uv = vec2(atan(d.z, d.x) / (2.0 * PI) + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI);
-  const float texel = 2.0 * PI * PI / (frame.sky_size_px.x * frame.sky_size_px.y) * max(across, 1e-4);
-  return textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv,
-      max(0.5 * log2(max(solid_angle / texel, 1e-12)), 0.0)).rgb;
+  const vec2 size = frame.sky_size_px, rest_size = frame.image_light.rest_px;
+  const float covered = solid_angle / (2.0 * PI * PI * max(across, 1e-4));  // as an image of one texel
+  const float lod = max(0.5 * log2(max(covered * size.x * size.y, 1e-12)), 0.0);
+  const float rest_lod = max(0.5 * log2(max(covered * rest_size.x * rest_size.y, 1e-12)), 0.0);
+  return SkyTexels(
+      textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv, lod).rgb,
+      textureLod(sampler2D(textures[frame.image_light.texture], samplers[frame.sky_sampler]), uv, rest_lod).rgb);
 }
 
 struct SkyLobes {
   vec3 diffuse, specular;
 };
-// Sums over directions by the cosine, and by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of
+// Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of
 // Visible Normals", 2018), each as wide as its share (Krivanek and Colbert 2008): with more samples it tends to the
 // integral. The same directions for every pixel, so without noise.
-SkyLobes sampled_sky(BrdfTerms b) {
+SkyLobes sampled_sky(BrdfTerms b, float roughness) {
   const float handed = b.normal.z < 0.0 ? -1.0 : 1.0, p = -1.0 / (handed + b.normal.z), q = b.normal.x * b.normal.y * p;
   const mat3 axes = mat3(vec3(1.0 + handed * b.normal.x * b.normal.x * p, handed * q, -handed * b.normal.x),
       vec3(q, handed + b.normal.y * b.normal.y * p, -b.normal.y), b.normal);
@@ -86,6 +95,7 @@ SkyLobes sampled_sky(BrdfTerms b) {
   const vec3 t2 = cross(stretched, t1);
   const float g1 = 2.0 * v.z / (v.z + sqrt(v.z * v.z * (1.0 - b.alpha2) + b.alpha2));
   const uint count = frame.image_light.pixel_samples;
+  const float slice = slice_of_roughness(roughness), share = share_of_lights(slice);
   SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0));
   for (uint i = 0u; i < count; ++i) {
     const float u = (float(i) + 0.5) / float(count), phi = 2.0 * PI * float(bitfieldReverse(i)) * (1.0 / 4294967296.0);
@@ -95,7 +105,7 @@ SkyLobes sampled_sky(BrdfTerms b) {
     const float dv_h = 0.5 * length(l + v), dx = clamp(1.0 - dv_h, 0.0, 1.0), dx2 = dx * dx;
     const float left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * dx2 * dx2 * dx);
     if (b.diffuse != vec3(0.0) && l.z > 0.0)
-      sum.diffuse += left * sky_through(axes * l, PI / (float(count) * l.z));
+      sum.diffuse += left * sky_through(axes * l, PI / (float(count) * l.z)).rest;
     // Specular.
     const float s = 0.5 * (1.0 + stretched.z);
     const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
@@ -110,8 +120,18 @@ SkyLobes sampled_sky(BrdfTerms b) {
                          v.z * sqrt(l.z * l.z * (1.0 - b.alpha2) + b.alpha2));
     const float k = dot(h.xy, h.xy) + h.z * h.z * b.alpha2;
     const float pdf = g1 * b.alpha2 / (4.0 * PI * k * k * v.z);
-    sum.specular += (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (g2 / g1) *
-                    sky_through(axes * l, 1.0 / (float(count) * pdf));
+    const SkyTexels sky = sky_through(axes * l, 1.0 / (float(count) * pdf));
+    sum.specular += (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (g2 / g1) * mix(sky.all, sky.rest, share);
   }
-  return SkyLobes(sum.diffuse * b.diffuse * PI / float(count), sum.specular / float(count));
+  sum.diffuse *= b.diffuse * PI / float(count);
+  sum.specular /= float(count);
+  for (uint i = 0u; i < frame.image_light.light_count; ++i) {
+    const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
+    const float n_l = dot(b.normal, light.direction);
+    const float dx = clamp(1.0 - 0.5 * length(light.direction + b.to_viewer), 0.0, 1.0), dx2 = dx * dx;
+    const float left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * dx2 * dx2 * dx);
+    if (n_l > 0.0) sum.diffuse += b.diffuse * light.illuminance * (left * n_l);
+  }
+  sum.specular += sky_lights(b, slice);
+  return sum;
 }

@@ -34,13 +34,14 @@ struct ImageLight {
   uint light_count;
   uint pixel_samples;
   vec2 irradiance_uv;  // offset and scale, as a slice's, on both axes
+  vec2 rest_px;        // method sampled: size of the sky without its bright spots, which is the texture then
 };
 
 SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-static_assert(sizeof(SkySlice) == 16 && sizeof(SkyLight) == 24 && sizeof(ImageLight) == 48);
+static_assert(sizeof(SkySlice) == 16 && sizeof(SkyLight) == 24 && sizeof(ImageLight) == 56);
 }
 #else
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SkySlicesRef { SkySlice s[]; };

@@ -88,6 +88,9 @@ struct FrameConstants {
   float pre_exposure;
   LightGrid grid;
   ImageLight image_light;
+  vec2 sky_turn;  // cosine and sine of the sky's rotation about +Y
+  float sky_intensity;
+  uint unused_sky;
 };
 
 SHARED_END
@@ -109,7 +112,7 @@ static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 &&
-              offsetof(FrameConstants, image_light) == 504 && sizeof(FrameConstants) == 552);
+              offsetof(FrameConstants, image_light) == 504 && sizeof(FrameConstants) == 576);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

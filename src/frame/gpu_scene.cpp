@@ -157,8 +157,15 @@ void GpuScene::load_image_light(const PlannedFrame& frame) {
   shared::ImageLight& light = maps.light;
   light.texture = light.irradiance_texture = light.lobe_texture = shared::absent;
   light.pixel_samples = uint32_t(maps.knobs.pixel_samples);
-  if (IblMethod(maps.knobs.method) == IblMethod::sampled) return;  // the sky itself is all it reads
+  if (IblMethod(maps.knobs.method) == IblMethod::sampled)
+    load_divided_sky(maps);
+  else
+    load_filtered_sky(maps);
+}
+
+void GpuScene::load_filtered_sky(SkyMaps& maps) {
   const FilteredSky sky = filtered_sky(sky_, maps.knobs, cache_folder());
+  shared::ImageLight& light = maps.light;
   gpu::Uploader uploader(device_);
   const auto load = [&](gpu::Texture& texture, VkFormat format, uint32_t width, uint32_t height,
                         const std::vector<float>& texels, const char* name) {
@@ -169,7 +176,7 @@ void GpuScene::load_image_light(const PlannedFrame& frame) {
     uploader.to_texture(texture, data);
     return bindless_.add_sampled(texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   };
-  light.texture = load(maps.slices, VK_FORMAT_R32G32B32A32_SFLOAT, sky.width, sky.height, sky.texels, "sky.filtered");
+  light.texture = load(maps.sky, VK_FORMAT_R32G32B32A32_SFLOAT, sky.width, sky.height, sky.texels, "sky.filtered");
   light.lobe_texture =
       load(maps.lobes, VK_FORMAT_R32G32_SFLOAT, shared::sky_lobe_size, shared::sky_lobe_size, sky.lobes, "sky.lobes");
   if (const uint32_t side = sky.irradiance_px; side > 0) {
@@ -181,19 +188,38 @@ void GpuScene::load_image_light(const PlannedFrame& frame) {
   sampler.wrap_u = sampler.wrap_v = Wrap::clamp;
   sampler.mipmaps = false;
   light.clamp_sampler = bindless_.add_sampler(sampler_info(sampler));
+  load_sky_table(maps, uploader, sky.slices, sky.lights);
+}
+
+void GpuScene::load_divided_sky(SkyMaps& maps) {
+  const DividedSky sky = divide_sky(sky_, maps.knobs);
+  gpu::TextureData data{VK_FORMAT_R32G32B32A32_SFLOAT, uint32_t(sky.rest[0].width), uint32_t(sky.rest[0].height), {}};
+  for (const SkyLevel& level : sky.rest) {
+    const auto bytes = std::as_bytes(std::span(level.texels));
+    data.levels.emplace_back(bytes.begin(), bytes.end());
+  }
+  maps.sky = gpu::Texture(device_, data, "sky.rest");
+  gpu::Uploader uploader(device_);
+  uploader.to_texture(maps.sky, data);
+  maps.light.texture = bindless_.add_sampled(maps.sky.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  maps.light.rest_px = {sky.rest[0].width, sky.rest[0].height};
+  load_sky_table(maps, uploader, {}, sky.lights);
+}
+
+void GpuScene::load_sky_table(SkyMaps& maps, gpu::Uploader& uploader, const std::vector<shared::SkySlice>& slices,
+                              std::vector<shared::SkyLight> lights) {
+  maps.light.light_count = uint32_t(lights.size());
   // lavapipe 25.0.7 loads from an address even where no lane asks: there is always a light.
-  std::vector<shared::SkyLight> lights = sky.lights;
   if (lights.empty()) lights.push_back({});
-  const auto slice_bytes = std::as_bytes(std::span(sky.slices)), light_bytes = std::as_bytes(std::span(lights));
+  const auto slice_bytes = std::as_bytes(std::span(slices)), light_bytes = std::as_bytes(std::span(lights));
   maps.table =
       gpu::Buffer(device_, slice_bytes.size() + light_bytes.size(), storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                   gpu::Buffer::Memory::device, gpu::Device::Purpose::scene, "sky.table");
-  uploader.to_buffer(maps.table, 0, slice_bytes);
+  if (!slices.empty()) uploader.to_buffer(maps.table, 0, slice_bytes);
   uploader.to_buffer(maps.table, slice_bytes.size(), light_bytes);
   uploader.flush();
-  light.slices = maps.table.address();
-  light.lights = light.slices + slice_bytes.size();
-  light.light_count = uint32_t(sky.lights.size());
+  maps.light.slices = maps.table.address();
+  maps.light.lights = maps.light.slices + slice_bytes.size();
 }
 
 void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {

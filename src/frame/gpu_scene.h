@@ -43,6 +43,11 @@ class GpuScene {
   void load_split_sum(const PlannedFrame& frame);
   void load_image_light(const PlannedFrame& frame);
   void remove_image_light();
+  struct SkyMaps;
+  void load_filtered_sky(SkyMaps& maps);
+  void load_divided_sky(SkyMaps& maps);
+  void load_sky_table(SkyMaps& maps, gpu::Uploader& uploader, const std::vector<shared::SkySlice>& slices,
+                      std::vector<shared::SkyLight> lights);
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
   shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
   void set_textures(const Material& material, shared::Material& out) const;
@@ -69,7 +74,7 @@ class GpuScene {
   glm::vec2 environment_size_{0};
   // The sky filtered as the knobs say, when a frame first asks for it.
   struct SkyMaps {
-    gpu::Texture slices, irradiance, lobes;
+    gpu::Texture sky, irradiance, lobes;
     gpu::Buffer table;  // slices, then lights
     IblKnobs knobs;
     shared::ImageLight light{};

@@ -172,7 +172,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
         "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
         bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data);
-  const AmbientSh ambient = context.environment       ? *context.environment
+  const SkyLook& sky = f.request.look.sky;
+  const AmbientSh ambient = context.environment
+                                ? turned(*context.environment, glm::radians(sky.rotation_deg), sky.intensity)
                             : f.request.neutral_light ? neutral_ambient()
                                                       : AmbientSh{};
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);

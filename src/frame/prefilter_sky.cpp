@@ -270,6 +270,11 @@ double slice_of_roughness(double roughness) {
                     double(last_slice));
 }
 
+DividedSky divide_sky(const DecodedImage& sky, const IblKnobs& knobs) {
+  SkyParts parts = take_lights(sky_level(sky), knobs.lights);
+  return {sky_pyramid(std::move(parts.rest)), std::move(parts.lights)};
+}
+
 FilteredSky prefilter_sky(const DecodedImage& image, const IblKnobs& knobs) {
   CHECK(image.format == DecodedImage::Format::rgba32f);
   FilteredSky out;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "frame/sky_pyramid.h"
 #include "image/io.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "shared/image_light.h"
@@ -31,6 +32,13 @@ struct FilteredSky {
   std::vector<float> lobes;  // two numbers each, shared::sky_lobe_size squared
 };
 FilteredSky prefilter_sky(const DecodedImage& sky, const IblKnobs& knobs);
+
+// For the method that samples the sky itself: its bright spots, and the rest with its mip levels.
+struct DividedSky {
+  std::vector<SkyLevel> rest;
+  std::vector<shared::SkyLight> lights;
+};
+DividedSky divide_sky(const DecodedImage& sky, const IblKnobs& knobs);
 
 // The same, kept in a folder (skies/*.sky) by the sky's content and the knobs. An empty folder keeps nothing.
 FilteredSky filtered_sky(const DecodedImage& sky, const IblKnobs& knobs, const std::filesystem::path& cache_folder);

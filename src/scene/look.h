@@ -50,11 +50,18 @@ struct Bloom {
   static double variance_px2(size_t level) { return 1.5 * (double(uint64_t(1) << (2 * (level + 1))) - 1); }
 };
 
+// How the sky's image stands and shines.
+struct SkyLook {
+  double rotation_deg = 0;  // about +Y, counter-clockwise seen from above
+  double intensity = 1;     // times the image's radiance
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
   std::optional<Bloom> bloom;
   std::optional<Sun> sun;
+  SkyLook sky;
 };
 
 // A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are

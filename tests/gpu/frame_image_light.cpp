@@ -159,6 +159,28 @@ TEST_F(ImageLight, IsNowhereNegativeAndFinite) {
   }
 }
 
+// A look that turns the sky a quarter and doubles it gives the picture of the turned and doubled image, sky and lobes.
+TEST_F(ImageLight, FollowsTheLooksSky) {
+  const auto radiance = [](glm::dvec3 d) { return glm::dvec3(1 + d.x, d.z > 0.9 ? 40 : 0.5, 1 + 0.5 * d.z * d.y); };
+  const Texels plain = write_sky("plain", radiance);
+  const Texels turned = write_sky("turned", [&](glm::dvec3 d) { return 2.0 * radiance(glm::dvec3(-d.z, d.y, d.x)); });
+  const std::string look = ::testing::TempDir() + "candela_image_light_look.json";
+  std::ofstream(look) << R"({"sky": {"rotation_deg": 90, "intensity": 2}})";
+  for (const char* method : {"split", "lobe", "sampled", "none"}) {
+    Job job = squares(0.5, turned.file);
+    if (std::string(method) == "none")
+      job.effects = "none";
+    else
+      job.settings = {{"ibl", "method", method}};
+    const Images wanted = images_of(job);
+    job.sky = plain.file, job.look = look;
+    const Images images = images_of(job);
+    const auto a = wanted["beauty"].values<glm::vec4>(), b = images["beauty"].values<glm::vec4>();
+    for (size_t i = 0; i < a.size(); ++i)
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(b[i][k], a[i][k], 0.01 * a[i][k] + 0.01) << method << " " << i;
+  }
+}
+
 // A frame without the effect has nothing of it.
 TEST_F(ImageLight, IsLeftOutWhole) {
   const Texels sky = sunny();

@@ -12,7 +12,12 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
+#include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
+#ifdef FOG
+#include "lib/fog.glsl"
+#include "lib/fog_lamps.glsl"
+#endif
 
 layout(location = 0) out vec4 out_radiance;  // premultiplied, pre-exposed
 
@@ -24,19 +29,35 @@ void main() {
   // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples
   // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
-  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
-  const vec3 surface_point = HAS_SUN_SHADOWS != 0 ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
-                                                  : v.relative_position;
+  const bool in_plane = HAS_SUN_SHADOWS != 0 || HAS_OCCLUSION != 0;
+  const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
+                                      : v.relative_position;
   precise vec3 radiance = s.emission;
-  if (HAS_AMBIENT != 0) radiance += ambient_light(s, to_viewer);
+  if (HAS_AMBIENT != 0) {
+    vec3 ambient = HAS_OCCLUSION != 0
+        ? occluded_ambient_light(s, to_viewer, occlusion_open(surface_point, plane_normal)) : ambient_light(s, to_viewer);
+#ifdef FOG
+    ambient *= fog_sky_through(v.relative_position, s.normal, false);
+#endif
+    radiance += ambient;
+  }
   if (HAS_LIGHTS != 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
       if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, surface_point, plane_normal);
+#ifdef FOG
+      if (reaching != vec3(0.0)) reaching *= fog_light_through(light, v.relative_position);
+#endif
       radiance += reaching;
     }
   }
+#ifdef FOG
+  const FogSeen fog = fog_before(v.relative_position);
+  out_radiance = vec4((radiance * frame.pre_exposure * fog.through + fog.light) * coverage, coverage);
+#else
   out_radiance = vec4(radiance * frame.pre_exposure * coverage, coverage);
+#endif
 }

@@ -7,6 +7,9 @@
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { SkyPush pc; };
 layout(constant_id = 14) const int IS_SUBSAMPLE = 0;
+#ifdef FOG
+#include "lib/fog.glsl"
+#endif
 layout(location = 0) in vec2 in_ndc;
 layout(location = 0) out vec4 out_radiance;
 const float PI = 3.14159265358979323846;
@@ -25,5 +28,13 @@ void main() {
   const float lod = log2(max(step * frame.sky_size_px.x / (2.0 * PI), 1e-6));
   const vec3 radiance = textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv,
       max(lod, 0.0)).rgb;
+#ifdef FOG
+  const FogSeen fog = fog_before_sky(ndc);
+  out_radiance = vec4(radiance * (frame.sky_intensity * frame.pre_exposure) * fog.through, 1.0);
+#ifndef WITHOUT_FOG_LIGHT
+  out_radiance.rgb += fog.light;
+#endif
+#else
   out_radiance = vec4(radiance * (frame.sky_intensity * frame.pre_exposure), 1.0);
+#endif
 }

@@ -12,7 +12,12 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
+#include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
+#ifdef FOG
+#include "lib/fog.glsl"
+#include "lib/fog_lamps.glsl"
+#endif
 
 // Each wanted term is defined as its attachment's number; an unwanted one has no output.
 #ifdef DIRECT_SUN
@@ -42,7 +47,14 @@ layout(location = BACKGROUND) out vec4 out_background;
 
 uint light_kind(LightRef light) { return floatBitsToUint(light_word(light, 3u).y); }
 
+#ifdef FOG
+vec3 through_fog = vec3(1.0);  // to the camera; the light of fog is a layer of its own (shaders/fog_layers.frag)
+vec4 covering(vec3 radiance, float coverage) {
+  return vec4(radiance * frame.pre_exposure * through_fog * coverage, coverage);
+}
+#else
 vec4 covering(vec3 radiance, float coverage) { return vec4(radiance * frame.pre_exposure * coverage, coverage); }
+#endif
 
 void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
@@ -50,6 +62,13 @@ void main() {
   const vec3 to_viewer = direction_to_viewer();
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);  // the pre-pass cut: shade_forward.frag
+#ifdef FOG
+  through_fog = fog_before_through(v.relative_position);
+#endif
+  const bool in_plane = HAS_SUN_SHADOWS != 0 || HAS_OCCLUSION != 0;
+  const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
+                                      : v.relative_position;
   // What unlit surfaces show counts as emission.
 #ifdef EMISSION
   out_emission = covering(IS_UNLIT != 0 ? s.base_color : s.emission, coverage);
@@ -57,6 +76,15 @@ void main() {
 #if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
   AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) ambient = ambient_lobes(s, to_viewer);
+  if (HAS_AMBIENT != 0 && HAS_OCCLUSION != 0 && IS_UNLIT == 0)
+    ambient = occluded_lobes(ambient, s, to_viewer, occlusion_open(surface_point, plane_normal));
+#ifdef FOG
+  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
+    const vec3 sky = fog_sky_through(v.relative_position, s.normal, false);
+    ambient.diffuse *= sky;
+    ambient.specular *= sky;
+  }
+#endif
 #endif
 #ifdef AMBIENT_DIFFUSE
   out_ambient_diffuse = covering(ambient.diffuse * s.occlusion, coverage);
@@ -66,9 +94,6 @@ void main() {
 #endif
 #ifdef ANY_DIRECT
   // Each sum takes its lights in the order of the whole.
-  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
-  const vec3 surface_point = HAS_SUN_SHADOWS != 0 ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
-                                                  : v.relative_position;
   precise vec3 sun = vec3(0.0), point = vec3(0.0), spot = vec3(0.0);
   if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
@@ -76,6 +101,9 @@ void main() {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
       if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, surface_point, plane_normal);
+#ifdef FOG
+      if (reaching != vec3(0.0)) reaching *= fog_light_through(light, v.relative_position);
+#endif
       const uint kind = light_kind(light);
       if (kind == light_directional)
         sun += reaching;

@@ -35,7 +35,8 @@ AmbientLobes ambient_lobes(Surface s, vec3 v) {
   const vec3 f_metal = s.base_color * albedo.x + albedo.y;
   const float f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
   const float diffuse_left = 1.0 - (f0_max + (s.dielectric_f90 - f0_max) * albedo.z);
-  const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_image.normal) : ambient_radiance(s.normal);
+  const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_image.normal)
+                                              : ambient_radiance(s.normal);
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * around;
   vec3 specular = mix(f_dielectric, f_metal, s.metallic);
   const vec3 mirrored = reflect(-v, s.normal);
@@ -53,5 +54,18 @@ AmbientLobes ambient_lobes(Surface s, vec3 v) {
 }
 vec3 ambient_light(Surface s, vec3 v) {
   const AmbientLobes lobes = ambient_lobes(s, v);
+  return (lobes.diffuse + lobes.specular) * s.occlusion;
+}
+// What is left of the lobes where a share `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
+// Rousiers, "Moving Frostbite to Physically Based Rendering", 2014: a smooth surface loses them later than a rough one
+// its light.
+float specular_open(float open, float n_v, float roughness) {
+  return clamp(pow(clamp(n_v, 0.0, 1.0) + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
+}
+AmbientLobes occluded_lobes(AmbientLobes lobes, Surface s, vec3 v, float open) {
+  return AmbientLobes(lobes.diffuse * open, lobes.specular * specular_open(open, dot(s.normal, v), s.roughness));
+}
+vec3 occluded_ambient_light(Surface s, vec3 v, float open) {
+  const AmbientLobes lobes = occluded_lobes(ambient_lobes(s, v), s, v, open);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }

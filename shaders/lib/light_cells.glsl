@@ -1,3 +1,4 @@
+#pragma once
 // Cells of the light grid (shared/lights.h): where they lie, and which one holds a point. Needs `frame` (lib/scene.glsl
 // or a macro). A point chooses its cell by its own position, never by gl_FragCoord: then the list is right for whatever
 // position the rasteriser interpolated, however far off the pixel rounding put it.

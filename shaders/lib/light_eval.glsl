@@ -1,15 +1,6 @@
 // KHR_lights_punctual. Needs lib/scene.glsl and lib/brdf.glsl.
 
-// Closer than this a point light's inverse square is held, the same in every path (TECHNIQUES 9.3).
-const float MIN_LIGHT_DISTANCE_M = 0.01;
-
-// A 64-bit word of a light. llvmpipe gathers every word lane by lane, which is most of what a light costs there: so
-// they are few, and read only once the light may still give something.
-vec2 light_word(LightRef light, uint word) { return uintBitsToFloat(unpackUint2x32(light.w[word])); }
-
-LightRef light_at(uint64_t lights, uint index) { return LightRef(lights + 64ul * index); }
-
-vec3 light_intensity(LightRef light) { return vec3(light_word(light, 5u), light_word(light, 6u).x); }
+#include "lib/light_data.glsl"
 
 // What of the light's intensity arrives at the position, per square metre perpendicular to its direction l. Exactly
 // zero outside the range and the cone.

@@ -1,3 +1,4 @@
+#pragma once
 // The lights of a shaded point, in ascending order whatever the list: sums come out bit for bit as if every light were
 // walked, for a light outside its range or cone gives exactly zero (TECHNIQUES 6.1). All lanes of a subgroup walk the
 // union of their lists, so a light's data is loaded once for all. Needs lib/light_cells.glsl and the addresses

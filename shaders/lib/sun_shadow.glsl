@@ -6,52 +6,13 @@
 // Advanced Warfare", 2014, for the turn). The disc's radius is 1.25 texels, and widens to 2.5 towards a cascade's edge,
 // where the next one's texels are larger. The point is moved off its surface along the triangle's normal by as much as
 // the slope can differ within the reach of the lookup (Holbert, "Saying Goodbye to Shadow Acne", 2011).
-#include "lib/image_kinds.glsl"
-#include "shared/shadows.h"
+#include "lib/plane.glsl"
+#include "lib/sun_cascades.glsl"
 
 const float KERNEL_TEXELS = 1.25, WIDEST_KERNEL_TEXELS = 2.5;
 const vec2 POISSON_DISC[9] = vec2[](vec2(-0.4862, 0.1613), vec2(0.5966, 0.2921), vec2(0.4500, -0.7884),
                                     vec2(-0.4681, -0.6912), vec2(-0.4098, 0.8839), vec2(0.1890, -0.1863),
                                     vec2(-0.9707, -0.2080), vec2(0.9302, -0.2334), vec2(0.1930, 0.7432));
-
-// The triangle's own normal, on the viewer's side, from a position that is interpolated to the pixel's middle. Outside
-// of branches that differ between neighbours only.
-vec3 triangle_normal(vec3 position, vec3 to_viewer) {
-  const vec3 n = normalize_or(cross(dFdx(position), dFdy(position)), to_viewer);
-  return dot(n, to_viewer) < 0.0 ? -n : n;
-}
-
-// A point of the triangle near one that was interpolated to a centroid: llvmpipe 25.0.7 divides by the depth of the
-// pixel's middle there, which leaves the point off its surface. Where the two places are one nothing is moved.
-vec3 onto_triangle(vec3 position, vec3 normal, vec3 in_plane) {
-  return position + normal * dot(normal, in_plane - position);
-}
-
-struct CascadePlace {
-  SunCascade cascade;
-  uint number;      // max_sun_cascades: no cascade covers the point
-  float to_edge;    // 0 in the middle of what it covers, 1 at the edge
-};
-CascadePlace find_cascade(uint sun, vec3 position) {
-  SunShadowsRef suns = SunShadowsRef(pc.suns);
-  CascadePlace place;
-  place.number = max_sun_cascades;
-  const vec2 across = vec2(dot(suns.s[sun].right, position), dot(suns.s[sun].up, position));
-  if (dot(suns.s[sun].depth, vec4(position, 1.0)) < 0.0) return place;
-  const uint count = suns.s[sun].cascade_count;
-  for (uint c = 0u; c < count; ++c) {
-    const SunCascade cascade = suns.s[sun].cascades[c];
-    const vec2 off = abs(across - cascade.centre_m);
-    const float farthest = max(off.x, off.y);
-    if (farthest <= cascade.covered_m) {
-      place.cascade = cascade;
-      place.number = c;
-      place.to_edge = farthest / cascade.covered_m;
-      break;
-    }
-  }
-  return place;
-}
 
 // 1: lit, 0: in shadow. position: relative; normal: of the triangle.
 float sun_visibility(uint sun, vec3 position, vec3 normal) {

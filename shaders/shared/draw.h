@@ -10,15 +10,20 @@ struct DrawPush {  // every pass that draws the scene
   // footprints of textures shrink.
   vec2 subsample_ndc;
   float subsample_footprint;
-  uint sun_maps;  // the maps' place among the pass's images
+  uint sun_maps;   // the maps' place among the pass's images
+  uint fog_light;  // the same of the grid of fog's light
+  uint occlusion;  // of ambient occlusion's texels; only where shading reads them
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;
   mat4 clip_from_relative;
   vec2 subsample_ndc;  // as in DrawPush, whose functions it serves; 0
 };
+// Of what lies behind everything: the members that DrawPush has too are used where it is seen through fog.
 struct SkyPush {
+  uint64_t lights, light_cells, light_entries, light_tiles, suns;
   vec2 subsample_ndc;  // by which this sample lies off the pixel's middle (passes/post/supersample.h)
+  uint sun_maps, fog_light;
 };
 struct SupersamplePush {
   uint source, before, target;
@@ -26,7 +31,10 @@ struct SupersamplePush {
   uvec2 size_px;
 };
 struct BackgroundPush {
-  vec4 color;  // premultiplied, pre-exposed
+  uint64_t lights, light_cells, light_entries, light_tiles, suns;  // as in SkyPush
+  vec4 color;                                                      // premultiplied, pre-exposed
+  vec2 subsample_ndc;
+  uint sun_maps, fog_light;
 };
 struct TonemapPush {
   uint source, target;  // bindless

@@ -1,5 +1,6 @@
 #ifndef CANDELA_SHARED_SCENE_H
 #define CANDELA_SHARED_SCENE_H
+#include "shared/fog.h"
 #include "shared/image_light.h"
 #include "shared/lights.h"
 #include "shared/types.h"
@@ -87,6 +88,7 @@ struct FrameConstants {
   vec2 sky_size_px;
   float pre_exposure;
   LightGrid grid;
+  FogMedium fog;
   ImageLight image_light;
   vec2 sky_turn;  // cosine and sine of the sky's rotation about +Y
   float sky_intensity;
@@ -112,7 +114,8 @@ static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 &&
-              offsetof(FrameConstants, image_light) == 504 && sizeof(FrameConstants) == 576);
+              offsetof(FrameConstants, fog) == 504 && offsetof(FrameConstants, image_light) == 608 &&
+              sizeof(FrameConstants) == 680);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

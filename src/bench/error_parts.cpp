@@ -75,8 +75,8 @@ std::vector<std::string> gpu_part_layers() {
 std::vector<std::string> reference_part_layers(bool with_fog) {
   std::vector<std::string> names = edge_layers();
   for (const std::string& term : term_layer_names())
-    if (term != "shadow") names.push_back(term);  // a share of light, and no light
-  if (with_fog) names.emplace_back("fog.L");
+    if (term != "shadow" && term != "occlusion") names.push_back(term);  // shares of light, and no light
+  if (with_fog) names.emplace_back("fog");
   return names;
 }
 
@@ -148,6 +148,7 @@ void divide_errors(std::span<BenchRow> rows, std::span<const Job> jobs, double t
 
 Expected<FloatImage> picture_with_parts(Job job, double time_s, const RunSettings& settings) {
   job.layers = gpu_part_layers();
+  if (!job.look.empty()) job.layers.emplace_back("fog");
   job.exr_float = true;
   const auto session = Session::open(job, {.linear = true, .display = false}, settings);
   if (!session) return std::unexpected(session.error());

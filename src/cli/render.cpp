@@ -10,6 +10,7 @@
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
 #include "frame/timings.h"
+#include "render/dump.h"
 #include "render/frame_names.h"
 #include "render/outputs.h"
 
@@ -23,7 +24,7 @@ struct RenderOptions {
   JobOptions job;
   MomentOptions moment;
   BudgetOptions budget;
-  std::vector<std::string> outputs;
+  std::vector<std::string> outputs, dumps;
   std::string timings, trace;
   bool overlap = false;
   std::optional<int> check_determinism;  // number of runs
@@ -33,8 +34,38 @@ struct RenderPlan {
   Job job;
   Moment moment;
   WantedOutputs wanted;
-  std::vector<fs::path> paths;
+  std::vector<fs::path> paths, dump_paths;
 };
+
+// PASS.IMAGE[mip,layer]=FILE; without a file the name stands beside the first output: "out.resolve.resolved.exr".
+Expected<void> plan_dumps(const RenderOptions& o, RenderPlan& plan) {
+  std::vector<std::string> files = o.outputs;
+  for (const std::string& text : o.dumps) {
+    const size_t equals = text.find('=');
+    const auto request = parse_dump(text.substr(0, equals));
+    if (!request) return std::unexpected(request.error());
+    plan.wanted.dumps.push_back(*request);
+    if (equals != std::string::npos) {
+      files.push_back(text.substr(equals + 1));
+    } else if (plan.paths.empty()) {
+      return fail(ErrorKind::usage, "--dump", "'{}' needs a file without -o: {}=FILE.exr", text, text);
+    } else {
+      const std::string part =
+          request->mip || request->layer ? fmt::format(".mip{}.layer{}", request->mip, request->layer) : "";
+      const fs::path beside = fs::path(o.outputs.front()).replace_extension("");
+      files.push_back(fmt::format("{}.{}{}.exr", beside.string(), request->name, part));
+    }
+    const auto format = output_format(files.back());
+    if (!format || *format != OutputFormat::exr)
+      return fail(ErrorKind::usage, "--dump", "'{}' does not end in .exr", files.back());
+  }
+  auto all = output_paths(files, plan.moment.frame.value_or(0));
+  if (!all) return std::unexpected(all.error());
+  plan.dump_paths.assign(all->begin() + long(o.outputs.size()), all->end());
+  for (const fs::path& path : plan.dump_paths)
+    if (auto ready = prepare_output(path); !ready) return ready;
+  return {};
+}
 
 Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o) {
   RenderPlan plan;
@@ -54,7 +85,7 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
   if (!moment) return std::unexpected(moment.error());
   plan.job = *job;
   plan.moment = *moment;
-  if (o.outputs.empty() && !o.check_determinism)
+  if (o.outputs.empty() && o.dumps.empty() && !o.check_determinism)
     return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
   if (o.check_determinism && *o.check_determinism < 2)
     return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
@@ -72,6 +103,7 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
   if (plan.paths.empty()) plan.wanted.linear = true;
   for (const fs::path& path : plan.paths)
     if (auto ready = prepare_output(path); !ready) return std::unexpected(ready.error());
+  if (auto ready = plan_dumps(o, plan); !ready) return std::unexpected(ready.error());
   if (auto ready = check_reports(o.timings, o.trace, o.job.json); !ready) return std::unexpected(ready.error());
   return plan;
 }
@@ -130,6 +162,8 @@ Expected<void> write_reports(const RenderOptions& o, const RenderPlan& plan, con
   Json j = result_head(plan.job, session, warnings);
   j["outputs"] = Json::array();
   for (const fs::path& path : plan.paths) j["outputs"].push_back(path.string());
+  if (!plan.dump_paths.empty()) j["dumps"] = Json::array();
+  for (const fs::path& path : plan.dump_paths) j["dumps"].push_back(path.string());
   if (plan.moment.frame) j["frame"] = *plan.moment.frame, j["fps"] = plan.moment.rate.text();
   j["time_s"] = plan.moment.time_s;
   j["camera"] = frame.view.name;
@@ -176,11 +210,14 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
       if (error.kind == ErrorKind::nonfinite) error.message += first_nonfinite_pass(**session, plan->moment.time_s);
       return std::unexpected(error);
     }
+    if (auto written = write_dumps(*frame, plan->job, **session, plan->dump_paths); !written)
+      return std::unexpected(written.error());
   }
   // What writing warns of is not the scene's fault, which --strict is about.
   if (auto noted = note_frame(*frame, (*session)->scene(), false, warnings); !noted)
     return std::unexpected(noted.error());
-  for (const fs::path& path : plan->paths) log::info("wrote {}", path.string());
+  for (const auto& paths : {plan->paths, plan->dump_paths})
+    for (const fs::path& path : paths) log::info("wrote {}", path.string());
   if (auto reported = write_reports(o, *plan, *frame, **session, warnings); !reported)
     return std::unexpected(reported.error());
   return 0;
@@ -196,6 +233,13 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("-o,--output", o->outputs, "File to write; the ending chooses EXR or PNG; may be given again")
       ->allow_extra_args(false)
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--dump", o->dumps,
+          "Also any image of the plan as it stands behind a pass, PASS.IMAGE[mip,layer]=FILE.exr; may be given "
+          "again; candela plan lists passes and images")
+      ->allow_extra_args(false)
+      ->type_name("PASS.IMAGE");
   add_budget_options(*command, o->budget);
   command->add_option("--timings", o->timings, "Times of every pass and stage as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")

@@ -17,12 +17,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// For images that frames with the same content share: three times the default maps of two suns.
+constexpr uint64_t kept_bytes = uint64_t(512) << 20;
+
 struct SequenceOptions {
   JobOptions job;
   std::string frames, shard = "1/1", video, audio, timings, trace;
   std::vector<std::string> outputs;
   bool resume = false;
   int in_flight = 0;
+  std::string cache = "auto";
 };
 
 Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job) {
@@ -165,6 +169,12 @@ void add_sequence(CLI::App& app, Action& action) {
   command->add_option("--video", o->video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
   command->add_option("--audio", o->audio, "Sound of the film")->type_name("FILE");
   command->add_flag("--resume", o->resume, "Leave out frames whose files are whole and hold this job's picture");
+  command
+      ->add_option("--cache", o->cache,
+                   "on: shadow maps stay for later frames as long as nothing that casts moves, with the same pictures; "
+                   "off: every frame draws its own; auto: off where frames are timed")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
   command->add_option("--in-flight", o->in_flight, "Frames on their way to the device at once; 0: as suits the device")
       ->check(CLI::Range(0, 8))
       ->capture_default_str()

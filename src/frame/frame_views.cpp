@@ -11,9 +11,9 @@ namespace {
 // The device adds and multiplies in float: about six roundings, and it keeps what lies outside by up to four.
 constexpr double rounding = 16 * 0x1p-23;
 
-bool casts(const DrawRun& run) { return run.alpha != AlphaMode::blend && run.topology == Topology::triangles; }
-
 }  // namespace
+
+bool casts_shadows(const DrawRun& run) { return run.alpha != AlphaMode::blend && run.topology == Topology::triangles; }
 
 bool may_keep(const shared::View& view, const shared::Item& item) {
   const glm::dvec3 centre(item.bounds_centre), extent(item.bounds_extent);
@@ -34,7 +34,7 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
   std::vector<uint32_t> counts(placed.table.size() * runs.size());
   tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
     for (size_t r = 0; r < runs.size(); ++r) {
-      if (!casts(runs[r])) continue;
+      if (!casts_shadows(runs[r])) continue;
       const auto of_run = items.subspan(runs[r].first, runs[r].count);
       counts[v * runs.size() + r] =
           !culling ? runs[r].count

@@ -24,6 +24,8 @@ struct FrameViews {
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
                                  std::span<const DrawRun> runs, bool culling, uint64_t budget);
 
+bool casts_shadows(const DrawRun& run);
+
 // Whether any device keeps the item in the view: the counting test of place_views.
 bool may_keep(const shared::View& view, const shared::Item& item);
 

@@ -67,7 +67,10 @@ struct RunSettings {
   std::string shader_folder;
   bool timed = false;
   double timeout_s = 600;
-  int queues = 2;        // 1: no second queue, whatever the device has
+  int queues = 2;  // 1: no second queue, whatever the device has
+  // Memory for images that frames with the same content share, like shadow maps of what does not move; 0: every frame
+  // makes its own, and its times are those of all its work.
+  uint64_t kept_bytes = 0;
   bool overlap = false;  // times the frame as a whole with both queues and with one (Timings::overlap)
 };
 

@@ -7,13 +7,8 @@ Expected<Look> look_of(const Job& job, double time_s) {
 }
 
 std::string left_out_of(const Job& job, const Look& look) {
-  const bool disc = look.sun && look.sun->angular_radius_deg > 0;
-  if (!look.fog && !disc) return {};
-  return fmt::format("the {} of {} {} left out: no pass draws {} yet (candela reference does)",
-                     look.fog && disc ? "fog and the sun's disc"
-                     : look.fog       ? "fog"
-                                      : "sun's disc",
-                     job.look, look.fog && disc ? "are" : "is", look.fog && disc ? "them" : "it");
+  if (!look.sun || !(look.sun->angular_radius_deg > 0)) return {};
+  return fmt::format("the sun's disc of {} is left out: no pass draws it yet (candela reference does)", job.look);
 }
 
 }  // namespace candela

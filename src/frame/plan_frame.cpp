@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "frame/caster_hash.h"
+#include "frame/frame_fog.h"
 #include "frame/frame_knobs.h"
 #include "frame/job_look.h"
 #include "frame/not_drawn.h"
@@ -65,6 +67,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
   request.noise_seed = uint32_t(noise ^ (noise >> 32));
+  request.still_seed = uint32_t(job.seed ^ (job.seed >> 32));
   return request;
 }
 
@@ -100,6 +103,9 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.light_grid = f.light_grid.shape;
   s.sun_image = f.suns.image;
   s.sun_absence = f.suns.absence;
+  if (context.kept && s.sun_image)
+    if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures))
+      s.sun_key = depth_views_key(*casters, *s.sun_image);
   s.view_first_command = std::make_shared<const std::vector<uint32_t>>(f.suns.views.first_command);
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
@@ -193,19 +199,46 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
   f.notes.insert(f.notes.end(), f.suns.notes.begin(), f.suns.notes.end());
+  if (f.request.draws_fog()) {
+    const FogKnobs& fog = knobs->get<FogKnobs>();
+    f.upload.constants.fog =
+        frame_fog(*f.request.look.fog, f.view, f.data, extent.farthest_m,
+                  fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
+  }
   f.light_grid_ms = ms_since(start);
 
   start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
-  GraphBuilder builder;
-  SceneInputs inputs = import_scene(builder, context, f);
-  inputs.background = *background;
-  Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
-  build_frame(frame, inputs, *technique);
-  f.outputs = std::move(frame.outputs);
-  f.reports = std::move(frame.reports);
-  f.graph = compile_graph(builder);
+  std::map<Hash128, KeptState> kept_states;
+  const auto build = [&](GraphBuilder& builder) {
+    f.imports.clear();
+    SceneInputs inputs = import_scene(builder, context, f);
+    inputs.background = *background;
+    Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
+    frame.kept_states = kept_states;
+    if (!f.dumps.empty())
+      frame.observe = [&](Frame& observed, const std::string& pass) { add_dumps(observed, pass, f.dumps); };
+    build_frame(frame, inputs, *technique);
+    if (wanted.dumps.empty()) builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump)");
+    f.outputs = std::move(frame.outputs);
+    f.reports = std::move(frame.reports);
+    f.kept = std::move(frame.kept);
+    f.graph = compile_graph(builder);
+  };
+  auto builder = std::make_unique<GraphBuilder>();
+  build(*builder);
+  f.hash = plan_hash(f.graph.plan);
+  for (const KeptUse& use : f.kept)
+    if (const KeptState state = context.kept(use.key, use.desc); state != KeptState::unknown)
+      kept_states[use.key] = state;
+  if (!kept_states.empty()) build(*(builder = std::make_unique<GraphBuilder>()));
+  if (!wanted.dumps.empty()) {
+    auto dumps = place_dumps(wanted.dumps, *builder, f.graph.plan);
+    if (!dumps) return std::unexpected(dumps.error());
+    f.dumps = std::move(*dumps);
+    build(*(builder = std::make_unique<GraphBuilder>()));
+  }
   add_notes(f, *knobs);
   f.plan_ms = ms_since(start);
   return f;

@@ -1,8 +1,10 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "frame/frame_dumps.h"
 #include "frame/frame_suns.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
@@ -36,9 +38,13 @@ struct PlannedFrame {
   TextureKnobs textures;
   IblKnobs image_light;
   CompiledGraph graph;
+  // Of the plan without dumps, and as if nothing were kept from other frames: what is the same picture has the same.
+  Hash128 hash;
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
   std::vector<FrameReport> reports;
   std::vector<OutputImage> outputs;
+  std::vector<FrameDump> dumps;
+  std::vector<KeptUse> kept;  // images of the plan that outlive it
   std::vector<std::string> notes;
   double animate_ms = 0, light_grid_ms = 0, plan_ms = 0;
 };
@@ -46,6 +52,7 @@ struct WantedOutputs {
   bool linear = true;    // EXR
   bool display = false;  // PNG, video
   int display_bits = 8;  // 8 or 16
+  std::vector<DumpRequest> dumps = {};
 };
 
 // What does not change with time, made once for a scene.
@@ -54,6 +61,8 @@ struct PlanContext {
   const GeometryLayout& layout;
   const AmbientSh* environment = nullptr;  // of the sky image, when the job has one
   const LookFile* look = nullptr;          // the job's, as the session read it; without one plan_frame reads the file
+  // Asked once for each image that the frame could keep; empty: nothing is kept.
+  std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
 };
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);

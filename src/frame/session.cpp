@@ -11,6 +11,7 @@
 #include "frame/job_look.h"
 #include "frame/timings.h"
 #include "gltf/gltf.h"
+#include "gpu/kept_image.h"
 #include "scene/scene_images.h"
 
 namespace candela {
@@ -44,7 +45,14 @@ class DeviceSession : public Session {
     double submit_us = 0;  // when recording began
   };
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
-  Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports);
+  struct KeptImages {
+    std::vector<std::shared_ptr<gpu::KeptImage>> held;
+    std::map<int, const gpu::KeptImage*> by_resource;
+    std::vector<std::pair<Hash128, std::shared_ptr<gpu::KeptImage>>> filled;  // by this frame
+  };
+  KeptImages kept_images(const PlannedFrame& planned);
+  Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports,
+                                   const KeptImages& kept);
   void take_run(gpu::FrameRun run, Begun& begun);
 
   Job job_;
@@ -61,6 +69,7 @@ class DeviceSession : public Session {
   std::unique_ptr<gpu::Device> device_;
   std::unique_ptr<gpu::Bindless> bindless_;
   std::unique_ptr<GpuScene> gpu_scene_;
+  std::unique_ptr<gpu::ImageCache> kept_;  // null: nothing is kept
   std::unique_ptr<gpu::FrameRunner> runner_;
   std::map<FrameTicket, Begun> begun_;
 };
@@ -120,6 +129,7 @@ Expected<void> DeviceSession::open() {
     runner_ = std::make_unique<gpu::FrameRunner>(*device_, *bindless_,
                                                  gpu::ShaderCompiler(settings_.shader_folder, cache), cache);
     runner_->timeout_s = settings_.timeout_s;
+    if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
@@ -128,9 +138,9 @@ Expected<void> DeviceSession::open() {
 
 Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   const double start = process_clock_us();
-  auto planned = plan_frame(
-      job_, PlanContext{scene_, layout_, job_.sky.empty() ? nullptr : &environment_, look_ ? &*look_ : nullptr},
-      wanted_, time_s);
+  PlanContext context{scene_, layout_, job_.sky.empty() ? nullptr : &environment_, look_ ? &*look_ : nullptr};
+  if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
+  auto planned = plan_frame(job_, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
     Begun begun;
@@ -148,7 +158,8 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.request = planned->request;
     result.outputs = planned->outputs;
     result.pre_exposure = planned->upload.constants.pre_exposure;
-    result.plan_hash = plan_hash(planned->graph.plan);
+    result.plan_hash = planned->hash;
+    result.dumps = std::move(planned->dumps);
     result.left_out = planned->graph.plan.left_out;
     result.plan = std::move(planned->graph.plan);
     result.notes = std::move(planned->notes);
@@ -157,8 +168,28 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
   } catch (const gpu::GpuError& e) {
+    // The pictures come before what is kept to make them sooner.
+    if (e.out_of_memory() && kept_) {
+      kept_.reset();
+      return begin(time_s, hash_outputs);
+    }
     return std::unexpected(as_error(e));
   }
+}
+
+// The images of the plan that outlive it; to be submitted with the frame, and held until it is done.
+DeviceSession::KeptImages DeviceSession::kept_images(const PlannedFrame& planned) {
+  KeptImages images;
+  for (const KeptUse& use : planned.kept) {
+    if (use.resource < 0) continue;
+    const PlanResource& resource = planned.graph.plan.resources[size_t(use.resource)];
+    if (resource.first_pass < 0) continue;
+    images.held.push_back(use.to_fill ? kept_->make(use.desc, resource.image_usage) : kept_->find(use.key));
+    CHECK_MSG(images.held.back(), use.desc.name);
+    images.by_resource[use.resource] = images.held.back().get();
+    if (use.to_fill) images.filled.emplace_back(use.key, images.held.back());
+  }
+  return images;
 }
 
 Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
@@ -179,31 +210,37 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
     if (!prepared) return std::unexpected(prepared.error());
     fresh = prepared->pipelines > 0;
   }
+  const KeptImages kept = kept_images(planned);
   if (settings_.timed && fresh) {
     // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own
     // work.
     const StageTimer timer(t, "warm_up");
-    runner_->run(planned.graph, uploaded.imports, {});
+    runner_->run(planned.graph, uploaded.imports, {.images = kept.by_resource});
   }
   if (settings_.overlap) {
     const StageTimer timer(t, "overlap");
-    t.overlap = measure_overlap(planned.graph, uploaded.imports);
+    t.overlap = measure_overlap(planned.graph, uploaded.imports, kept);
   }
   const double submit_start = process_clock_us();
-  const FrameTicket ticket =
-      runner_->submit(planned.graph, uploaded.imports, {settings_.timed, hash_outputs}, std::move(uploaded.keep));
+  uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
+  const FrameTicket ticket = runner_->submit(
+      planned.graph, uploaded.imports,
+      {.timed = settings_.timed, .hash_outputs = hash_outputs, .images = kept.by_resource}, std::move(uploaded.keep));
+  for (const auto& [key, image] : kept.filled) kept_->insert(key, image);
   t.spans.push_back({"record and submit", "cpu", submit_start, process_clock_us() - submit_start});
   begun.submit_us = submit_start;
   return ticket;
 }
 
 Timings::Overlap DeviceSession::measure_overlap(const CompiledGraph& graph,
-                                                const std::map<int, const gpu::Buffer*>& imports) {
+                                                const std::map<int, const gpu::Buffer*>& imports,
+                                                const KeptImages& kept) {
   constexpr int runs = 15;
   std::vector<double> all, one;
   for (int i = 0; i <= runs; ++i)  // the first of each warms up
     for (const bool one_queue : {false, true}) {
-      const double ms = runner_->run(graph, imports, {.whole = true, .one_queue = one_queue}).whole_ms;
+      const double ms =
+          runner_->run(graph, imports, {.whole = true, .one_queue = one_queue, .images = kept.by_resource}).whole_ms;
       if (i > 0) (one_queue ? one : all).push_back(ms);
     }
   return {device_->has_second_queue() ? 2 : 1, std::max(1, int(graph.plan.batches.size())), runs, median(all),

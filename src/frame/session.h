@@ -48,6 +48,7 @@ struct FrameResult {
   FrameRequest request;
   std::vector<OutputImage> outputs;                         // what each readback holds
   std::map<int, std::shared_ptr<gpu::Readback>> readbacks;  // by OutputImage::resource
+  std::vector<FrameDump> dumps;                             // likewise
   double pre_exposure = 1;                                  // linear outputs are divided by it when encoded
   Hash128 plan_hash;
   FramePlan plan;

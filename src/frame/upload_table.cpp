@@ -21,6 +21,13 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
   const auto add_rounded = [&](const char* name, BufferHandle Inputs::*input, const auto& values) {
     if (!values.empty()) add(name, input, values, UploadRow::no_address, std::bit_ceil(values.size()));
   };
+  const auto add_lights = [&] {
+    add("frame.lights", &Inputs::lights, u.lights);
+    add_rounded("frame.light_bounds", &Inputs::light_bounds, grid.bounds);
+    add_rounded("frame.light_chunks", &Inputs::light_chunks, grid.chunks);
+    add("frame.light_globals", &Inputs::light_globals, grid.globals,
+        offsetof(Constants, grid) + offsetof(shared::LightGrid, globals));
+  };
   if (!u.items.empty()) {
     rows.push_back({"scene.vertices", &Inputs::vertices, layout.vertex_words * 4, {}, offsetof(Constants, vertices)});
     rows.push_back({"scene.indices", &Inputs::indices, layout.index_count * 4, {}});
@@ -28,11 +35,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.transforms", &Inputs::transforms, u.transforms, offsetof(Constants, transforms));
     add("frame.geometries", &Inputs::geometries, u.geometries, offsetof(Constants, geometries));
     add("frame.materials", &Inputs::materials, u.materials, offsetof(Constants, materials));
-    add("frame.lights", &Inputs::lights, u.lights);
-    add_rounded("frame.light_bounds", &Inputs::light_bounds, grid.bounds);
-    add_rounded("frame.light_chunks", &Inputs::light_chunks, grid.chunks);
-    add("frame.light_globals", &Inputs::light_globals, grid.globals,
-        offsetof(Constants, grid) + offsetof(shared::LightGrid, globals));
+    add_lights();
     add("frame.cull_groups", &Inputs::cull_groups, u.groups);
     add("frame.views", &Inputs::views, frame.suns.views.table);
     add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);
@@ -41,6 +44,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
     add("frame.weights", &Inputs::weights, frame.data.morph_weights);
   }
+  if (u.items.empty() && frame.request.draws_fog()) add_lights();  // fog is lit where there is nothing else
   rows.push_back({"frame.constants", &Inputs::constants, sizeof(Constants), std::as_bytes(std::span(&u.constants, 1))});
   return rows;
 }

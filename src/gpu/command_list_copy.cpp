@@ -28,7 +28,7 @@ CommandListImpl::Part CommandListImpl::part(ImageHandle image, Access access, Im
   CHECK_MSG(!rendering_, pass_.name);
   const PlanUse& use = use_of(image, {access}, range);
   const ImageDesc& desc = desc_of(image.resource);
-  return {desc, frame_.physical.image(image.resource), use.range, image_layout(access, desc.format)};
+  return {desc, frame_.image(image.resource), use.range, image_layout(access, desc.format)};
 }
 
 void CommandListImpl::copy_to_buffer(ImageHandle image, BufferHandle target, ImageRange range) {

@@ -25,8 +25,8 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
     image.oldLayout = b.old_layout;
     image.newLayout = b.new_layout;
     image.srcQueueFamilyIndex = image.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    image.image = frame.physical.image(b.resource).image;
-    image.subresourceRange = subresources(frame.physical.image(b.resource), b.range);
+    image.image = frame.image(b.resource).image;
+    image.subresourceRange = subresources(frame.image(b.resource), b.range);
     images.push_back(image);
   }
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
@@ -164,7 +164,7 @@ void CommandListImpl::dispatch_indirect(BufferHandle groups, uint64_t offset) {
 VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const {
   const ImageDesc& desc = desc_of(use.resource);
   VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  info.imageView = frame_.physical.view(view_key(use));
+  info.imageView = frame_.view(view_key(use));
   info.imageLayout = image_layout(use.access, desc.format);
   const bool first = use.writes && use.first && (use.step != PlanUse::every_step || step_ == 0);
   info.loadOp = !first                           ? VK_ATTACHMENT_LOAD_OP_LOAD
@@ -201,7 +201,7 @@ void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageH
       const PlanUse& resolve = use_of(color.resolve, {Access::resolve_attachment});
       const VkFormat format = desc_of(resolve.resource).format;
       info.resolveMode = is_integer_format(format) ? VK_RESOLVE_MODE_SAMPLE_ZERO_BIT : VK_RESOLVE_MODE_AVERAGE_BIT;
-      info.resolveImageView = frame_.physical.view(view_key(resolve));
+      info.resolveImageView = frame_.view(view_key(resolve));
       info.resolveImageLayout = image_layout(resolve.access, format);
     }
     color_infos.push_back(info);

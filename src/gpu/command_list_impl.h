@@ -5,6 +5,7 @@
 
 #include "gpu/bindless.h"
 #include "gpu/command_list.h"
+#include "gpu/kept_image.h"
 #include "gpu/physical.h"
 #include "gpu/pipelines.h"
 #include "graph/builder.h"
@@ -19,11 +20,20 @@ struct FrameContext {
   const FramePlan& plan;
   const Physical& physical;
   std::vector<const Buffer*> buffers;             // by resource: imported, transient, read back
+  std::vector<const KeptImage*> kept;             // by resource: imported images
   const std::vector<const Pipeline*>& pipelines;  // parallel to plan.pipelines
   std::array<uint32_t, 3> max_groups{};           // of one dispatch
   size_t slot = 0;                                // of the frame in flight: Physical::pass_images
   bool after_another = false;                     // another frame may still use the images
   bool hashed = false;                            // outputs are looked at between passes
+  const PhysicalImage& image(int resource) const {
+    const KeptImage* own = kept[size_t(resource)];
+    return own ? own->image() : physical.image(resource);
+  }
+  VkImageView view(const ViewKey& key) const {
+    const KeptImage* own = kept[size_t(key.resource)];
+    return own ? own->view(key) : physical.view(key);
+  }
 };
 
 void record_barriers(const FrameContext& frame, const PassBarriers& barriers, VkCommandBuffer commands);

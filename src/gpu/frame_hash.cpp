@@ -68,7 +68,7 @@ VkImageLayout layout_after(const PlanPass& pass, const ImageDesc& desc, int reso
 void OutputHasher::record_image(const FrameContext& frame, const PlanPass& pass, const PlanUse& use,
                                 VkCommandBuffer commands) {
   const auto& desc = std::get<ImageDesc>(frame.plan.resources[size_t(use.resource)].desc);
-  const PhysicalImage& image = frame.physical.image(use.resource);
+  const PhysicalImage& image = frame.image(use.resource);
   const VkImageLayout read =
       desc.samples > 1 ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
   const auto change_all = [&](bool to_read) {
@@ -80,7 +80,7 @@ void OutputHasher::record_image(const FrameContext& frame, const PlanPass& pass,
   };
   change_all(true);
   if (desc.samples > 1) {
-    samples_.record(commands, desc, frame.physical.view(view_key(use)), staging_.address());
+    samples_.record(commands, desc, frame.view(view_key(use)), staging_.address());
   } else {
     const std::vector<VkBufferImageCopy> regions = copy_regions(desc, image, use.range);
     vkCmdCopyImageToBuffer(commands, image.image, read, staging_.handle(), uint32_t(regions.size()), regions.data());
@@ -127,7 +127,7 @@ void OutputHasher::hash_outputs(const FrameContext& frame, size_t pass, QueueWor
     const auto* image = std::get_if<ImageDesc>(&resource.desc);
     PassHash hash{planned.name, resource.name() + (image ? range_text(use.range, *image) : ""), {}, 0};
     const bool multisampled = image && image->samples > 1;
-    if (multisampled && (!frame.physical.image(use.resource).sampled || has_stencil(image->format))) {
+    if (multisampled && (!frame.image(use.resource).sampled || has_stencil(image->format))) {
       hash.resource += " (multisampled, not hashed)";
       hashes.push_back(std::move(hash));
       continue;

@@ -130,7 +130,8 @@ struct FrameRunner::Hidden {
   bool in_flight() const;
   void finish_all(double timeout_s);
   FrameSlot& take_slot();
-  FrameContext context(const FramePlan& plan, const std::map<int, const Buffer*>& imports, FrameSlot& slot);
+  FrameContext context(const FramePlan& plan, const std::map<int, const Buffer*>& imports, const RunOptions& options,
+                       FrameSlot& slot);
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
   void submit_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed, FrameSlot& slot);
@@ -211,12 +212,23 @@ FrameSlot& FrameRunner::Hidden::take_slot() {
 }
 
 FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const std::map<int, const Buffer*>& imports,
-                                          FrameSlot& slot) {
-  FrameContext frame{device, bindless, plan, *physical, {}, of_plan, max_groups, slot.index};
+                                          const RunOptions& options, FrameSlot& slot) {
+  FrameContext frame{device, bindless, plan, *physical, {}, {}, of_plan, max_groups, slot.index};
   frame.buffers.resize(plan.resources.size(), nullptr);
+  frame.kept.resize(plan.resources.size(), nullptr);
   for (size_t i = 0; i < plan.resources.size(); ++i) {
     const PlanResource& resource = plan.resources[i];
-    if (resource.is_image() || resource.first_pass < 0) continue;
+    if (resource.first_pass < 0) continue;
+    if (resource.is_image()) {
+      if (!resource.imported) continue;
+      const auto found = options.images.find(int(i));
+      CHECK_MSG(found != options.images.end() && found->second &&
+                    (resource.image_usage &
+                     ~(found->second->usage() | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT)) == 0,
+                fmt::format("no image, or one of too few usages, is given for the import '{}'", resource.name()));
+      frame.kept[i] = found->second;
+      continue;
+    }
     const auto& desc = std::get<BufferDesc>(resource.desc);
     if (resource.imported) {
       const auto found = imports.find(int(i));
@@ -390,10 +402,11 @@ FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, 
   for (const PlanPass& pass : graph.plan.passes) slot.pending->passes.push_back(pass.name);
   if (graph.plan.passes.empty()) return slot.pending->ticket;
   try {
-    FrameContext frame = h.context(graph.plan, imports, slot);
+    FrameContext frame = h.context(graph.plan, imports, options, slot);
     frame.hashed = options.hash_outputs;
     frame.after_another = h.in_flight() || !graph.plan.batches.empty();
     h.physical->bind_uniforms(graph.plan, slot.index, frame.buffers);
+    h.physical->bind_imports(graph.plan, slot.index, frame.kept);
     if (options.hash_outputs || (options.timed && (h.device.info().is_cpu || !slot.timing.available()))) {
       h.run_isolated(frame, graph, options, timeout_s, slot);
     } else {

@@ -1,5 +1,7 @@
 #include "gpu/image_copy.h"
 
+#include "graph/formats.h"
+
 namespace candela::gpu {
 
 VkExtent3D mip_extent(const ImageDesc& desc, uint32_t mip) {
@@ -7,8 +9,6 @@ VkExtent3D mip_extent(const ImageDesc& desc, uint32_t mip) {
 }
 
 namespace {
-uint32_t copied_bytes(VkFormat format) { return has_stencil(format) ? 4 : format_bytes(format); }
-
 uint64_t mip_bytes(const ImageDesc& desc, uint32_t mip, uint32_t layers) {
   const VkExtent3D extent = mip_extent(desc, mip);
   return uint64_t(extent.width) * extent.height * extent.depth * layers * copied_bytes(desc.format);

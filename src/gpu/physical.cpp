@@ -3,6 +3,7 @@
 #include <span>
 
 #include "base/check.h"
+#include "gpu/kept_image.h"
 #include "graph/access.h"
 
 namespace candela::gpu {
@@ -50,7 +51,8 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
     const PlanResource& resource = plan.resources[i];
     if (resource.first_pass < 0 || resource.imported) continue;
     if (resource.is_image()) {
-      make_image(resource, copyable, images_[i]);
+      images_[i] = make_image(device_, std::get<ImageDesc>(resource.desc),
+                              {resource.image_usage, resource.both_queues, copyable});
     } else if (resource.lifetime == Lifetime::frame) {
       const auto& desc = std::get<BufferDesc>(resource.desc);
       VkBufferUsageFlags usage = resource.buffer_usage;
@@ -101,18 +103,37 @@ void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint3
     const uint32_t place = uint32_t(places.size());
     CHECK_MSG(place < (sampled ? Bindless::pass_sampled : Bindless::pass_storage), pass.name);
     places[key] = place;
+    if (plan.resources[size_t(use.resource)].imported) continue;  // bind_imports
     const VkFormat format = std::get<ImageDesc>(plan.resources[size_t(use.resource)].desc).format;
-    const VkDescriptorImageInfo image{VK_NULL_HANDLE, view(key), image_layout(use.access, format)};
-    const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                     nullptr,
-                                     images.set,
-                                     sampled ? 0u : 1u,
-                                     place,
-                                     1,
-                                     sampled ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-                                     &image};
-    vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+    write_image(images.set, !sampled, place, {VK_NULL_HANDLE, view(key), image_layout(use.access, format)});
   }
+}
+
+void Physical::write_image(VkDescriptorSet set, bool storage, uint32_t place,
+                           const VkDescriptorImageInfo& image) const {
+  const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                   nullptr,
+                                   set,
+                                   storage ? 1u : 0u,
+                                   place,
+                                   1,
+                                   storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE : VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+                                   &image};
+  vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+}
+
+void Physical::bind_imports(const FramePlan& plan, size_t slot, std::span<const KeptImage* const> images) {
+  for (size_t pass = 0; pass < plan.passes.size(); ++pass)
+    for (const StepImages& step : sets_[slot].passes[pass])
+      for (const bool storage : {false, true})
+        for (const auto& [key, place] : storage ? step.storage : step.sampled) {
+          const PlanResource& resource = plan.resources[size_t(key.resource)];
+          if (!resource.imported) continue;
+          const Access access = storage ? Access::storage_image_write : Access::sampled_fragment;
+          const VkFormat format = std::get<ImageDesc>(resource.desc).format;
+          write_image(step.set, storage, place,
+                      {VK_NULL_HANDLE, images[size_t(key.resource)]->view(key), image_layout(access, format)});
+        }
 }
 
 void Physical::bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers) {
@@ -148,8 +169,7 @@ bool can_make(VkPhysicalDevice device, const VkImageCreateInfo& info, VkImageUsa
 }
 }  // namespace
 
-void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalImage& image) {
-  const auto& desc = std::get<ImageDesc>(resource.desc);
+PhysicalImage make_image(Device& device, const ImageDesc& desc, const ImageMaking& making) {
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   info.imageType = desc.kind == ImageKind::d3 ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D;
   if (desc.kind == ImageKind::cube || desc.kind == ImageKind::cube_array)
@@ -159,19 +179,21 @@ void Physical::make_image(const PlanResource& resource, bool copyable, PhysicalI
   info.mipLevels = desc.mips;
   info.arrayLayers = desc.layers;
   info.samples = VkSampleCountFlagBits(desc.samples);
-  info.usage = resource.image_usage;
+  info.usage = making.usage;
   // Depth is sampled in a layout that only attachments have (graph/access.h).
   if (is_depth_format(desc.format)) info.usage |= VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  if (resource.both_queues) share(device_, info);
-  if (copyable) {
+  if (making.both_queues) share(device, info);
+  if (making.copyable) {
     const VkImageUsageFlags more = desc.samples > 1 ? VK_IMAGE_USAGE_SAMPLED_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    if (desc.samples == 1 || can_make(device_.physical(), info, info.usage | more)) info.usage |= more;
+    if (desc.samples == 1 || can_make(device.physical(), info, info.usage | more)) info.usage |= more;
   }
+  PhysicalImage image;
   image.sampled = info.usage & VK_IMAGE_USAGE_SAMPLED_BIT;
-  VK_CHECK(vkCreateImage(device_.handle(), &info, nullptr, &image.image));
+  VK_CHECK(vkCreateImage(device.handle(), &info, nullptr, &image.image));
   image.texels = is_depth_format(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   image.aspect = image.texels | (has_stencil(desc.format) ? VK_IMAGE_ASPECT_STENCIL_BIT : 0);
-  device_.set_name(VK_OBJECT_TYPE_IMAGE, uint64_t(image.image), desc.name);
+  device.set_name(VK_OBJECT_TYPE_IMAGE, uint64_t(image.image), desc.name);
+  return image;
 }
 
 void Physical::bind_blocks(const FramePlan& plan) {
@@ -203,25 +225,27 @@ VkImageViewType view_type(ImageKind kind) {
 }
 }  // namespace
 
+VkImageView make_view(Device& device, const PhysicalImage& image, const ImageDesc& desc, const ViewKey& key) {
+  VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+  info.image = image.image;
+  info.viewType = view_type(key.kind);
+  info.format = desc.format;
+  info.subresourceRange = subresources(image, key.range);
+  if (!key.drawn) info.subresourceRange.aspectMask = image.texels;
+  VkImageView view = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateImageView(device.handle(), &info, nullptr, &view));
+  device.set_name(VK_OBJECT_TYPE_IMAGE_VIEW, uint64_t(view), desc.name + range_text(key.range, desc));
+  return view;
+}
+
 void Physical::make_views(const FramePlan& plan) {
-  constexpr VkImageUsageFlags viewable = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT |
-                                         VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
-                                         VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   for (const PlanPass& pass : plan.passes)
     for (const PlanUse& use : pass.uses) {
-      if (!(access_info(use.access).image_usage & viewable) || views_.contains(view_key(use))) continue;
-      if (!plan.resources[size_t(use.resource)].is_image()) continue;
-      const auto& desc = std::get<ImageDesc>(plan.resources[size_t(use.resource)].desc);
-      const PhysicalImage& image = images_[size_t(use.resource)];
-      VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-      info.image = image.image;
-      info.viewType = view_type(use.view);
-      info.format = desc.format;
-      info.subresourceRange = subresources(image, use.range);
-      if (!view_key(use).drawn) info.subresourceRange.aspectMask = image.texels;
-      VkImageView& view = views_[view_key(use)];
-      VK_CHECK(vkCreateImageView(device_.handle(), &info, nullptr, &view));
-      device_.set_name(VK_OBJECT_TYPE_IMAGE_VIEW, uint64_t(view), desc.name + range_text(use.range, desc));
+      if (!(access_info(use.access).image_usage & viewable_usage) || views_.contains(view_key(use))) continue;
+      const PlanResource& resource = plan.resources[size_t(use.resource)];
+      if (!resource.is_image() || resource.imported) continue;
+      views_[view_key(use)] =
+          make_view(device_, images_[size_t(use.resource)], std::get<ImageDesc>(resource.desc), view_key(use));
     }
 }
 

@@ -2,6 +2,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,17 @@ struct PhysicalImage {
   bool sampled = false;           // made with SAMPLED usage
 };
 
+constexpr VkImageUsageFlags viewable_usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT |
+                                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+
+struct ImageMaking {
+  VkImageUsageFlags usage = 0;
+  bool both_queues = false;
+  bool copyable = false;  // also the source of copies, or sampled where multisampled images cannot be copied
+};
+PhysicalImage make_image(Device& device, const ImageDesc& desc, const ImageMaking& making);  // without memory
+
 inline VkImageSubresourceRange subresources(const PhysicalImage& image, const ImageRange& range) {
   return {image.aspect, range.first_mip, range.mip_count, range.first_layer, range.layer_count};
 }
@@ -37,6 +49,10 @@ inline ViewKey view_key(const PlanUse& use) {
       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   return {use.resource, use.range, use.view, (access_info(use.access).image_usage & attachments) != 0};
 }
+
+VkImageView make_view(Device& device, const PhysicalImage& image, const ImageDesc& desc, const ViewKey& key);
+
+class KeptImage;
 
 // The images that one step of a pass reaches through descriptors: its set 1, and each view's place in the two bindings.
 struct StepImages {
@@ -67,12 +83,13 @@ class Physical {
   }
   // Writes the block of uniforms of each pass into the slot's sets, which no frame may be using. buffers: by resource.
   void bind_uniforms(const FramePlan& plan, size_t slot, std::span<const Buffer* const> buffers);
+  // The same for imported images, after bind_uniforms. images: by resource.
+  void bind_imports(const FramePlan& plan, size_t slot, std::span<const KeptImage* const> images);
   const Buffer& buffer(int resource) const {
     return buffers_[size_t(resource)];
   }  // empty: imported, read back, or unused
 
  private:
-  void make_image(const PlanResource& resource, bool copyable, PhysicalImage& image);
   void bind_blocks(const FramePlan& plan);
   void make_views(const FramePlan& plan);
   struct StepSets {
@@ -82,6 +99,8 @@ class Physical {
   void make_step_sets(const FramePlan& plan, StepSets& into);
   void write_step_set(const FramePlan& plan, const PlanPass& pass, uint32_t step, VkDescriptorPool pool,
                       StepImages& images);
+
+  void write_image(VkDescriptorSet set, bool storage, uint32_t place, const VkDescriptorImageInfo& image) const;
 
   Device& device_;
   Bindless& bindless_;

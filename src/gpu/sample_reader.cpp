@@ -6,18 +6,6 @@
 
 namespace candela::gpu {
 
-namespace {
-
-// "R16G16B16A16_SFLOAT": four; "D32_SFLOAT": one.
-uint32_t channels(VkFormat format) {
-  const std::string_view name = format_name(format);
-  const std::string_view layout = name.substr(0, name.find('_'));
-  return uint32_t(std::count_if(layout.begin(), layout.end(),
-                                [](char c) { return std::string_view("RGBAD").find(c) != std::string_view::npos; }));
-}
-
-}  // namespace
-
 SampleReader::SampleReader(Device& device, Bindless& bindless, Pipelines& pipelines)
     : device_(device), bindless_(bindless), pipelines_(pipelines) {
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
@@ -37,14 +25,14 @@ SampleReader::SampleReader(Device& device, Bindless& bindless, Pipelines& pipeli
 SampleReader::~SampleReader() { vkDestroyDescriptorPool(device_.handle(), pool_, nullptr); }
 
 uint64_t SampleReader::bytes(const ImageDesc& desc) {
-  return uint64_t(desc.width_px) * desc.height_px * desc.samples * channels(desc.format) * sizeof(uint32_t);
+  return uint64_t(desc.width_px) * desc.height_px * desc.samples * format_channels(desc.format) * sizeof(uint32_t);
 }
 
 void SampleReader::record(VkCommandBuffer commands, const ImageDesc& desc, VkImageView view, uint64_t target_address) {
   const bool is_unsigned = format_name(desc.format).ends_with("UINT");
   const PipelineDesc wanted = ComputePipelineDesc{
       "hash_samples.comp",
-      {{0, "SAMPLES", desc.samples}, {1, "CHANNELS", channels(desc.format)}, {2, "UNSIGNED", is_unsigned}}};
+      {{0, "SAMPLES", desc.samples}, {1, "CHANNELS", format_channels(desc.format)}, {2, "UNSIGNED", is_unsigned}}};
   PrepareTimes unused;
   const auto made = pipelines_.get({&wanted, 1}, unused);
   if (!made) throw GpuError(VK_ERROR_INITIALIZATION_FAILED, made.error().text());

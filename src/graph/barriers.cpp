@@ -36,6 +36,7 @@ struct State {
   std::vector<Scope> visible;  // to whom the write already is
   std::vector<Read> reads;     // since the write
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  bool changed = false;    // written, or its layout changed, in this frame
   bool elsewhere = false;  // since this queue's last write, the other one used it: a semaphore stands between
 
   bool sees(const Scope& reader) const {
@@ -96,6 +97,7 @@ void update(State& state, const Need& need, bool changed_layout) {
     state.reads.clear();
     if (!need.writes) state.visible.push_back(need.all);
     state.elsewhere = false;
+    state.changed = true;
   }
   if (!need.writes) state.reads.push_back({need.all.stages, 0});
   state.layout = need.layout;
@@ -103,7 +105,7 @@ void update(State& state, const Need& need, bool changed_layout) {
 
 // What the other queue did is ordered by semaphores, which make every write available and visible.
 void update_from_other_queue(State& state, const Need& need) {
-  if (need.writes || state.layout != need.layout) state = {.layout = need.layout};
+  if (need.writes || state.layout != need.layout) state = {.layout = need.layout, .changed = true};
   state.elsewhere = true;
 }
 
@@ -155,12 +157,48 @@ class Walk {
     for (size_t i = 0; i < states_.size(); ++i) {
       states_[i].resize(subresources_of(plan.resources[i]));
       const auto* buffer = std::get_if<BufferDesc>(&plan.resources[i].desc);
+      const auto* image = std::get_if<ImageDesc>(&plan.resources[i].desc);
+      for (State& state : states_[i])
+        if (image && plan.resources[i].imported && !plan.resources[i].to_fill)
+          state.layout = image_layout(Access::sampled_fragment, image->format);
       const bool filled = buffer && buffer->zeroed && !plan.resources[i].imported;  // on the main queue, before all
       if (filled && queue == Queue::main)
         states_[i][0].write = {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
     }
   }
   const State& buffer(size_t resource) const { return states_[resource][0]; }
+
+  // Of the main queue, behind all passes: leaves an imported image as later frames expect it. What this frame wrote
+  // becomes visible to whatever reads it there.
+  void leave(size_t resource, std::vector<ImageBarrier>& barriers) const {
+    const PlanResource& of = plan_.resources[resource];
+    const auto& desc = std::get<ImageDesc>(of.desc);
+    const VkImageLayout sampled = image_layout(Access::sampled_fragment, desc.format);
+    std::vector<ImageBarrier> fresh;
+    for (size_t i = 0; i < states_[resource].size(); ++i) {
+      const State& state = states_[resource][i];
+      const Scope last = state.last();
+      ImageBarrier barrier{.resource = int(resource)};
+      barrier.source_stages = last.stages | state.write.stages;
+      barrier.source_access = last.access | state.write.access;
+      // Whoever reads it in that layout later; others change the layout first.
+      bool seen = !state.elsewhere;
+      for (const Access access : {Access::sampled_fragment, Access::sampled_compute, Access::depth_test}) {
+        if (image_layout(access, desc.format) != sampled) continue;
+        const Scope reader{access_info(access).stages, access_info(access).mask};
+        barrier.destination_stages |= reader.stages;
+        barrier.destination_access |= reader.access;
+        seen = seen && state.sees(reader);
+      }
+      if (state.layout == sampled && (!state.changed || seen)) continue;
+      if (state.elsewhere) barrier.source_stages |= barrier.destination_stages;  // as in transition()
+      barrier.old_layout = state.layout;
+      barrier.new_layout = sampled;
+      barrier.range = {uint32_t(i) / desc.layers, 1, uint32_t(i) % desc.layers, 1};
+      fresh.push_back(barrier);
+    }
+    add_merged(fresh, barriers);
+  }
 
   void other_queue(const PlanPass& pass) {
     for (uint32_t step = 0; step < pass.steps(); ++step)
@@ -300,6 +338,11 @@ void place_barriers(FramePlan& plan) {
     }
     plan.final_barriers.destination_stages |= host.stages;
     plan.final_barriers.destination_access |= host.mask;
+  }
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
+    const PlanResource& resource = plan.resources[i];
+    if (resource.is_image() && resource.imported && resource.first_pass >= 0)
+      walks[size_t(Queue::main)].leave(i, plan.final_barriers.images);
   }
 }
 

@@ -34,41 +34,6 @@ const char* wrong_view(const ImageDesc& desc, const PlanUse& use, bool flat) {
   return use.range.layer_count % 6 ? "each cube has 6 layers" : nullptr;
 }
 
-}  // namespace
-
-void GraphBuilder::refuse(std::string_view resource, std::string_view problem) const {
-  const std::string place = open_ ? fmt::format("pass '{}'", passes_.back().name) : std::string("outside a pass");
-  throw GraphError(fmt::format("{}, '{}': {}", place, resource, problem));
-}
-
-void GraphBuilder::require_open(std::string_view call) const {
-  if (!open_) throw GraphError(fmt::format("{} outside a pass", call));
-}
-
-BufferHandle GraphBuilder::import_buffer(BufferDesc desc) {
-  resources_.push_back({.desc = std::move(desc), .imported = true});
-  return {int(resources_.size()) - 1, 0};
-}
-
-void GraphBuilder::begin_pass(std::string name, Queue queue) {
-  if (open_) throw GraphError(fmt::format("pass '{}' begins inside pass '{}'", name, passes_.back().name));
-  for (const Pass& pass : passes_)
-    if (pass.name == name)
-      throw GraphError(fmt::format("a second pass '{}': each instance needs a name of its own", name));
-  passes_.push_back({.name = std::move(name), .queue = queue});
-  open_ = true;
-  missing_.clear();
-}
-
-template <class Desc>
-int GraphBuilder::create_any(Desc desc) {
-  if (!open_) throw GraphError(fmt::format("create of '{}' outside a pass", desc.name));
-  resources_.push_back({.desc = std::move(desc), .creator = int(passes_.size()) - 1});
-  return int(resources_.size()) - 1;
-}
-
-namespace {
-
 // Why there can be no such image, or nothing.
 const char* wrong_shape(const ImageDesc& desc) {
   if (desc.width_px == 0 || desc.height_px == 0 || desc.samples == 0 || desc.depth_px == 0 || desc.mips == 0 ||
@@ -88,6 +53,43 @@ const char* wrong_shape(const ImageDesc& desc) {
 }
 
 }  // namespace
+
+void GraphBuilder::refuse(std::string_view resource, std::string_view problem) const {
+  const std::string place = open_ ? fmt::format("pass '{}'", passes_.back().name) : std::string("outside a pass");
+  throw GraphError(fmt::format("{}, '{}': {}", place, resource, problem));
+}
+
+void GraphBuilder::require_open(std::string_view call) const {
+  if (!open_) throw GraphError(fmt::format("{} outside a pass", call));
+}
+
+BufferHandle GraphBuilder::import_buffer(BufferDesc desc) {
+  resources_.push_back({.desc = std::move(desc), .imported = true});
+  return {int(resources_.size()) - 1, 0};
+}
+
+ImageHandle GraphBuilder::import_image(ImageDesc desc, Import import) {
+  if (const char* wrong = wrong_shape(desc)) refuse(desc.name, wrong);
+  resources_.push_back({.desc = std::move(desc), .imported = true, .to_fill = import == Import::to_fill});
+  return {int(resources_.size()) - 1, 0};
+}
+
+void GraphBuilder::begin_pass(std::string name, Queue queue) {
+  if (open_) throw GraphError(fmt::format("pass '{}' begins inside pass '{}'", name, passes_.back().name));
+  for (const Pass& pass : passes_)
+    if (pass.name == name)
+      throw GraphError(fmt::format("a second pass '{}': each instance needs a name of its own", name));
+  passes_.push_back({.name = std::move(name), .queue = queue});
+  open_ = true;
+  missing_.clear();
+}
+
+template <class Desc>
+int GraphBuilder::create_any(Desc desc) {
+  if (!open_) throw GraphError(fmt::format("create of '{}' outside a pass", desc.name));
+  resources_.push_back({.desc = std::move(desc), .creator = int(passes_.size()) - 1});
+  return int(resources_.size()) - 1;
+}
 
 ImageHandle GraphBuilder::create(ImageDesc desc) {
   if (const char* wrong = wrong_shape(desc); wrong && missing_.empty()) refuse(desc.name, wrong);
@@ -156,11 +158,30 @@ PlanUse GraphBuilder::use_of(const Resource& resource, PlanUse use, const Part& 
   return use;
 }
 
+// Of an image that later frames find filled: all of it is written, and only then read.
+void GraphBuilder::check_filling(const Resource& resource, const PlanUse& use) const {
+  if (!resource.to_fill || !missing_.empty()) return;
+  const auto& desc = std::get<ImageDesc>(resource.desc);
+  if (!use.writes) {
+    std::vector<bool> holds(size_t(desc.mips) * desc.layers, false);
+    for (const ImageRange& range : resource.written)
+      for_subresources(range, desc.layers, [&](size_t i) { holds[i] = true; });
+    if (std::find(holds.begin(), holds.end(), false) != holds.end())
+      refuse(resource.name(), "an image to fill is read before all of it is written");
+    return;
+  }
+  for (const Pass& pass : passes_)
+    for (const PlanUse& other : pass.uses)
+      if (other.resource == use.resource && !other.writes)
+        refuse(resource.name(), "an image to fill is written after it was read");
+}
+
 // Of a read: every subresource holds something. Of a drawing: all do or none does, for it clears or keeps them all.
 void GraphBuilder::check_written(const Resource& resource, const PlanUse& use) const {
   const auto* image = std::get_if<ImageDesc>(&resource.desc);
   const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
-  if (resource.imported || (buffer && buffer->zeroed) || !missing_.empty()) return;
+  const bool filled = resource.imported && !resource.to_fill;
+  if (filled || (buffer && buffer->zeroed) || !missing_.empty()) return;
   bool all = resource.version > 0, any = all;
   if (image) {
     std::vector<bool> holds(size_t(image->mips) * image->layers, false);
@@ -205,6 +226,7 @@ void GraphBuilder::read_any(Handle handle, Access access, std::string_view what,
   if (access_info(access).writes)
     refuse(resource.name(), fmt::format("read as {}, which writes", access_info(access).name));
   const PlanUse use = use_of(resource, {handle.resource, access, handle.version, false}, part);
+  check_filling(resource, use);
   check_written(resource, use);
   std::vector<PlanUse>& uses = passes_.back().uses;
   if (std::find(uses.begin(), uses.end(), use) != uses.end()) return;
@@ -242,8 +264,9 @@ Handle GraphBuilder::write_any(Handle handle, Access access, const Part& part) {
   check_fits(resource, access);
   if (!access_info(access).writes)
     refuse(resource.name(), fmt::format("written as {}, which only reads", access_info(access).name));
-  if (resource.imported) refuse(resource.name(), "an imported resource is written");
+  if (resource.imported && !resource.to_fill) refuse(resource.name(), "an imported resource is written");
   const PlanUse use = use_of(resource, {handle.resource, access, handle.version + 1, true}, part);
+  check_filling(resource, use);
   check_written(resource, use);
   check_together(resource, use);
   passes_.back().uses.push_back(use);
@@ -256,6 +279,8 @@ ImageHandle GraphBuilder::write(ImageHandle image, Access access, ImageRange ran
   return write_any(image, access, {range, view});
 }
 BufferHandle GraphBuilder::write(BufferHandle buffer, Access access) { return write_any(buffer, access); }
+
+void GraphBuilder::clear_first(ImageHandle image) { std::get<ImageDesc>(resource_of(image).desc).covered = false; }
 
 void GraphBuilder::begin_step() {
   require_open("begin_step");

@@ -26,6 +26,12 @@ class GraphBuilder {
  public:
   // Resources filled before the frame by the scene upload; read-only in the graph.
   BufferHandle import_buffer(BufferDesc desc);
+  // An image that someone else owns (gpu/kept_image.h). Filled by an earlier frame: it can be read. To fill: the
+  // frame's passes write all of it before any reads it, so that later frames can import it as filled; where nobody
+  // reads it, nobody fills it. Either way the frame leaves it in the layout in which its format is sampled, which is
+  // how a filled one is found.
+  enum class Import { filled, to_fill };
+  ImageHandle import_image(ImageDesc desc, Import import = Import::filled);
 
   // Opens a pass; every declaration up to end_pass belongs to it. A frame's passes have different names: what stands in
   // a frame several times has a name for each instance, "blur.wide" (times, hashes and plans tell them apart).
@@ -49,6 +55,8 @@ class GraphBuilder {
   // The new version. An empty handle counts as a missing required input, and comes back empty.
   ImageHandle write(ImageHandle image, Access access, ImageRange range = {}, std::optional<ImageKind> view = {});
   BufferHandle write(BufferHandle buffer, Access access);
+  // Takes back ImageDesc::covered, for a reader who may see what a later pass covers.
+  void clear_first(ImageHandle image);
   // Opens the next step of the pass: the graph orders steps like passes, with a barrier before each, and `record` is
   // called once for each (CommandList::step). The pass is timed once. What was declared before the first step belongs
   // to every step.
@@ -82,7 +90,7 @@ class GraphBuilder {
   };
   struct Resource {
     std::variant<ImageDesc, BufferDesc> desc;
-    bool imported = false;
+    bool imported = false, to_fill = false;
     int version = 0;    // newest
     int creator = -1;   // declared pass that made it
     int left_out = -1;  // into left_out(): made by a pass that was left out; its handles are refused, the place stays
@@ -111,6 +119,7 @@ class GraphBuilder {
   Handle write_any(Handle handle, Access access, const Part& part = {});
   PlanUse use_of(const Resource& resource, PlanUse use, const Part& part) const;
   void check_written(const Resource& resource, const PlanUse& use) const;
+  void check_filling(const Resource& resource, const PlanUse& use) const;
   template <class Desc>
   int create_any(Desc desc);
   template <class Desc>

@@ -75,7 +75,10 @@ void mark_first_writes(FramePlan& plan) {
 
 void make_physical(const GraphBuilder& builder, FramePlan& plan) {
   for (const GraphBuilder::Resource& resource : builder.resources()) {
-    PlanResource planned{.desc = resource.desc, .imported = resource.imported, .lifetime = lifetime_of(resource)};
+    PlanResource planned{.desc = resource.desc,
+                         .imported = resource.imported,
+                         .to_fill = resource.to_fill,
+                         .lifetime = lifetime_of(resource)};
     plan.resources.push_back(std::move(planned));
   }
   for (size_t pass = 0; pass < plan.passes.size(); ++pass) {

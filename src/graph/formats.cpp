@@ -61,5 +61,11 @@ const FormatInfo& format_info(VkFormat format) {
 
 std::string_view format_name(VkFormat format) { return format_info(format).name; }
 uint32_t format_bytes(VkFormat format) { return format_info(format).bytes; }
+uint32_t copied_bytes(VkFormat format) { return has_stencil(format) ? 4 : format_bytes(format); }
+uint32_t format_channels(VkFormat format) {
+  const std::string_view name = format_name(format);
+  const std::string_view layout = is_depth_format(format) ? "D" : name.substr(0, name.find('_'));
+  return uint32_t(std::count_if(layout.begin(), layout.end(), [](char c) { return c >= 'A' && c <= 'Z' && c != 'E'; }));
+}
 
 }  // namespace candela

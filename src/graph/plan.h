@@ -96,7 +96,7 @@ struct QueueBatch {
 enum class Lifetime : uint8_t { scene, frame, readback };  // imported, transient, read by the host
 struct PlanResource {
   std::variant<ImageDesc, BufferDesc> desc;
-  bool imported = false;
+  bool imported = false, to_fill = false;  // to_fill: imported, and this frame makes what is in it
   Lifetime lifetime = Lifetime::frame;
   VkImageUsageFlags image_usage = 0;  // unions over kept passes: pruning narrows usage too
   VkBufferUsageFlags buffer_usage = 0;

@@ -127,6 +127,7 @@ Hash128 plan_hash(const FramePlan& plan) {
     for (const uint64_t field :
          {uint64_t(resource.imported), uint64_t(resource.last_pass), uint64_t(resource.block + 1)})
       out.number(field);
+    if (resource.to_fill) out.word("fill");
   }
   return hash128(out.text());
 }

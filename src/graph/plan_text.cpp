@@ -132,7 +132,10 @@ std::string images_text(const FramePlan& plan) {
     table.row({image->name, std::string(format_name(image->format)), image_size_text(*image),
                fmt::format("{}", image->samples), human_bytes(resource.bytes),
                fmt::format("{}-{}", resource.first_pass, resource.last_pass),
-               resource.block < 0 ? "" : fmt::format("{}", resource.block)});
+               resource.to_fill     ? "to keep"
+               : resource.imported  ? "kept"
+               : resource.block < 0 ? ""
+                                    : fmt::format("{}", resource.block)});
   }
   return table.empty() ? "" : "\nimages\n" + table.text();
 }

@@ -19,15 +19,27 @@ std::vector<bool> prune(const GraphBuilder& builder, std::vector<LeftOut>& left_
   for (const int sink : builder.sinks()) wanted[sink].assign(wanted[sink].size(), true);
 
   std::vector<bool> kept(passes.size(), false);
-  for (size_t i = passes.size(); i-- > 0;) {
-    for (const PlanUse& use : passes[i].uses)
-      if (use.writes)
-        for_subresources(use.range, layers_of(use.resource), [&](size_t s) {
-          if (wanted[use.resource][s]) kept[i] = true;
-        });
-    if (!kept[i]) continue;
-    for (const PlanUse& use : passes[i].uses)
-      for_subresources(use.range, layers_of(use.resource), [&](size_t s) { wanted[use.resource][s] = true; });
+  const auto walk = [&] {
+    for (size_t i = passes.size(); i-- > 0;) {
+      for (const PlanUse& use : passes[i].uses)
+        if (use.writes)
+          for_subresources(use.range, layers_of(use.resource), [&](size_t s) {
+            if (wanted[use.resource][s]) kept[i] = true;
+          });
+      if (!kept[i]) continue;
+      for (const PlanUse& use : passes[i].uses)
+        for_subresources(use.range, layers_of(use.resource), [&](size_t s) { wanted[use.resource][s] = true; });
+    }
+  };
+  walk();
+  // An image that later frames find filled is filled whole, where anything is done with it.
+  for (size_t r = 0; r < resources.size(); ++r) {
+    const auto is_true = [](bool part) { return part; };
+    if (!resources[r].to_fill || std::ranges::none_of(wanted[r], is_true) || std::ranges::all_of(wanted[r], is_true))
+      continue;
+    wanted[r].assign(wanted[r].size(), true);
+    walk();
+    r = size_t(-1);  // what that keeps may use another
   }
 
   for (size_t i = 0; i < passes.size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <type_traits>
 
+#include "passes/debug/dump.h"
 #include "passes/debug/layers.h"
 #include "passes/debug/light_heat.h"
 #include "passes/geometry/cull.h"
@@ -13,6 +14,8 @@
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
 #include "passes/lights/tile_depth.h"
+#include "passes/occlusion/occlusion.h"
+#include "passes/occlusion/occlusion_layer.h"
 #include "passes/post/bloom.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
@@ -24,6 +27,8 @@
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
+#include "passes/volumes/fog.h"
+#include "passes/volumes/fog_layers.h"
 
 namespace candela {
 
@@ -39,8 +44,9 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
-                           LightFill, LightSort, ShadeForward, ShadeUnlit, Sky, Background, Transparent, Layers, Terms,
-                           SunLayers, LightHeat, Supersample, Resolve, BloomPass, Tonemap, Readback>;
+                           LightFill, LightSort, AmbientOcclusion, FogGrid, ShadeForward, ShadeUnlit, Sky, Background,
+                           Transparent, Layers, Terms, FogLayers, SunLayers, OcclusionLayer, LightHeat, Supersample,
+                           Resolve, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

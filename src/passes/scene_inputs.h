@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "graph/builder.h"
@@ -18,6 +19,7 @@ struct SceneInputs {
   std::shared_ptr<const ViewImage> sun_image;
   std::shared_ptr<const std::vector<uint32_t>> view_first_command;
   std::string sun_absence;                    // why there are none
+  std::optional<Hash128> sun_key;             // of the maps' content, where they may be kept
   BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
   std::shared_ptr<const std::vector<DrawRun>> runs;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials

@@ -56,6 +56,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   TraceCounts counts;
   std::optional<Hit> hit = next_surface(world_, ray, true, nullptr, &counts);
   // Front to back: each surface covers what the ones before left open.
+  bool opaque_met = false;
   for (int layer = 0; hit && layer < most_layers && through > 0; ++layer) {
     Surface s = world_.surface(*hit, camera.origin, camera.direction);
     if (settings_.lifted != 0) {
@@ -78,6 +79,10 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
       if (terms) {
         terms->add(own, through * s.coverage * clear);
         if (!s.unlit) terms->shadow -= through * s.coverage * (1 - sun_visibility(s, point, stream.next2()));
+        if (!opaque_met && !world_.is_blended(hit->item)) {
+          opaque_met = true;
+          if (!s.unlit) terms->occlusion = near_occlusion(s, point, stream.next2());
+        }
       }
       out.alpha += through * s.coverage;
       through *= 1 - s.coverage;
@@ -158,10 +163,20 @@ double Integrator::sun_visibility(const Surface& s, const SurfacePoint& point, g
   return all > 0 ? open / all : 1;
 }
 
+double Integrator::near_occlusion(const Surface& s, const SurfacePoint& point, glm::dvec2 u) const {
+  const Occlusion occlusion = world_.occlusion();
+  const double open = near_visibility(world_, point, cosine_direction(s.geometric, u), occlusion);
+  return 1 - occlusion.strength * (1 - open);
+}
+
 glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const {
   const glm::dvec3 clear = world_.through_fog(s.position, l, endless);
   if (!settings_.visibility) return clear;
   if (!is_open(s, l)) return glm::dvec3(0);
+  if (settings_.mode == Mode::direct && world_.has_near_occlusion()) {
+    const Occlusion occlusion = world_.occlusion();
+    return clear * (1 - occlusion.strength * (1 - near_visibility(world_, point, l, occlusion)));
+  }
   const double distance_m = settings_.mode == Mode::path ? endless : settings_.ambient_distance_m;
   return clear * light_through(world_, point, l, distance_m, bodies_towards(s, l));
 }

@@ -14,7 +14,7 @@ namespace candela::reference {
 namespace {
 
 constexpr int tile_px = 16;
-constexpr char magic[8] = {'c', 'a', 'n', 'd', 'r', 'e', 'f', '1'};
+constexpr char magic[8] = {'c', 'a', 'n', 'd', 'r', 'e', 'f', '2'};
 
 struct FileHead {
   char magic[8];
@@ -39,6 +39,10 @@ glm::dvec3 Film::term(Term term, size_t pixel) const {
 }
 
 double Film::shadow(size_t pixel) const { return terms_.at(pixel).shadow / double(std::max<uint64_t>(samples_, 1)); }
+
+double Film::occlusion(size_t pixel) const {
+  return terms_.at(pixel).occlusion / double(std::max<uint64_t>(samples_, 1));
+}
 
 glm::dvec3 Film::fog_light(size_t pixel) const {
   if (fog_.empty()) return glm::dvec3(0);
@@ -125,6 +129,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
           for (size_t t = 0; t < term_count; ++t)
             for (int c = 0; c < 3; ++c) terms[at].light[t][c] += divided.light[t][c];
           terms[at].shadow += divided.shadow;
+          terms[at].occlusion += divided.occlusion;
         }
       }
     const std::lock_guard lock(reporting);

@@ -32,6 +32,7 @@ class Film {
   bool has_terms() const { return !terms_.empty(); }
   glm::dvec3 term(Term term, size_t pixel) const;  // mean of one; with fog_light() they sum to mean()
   double shadow(size_t pixel) const;               // mean TermSample::shadow
+  double occlusion(size_t pixel) const;            // mean TermSample::occlusion
   size_t pixels() const { return size_t(width_) * size_t(height_); }
 
   // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared
@@ -59,7 +60,7 @@ class Film {
     double light[3] = {}, through[3] = {};
   };
   struct TermSums {
-    double light[term_count][3] = {}, shadow = 0;
+    double light[term_count][3] = {}, shadow = 0, occlusion = 0;
   };
   // The mean over pixels and channels of a quarter of the squared difference of the halves over scale(mean).
   template <class Scale>

@@ -66,6 +66,8 @@ class Integrator {
                               TermSample* terms) const;
   // TermSample::shadow of one surface.
   double sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
+  // TermSample::occlusion of one surface.
+  double near_occlusion(const Surface& s, const SurfacePoint& point, glm::dvec2 u) const;
   glm::dvec3 sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
   // What a light would give if nothing stood between.
   struct Offer {

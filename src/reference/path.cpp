@@ -277,7 +277,10 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       else
         gain(Term::indirect, light);
     }
-    if (divided) terms->shadow = sun_visibility(s, point, stream.next2());
+    if (divided) {
+      terms->shadow = sun_visibility(s, point, stream.next2());
+      if (!world_.is_blended(hit->item)) terms->occlusion = near_occlusion(s, point, stream.next2());
+    }
 
     const std::optional<BsdfSample> next = sample_bsdf(s, v, lobe, for_lobe);
     if (!next || (last && !next->straight)) break;

@@ -35,6 +35,9 @@ struct TermSample {
   // Of the directional lights' light on what the pixel shows, weighed by the cosine, the share that nothing blocks; 1
   // where none of them faces the surface, and on what takes no light.
   double shadow = 1;
+  // Of the nearest opaque or masked surface: the share of the sky's light that near surfaces leave, weighed by the
+  // cosine about the triangle's normal (World::occlusion()); 1 where there is none, and on what takes no light.
+  double occlusion = 1;
 
   glm::dvec3& operator[](Term term) { return light[size_t(term)]; }
   const glm::dvec3& operator[](Term term) const { return light[size_t(term)]; }

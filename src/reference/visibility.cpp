@@ -1,6 +1,7 @@
 #include "reference/visibility.h"
 
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace candela::reference {
@@ -62,6 +63,21 @@ double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l,
     if (!(through > 0)) return 0;
     const Hit passed = *hit;
     hit = next_surface(world, *ray, false, &passed, nullptr);
+  }
+  return through;
+}
+
+double near_visibility(const World& world, const SurfacePoint& from, glm::dvec3 l, const Occlusion& occlusion) {
+  Ray ray = leaving_ray(from, l);
+  ray.t_max = float(std::min(occlusion.radius_m, double(std::numeric_limits<float>::max())));
+  double through = 1;
+  std::optional<Hit> hit = next_surface(world, ray, false, nullptr, nullptr);
+  while (hit) {
+    const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
+    through *= 1 - coverage * occlusion.hidden(double(hit->t));
+    if (!(coverage < 1)) return through;
+    const Hit passed = *hit;
+    hit = next_surface(world, ray, false, &passed, nullptr);
   }
   return through;
 }

@@ -33,6 +33,10 @@ double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l,
 std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double distance_m,
                               const SurfacePoint* target = nullptr);
 
+// How much of what lies in unit direction `l` the surfaces near `from` leave: 1 less what Occlusion says of the nearest
+// opaque one, times the same of every blended one before it by its coverage. Its strength does not count.
+double near_visibility(const World& world, const SurfacePoint& from, glm::dvec3 l, const Occlusion& occlusion);
+
 Ray rounded(const CameraRay& ray);
 Ray leaving_ray(const SurfacePoint& from, glm::dvec3 direction);
 

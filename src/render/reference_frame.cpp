@@ -84,6 +84,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.accel = accel;
   input.glass = path;
   input.fog = look->fog;
+  input.occlusion = look->occlusion;
   if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (sky) {
     const double turn = glm::radians(look->sky.rotation_deg);
@@ -143,7 +144,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
 }
 
 std::vector<std::string> reference_layer_names() {
-  std::vector<std::string> names = {"variance", "fog.L", "fog.T"};
+  std::vector<std::string> names = {"variance", "fog", "fog.transmittance"};
   for (const std::vector<std::string>& more : {term_layer_names(), surface_layer_names(), reference_view_names()})
     names.insert(names.end(), more.begin(), more.end());
   return names;
@@ -191,7 +192,7 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
       std::vector<float>& plane = add(layer + "." + rgba[c], ChannelType::float32);
       for (size_t i = 0; i < film.pixels(); ++i)
         plane[i] = float((layer == "variance" ? film.variance(i)
-                          : layer == "fog.L"  ? film.fog_light(i)
+                          : layer == "fog"    ? film.fog_light(i)
                                               : film.fog_through(i))[c]);
     }
   }

@@ -40,7 +40,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
                       const AccelOptions& accel, bool with_terms = false);
 
 // Layers that the reference can write beside beauty.
-std::vector<std::string> reference_layer_names();  // variance, fog.L, fog.T, terms, surface layers, and
+std::vector<std::string> reference_layer_names();  // variance, fog, fog.transmittance, terms, surface layers, and
 std::vector<std::string>
 reference_view_names();  // heatmap.traversal, heatmap.leaves: counts, which PNG can show as well
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer);

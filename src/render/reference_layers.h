@@ -11,7 +11,7 @@ namespace candela {
 // object_id, material_id, in its units and channels.
 const std::vector<std::string>& surface_layer_names();
 
-// Layers that the film holds as means over its samples: the terms that beauty is the sum of, together with fog.L
+// Layers that the film holds as means over its samples: the terms that beauty is the sum of, together with fog
 // (reference/terms.h), and shadow, which is no light.
 const std::vector<std::string>& term_layer_names();
 // What the film of these layers must keep.

@@ -193,6 +193,33 @@ Expected<double> from_zero_to(const Json& j, const std::string& place, double mo
   return value;
 }
 
+Expected<void> read_occlusion(const Json& j, const std::string& place, Look& look) {
+  const auto into_number = [](double Occlusion::*member, double most) {
+    return [=](const Json& v, const std::string& at, Occlusion& o) -> Expected<void> {
+      const auto value = from_zero_to(v, at, most);
+      if (!value) return std::unexpected(value.error());
+      o.*member = *value;
+      return {};
+    };
+  };
+  const Readers<Occlusion> readers = {
+      {"radius_m",
+       [](const Json& v, const std::string& at, Occlusion& o) -> Expected<void> {
+         const auto value = from_zero(v, at);
+         if (!value) return std::unexpected(value.error());
+         if (!(*value > 0)) return wrong(at, "the value is not above 0; \"strength\": 0 switches occlusion off");
+         o.radius_m = *value;
+         return {};
+       }},
+      {"falloff", into_number(&Occlusion::falloff, 1)},
+      {"strength", into_number(&Occlusion::strength, 1)},
+  };
+  Occlusion occlusion;
+  if (auto read = read_keys(j, place, readers, occlusion); !read) return read;
+  look.occlusion = occlusion;
+  return {};
+}
+
 // "preset" comes first, whatever the order of the keys: the others go over it.
 Expected<void> read_bloom(const Json& j, const std::string& place, Look& look) {
   constexpr double no_limit = std::numeric_limits<double>::infinity();
@@ -302,7 +329,11 @@ Expected<Look> look_from_json(const std::string& text, const std::string& place,
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
   if (auto evaluated = evaluate(*j, place + ": ", time_s); !evaluated) return std::unexpected(evaluated.error());
   Look look;
-  const Readers<Look> readers = {{"fog", read_fog}, {"sun", read_sun}, {"bloom", read_bloom}, {"sky", read_sky_look}};
+  const Readers<Look> readers = {{"fog", read_fog},
+                                 {"sun", read_sun},
+                                 {"sky", read_sky_look},
+                                 {"bloom", read_bloom},
+                                 {"occlusion", read_occlusion}};
   if (auto read = read_keys(*j, place + ": ", readers, look); !read) return std::unexpected(read.error());
   return look;
 }

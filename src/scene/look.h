@@ -56,12 +56,26 @@ struct SkyLook {
   double intensity = 1;     // times the image's radiance
 };
 
+// How surfaces near a point hide the sky from it. A ray that meets a surface at distance t is hidden by
+// saturate((radius - t) / (falloff * radius)): wholly up to (1 - falloff) radii, and beyond the radius not at all.
+struct Occlusion {
+  double radius_m = 1;
+  double falloff = 0.6;  // 0: a hard end at the radius; 1: fades from the point on
+  double strength = 1;   // of the darkening, 0 to 1
+  double hidden(double t_m) const {
+    if (!(t_m < radius_m)) return 0;
+    const double from_end = radius_m - t_m, width = falloff * radius_m;
+    return from_end >= width ? 1 : from_end / width;
+  }
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
   std::optional<Bloom> bloom;
   std::optional<Sun> sun;
   SkyLook sky;
+  std::optional<Occlusion> occlusion;
 };
 
 // A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are

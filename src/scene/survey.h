@@ -49,6 +49,7 @@ struct FrameRequest {
   int display_bits = 8;          // 8 or 16
   bool dither = true;            // before 8 bits
   uint32_t noise_seed = 0;       // differs from frame to frame
+  uint32_t still_seed = 0;       // for noise that stays as it is from frame to frame
   std::string quality = "high";  // draft, normal, high, exact
   std::string effects = "auto";  // auto, none, or names of effects separated by commas
   Look look;                     // of the frame's time
@@ -62,6 +63,7 @@ struct FrameRequest {
     return effects == "auto" ? in_look : names_effect(effect);
   }
   bool names_effect(std::string_view effect) const;
+  bool draws_fog() const { return look.fog && wants_looked("fog", true); }
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)
       if (l == name) return true;

@@ -5,9 +5,10 @@ namespace candela {
 namespace {
 
 // The mean of n x n pictures, each from its own point of every pixel. Lists of lights that follow a depth are made for
-// each picture; those of clusters serve all. The terms of each are summed as their pictures are.
+// each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of each
+// are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
-                         const Lighting& lighting, uint32_t n, TermImages& terms) {
+                         const Lighting& lighting, uint32_t n, TermImages& terms, FogImages& fog) {
   SceneInputs sample = scene;
   sample.is_subsample = true;
   sample.features = with_subsample(scene.features);
@@ -15,6 +16,8 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   ImageHandle sum;
   const bool divided = bool(Terms{}.needed(frame.facts, frame.request));
   if (!divided) frame.add(Terms{}, {});
+  const bool foggy = bool(FogLayers{}.needed(frame.facts, frame.request));
+  if (!foggy) frame.add(FogLayers{}, {});
   const auto add = [&](ImageHandle picture, ImageHandle before, const std::string& of) {
     return frame.add(Supersample{}, {picture, before, scene.width_px, scene.height_px}, of).sum;
   };
@@ -25,9 +28,16 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     Lighting lit = lighting;
     if (scene.light_grid.tiled) lit = light_surfaces(frame, sample, seen, instance);
     lit.lists.sun_maps = lighting.lists.sun_maps;
+    lit.lists.fog = lighting.lists.fog;
+    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
     const ImageHandle radiance = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(radiance, sum, instance);
+    if (foggy) {
+      const FogImages parts = fog_layers(frame, sample, seen, lit, instance);
+      for (size_t l = 0; l < parts.size(); ++l)
+        if (parts[l]) fog[l] = add(parts[l], fog[l], fmt::format("{}.{}", instance, FogLayers::layers[l].name));
+    }
     if (!divided) continue;
     const TermImages parts = divide(frame, sample, seen, lit, instance);
     for (uint32_t t = 0; t < term_count; ++t)
@@ -42,19 +52,28 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   const uint32_t n = uint32_t(frame.knobs.get<Supersample::Knobs>().n);
   const Surfaces surfaces = visible_surfaces(frame, scene);
   Lighting lighting = light_surfaces(frame, scene, surfaces);
+  // Of a supersampled frame only the layer is of this depth. Before the suns' maps, which are drawn meanwhile.
+  OcclusionTexels occlusion;
+  if (n == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
+    occlusion = ambient_occlusion(frame, scene, surfaces.depth);
+  if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
+  lighting.lists.fog = fog_view(frame, scene, lighting);
   ImageHandle radiance;
   TermImages terms;
+  FogImages fog;
   if (n > 1) {
-    radiance = supersampled(frame, scene, technique, surfaces, lighting, n, terms);
+    radiance = supersampled(frame, scene, technique, surfaces, lighting, n, terms, fog);
   } else {
     frame.add(Supersample{}, {});
     const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting, {});
     radiance = composite(frame, scene, surfaces, lighting, shaded);
     terms = divide(frame, scene, surfaces, lighting);
+    fog = fog_layers(frame, scene, surfaces, lighting);
   }
-  describe(frame, scene, surfaces, lighting);
+  describe(frame, scene, surfaces, lighting, occlusion);
   publish_terms(frame, scene, terms);
+  publish_fog(frame, scene, fog);
   post(frame, scene, radiance);
 }
 

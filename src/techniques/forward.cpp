@@ -11,8 +11,10 @@ ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surf
                     std::string_view instance) {
   const auto& [draws, deformed, depth] = surfaces;
   const ImageHandle color =
-      frame.add(ShadeForward{}, {scene, draws, deformed, lighting.lists, depth, {}}, instance).color;
-  return newest(frame.add(ShadeUnlit{}, {scene, draws, deformed, {}, depth, color}, instance).color, color);
+      frame.add(ShadeForward{}, {scene, draws, deformed, lighting.of_opaque(), depth, {}}, instance).color;
+  return newest(
+      frame.add(ShadeUnlit{}, {scene, draws, deformed, fog_alone(lighting.lists), depth, color}, instance).color,
+      color);
 }
 
 }  // namespace candela

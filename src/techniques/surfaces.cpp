@@ -16,11 +16,13 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
   return surfaces;
 }
 
-void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting) {
+void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+              const OcclusionTexels& occlusion) {
   Layers::In wanted{scene, surfaces.draws, surfaces.deformed, lighting.lists};
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(Layers::layers[i].name);
   frame.add(Layers{}, wanted);
   frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
+  frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
 }
 

@@ -19,11 +19,30 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
 // What surfaces are lit by, beside what the scene's buffers hold.
 struct Lighting {
   CellLists lists;
+  OcclusionTexels occlusion;  // empty: nothing hides the sky
+  // As opaque and masked surfaces take it.
+  CellLists of_opaque() const {
+    CellLists with = lists;
+    with.occlusion = occlusion;
+    return with;
+  }
 };
+// What is seen through fog: the grid of its light, or how points do without. Made once, for all samples of a picture.
+FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lighting);
+// For passes that walk no lights unless the fog does.
+CellLists fog_alone(const CellLists& lists);
+CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
 // The depth maps of directional lights' cascades; empty: none casts a shadow.
 ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                         std::string_view instance = {});
+
+// How open to the sky the opaque and masked surfaces of a depth are. `index`: which of `count` samples of a supersampled
+// frame the depth is of; each has its own part of the slices.
+OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth,
+                                  std::string_view instance = {}, uint32_t index = 0, uint32_t count = 1);
+// Whether shading takes it; it may be made for its layer alone.
+bool shades_occluded(const Frame& frame);
 
 // Everything that is not an opaque or masked surface, over and behind them, in order. `shaded` may be empty. Returns
 // linear radiance with premultiplied alpha, multisampled where the request is.
@@ -31,7 +50,8 @@ ImageHandle composite(Frame& frame, const SceneInputs& scene, const Surfaces& su
                       ImageHandle shaded, std::string_view instance = {});
 
 // Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
-void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
+void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+              const OcclusionTexels& occlusion);
 
 // Beauty's terms (passes/surfaces/terms.h) as composite() would have them, as far as layers ask for them.
 using TermImages = std::array<ImageHandle, term_count>;
@@ -39,6 +59,12 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
                   std::string_view instance = {});
 // Resolves them like beauty and publishes them.
 void publish_terms(Frame& frame, const SceneInputs& scene, const TermImages& terms);
+
+// The layers of fog, in the same way.
+using FogImages = std::array<ImageHandle, 2>;
+FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                     std::string_view instance = {});
+void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
 // From a frame's radiance to what the host gets: resolve, tone mapping, read-back of all outputs and layers that are
 // asked for.

@@ -5,13 +5,17 @@ namespace candela {
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   std::string_view instance) {
   const auto& [draws, deformed, depth] = surfaces;
-  Terms::In in{scene, draws, deformed, lighting.lists, depth, {}, {}};
+  Terms::In in{scene, draws, deformed, lighting.of_opaque(), depth, {}, {}};
   for (uint32_t i = 0; i < term_count; ++i) in.wanted[i] = frame.request.has_layer(Terms::layers[i].name);
   constexpr size_t background = size_t(Term::background);
   if (in.wanted[background]) {
     const std::string behind = instance.empty() ? "term" : fmt::format("{}.term", instance);
-    in.background = frame.add(Sky{}, {scene, depth, {}}, behind).color;
-    in.background = newest(frame.add(Background{}, {scene, depth, in.background}, behind).color, in.background);
+    // Through fog, without the fog's own light: so nothing has to be looked up.
+    CellLists clear;
+    if (lighting.lists.fog) clear.fog.light = FogLight::nothing;
+    in.background = frame.add(Sky{}, {scene, depth, {}, clear, false}, behind).color;
+    in.background =
+        newest(frame.add(Background{}, {scene, depth, in.background, clear, false}, behind).color, in.background);
   }
   TermImages images = frame.add(Terms{}, in, instance).images;
   // Where nothing is visible there is no pass, and the background is all.

@@ -71,6 +71,63 @@ TEST(Render, WritesWhatItSays) {
   EXPECT_FALSE(Json::parse(bytes_of(folder / "trace.json"))["traceEvents"].empty());
 }
 
+// Any image of the plan; the frame's own file stays byte for byte what it is.
+TEST(Render, DumpsImagesOfThePlan) {
+  TestFolder folder;
+  const Arguments plain = {"render", scene("spheres"), "--size", "40x24", "--samples", "4", "--quiet"};
+  const auto with = [&](const Arguments& more) {
+    Arguments arguments = plain;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return candela(arguments);
+  };
+  ASSERT_EQ(with({"-o", folder / "plain.exr"}).code, 0);
+  const Ended ended = with({"-o", folder / "a.exr", "--dump", "resolve.resolved", "--dump",
+                            "depth_views.sun.sun.maps[0,1]=" + (folder / "deep/map.exr"), "--json"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(bytes_of(folder / "a.exr"), bytes_of(folder / "plain.exr"));
+  EXPECT_EQ(Json::parse(ended.out)["dumps"].size(), 2u);
+  const auto resolved = read_image(folder / "a.resolve.resolved.exr"), map = read_image(folder / "deep/map.exr");
+  ASSERT_TRUE(resolved && map);
+  EXPECT_EQ(resolved->width, 40);
+  EXPECT_NE(resolved->find("A"), nullptr);
+  EXPECT_NE(map->find("Z"), nullptr);
+  // Alone, without -o.
+  ASSERT_EQ(with({"--dump", "resolve.resolved=" + (folder / "alone.exr")}).code, 0);
+  EXPECT_EQ(bytes_of(folder / "alone.exr"), bytes_of(folder / "a.resolve.resolved.exr"));
+  for (const auto& [dump, word] :
+       std::vector<std::pair<std::string, std::string>>{{"resolve.resolvd", "resolve.resolved"},
+                                                        {"resolve", "PASS.IMAGE"},
+                                                        {"resolve.resolved[0,9]", "1 layer"},
+                                                        {"resolve.resolved=" + (folder / "a.png"), ".exr"},
+                                                        {"resolve.resolved=" + (folder / "b.exr"), "twice"}}) {
+    const Ended refused = with({"-o", folder / "b.exr", "--dump", dump});
+    EXPECT_EQ(refused.code, 2) << dump;
+    EXPECT_NE(refused.err.find(word), std::string::npos) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.exr"));
+  }
+  EXPECT_EQ(with({"--dump", "resolve.resolved"}).code, 2);
+}
+
+// What frames keep for later ones shows in no byte, in one run or in shards.
+TEST(Sequence, KeptShadowMapsChangeNoByte) {
+  TestFolder folder;
+  const auto films = [&](const std::string& name, const Arguments& more) {
+    Arguments arguments = {"sequence", scene("spheres"), "--frames",        "0-5", "--size",
+                           "48x27",    "--set",          "sun.size_px=512", "-o",  folder / (name + "/%04d.exr"),
+                           "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = candela(arguments);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+  };
+  films("off", {"--cache", "off"});
+  films("on", {});
+  films("flight", {"--cache", "on", "--in-flight", "3"});
+  for (const char* shard : {"2/2", "1/2"}) films("shards", {"--shard", shard});
+  const auto off = contents(folder / "off");
+  EXPECT_EQ(off.size(), 6u);
+  for (const char* other : {"on", "flight", "shards"}) EXPECT_EQ(contents(folder / other), off) << other;
+}
+
 // OpenEXR's rule: a point times worldToNDC is the place in the picture, (0,0) the upper left corner.
 TEST(Render, WorldToNdcFindsTheTargetInTheMiddle) {
   TestFolder folder;

@@ -195,8 +195,8 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   const TestFolder folder;
   const std::string look = folder / "look.json";
   std::ofstream(look) << R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": 0.5}})";
-  const Ended ended = candela(traced(
-      folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers", "fog.L,fog.T", "--json"}));
+  const Ended ended = candela(traced(folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers",
+                                                          "fog,fog.transmittance", "--json"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["job"]["look"], look);
@@ -205,11 +205,12 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   const auto image = read_image(folder / "fog.exr");
   ASSERT_TRUE(image);
   double light = 0, clear[2] = {0, 0};
-  for (const char* name : {"fog.L.R", "fog.L.G", "fog.L.B", "fog.T.R", "fog.T.G", "fog.T.B"})
+  for (const char* name :
+       {"fog.R", "fog.G", "fog.B", "fog.transmittance.R", "fog.transmittance.G", "fog.transmittance.B"})
     ASSERT_TRUE(image->find(name)) << name;
-  for (size_t i = 0; i < image->find("fog.L.R")->f.size(); ++i) {
-    light += image->find("fog.L.R")->f[i];
-    clear[0] += image->find("fog.T.R")->f[i], clear[1] += image->find("fog.T.B")->f[i];
+  for (size_t i = 0; i < image->find("fog.R")->f.size(); ++i) {
+    light += image->find("fog.R")->f[i];
+    clear[0] += image->find("fog.transmittance.R")->f[i], clear[1] += image->find("fog.transmittance.B")->f[i];
   }
   EXPECT_GT(light, 0);
   EXPECT_GT(clear[0], clear[1]);
@@ -227,11 +228,11 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   EXPECT_EQ(candela(traced(folder / "x.exr", {"--look", folder / "none.json"})).code, 3);
 }
 
-// Until a pass draws fog, a picture without it says so.
-TEST(Reference, RendersDoNotLeaveFogOutInSilence) {
+// Until a pass draws the sun's disc, a picture without it says so.
+TEST(Reference, RendersDoNotLeaveTheSunsDiscOutInSilence) {
   const TestFolder folder;
   const std::string look = folder / "look.json", left_out = "is left out";
-  std::ofstream(look) << R"({"fog": {"extinction": 0.1}})";
+  std::ofstream(look) << R"({"fog": {"extinction": 0.1}, "sun": {}})";
   for (const std::string command : {"render", "plan", "sequence"}) {
     std::vector<std::string> words = {command, box, "--size", "16x12", "--look", look, "-o", folder / "a%04d.exr"};
     if (command == "sequence") words.insert(words.end(), {"--frames", "0-1"});
@@ -245,7 +246,7 @@ TEST(Reference, RendersDoNotLeaveFogOutInSilence) {
   }
   const Ended json = candela({"render", box, "--size", "16x12", "--look", look, "-o", folder / "b.exr", "--json"});
   EXPECT_NE(nlohmann::json::parse(json.out)["warnings"].dump().find(left_out), std::string::npos) << json.out;
-  std::ofstream(look) << "{}";
+  std::ofstream(look) << R"({"fog": {"extinction": 0.1}})";
   const Ended empty = candela({"render", box, "--size", "16x12", "--look", look, "-o", folder / "b.exr"});
   EXPECT_EQ(empty.code, 0);
   EXPECT_EQ(empty.err.find(left_out), std::string::npos) << empty.err;
@@ -268,7 +269,7 @@ TEST(Reference, NamesWhatIsWrong) {
       {{"reference", box, "-o", out, "--fog-steps", "4"}, "--look"},
       {{"reference", box, "-o", out, "--look", "l.json", "--fog-steps", "0"}, "--fog-steps"},
       {{"reference", box, "-o", out, "--look", "l.json", "--mode", "path", "--fog-steps", "4"}, "--fog-steps"},
-      {{"reference", box, "-o", out, "--view", "fog.L"}, "heatmap.leaves"},
+      {{"reference", box, "-o", out, "--view", "fog"}, "heatmap.leaves"},
       {{"reference", box, "-o", out, "--noise", "-1"}, "--noise"},
       {{"reference", box, "-o", out, "--spp", "-1"}, "--spp"},
       {{"reference", box, "-o", out, "--layers", "depht"}, "did you mean 'depth'"},

@@ -1,3 +1,4 @@
+#include "gpu/kept_image.h"
 #include "gpu_fixture.h"
 #include "shared/samplers.h"
 
@@ -372,6 +373,89 @@ TEST_F(Subresources, OneImageIsSeenInSeveralWays) {
   EXPECT_EQ(texels(builder, array).at(1), glm::vec4(5, 0, 3, 5));
   EXPECT_EQ(texels(builder, whole_cube).at(0).w, 1);
   EXPECT_EQ(texels(builder, whole_cube).at(1).w, 5);
+}
+
+// One frame fills a cube, and others sample it, copy it and sample it again, whether outputs are hashed or not.
+TEST_F(Subresources, AKeptImageOutlivesItsFrame) {
+  const ImageDesc desc{
+      .name = "sky", .format = rgba, .width_px = 4, .height_px = 4, .kind = ImageKind::cube, .mips = 2, .layers = 6};
+  const KeptImage kept(*device, desc, VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+  EXPECT_GE(kept.bytes(), 6 * (16 + 4) * 16u);
+  const std::vector<glm::vec4> directions = {{1, 0, 0, 0},  {-1, 0, 0, 0}, {0, 1, 0, 0},
+                                             {0, -1, 0, 0}, {0, 0, 1, 0},  {0, 0, -1, 0}};
+  const auto sampled = [&](GraphBuilder& builder, ImageHandle sky, float lod, bool hashed) {
+    const BufferHandle buffer =
+        add_samples(builder, sky, {}, ImageKind::cube, 2, SAMPLER_NEAREST_CLAMP, directions, lod);
+    const CompiledGraph graph = compile_graph(builder);
+    const FrameRun result = run(graph, {.hash_outputs = hashed, .images = {{sky.resource, &kept}}});
+    return values_of<glm::vec4>(*result.readbacks.at(buffer.resource));
+  };
+  for (const float value : {1.0f, 10.0f}) {  // filled anew: nothing of the old stays
+    GraphBuilder builder;
+    ImageHandle sky = builder.import_image(desc, GraphBuilder::Import::to_fill);
+    builder.begin_pass("fill");
+    for (uint32_t mip = 0; mip < 2; ++mip)
+      for (uint32_t face = 0; face < 6; ++face) {
+        const Access access = mip == 0 ? Access::transfer_destination : Access::color_attachment;
+        sky = builder.write(sky, access, ImageRange::layer(face, mip));
+      }
+    builder.end_pass([=](CommandList& commands) {
+      for (uint32_t face = 0; face < 6; ++face) {
+        commands.clear_image(sky, glm::vec4(value + float(face)), ImageRange::layer(face, 0));
+        commands.begin_rendering(std::array{CommandList::Attachment{sky, {}, ImageRange::layer(face, 1)}}, {});
+        commands.end_rendering();
+      }
+    });
+    const auto values = sampled(builder, sky, 0, value > 1);
+    for (size_t face = 0; face < 6; ++face) EXPECT_EQ(values.at(face).x, value + float(face));
+  }
+  for (const bool hashed : {false, true, false}) {
+    GraphBuilder builder;
+    const ImageHandle sky = builder.import_image(desc);
+    const BufferHandle face = add_readback(builder, "faces", sky, 6 * (16 + 4) * 16);
+    const auto values = sampled(builder, sky, hashed ? 1 : 0, hashed);
+    for (size_t i = 0; i < 6; ++i) EXPECT_EQ(values.at(i).x, hashed ? 0 : 10 + float(i));
+    const FrameRun result = run(compile_graph(builder), {.images = {{sky.resource, &kept}}});
+    const auto copied = values_of<glm::vec4>(*result.readbacks.at(face.resource));
+    EXPECT_EQ(copied.at(5 * 16 + 15).x, 15);
+    EXPECT_EQ(copied.at(6 * 16).x, 0);
+  }
+  GraphBuilder builder;
+  const ImageHandle sky = builder.import_image(desc);
+  add_samples(builder, sky, {}, ImageKind::cube, 2, SAMPLER_NEAREST_CLAMP, directions);
+  const CompiledGraph graph = compile_graph(builder);
+  ASSERT_TRUE(runner->prepare(graph));
+  EXPECT_DEATH(runner->run(graph, {}, {}), "given for the import 'sky'");
+}
+
+// The one used longest ago goes first; what is being used stays alive.
+TEST_F(Subresources, TheCacheKeepsToItsBudget) {
+  const ImageDesc desc{.name = "entry", .format = rgba, .width_px = 64, .height_px = 64};
+  const auto key = [](int i) { return Hash128{uint64_t(i), 7}; };
+  const uint64_t each = KeptImage(*device, desc, VK_IMAGE_USAGE_TRANSFER_DST_BIT).bytes();
+  ImageCache cache(*device, 2 * each + each / 2);
+  using State = KeptState;
+  const auto insert = [&](int i) { cache.insert(key(i), cache.make(desc, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); };
+  EXPECT_EQ(cache.look_up(key(1), desc), State::unknown);
+  EXPECT_EQ(cache.look_up(key(1), desc), State::seen);
+  insert(1), insert(2);
+  EXPECT_EQ(cache.look_up(key(1), desc), State::filled);
+  const std::shared_ptr<KeptImage> held = cache.find(key(2));
+  insert(3);
+  EXPECT_EQ(cache.size(), 2u);
+  EXPECT_LE(cache.used_bytes(), cache.budget_bytes());
+  EXPECT_TRUE(cache.find(key(1)) && cache.find(key(3)));
+  EXPECT_EQ(cache.find(key(2)), nullptr);
+  EXPECT_NE(held->view({0, {0, 1, 0, 1}, ImageKind::d2, false}), VK_NULL_HANDLE);
+  ImageDesc other = desc;
+  other.width_px = 32;
+  EXPECT_EQ(cache.look_up(key(1), other), State::unknown) << "of another shape";
+  ImageCache small(*device, each - 1);
+  small.insert(key(1), small.make(desc, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
+  EXPECT_EQ(small.size(), 0u);
+  ImageDesc large = desc;
+  large.width_px = 1024;
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(small.look_up(key(9), large), State::unknown) << "never fits";
 }
 
 }  // namespace candela::gpu::test

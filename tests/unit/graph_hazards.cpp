@@ -215,6 +215,24 @@ Timeline timeline_of(const FramePlan& plan) {
     if (plan.resources[i].lifetime == Lifetime::readback && plan.resources[i].first_pass >= 0)
       add(int(2 * steps.size() + 1), line.queues.last(), int(i), buffer_range, VK_PIPELINE_STAGE_2_HOST_BIT,
           VK_ACCESS_2_HOST_READ_BIT, "host_read", nullptr);
+  // What the frame leaves in an imported image, the next one samples without a barrier of its own.
+  for (const Barrier& barrier : line.calls.back())
+    if (barrier.transition)
+      add(int(2 * steps.size()), line.queues.last(), barrier.image, barrier.range, 0, 0, "transition at the end",
+          &barrier);
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
+    const auto* image = std::get_if<ImageDesc>(&plan.resources[i].desc);
+    if (!image || !plan.resources[i].imported || plan.resources[i].first_pass < 0) continue;
+    const auto next = [&](Stages stages, Mask access) {
+      add(int(2 * steps.size() + 1), line.queues.last(), int(i), {0, image->mips, 0, image->layers}, stages, access,
+          "read by the next frame", nullptr);
+    };
+    next(VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+         VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
+    if (image->format == VK_FORMAT_D32_SFLOAT)
+      next(VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT);
+  }
   return line;
 }
 
@@ -319,6 +337,12 @@ void check_contents(const FramePlan& plan, std::vector<std::string>& found) {
   const auto content = [&](int resource, const Part& part) -> Content& {
     return contents[{resource, part.mip, part.layer}];
   };
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
+    const auto* image = std::get_if<ImageDesc>(&plan.resources[i].desc);
+    if (!image || !plan.resources[i].imported || plan.resources[i].to_fill) continue;
+    for (const Part& part : parts_of({0, image->mips, 0, image->layers}))
+      content(int(i), part) = {expected_layout(Access::sampled_compute, image->format), true};
+  }
   for (const Step& step : steps_of(plan)) {
     for (const ImageBarrier& b : step.barriers->images)
       for (const Part& part : parts_of(b.range)) {
@@ -346,6 +370,23 @@ void check_contents(const FramePlan& plan, std::vector<std::string>& found) {
     for (const PlanUse* use : step.uses)
       if (use->writes)
         for (const Part& part : parts_of(use->range)) content(use->resource, part).written = true;
+  }
+  for (const ImageBarrier& b : plan.final_barriers.images)
+    for (const Part& part : parts_of(b.range)) {
+      Content& of = content(b.resource, part);
+      if (b.old_layout != of.layout)
+        found.push_back(
+            fmt::format("the end: barrier from a layout that {} does not have", plan.resources[b.resource].name()));
+      of.layout = b.new_layout;
+    }
+  for (size_t i = 0; i < plan.resources.size(); ++i) {
+    const auto* image = std::get_if<ImageDesc>(&plan.resources[i].desc);
+    if (!image || !plan.resources[i].imported || plan.resources[i].first_pass < 0) continue;
+    for (const Part& part : parts_of({0, image->mips, 0, image->layers})) {
+      if (content(int(i), part).layout != expected_layout(Access::sampled_compute, image->format))
+        found.push_back(fmt::format("the end: {} is not left as it is sampled", image->name));
+      if (!content(int(i), part).written) found.push_back(fmt::format("the end: {} is not whole", image->name));
+    }
   }
 }
 

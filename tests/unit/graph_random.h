@@ -13,6 +13,15 @@ class RandomGraph {
   explicit RandomGraph(uint32_t seed, int queues = 1) : random_(seed), queues_(queues) {
     for (int i = 0; i < 2; ++i)
       buffers_.push_back({builder_.import_buffer({.name = fmt::format("import{}", i), .size_bytes = 64}), true, false});
+    for (int i = below(3); i > 0; --i) {
+      ImageDesc desc{.name = fmt::format("kept{}", i),
+                     .format = below(2) ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_D32_SFLOAT,
+                     .width_px = 16,
+                     .height_px = 16};
+      choose_shape(desc);
+      filled_.push_back({builder_.import_image(desc), is_depth_format(desc.format), 1, desc});
+      filled_.back().holds.assign(filled_.back().holds.size(), true);
+    }
     const int passes = 3 + below(14);
     for (int i = 0; i < passes; ++i) add_pass(i);
     for (const Image& image : images_)
@@ -53,7 +62,9 @@ class RandomGraph {
   Access pick(std::initializer_list<Access> accesses) { return accesses.begin()[below(int(accesses.size()))]; }
 
   void create(int pass) {
-    if (below(2)) {
+    if (below(8) == 0) {
+      fill_kept(pass);
+    } else if (below(2)) {
       const bool depth = below(3) == 0;
       const uint32_t samples = below(3) ? 1 : 4;
       ImageDesc desc{.name = fmt::format("image{}.{}", pass, images_.size()),
@@ -77,6 +88,28 @@ class RandomGraph {
            false, readback, zeroed});
       if (!zeroed || below(2)) write(buffers_.back());
     }
+  }
+  // Whole, in one pass or in steps; what comes later reads it.
+  void fill_kept(int pass) {
+    const bool depth = !compute_ && below(2);
+    ImageDesc desc{.name = fmt::format("kept{}.{}", pass, filled_.size()),
+                   .format = depth ? VK_FORMAT_D32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT,
+                   .width_px = 16,
+                   .height_px = 16};
+    choose_shape(desc);
+    ImageHandle handle = builder_.import_image(desc, GraphBuilder::Import::to_fill);
+    const bool drawn = !compute_ && desc.kind != ImageKind::d3 && below(2);
+    Access access = depth ? Access::depth_attachment : drawn ? Access::color_attachment : Access::storage_image_write;
+    for (uint32_t mip = 0; mip < desc.mips; ++mip) {
+      if (depth || drawn || below(2))
+        for (uint32_t layer = 0; layer < desc.layers; ++layer)
+          handle = builder_.write(handle, access, ImageRange::layer(layer, mip));
+      else
+        handle = builder_.write(handle, access, ImageRange::mip(mip));
+    }
+    used_.push_back({handle.resource, {0, desc.mips, 0, desc.layers}});
+    filled_.push_back({handle, depth, 1, desc});
+    filled_.back().holds.assign(filled_.back().holds.size(), true);
   }
   void choose_shape(ImageDesc& desc) {
     if (below(2)) desc.mips = 1 + uint32_t(below(4));
@@ -164,6 +197,8 @@ class RandomGraph {
         if (what == 1 && below(2)) write(images_[i]);
         if (what == 2 && below(4) == 0) read(images_[i]), write(images_[i]);
       }
+      for (const Image& image : filled_)
+        if (below(4) == 0) read(image);
       for (size_t i = 0; i < old_buffers; ++i) {
         const int what = below(6);
         Buffer& buffer = buffers_[i];
@@ -181,6 +216,7 @@ class RandomGraph {
   bool compute_ = false;  // the open pass is of the compute queue
   GraphBuilder builder_;
   std::vector<Image> images_;
+  std::vector<Image> filled_;  // imported, or to be
   std::vector<Buffer> buffers_;
   std::vector<std::pair<int, ImageRange>> used_;  // by the step that is being declared
 };

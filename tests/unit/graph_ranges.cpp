@@ -233,6 +233,82 @@ TEST(GraphRanges, EqualNeighboursAreOneBarrier) {
   EXPECT_EQ(plan.passes[2].barriers.images[1].range, (ImageRange{0, 3, 4, 2}));
 }
 
+TEST(GraphRanges, AFilledImageIsSampledAndNeedsNoBarrier) {
+  GraphBuilder builder;
+  ImageDesc desc = cube_desc("sky");
+  desc.mips = 3;
+  const ImageHandle sky = builder.import_image(desc);
+  builder.begin_pass("wrong");
+  expect_refused([&] { builder.write(sky, Access::storage_image_write, ImageRange::mip(0)); }, {"sky", "imported"});
+  builder.end_pass({});
+  for (const Access access : {Access::sampled_compute, Access::sampled_fragment}) {
+    builder.begin_pass(std::string(access_info(access).name));
+    builder.read(sky, access, "sky");
+    builder.sink(builder.write(builder.create(BufferDesc{"out", 64}), Access::compute_write));
+    builder.end_pass({});
+  }
+  FramePlan plan = compile_graph(builder).plan;
+  ASSERT_EQ(plan.passes.size(), 2u);
+  for (const PlanPass& pass : plan.passes) EXPECT_TRUE(pass.barriers.images.empty());
+  EXPECT_TRUE(plan.final_barriers.images.empty());
+  EXPECT_TRUE(test::find_hazards(plan).empty());
+  EXPECT_EQ(plan.resources[0].block, -1);
+  EXPECT_EQ(transient_bytes(plan), 128u) << "the two buffers";
+  // One mip copied away: back to how it was found.
+  builder.begin_pass("copy");
+  builder.read(sky, Access::transfer_source, "sky", ImageRange::mip(1));
+  builder.sink(builder.write(builder.create(BufferDesc{"bytes", 64}), Access::transfer_destination));
+  builder.end_pass({});
+  plan = compile_graph(builder).plan;
+  ASSERT_EQ(plan.final_barriers.images.size(), 1u);
+  EXPECT_EQ(plan.final_barriers.images[0].range, (ImageRange{1, 1, 0, 6}));
+  EXPECT_TRUE(test::find_hazards(plan).empty());
+  plan.final_barriers.images.clear();
+  EXPECT_FALSE(test::find_hazards(plan).empty()) << "left in the layout of copies";
+}
+
+TEST(GraphRanges, AFrameFillsAnImageForLaterOnes) {
+  GraphBuilder builder;
+  ImageDesc desc = cube_desc("sky");
+  ImageHandle sky = builder.import_image(desc, GraphBuilder::Import::to_fill);
+  const auto fill = [&](std::string name, uint32_t first, uint32_t count) {
+    builder.begin_pass(std::move(name));
+    sky = builder.write(sky, Access::storage_image_write, {0, 1, first, count});
+    builder.end_pass({});
+  };
+  fill("top", 0, 2);
+  builder.begin_pass("early");
+  expect_refused([&] { builder.read(sky, Access::sampled_compute, "sky", ImageRange::layer(0)); },
+                 {"sky", "all of it"});
+  builder.end_pass({});
+  fill("rest", 2, 4);
+  EXPECT_TRUE(compile_graph(builder).plan.passes.empty()) << "nobody reads it";
+  builder.begin_pass("read");
+  builder.read(sky, Access::sampled_compute, "sky", ImageRange::layer(5));
+  builder.sink(builder.write(builder.create(BufferDesc{"out", 64}), Access::compute_write));
+  builder.end_pass({});
+  builder.begin_pass("late");
+  expect_refused([&] { builder.write(sky, Access::storage_image_write); }, {"sky", "after it was read"});
+  builder.end_pass({});
+  FramePlan plan = compile_graph(builder).plan;
+  ASSERT_EQ(plan.passes.size(), 3u) << "one layer is read, and all are made";
+  EXPECT_TRUE(test::find_hazards(plan).empty());
+  EXPECT_EQ(plan.resources[0].block, -1);
+  ASSERT_FALSE(plan.final_barriers.images.empty());
+  for (const ImageBarrier& barrier : plan.final_barriers.images)
+    EXPECT_EQ(barrier.new_layout, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  FramePlan broken = plan;
+  broken.final_barriers.images.clear();
+  EXPECT_FALSE(test::find_hazards(broken).empty());
+  broken = plan;
+  for (ImageBarrier& barrier : broken.final_barriers.images) barrier.source_stages = VK_PIPELINE_STAGE_2_HOST_BIT;
+  EXPECT_FALSE(test::find_hazards(broken).empty());
+  // The plan of a frame that fills it is not that of one that finds it.
+  broken = plan;
+  broken.resources[0].to_fill = false;
+  EXPECT_NE(plan_hash(broken), plan_hash(plan));
+}
+
 TEST(GraphRanges, PlansPrintAndHashParts) {
   const FramePlan plan = chain_plan(3);
   const std::string text = plan_text(plan);

@@ -17,7 +17,9 @@ struct DepthViews {
     Draws draws;
     BufferHandle deformed;  // optional
     std::shared_ptr<const ViewImage> image;
+    ImageHandle target;  // optional: drawn into instead of an image of this frame alone
   };
+  static ImageDesc image_desc(const ViewImage& image);
   struct Out {
     ImageHandle depth;
     RunPipelines pipelines;

@@ -41,14 +41,17 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists) {
   for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
     builder.read_optional(b, Access::fragment_read);
+  builder.read_optional(lists.occlusion.open, Access::sampled_fragment);
   if (!lists.sun_maps) return;
   builder.read(lists.sun_maps, Access::sampled_fragment, "the suns' maps");
   builder.read(scene.suns, Access::fragment_read, "the suns' cascades");
 }
 
 std::vector<SpecConstant> light_constants(const CellLists& lists) {
-  if (!lists.sun_maps) return {};
-  return {sun_shadows_constant()};
+  std::vector<SpecConstant> constants;
+  if (lists.sun_maps) constants.push_back(sun_shadows_constant());
+  if (lists.occlusion.open) constants.push_back(occlusion_constant(lists.occlusion.shape));
+  return constants;
 }
 
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
@@ -60,25 +63,43 @@ ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHa
   return builder.write(color, Access::color_attachment);
 }
 
+namespace {
+// Into the members that DrawPush and SkyPush share.
+template <class Push>
+void push_lights(CommandList& commands, const SceneInputs& scene, const CellLists* lists, const CellLists* fog,
+                 Push& push) {
+  if (fog && fog->fog.light == FogLight::grid) push.fog_light = commands.sampled(fog->fog.grid);
+  if (!lists && fog && fog_walks(*fog)) lists = fog;
+  if (!lists || !scene.lights) return;
+  // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
+  const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : scene.lights); };
+  push.lights = commands.address(scene.lights);
+  push.light_cells = address(lists->cells);
+  push.light_entries = address(lists->entries);
+  push.light_tiles = address(lists->tiles);
+  if (lists->sun_maps) {
+    push.suns = commands.address(scene.suns);
+    push.sun_maps = commands.sampled(lists->sun_maps);
+  }
+}
+}  // namespace
+
+shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists) {
+  shared::SkyPush push{};
+  push.subsample_ndc = scene.subsample_ndc;
+  push_lights(commands, scene, nullptr, &lists, push);
+  return push;
+}
+
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists) {
+                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
   push.subsample_ndc = scene.subsample_ndc;
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
-  if (lists && scene.lights) {
-    // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
-    const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : scene.lights); };
-    push.lights = commands.address(scene.lights);
-    push.light_cells = address(lists->cells);
-    push.light_entries = address(lists->entries);
-    push.light_tiles = address(lists->tiles);
-    if (lists->sun_maps) {
-      push.suns = commands.address(scene.suns);
-      push.sun_maps = commands.sampled(lists->sun_maps);
-    }
-  }
+  push_lights(commands, scene, lists, fog, push);
+  if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
     const DrawRun& run = (*scene.runs)[r];

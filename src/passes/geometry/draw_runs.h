@@ -4,6 +4,7 @@
 
 #include "gpu/command_list.h"
 #include "passes/scene_inputs.h"
+#include "shared/draw.h"
 
 namespace candela {
 
@@ -26,9 +27,13 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
 // sky or background cover what no surface does.
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);
 
-// One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights.
+// One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights. fog: of one
+// that declared fog.
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists = nullptr);
+                 const RunPipelines& pipelines, const CellLists* lists = nullptr, const CellLists* fog = nullptr);
+
+// The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
+shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists);
 
 // The same for what casts shadows in a view of the range that the draws are of: depth alone, surfaces from both sides.
 void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,

@@ -19,6 +19,7 @@ SpecConstant constant(Feature f) {
                                       "HAS_TEXTURES",
                                       "IS_SUBSAMPLE",
                                       "HAS_SUN_SHADOWS",
+                                      "HAS_OCCLUSION",
                                       "IBL_METHOD",
                                       "HAS_SKY_IRRADIANCE"};
   return {uint32_t(f), names[uint32_t(f)], 1};
@@ -61,6 +62,12 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
 }
 
 SpecConstant sun_shadows_constant() { return constant(Feature::sun_shadows); }
+
+SpecConstant occlusion_constant(uint32_t shape) {
+  SpecConstant c = constant(Feature::occlusion);
+  c.value = shape;
+  return c;
+}
 
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {
   std::vector<SpecConstant> list = {constant(Feature::ibl_method)};

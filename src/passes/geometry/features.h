@@ -24,6 +24,7 @@ enum class Feature : uint32_t {
   textures,
   subsample,
   sun_shadows,
+  occlusion,
   ibl_method,
   sky_irradiance,
 };
@@ -36,6 +37,8 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map)
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // Of a pass that shades under lights with shadow maps.
 SpecConstant sun_shadows_constant();
+// Of a pass that reads ambient occlusion's texels, of that shape (shared/occlusion.h).
+SpecConstant occlusion_constant(uint32_t shape);
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs
 // none, an unlit or masked depth one only what the base colour takes.
 std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,

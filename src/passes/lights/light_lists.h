@@ -4,6 +4,7 @@
 
 #include "graph/handle.h"
 #include "passes/lights/light_knobs.h"
+#include "passes/volumes/fog_view.h"
 
 namespace candela {
 
@@ -21,13 +22,21 @@ struct LightGridShape {
   LightKnobs knobs;
 };
 
-// What shading passes walk (shaders/lib/light_list.glsl), and the depth maps of directional lights. Empty handles: no
-// lists, no shadows.
+// Ambient occlusion as shading reads it (shaders/lib/occlusion.glsl).
+struct OcclusionTexels {
+  ImageHandle open;
+  uint32_t shape = 0;  // shared/occlusion.h
+};
+
+// What shading passes walk (shaders/lib/light_list.glsl), the depth maps of directional lights, the fog that all is
+// seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
   BufferHandle cells;    // bitmasks of all cells, or where each cell's entries begin
   BufferHandle entries;  // compact: light indices, ascending inside a cell
   BufferHandle tiles;    // tiled: depths
   ImageHandle sun_maps;  // a layer a cascade (shaders/lib/sun_shadow.glsl)
+  FogView fog;
+  OcclusionTexels occlusion;  // for opaque and masked surfaces alone
 };
 
 }  // namespace candela

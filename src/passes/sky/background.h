@@ -11,8 +11,10 @@ struct Background {
   static constexpr std::string_view name = "background";
   struct In {
     SceneInputs scene;
-    ImageHandle depth;  // optional: of what has been drawn
-    ImageHandle color;  // optional: what has been drawn
+    ImageHandle depth;      // optional: of what has been drawn
+    ImageHandle color;      // optional: what has been drawn
+    CellLists lists;        // of the fog that it is seen through
+    bool fog_glows = true;  // otherwise the light of fog is left out, as it is no part of this term
   };
   struct Out {
     ImageHandle color;

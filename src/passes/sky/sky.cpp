@@ -14,7 +14,9 @@ Sky::Out Sky::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
   GraphicsPipelineDesc desc;
   desc.vertex_shader = "background.vert";
-  desc.fragment_shader = "sky.frag";
+  declare_fog(builder, in.scene, in.lists);
+  desc.fragment_shader = with_fog("sky.frag", in.lists);
+  if (in.lists.fog && !in.fog_glows) desc.fragment_shader += "#WITHOUT_FOG_LIGHT=1";
   desc.color_formats = {color_format};
   desc.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
   desc.samples = in.scene.samples;
@@ -31,7 +33,7 @@ void Sky::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
   commands.bind(out.pipeline);
-  commands.push(shared::SkyPush{in.scene.subsample_ndc});
+  commands.push(sky_push(commands, in.scene, in.lists));
   commands.set_cull(false, false);
   commands.draw(3);
   commands.end_rendering();

@@ -11,8 +11,10 @@ struct Sky {
   static constexpr std::string_view name = "sky";
   struct In {
     SceneInputs scene;
-    ImageHandle depth;  // optional
-    ImageHandle color;  // optional
+    ImageHandle depth;      // optional
+    ImageHandle color;      // optional
+    CellLists lists;        // of the fog that it is seen through
+    bool fog_glows = true;  // otherwise the light of fog is left out, as it is no part of this term
   };
   struct Out {
     ImageHandle color;

@@ -12,9 +12,10 @@ template <bool lit>
 typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.depth, Access::depth_test, "depth");
   if (lit) declare_lights(builder, in.scene, in.lists);
+  declare_fog(builder, in.scene, in.lists, lit);
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
-  choice.desc.fragment_shader = lit ? "shade_forward.frag" : "shade_unlit.frag";
+  choice.desc.fragment_shader = with_fog(lit ? "shade_forward.frag" : "shade_unlit.frag", in.lists);
   choice.desc.color_formats = {color_format};
   choice.desc.depth_format = depth_format;
   choice.desc.samples = in.scene.samples;
@@ -33,7 +34,7 @@ template <bool lit>
 void SurfacePass<lit>::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, lit ? &in.lists : nullptr);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, lit ? &in.lists : nullptr, &in.lists);
   commands.end_rendering();
 }
 

@@ -24,7 +24,7 @@ struct SurfacePass {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // empty: every light for every pixel
+    CellLists lists;        // empty: every light for every pixel. Unlit: its fog alone
     ImageHandle depth;      // of the pre-pass
     ImageHandle color;      // optional: without one the pass makes it
   };

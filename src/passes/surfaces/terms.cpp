@@ -3,9 +3,17 @@
 namespace candela {
 namespace {
 
-bool wants_lights(const Terms::In& in) {
+bool wants_lighting(const Terms::In& in) {
   return in.wanted[size_t(Term::direct_sun)] || in.wanted[size_t(Term::direct_point)] ||
-         in.wanted[size_t(Term::direct_spot)];
+         in.wanted[size_t(Term::direct_spot)] ||
+         (in.lists.occlusion.open &&
+          (in.wanted[size_t(Term::ambient_diffuse)] || in.wanted[size_t(Term::ambient_specular)]));
+}
+
+// Terms are what fog leaves of them; its own light is none of them.
+CellLists transmitted(CellLists lists) {
+  if (lists.fog) lists.fog.light = FogLight::nothing;
+  return lists;
 }
 
 // "direct.sun" is DIRECT_SUN in the shader.
@@ -26,7 +34,7 @@ Need Terms::needed(const SceneFacts&, const FrameRequest& request) const {
 Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
   RunPipelineChoice choice;
-  if (wants_lights(in)) {
+  if (wants_lighting(in)) {
     declare_lights(builder, in.scene, in.lists);
     choice.desc.constants = light_constants(in.lists);
   }
@@ -37,6 +45,7 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     choice.desc.fragment_shader += fmt::format("#{}={}", define_of(layers[i].name), choice.desc.color_formats.size());
     choice.desc.color_formats.push_back(color_format);
   }
+  choice.desc.fragment_shader = with_fog(choice.desc.fragment_shader, transmitted(in.lists));
   choice.desc.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
   choice.desc.samples = in.scene.samples;
   choice.desc.depth_test = tested;
@@ -44,6 +53,11 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   Out out;
   out.opaque = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  if (wants_lighting(in)) {
+    CellLists unoccluded = in.lists;
+    unoccluded.occlusion = {};
+    choice.desc.constants = light_constants(unoccluded);
+  }
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.desc.blend = Blend::premultiplied_over;
   out.blended = declare_runs(
@@ -68,7 +82,7 @@ void Terms::record(CommandList& commands, const In& in, const Out& out) const {
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
   commands.begin_rendering(colors, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, all, wants_lights(in) ? &in.lists : nullptr);
+  record_runs(commands, in.scene, in.draws, in.deformed, all, wants_lighting(in) ? &in.lists : nullptr);
   commands.end_rendering();
 }
 

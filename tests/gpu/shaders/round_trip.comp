@@ -11,6 +11,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TargetRef { 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FramesRef { FrameConstants c[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ImageLightsRef { ImageLight l[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightsRef { Light l[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FogsRef { FogMedium f[]; };
 layout(push_constant, scalar) uniform Push { uint64_t source, target; } push;
 
 uint at = 0u;
@@ -21,6 +22,7 @@ void put(uint64_t v) { put(uint(v & 0xffffffffUL)); put(uint(v >> 32)); }
 void put(vec2 v) { put(v.x); put(v.y); }
 void put(uvec2 v) { put(v.x); put(v.y); }
 void put(vec3 v) { put(v.x); put(v.y); put(v.z); }
+void put(uvec3 v) { put(v.x); put(v.y); put(v.z); }
 void put(vec4 v) { put(v.x); put(v.y); put(v.z); put(v.w); }
 void put(TextureRef v) { put(v.texture); put(v.sampler_index); put(v.uv_set); put(v.u_row); put(v.v_row); }
 
@@ -42,6 +44,11 @@ void put_material(Material v) {
 void put_light(Light v) {
   put(v.position); put(v.inverse_range); put(v.direction); put(v.type); put(v.spot_scale); put(v.spot_offset);
   put(v.intensity); put(v.sun_shadow); for (int i = 0; i < 2; ++i) put(v.unused[i]);
+}
+void put_fog(FogMedium v) {
+  put(v.extinction); put(v.falloff); put(v.scattering); put(v.height); put(v.glow); put(v.anisotropy);
+  put(v.lowest); put(v.highest); put(v.bounded); put(v.nodes); put(v.nearest_m); put(v.log2_ratio);
+  put(v.sky_directions);
 }
 void put_frame(FrameConstants v) {
   put(v.vertices); put(v.transforms); put(v.geometries); put(v.items); put(v.materials);
@@ -83,4 +90,5 @@ void main() {
   if (kind == 9u) put_image_light(ImageLightsRef(push.source).l[1]);
   if (kind == 10u) put_sky_slice(SkySlicesRef(push.source).s[1]);
   if (kind == 11u) put_sky_light(SkyLightsRef(push.source).s[1]);
+  if (kind == 12u) put_fog(FogsRef(push.source).f[1]);
 }

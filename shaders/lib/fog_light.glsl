@@ -1,0 +1,245 @@
+#pragma once
+// Light that fog scatters once into a ray of the camera, slice by slice. In each slice the medium's part is exact: the
+// integral of density and transmittance. What light arrives there is taken at one point, but for the inverse square of
+// lamps: its mean over the slice has a closed form (the integral of 1/d2 along a line is an angle over the line's
+// distance from the lamp), and the point is the one in the middle of that angle (Kulla and Fajardo, "Importance
+// Sampling Techniques for Path Tracing in Participating Media", 2012). So a lamp's glow is right in slices far thicker
+// than it. Where a slice is opaque the mean is over as much of it as is seen.
+//
+// Needs lib/frame.glsl, lib/fog_ray.glsl, and pc.lights, pc.light_cells, pc.light_entries, pc.light_tiles. With FOG_SUN
+// pc.suns and pc.sun_maps as well.
+#include "lib/light_cells.glsl"
+#include "lib/light_data.glsl"
+#include "lib/light_list.glsl"
+#ifdef FOG_SUN
+#include "lib/sun_cascades.glsl"
+#endif
+#ifdef FOG_AMBIENT
+#include "lib/ambient_sh.glsl"
+#endif
+
+// Slices that one walk through the lists serves: a light's words are loaded once for all of them.
+#ifndef FOG_RUN
+#define FOG_RUN 4
+#endif
+// Where a lamp sees a slice under more than this angle, it is taken at several points: near lamps a slice crosses cones
+// and phases. Fewer would do for most of the air, and more cost little, for few lamps are as near to a ray.
+const float FOG_ANGLE = 0.25;
+const int FOG_POINTS = 6;
+// A slice can lie in several slices of the lights' grid; in more than these it walks every light.
+const uint FOG_CELLS = 4u;
+// Of the distance between neighbouring rays, how much a ray keeps clear of every lamp. What it gives is interpolated
+// over its neighbourhood, and a lamp that a ray nearly meets would shine out of all of it, before the lamp's own
+// housing too. Measured on a street of 1,024 lamps: less leaves single pixels a thousand times too bright, more dulls
+// the glow.
+const float FOG_SPREAD = 1.5;
+
+struct FogWalk {
+  uint light;
+  uvec4 cell, cursor, end, mine;  // compact: as in LightWalk, for each of up to four cells
+  uint word, bits;                // bitmask
+  uint cells, global;
+};
+
+uint fog_cell(uvec2 tile, uint slice) {
+  return tile.x + frame.grid.tiles.x * (tile.y + frame.grid.tiles.y * slice);
+}
+
+// Lights of the cells that the ray passes between two distances, in ascending order, all lanes together.
+FogWalk begin_fog_lights(FogRay ray, float begin_m, float end_m) {
+  FogWalk w;
+  w.light = no_light;
+  w.word = w.bits = w.global = 0u;
+  w.cell = uvec4(0u);
+  w.cursor = w.end = uvec4(0u);
+  w.mine = uvec4(no_light);
+  w.cells = 0u;  // every light
+  uvec2 tile;
+  const vec3 a = view_position(ray.origin + ray.direction * begin_m);
+  const vec3 b = view_position(ray.origin + ray.direction * end_m);
+  if (frame.grid.mode != light_mode_all && light_tile(b, tile)) {
+    if (frame.grid.tiled != 0u) {
+      const uvec2 column = tile / column_tiles;
+      w.cell.x = frame.grid.tiles.x * frame.grid.tiles.y + column.x + frame.grid.columns.x * column.y;
+      w.cells = 1u;
+    } else {
+      const uint first = light_slice(a.z), last = light_slice(b.z);
+      if (last - first < FOG_CELLS) {
+        w.cells = last - first + 1u;
+        for (uint c = 0u; c < FOG_CELLS; ++c) w.cell[c] = fog_cell(tile, min(first + c, last));
+      }
+    }
+  }
+  if (frame.grid.mode == light_mode_bitmask) return w;
+  if (w.cells == 0u) {
+    w.end.x = frame.light_count;
+    w.mine.x = 0u < w.end.x ? 0u : no_light;
+  }
+  for (uint c = 0u; c < FOG_CELLS; ++c) {
+    if (c >= w.cells) continue;
+    w.cursor[c] = ConstUintsRef(pc.light_cells).u[w.cell[c]];
+    w.end[c] = ConstUintsRef(pc.light_cells).u[w.cell[c] + 1u];
+    if (frame.grid.cap != 0u) w.end[c] = min(w.end[c], w.cursor[c] + frame.grid.cap);
+    if (w.cursor[c] < w.end[c]) w.mine[c] = ConstUintsRef(pc.light_entries).u[w.cursor[c]];
+  }
+  return w;
+}
+
+uint fog_global(uint place) {
+  return ConstUintsRef(frame.grid.globals).u[min(place, max(frame.grid.global_count, 1u) - 1u)];
+}
+
+bool next_fog_light(inout FogWalk w) {
+  if (frame.grid.mode == light_mode_bitmask) {
+    while (w.bits == 0u) {
+      if (w.word == frame.grid.words) return false;
+      uint bits = w.cells == 0u ? 0xffffffffu : 0u;
+      for (uint c = 0u; c < FOG_CELLS; ++c)
+        if (c < w.cells) bits |= ConstUintsRef(pc.light_cells).u[w.cell[c] * frame.grid.words + w.word];
+      w.bits = subgroupOr(bits);
+      if (frame.grid.global_count != 0u) w.bits |= fog_global(w.word);
+      const uint left = frame.light_count - 32u * w.word;
+      if (left < 32u) w.bits &= (1u << left) - 1u;
+      ++w.word;
+    }
+    w.light = 32u * (w.word - 1u) + uint(max(findLSB(w.bits), 0));  // as in next_light
+    w.bits &= w.bits - 1u;
+    return true;
+  }
+  uint global = no_light;
+  if (w.global < frame.grid.global_count) global = fog_global(w.global);
+  w.light = min(subgroupMin(min(min(w.mine.x, w.mine.y), min(w.mine.z, w.mine.w))), global);
+  if (w.light == no_light) return false;
+  if (w.light == global) ++w.global;
+  for (uint c = 0u; c < FOG_CELLS; ++c) {
+    if (w.mine[c] != w.light) continue;
+    ++w.cursor[c];
+    w.mine[c] = no_light;
+    if (w.cursor[c] < w.end[c])
+      w.mine[c] = w.cells == 0u ? w.cursor[c] : ConstUintsRef(pc.light_entries).u[w.cursor[c]];
+  }
+  return true;
+}
+
+#ifdef FOG_SUN
+// Of a point in the air: no surface has to be cleared, and what lies between slices is smoothed by the grid.
+float fog_sun_visibility(LightRef light, vec3 position) {
+  const uint named = floatBitsToUint(light_word(light, 6u).y);
+  if (named == 0u) return 1.0;
+  const uint sun = max(named, 1u) - 1u;  // valid in all lanes: light_visibility in lib/sun_shadow.glsl
+  const CascadePlace place = find_cascade(sun, position);
+  if (place.number == max_sun_cascades) return 1.0;
+  SunShadowsRef suns = SunShadowsRef(pc.suns);
+  const vec2 across = vec2(dot(suns.s[sun].right, position), dot(suns.s[sun].up, position)) - place.cascade.centre_m;
+  const float depth = dot(suns.s[sun].depth, vec4(position, 1.0)) + suns.s[sun].bias;
+  const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * (0.5 / place.cascade.half_m);
+  return textureGrad(
+      sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
+      vec4(uv, float(suns.s[sun].first_layer + place.number), depth), vec2(0.0), vec2(0.0));
+}
+#endif
+
+// A slice of a ray as the camera sees it.
+struct FogSlice {
+  float begin_m, wide_m;  // what of it is seen, evenly
+  vec3 metres;            // of medium, each by its transmittance to the camera
+};
+
+// Of a lamp's intensity, what fog scatters into the ray at a point `y` beyond where the ray passes it, but for the
+// inverse square. Exactly 0 outside range and cone.
+vec3 fog_lamp(LightRef light, uint type, FogRay ray, float nearest, vec3 off, float y, vec3 shines, vec2 cone,
+              float inverse_range2) {
+  const float d2 = dot(off, off) + y * y, x2 = d2 * inverse_range2;
+  if (x2 >= 1.0) return vec3(0.0);
+  const vec3 towards = off - ray.direction * y;
+  const float d = sqrt(d2);
+  const vec3 l = d > 0.0 ? towards / d : vec3(0.0, 1.0, 0.0);
+  float factor = max(1.0 - x2 * x2, 0.0);
+  if (type == light_spot) {
+    const vec3 e = l + shines;
+    const float c = clamp(cone.y - dot(e, e) * cone.x, 0.0, 1.0);
+    factor *= c * c;
+  }
+  if (factor == 0.0) return vec3(0.0);
+  const vec3 at = ray.origin + ray.direction * (nearest + y);
+  return factor * henyey_greenstein(dot(l, ray.direction)) * fog_through(at, l, d);
+}
+
+// The light of the slices between neighbouring distances, unexposed, as it arrives at the camera. cell: distance
+// between neighbouring rays for a metre of depth, or in metres (orthographic).
+void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[FOG_RUN]) {
+  const vec2 inside = fog_inside(ray.origin, ray.direction, vec2(0.0, FOG_FAR));
+  FogSlice slices[FOG_RUN];
+  float before = fog_length(ray.origin, ray.direction, inside.x, clamp(node_m[0], inside.x, max(inside.x, inside.y)));
+  const float mean_extinction = dot(frame.fog.extinction, vec3(1.0 / 3.0));
+  for (int j = 0; j < FOG_RUN; ++j) {
+    const float a = clamp(node_m[j], inside.x, max(inside.x, inside.y));
+    const float b = clamp(node_m[j + 1], inside.x, max(inside.x, inside.y));
+    const float metres = fog_length(ray.origin, ray.direction, a, b);
+    // As wide as an even stretch whose middle is the mean place of the transmittance.
+    const float x = min(mean_extinction * metres, 1e30);
+    slices[j].begin_m = a;
+    slices[j].wide_m = (b - a) * (x < 1e-2 ? 1.0 - x * (1.0 / 6.0) : 2.0 * (1.0 / x - 1.0 / (exp(min(x, 80.0)) - 1.0)));
+    slices[j].metres = fog_through(before) * fog_held(metres) * frame.fog.scattering;
+    before = min(before + metres, 3e38);
+  }
+  precise vec3 sums[FOG_RUN];
+  for (int j = 0; j < FOG_RUN; ++j) sums[j] = vec3(0.0);
+  for (FogWalk walk = begin_fog_lights(ray, node_m[0], node_m[FOG_RUN]); next_fog_light(walk);) {
+    LightRef light = light_at(pc.lights, walk.light);
+    const vec2 z_type = light_word(light, 3u);
+    const uint type = floatBitsToUint(z_type.y);
+    const vec3 shines = vec3(light_word(light, 2u), z_type.x);
+    const vec3 intensity = light_intensity(light);
+    if (type == light_directional) {
+      const float phase = henyey_greenstein(-dot(shines, ray.direction));
+      for (int j = 0; j < FOG_RUN; ++j) {
+        const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + 0.5 * slices[j].wide_m);
+        vec3 arriving = intensity * phase * fog_through(at, -shines, FOG_FAR);
+#ifdef FOG_SUN
+        arriving *= fog_sun_visibility(light, at);
+#endif
+        sums[j] += slices[j].metres * arriving;
+      }
+      continue;
+    }
+    const vec2 xy = light_word(light, 0u), z_range = light_word(light, 1u);
+    const vec3 to_light = vec3(xy, z_range.x) - ray.origin;
+    const float nearest = dot(to_light, ray.direction);  // where the ray passes the lamp
+    const vec3 off = to_light - ray.direction * nearest;
+    const float off2 = dot(off, off), inverse_range2 = z_range.y * z_range.y;
+    if (!(off2 * inverse_range2 < 1.0) || !(off2 < 3.0e36)) continue;
+    const float spread = FOG_SPREAD * cell * (frame.perspective != 0u ? max(nearest / ray.along, 0.0) : 1.0);
+    const float h2 = max(off2 + spread * spread, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M), h = sqrt(h2);
+    const vec2 cone = light_word(light, 4u);
+    for (int j = 0; j < FOG_RUN; ++j) {
+      const float wide = slices[j].wide_m, a = slices[j].begin_m - nearest, b = a + wide;
+      if (!(wide > 0.0)) continue;
+      const float angle = atan(wide * h, h2 + a * b), mean = angle / (h * wide);
+      const int points = angle > FOG_ANGLE ? FOG_POINTS : 1;
+      vec3 arriving = vec3(0.0);
+      for (int i = 0; i < points; ++i) {
+        float y;
+        if (points == 1) {
+          const float to_a = sqrt(h2 + a * a), to_b = sqrt(h2 + b * b);
+          y = (a * to_b + b * to_a) / (to_a + to_b);  // in the middle of the angle
+        } else {
+          y = clamp(h * tan(atan(a / h) + angle * (float(i) + 0.5) / float(FOG_POINTS)), a, b);
+        }
+        arriving += fog_lamp(light, type, ray, nearest, off, y, shines, cone, inverse_range2);
+      }
+      if (arriving == vec3(0.0)) continue;
+      sums[j] += slices[j].metres * intensity * (arriving * (mean / float(points)));
+    }
+  }
+#ifdef FOG_AMBIENT
+  // A harmonic of degree n keeps g^n of itself.
+  const float g = frame.fog.anisotropy;
+  const vec3 sky = ambient_radiance(ray.direction, vec3(1.0, 1.5 * g, 4.0 * g * g));
+  for (int j = 0; j < FOG_RUN; ++j) {
+    const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + 0.5 * slices[j].wide_m);
+    if (slices[j].metres != vec3(0.0)) sums[j] += slices[j].metres * sky * fog_sky_through(at, ray.direction, true);
+  }
+#endif
+  gained = sums;
+}

@@ -1,0 +1,87 @@
+#pragma once
+// Fog as a medium: its density falls exponentially with height and ends at bounds, so that what lies between two points
+// of a ray has a closed form, in metres at density 1. Needs `frame`. Rays: unit directions, distances in metres.
+
+// As good as at infinity; its square is still a number.
+const float FOG_FAR = 1e18;
+
+// (1 - e^-x)/x and 1 - e^-x, right from 0 on: without the series all digits are gone at 1e-7.
+float one_minus_exp_over(float x) { return x < 1e-2 ? 1.0 - x * (0.5 - x * (1.0 / 6.0)) : (1.0 - exp(-min(x, 1e4))) / x; }
+vec3 one_minus_exp(vec3 x) {
+  return mix(1.0 - exp(-min(x, vec3(1e4))), x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0)))), lessThan(x, vec3(1e-2)));
+}
+
+// The part of a span that lies inside the bounds; (0, 0) where none does.
+vec2 fog_inside(vec3 origin, vec3 direction, vec2 span) {
+  if (frame.fog.bounded == 0u) return span;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = frame.fog.lowest[axis] - origin[axis], high = frame.fog.highest[axis] - origin[axis];
+    if (direction[axis] == 0.0) {
+      if (low > 0.0 || high < 0.0) return vec2(0.0);
+      continue;
+    }
+    const float a = low / direction[axis], b = high / direction[axis];
+    span = vec2(max(span.x, min(a, b)), min(span.y, max(a, b)));
+  }
+  return span.y > span.x ? span : vec2(0.0);
+}
+
+// Metres at density 1 of a span inside the bounds. Counted from the lower end up, where the density only falls: nothing
+// overflows that does not have to, and what does lets nothing through in any case.
+float fog_length(vec3 origin, vec3 direction, float begin_m, float end_m) {
+  if (!(end_m > begin_m)) return 0.0;
+  const float metres = end_m - begin_m;
+  if (frame.fog.falloff == 0.0) return metres;
+  const float rate = frame.fog.falloff * direction.y;
+  const float lower = origin.y + direction.y * (rate > 0.0 ? begin_m : end_m);
+  const float level = exp(min(frame.fog.falloff * (frame.fog.height - lower), 80.0));
+  return min(level * metres * one_minus_exp_over(abs(rate) * metres), 3e38);
+}
+
+// Nothing is left long before the largest exponent, and llvmpipe's exp of minus infinity is no number.
+const float FOG_OPAQUE = 1e4;
+vec3 fog_through(float metres) { return exp(-min(frame.fog.extinction * metres, vec3(FOG_OPAQUE))); }
+
+// What fog leaves of light over a distance in direction l; FOG_FAR: of light from the sky.
+vec3 fog_through(vec3 from, vec3 l, float distance_m) {
+  const vec2 span = fog_inside(from, l, vec2(0.0, distance_m));
+  return fog_through(fog_length(from, l, span.x, span.y));
+}
+
+// Integral of the transmittance over metres of medium, (1 - e^(-extinction metres))/extinction: times scattering and
+// light it stays right from extinction 0 to where it is the light over the extinction.
+vec3 fog_held(float metres) {
+  const vec3 x = frame.fog.extinction * metres;
+  return mix((1.0 - exp(-min(x, vec3(FOG_OPAQUE)))) / frame.fog.extinction, metres * (1.0 - x * (0.5 - x * (1.0 / 6.0))),
+      lessThan(x, vec3(1e-2)));
+}
+
+// Henyey and Greenstein ("Diffuse Radiation in the Galaxy", 1941), per steradian, of the cosine between the ways of
+// light before and after. The base without cancellation, from the side where its terms have one sign.
+float henyey_greenstein(float cosine) {
+  const float g = frame.fog.anisotropy;
+  const float base = g < 0.0 ? (1.0 + g) * (1.0 + g) - 2.0 * g * (1.0 + cosine)
+                             : (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine);
+  return (1.0 - g * g) * (0.25 / 3.14159265358979) / (base * sqrt(base));
+}
+
+// The mean transmittance from a point to the sky, over a lobe about an axis: the cosine's, or that of the phase
+// function. Places of a lattice, the same everywhere: no noise, and a knob says how many (fog.sky_directions).
+vec3 fog_sky_through(vec3 from, vec3 axis, bool of_phase) {
+  if (frame.fog.bounded == 0u && frame.fog.falloff == 0.0) return vec3(0.0);
+  const vec3 away = abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+  const vec3 x = normalize(cross(away, axis)), y = cross(axis, x);
+  const float g = frame.fog.anisotropy;
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < frame.fog.sky_directions; ++i) {
+    const float u = (float(i) + 0.5) / float(frame.fog.sky_directions);
+    float cosine = sqrt(1.0 - u);
+    if (of_phase) {
+      const float s = 2.0 * u - 1.0, d = 1.0 + g * s;
+      cosine = clamp((s + g * (s * s + 3.0) * 0.5 + g * g * s + g * g * g * (s * s - 1.0) * 0.5) / (d * d), -1.0, 1.0);
+    }
+    const float sine = sqrt(max(1.0 - cosine * cosine, 0.0)), turn = 6.28318530717959 * fract(0.618033989 * float(i));
+    sum += fog_through(from, axis * cosine + (x * cos(turn) + y * sin(turn)) * sine, FOG_FAR);
+  }
+  return sum / float(frame.fog.sky_directions);
+}

@@ -1,0 +1,13 @@
+#pragma once
+// The words of a light (shared/scene.h, Light). Needs shared/scene.h.
+
+// Closer than this a point light's inverse square is held, the same in every path (TECHNIQUES 9.3).
+const float MIN_LIGHT_DISTANCE_M = 0.01;
+
+// A 64-bit word of a light. llvmpipe gathers every word lane by lane, which is most of what a light costs there: so
+// they are few, and read only once the light may still give something.
+vec2 light_word(LightRef light, uint word) { return uintBitsToFloat(unpackUint2x32(light.w[word])); }
+
+LightRef light_at(uint64_t lights, uint index) { return LightRef(lights + 64ul * index); }
+
+vec3 light_intensity(LightRef light) { return vec3(light_word(light, 5u), light_word(light, 6u).x); }

@@ -1,0 +1,43 @@
+// How open a fragment's surface is to the sky, from the texels of ambient occlusion about it. Needs
+// lib/scene.glsl, lib/features.glsl and the push constant pc.occlusion. Only where HAS_OCCLUSION, which is the texels'
+// shape, is not 0.
+#include "lib/occlusion_points.glsl"
+
+// The four texels about the pixel, bilinear, each by how near its point lies to the fragment's plane: a floor at
+// grazing angles still blends, and each fragment of an edge takes the texels of its own surface. Where none of them is
+// of the surface, the texel of the 4 by 4 about it that is the most like it stands for all.
+float occlusion_open(vec3 relative, vec3 plane_normal) {
+  const vec3 p = vec3(dot(relative, frame.camera_right), dot(relative, frame.camera_up), dot(relative, frame.camera_back));
+  const vec3 n = vec3(dot(plane_normal, frame.camera_right), dot(plane_normal, frame.camera_up),
+      dot(plane_normal, frame.camera_back));
+  const vec2 subsample_ndc = IS_SUBSAMPLE != 0 ? pc.subsample_ndc : vec2(0.0);
+  const ivec2 last = textureSize(pass_images[pc.occlusion], 0) - 1;
+  const vec2 at = gl_FragCoord.xy / float(max(OCCLUSION_TEXEL_PX(HAS_OCCLUSION), 1)) - 0.5;
+  const ivec2 corner = ivec2(floor(at));
+  const vec2 f = at - vec2(corner);
+  float sum = 0.0, weights = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const ivec2 o = ivec2(i & 1, i >> 1), texel = clamp(corner + o, ivec2(0), last);
+    const vec2 tap = texelFetch(pass_images[pc.occlusion], texel, 0).xy;
+    if (!(tap.y > 0.0)) continue;
+    const vec2 b = mix(1.0 - f, f, vec2(o));
+    const float w = b.x * b.y * occlusion_likeness(occlusion_point(texel, tap.y, HAS_OCCLUSION, subsample_ndc), p, n);
+    if (!(w > 0.0)) continue;
+    sum += w * tap.x;
+    weights += w;
+  }
+  if (weights > 1e-3) return clamp(sum / weights, 0.0, 1.0);
+  float least = 3e38, open = 1.0;
+  for (int y = -1; y <= 2; ++y)
+    for (int x = -1; x <= 2; ++x) {
+      const ivec2 texel = clamp(corner + ivec2(x, y), ivec2(0), last);
+      const vec2 tap = texelFetch(pass_images[pc.occlusion], texel, 0).xy;
+      if (!(tap.y > 0.0)) continue;
+      const vec3 off = occlusion_point(texel, tap.y, HAS_OCCLUSION, subsample_ndc) - p;
+      const float unlike = abs(dot(n, off)) + 0.1 * length(off);
+      if (!(unlike < least)) continue;
+      least = unlike;
+      open = tap.x;
+    }
+  return clamp(open, 0.0, 1.0);
+}

@@ -1,0 +1,23 @@
+#version 460
+// How open the nearest opaque or masked surface is to the sky, as shading reads it.
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DrawPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/surface.glsl"
+#include "lib/plane.glsl"
+#include "lib/occlusion.glsl"
+#include "lib/draw.frag.glsl"
+
+layout(location = 0) out float out_open;
+
+void main() {
+  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Varyings v = load_varyings();
+  const vec3 to_viewer = direction_to_viewer();
+  const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
+  if (IS_MASKED != 0 && surface_base_color(m, v).a < m.alpha_cutoff) discard;
+  out_open = 1.0;
+  if (HAS_OCCLUSION != 0 && (m.flags & material_unlit) == 0u)
+    out_open = occlusion_open(onto_triangle(v.relative_position, plane_normal, in_plane_position), plane_normal);
+}

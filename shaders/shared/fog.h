@@ -1,0 +1,40 @@
+#ifndef CANDELA_SHARED_FOG_H
+#define CANDELA_SHARED_FOG_H
+#include "shared/types.h"
+
+SHARED_BEGIN
+
+// The fog of a look (scene/look.h) in relative space, and the grid that its light is kept in. All zero without fog.
+struct FogMedium {
+  vec3 extinction;  // per metre at density 1
+  float falloff;    // per metre
+  vec3 scattering;
+  float height;  // where the density is 1, above the eye
+  vec3 glow;     // emission over extinction
+  float anisotropy;
+  vec3 lowest, highest;  // bounds
+  uint bounded;          // 0: there are none
+  // Rays of the grid across and down, from edge to edge of the picture, and the depths at which each keeps its light:
+  // nearest_m * 2^(k * log2_ratio), the last at the ray's end. A march follows the ray of its own pixel by as many.
+  uvec3 nodes;
+  float nearest_m, log2_ratio;
+  uint sky_directions;  // in which the fog before the sky is looked through
+};
+
+struct FogLightPush {
+  uint64_t lights, light_cells, light_entries, light_tiles, suns;
+  uint sun_maps, target;
+};
+struct FogSumPush {
+  uint image;
+};
+
+SHARED_END
+
+#ifdef __cplusplus
+namespace candela::shared {
+static_assert(sizeof(FogMedium) == 100);
+}
+#endif
+
+#endif

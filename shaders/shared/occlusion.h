@@ -1,0 +1,33 @@
+#ifndef CANDELA_SHARED_OCCLUSION_H
+#define CANDELA_SHARED_OCCLUSION_H
+#include "shared/types.h"
+
+// Where the points of the occlusion's texels lie (lib/occlusion_points.glsl): one number, so that shaders get it as a
+// specialization constant.
+#define OCCLUSION_TEXEL_PX(shape) ((shape) & 0xff)  // side of a texel in pixels: 1, 2 or 4
+#define OCCLUSION_SAMPLES(shape) ((shape) >> 8)     // depth samples of a pixel
+
+SHARED_BEGIN
+struct OcclusionPointsPush {
+  uint depth, points, normals;
+  uvec2 texels;  // size in texels
+  vec2 subsample_ndc;
+};
+struct OcclusionPush {
+  uint points, normals, open;
+  uvec2 texels;
+  vec2 subsample_ndc;
+  float radius_m, fade_m;  // hidden by saturate((radius - distance) / fade)
+  float strength;
+  int slices, samples;  // samples on each side of a slice
+  float turn;           // of the first slice, as a part of the angle between slices
+  uvec2 pattern;        // by which the pattern of 4 by 4 texels is moved
+};
+struct OcclusionDenoisePush {
+  uint normals, open, smooth_open;
+  uvec2 texels;
+  vec2 subsample_ndc;
+};
+SHARED_END
+
+#endif

@@ -1,0 +1,96 @@
+#include "gpu/kept_image.h"
+
+#include <algorithm>
+
+#include "gpu/image_copy.h"
+
+namespace candela::gpu {
+
+KeptImage::KeptImage(Device& device, const ImageDesc& desc, VkImageUsageFlags usage)
+    : device_(device), desc_(desc), usage_(usage) {
+  try {
+    // Later frames may use it on another queue than the one that fills it.
+    image_ = make_image(device, desc, {usage | VK_IMAGE_USAGE_SAMPLED_BIT, true, true});
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(device.handle(), image_.image, &needs);
+    bytes_ = needs.size;
+    memory_ = device.allocate(needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, Device::Purpose::frame);
+    VK_CHECK(vkBindImageMemory(device.handle(), image_.image, memory_, 0));
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+KeptImage::~KeptImage() { release(); }
+
+void KeptImage::release() {
+  for (const auto& [key, view] : views_) vkDestroyImageView(device_.handle(), view, nullptr);
+  vkDestroyImage(device_.handle(), image_.image, nullptr);
+  if (memory_) device_.release(memory_);
+}
+
+VkImageView KeptImage::view(const ViewKey& key) const {
+  ViewKey own = key;
+  own.resource = 0;
+  VkImageView& view = views_[own];
+  if (!view) view = make_view(device_, image_, desc_, own);
+  return view;
+}
+
+namespace {
+constexpr size_t most_seen = 256;
+
+// What the device makes; the clear value is how it was filled, and part of the key.
+bool same_shape(const ImageDesc& a, const ImageDesc& b) {
+  return a.format == b.format && a.width_px == b.width_px && a.height_px == b.height_px && a.samples == b.samples &&
+         a.kind == b.kind && a.mips == b.mips && a.layers == b.layers && a.depth_px == b.depth_px;
+}
+}  // namespace
+
+KeptState ImageCache::look_up(const Hash128& key, const ImageDesc& desc) {
+  if (range_bytes(desc, whole(desc)) * desc.samples > budget_bytes_) return KeptState::unknown;
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
+  if (found != entries_.end()) {
+    if (!same_shape(found->image->desc(), desc)) return KeptState::unknown;
+    entries_.splice(entries_.begin(), entries_, found);
+    return KeptState::filled;
+  }
+  const auto seen = std::find(seen_.begin(), seen_.end(), key);
+  if (seen != seen_.end()) {
+    seen_.splice(seen_.begin(), seen_, seen);
+    return KeptState::seen;
+  }
+  seen_.push_front(key);
+  if (seen_.size() > most_seen) seen_.pop_back();
+  return KeptState::unknown;
+}
+
+std::shared_ptr<KeptImage> ImageCache::find(const Hash128& key) const {
+  for (const Entry& entry : entries_)
+    if (entry.key == key) return entry.image;
+  return nullptr;
+}
+
+std::shared_ptr<KeptImage> ImageCache::make(const ImageDesc& desc, VkImageUsageFlags usage) {
+  return std::make_shared<KeptImage>(device_, desc, usage);
+}
+
+void ImageCache::insert(const Hash128& key, std::shared_ptr<KeptImage> image) {
+  std::erase_if(entries_, [&](const Entry& entry) { return entry.key == key; });
+  if (image->bytes() > budget_bytes_) return;
+  drop_to(budget_bytes_ - image->bytes());
+  entries_.push_front({key, std::move(image)});
+}
+
+uint64_t ImageCache::used_bytes() const {
+  uint64_t bytes = 0;
+  for (const Entry& entry : entries_) bytes += entry.image->bytes();
+  return bytes;
+}
+
+void ImageCache::drop_to(uint64_t bytes) {
+  while (!entries_.empty() && used_bytes() > bytes) entries_.pop_back();
+}
+
+}  // namespace candela::gpu

@@ -1,0 +1,150 @@
+#include "passes/occlusion/occlusion.h"
+
+#include <algorithm>
+
+#include "shared/occlusion.h"
+
+namespace candela {
+namespace {
+
+// A subsample has a share of the slices, but for these: fewer leave an error that reflections, which are not linear in
+// V, would show.
+constexpr uint32_t least_slices = 4;
+
+uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in) {
+  const uint32_t slices = uint32_t(pass.knobs.slices);
+  return std::max((slices + in.subsamples - 1) / in.subsamples, std::min(slices, least_slices));
+}
+
+}  // namespace
+
+std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() {
+  static const std::vector<std::string_view> passes = {"occlusion", "shade_forward", "occlusion_layer", "terms"};
+  static const Knob<Knobs> table[] = {
+      {.name = "texel_px",
+       .member = &Knobs::texel_px,
+       .unit = "px",
+       .lowest = 1,
+       .highest = 4,
+       .ladder = {2, 2, 2, 1},
+       .trades = "side of a texel of ambient occlusion: 1 full resolution, 2 half; coarser ones blur contacts and edges",
+       .walk = {4, 2, 1},
+       .passes = passes,
+       .only = {1, 2, 4}},
+      {.name = "slices",
+       .member = &Knobs::slices,
+       .lowest = 1,
+       .highest = 256,
+       .ladder = {2, 3, 3, 64},
+       .trades = "planes through the view vector in which horizons are searched; fewer leave noise",
+       .walk = {1, 2, 3, 8, 64},
+       .passes = {"occlusion"}},
+      {.name = "samples",
+       .member = &Knobs::samples,
+       .lowest = 1,
+       .highest = 512,
+       .ladder = {4, 6, 6, 64},
+       .trades = "depths that are looked at on each side of a slice; fewer miss what hides the sky",
+       .walk = {1, 2, 4, 6, 16, 64},
+       .passes = {"occlusion"}},
+      {.name = "denoise",
+       .member = &Knobs::denoise,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {1, 1, 1, 0},
+       .trades = "1: the mean over 5 by 5 texels of the same surface; blurs contacts where slices are many",
+       .walk = {1, 0},
+       .passes = {"occlusion"},
+       .beside = "occlusion.slices=64"},
+  };
+  return table;
+}
+
+Need AmbientOcclusion::shades(const SceneFacts& facts, const FrameRequest& request) {
+  if (facts.lit_items == 0) return {false, "the scene has no opaque or masked surface that takes light"};
+  if (!request.wants_true(effect)) return {false, "ambient occlusion is not wanted (--effects, --quality)"};
+  return needed_if(facts.environment || request.neutral_light, "the scene has no ambient light (--sky)");
+}
+
+Need AmbientOcclusion::needed(const SceneFacts& facts, const FrameRequest& request) const {
+  return request.has_layer("occlusion") ? Need{} : shades(facts, request);
+}
+
+uint32_t AmbientOcclusion::shape(const SceneInputs& scene) const {
+  return uint32_t(knobs.texel_px) | scene.samples << 8;
+}
+
+glm::uvec2 AmbientOcclusion::texels(const SceneInputs& scene) const {
+  const uint32_t side = uint32_t(knobs.texel_px);
+  return {(scene.width_px + side - 1) / side, (scene.height_px + side - 1) / side};
+}
+
+AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In& in) const {
+  const glm::uvec2 size = texels(in.scene);
+  const std::vector<SpecConstant> constants = {{0, "SHAPE", shape(in.scene)}};
+  const auto image = [&](const char* name, VkFormat format) {
+    return builder.create(ImageDesc{.name = name, .format = format, .width_px = size.x, .height_px = size.y});
+  };
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  Out out;
+  out.find = builder.pipeline(ComputePipelineDesc{"occlusion_points.comp", constants});
+  builder.begin_step();
+  builder.read(in.depth, Access::sampled_compute, "depth");
+  out.points = builder.write(image("occlusion.points", VK_FORMAT_R32_SFLOAT), Access::storage_image_write);
+  out.normals = builder.write(image("occlusion.normals", VK_FORMAT_R32_UINT), Access::storage_image_write);
+  out.integrate = builder.pipeline(ComputePipelineDesc{"occlusion.comp", constants});
+  builder.begin_step();
+  builder.read(out.points, Access::sampled_compute, "points");
+  builder.read(out.normals, Access::sampled_compute, "normals");
+  out.open = builder.write(image("occlusion", VK_FORMAT_R32G32_SFLOAT), Access::storage_image_write);
+  if (knobs.denoise == 0) return out;
+  out.noisy = out.open;
+  out.smooth = builder.pipeline(ComputePipelineDesc{"occlusion_denoise.comp", constants});
+  builder.begin_step();
+  builder.read(out.normals, Access::sampled_compute, "normals");
+  builder.read(out.noisy, Access::sampled_compute, "noisy occlusion");
+  out.open = builder.write(image("occlusion.smooth", VK_FORMAT_R32G32_SFLOAT), Access::storage_image_write);
+  return out;
+}
+
+void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& out) const {
+  const glm::uvec2 size = texels(in.scene);
+  if (commands.step() == 0) {
+    shared::OcclusionPointsPush push{};
+    push.depth = commands.sampled(in.depth);
+    push.points = commands.storage(out.points);
+    push.normals = commands.storage(out.normals);
+    push.texels = size;
+    push.subsample_ndc = in.scene.subsample_ndc;
+    commands.bind(out.find);
+    commands.push(push);
+  } else if (commands.step() == 1) {
+    shared::OcclusionPush push{};
+    push.points = commands.sampled(out.points);
+    push.normals = commands.sampled(out.normals);
+    push.open = commands.storage(out.noisy ? out.noisy : out.open);
+    push.texels = size;
+    push.subsample_ndc = in.scene.subsample_ndc;
+    push.radius_m = float(in.look.radius_m);
+    push.fade_m = std::max(float(in.look.falloff * in.look.radius_m), 1e-6f * push.radius_m);
+    push.strength = float(in.look.strength);
+    push.slices = int(slices_of(*this, in));
+    push.samples = knobs.samples;
+    push.turn = float(in.subsample) / float(in.subsamples);
+    push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
+    commands.bind(out.integrate);
+    commands.push(push);
+  } else {
+    shared::OcclusionDenoisePush push{};
+    push.normals = commands.sampled(out.normals);
+    push.open = commands.sampled(out.noisy);
+    push.smooth_open = commands.storage(out.open);
+    push.texels = size;
+    push.subsample_ndc = in.scene.subsample_ndc;
+    commands.bind(out.smooth);
+    commands.push(push);
+  }
+  commands.dispatch(size.x, size.y);
+}
+
+}  // namespace candela

@@ -1,0 +1,60 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// How open each visible surface is to the sky, as far as what the depth buffer holds tells: V = 1/pi of the integral of
+// the cosine over the hemisphere about the triangle's normal, where a direction that meets a surface at distance t
+// counts 1 - saturate((radius - t) / (falloff radius)) (scene/look.h, Occlusion). Jimenez, Wu, Pesce, Jarabo,
+// "Practical Real-Time Strategies for Accurate Indirect Occlusion", 2016: the hemisphere is cut into slices about the
+// view vector, and in each, horizons are searched to both sides over the depth and the cosine is integrated between
+// them in closed form. Other than there each rise of a horizon is weighed by the distance of what made it (Bavoil,
+// Sainz, Dimitrov, "Image-space horizon-based ambient occlusion", 2008), so that the falloff is the traced term's own;
+// and the sum is divided by that of the free slices, so that where nothing rises V is 1 for any number of slices and
+// any slope.
+//
+// Three steps. Points: for each texel the nearest depth sample, and its normal from the depths beside it, on the side
+// whose surface goes on. Integral, with a pattern of 4 by 4 offsets. Denoise: the mean over the pattern, of texels near
+// the tangent plane. The texels are brought to the fragments where these are shaded (shaders/lib/occlusion.glsl).
+//
+// Leaves wrong: what the depth buffer does not hold. Surfaces behind others and beyond the picture's edge hide nothing
+// (a border as wide as the radius is too bright, never dark), and what is seen is taken to be as thick as the radius.
+struct AmbientOcclusion {
+  static constexpr std::string_view name = "occlusion";
+  static constexpr std::string_view effect = "occlusion";
+  static constexpr Queue queue = Queue::compute;
+  struct Knobs {
+    static constexpr std::string_view name = "occlusion";
+    int texel_px = 2;
+    int slices = 3;
+    int samples = 6;
+    int denoise = 1;
+    static std::span<const Knob<Knobs>> table();
+  };
+  struct In {
+    SceneInputs scene;
+    ImageHandle depth;  // of the pre-pass
+    Occlusion look;
+    uint32_t seed = 0;
+    // Of a supersampled frame: the samples share the slices out, and turn theirs so that all are even.
+    uint32_t subsample = 0, subsamples = 1;
+  };
+  struct Out {
+    ImageHandle open;             // V, and the point that it is of (shaders/lib/occlusion_points.glsl)
+    ImageHandle points, normals;  // on the way
+    ImageHandle noisy;            // V before the denoising; empty without
+    PipelineHandle find, integrate, smooth;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  // Whether what it gives is for shading, and not for a layer alone.
+  static Need shades(const SceneFacts& facts, const FrameRequest& request);
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  // Of the texels of a frame, as shaders want it.
+  uint32_t shape(const SceneInputs& scene) const;
+  glm::uvec2 texels(const SceneInputs& scene) const;
+  Knobs knobs;
+};
+
+}  // namespace candela

@@ -1,0 +1,29 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+#include "passes/surfaces/texture_knobs.h"
+
+namespace candela {
+
+// Of the nearest opaque or masked surface at the pixel's centre: `occlusion`, the share of the sky's diffuse light that
+// near surfaces leave, as shading reads it; 1 on unlit surfaces and where there is none.
+struct OcclusionLayer {
+  static constexpr std::string_view name = "occlusion_layer";
+  static constexpr LayerName layers[] = {{"occlusion"}};
+  using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    OcclusionTexels occlusion;  // optional: nothing is opaque or masked
+  };
+  struct Out {
+    ImageHandle layer, depth;  // depth: its own
+    RunPipelines pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -1,0 +1,83 @@
+#include "passes/volumes/fog_layers.h"
+
+#include "shared/draw.h"
+
+namespace candela {
+
+Need FogLayers::needed(const SceneFacts&, const FrameRequest& request) const {
+  if (!request.look.fog) return {false, "the look has no fog (--look)"};
+  if (!request.draws_fog()) return {false, "fog is not wanted (--effects)"};
+  for (const LayerName& layer : layers)
+    if (request.has_layer(layer.name)) return {};
+  return {false, "no layer of fog is wanted (--layers)"};
+}
+
+FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
+  const bool tested = builder.read_optional(in.depth, Access::depth_test);
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  Out out;
+  std::string wanted;
+  std::vector<VkFormat> formats;
+  static constexpr const char* defines[] = {"LIGHT", "TRANSMITTANCE"};
+  CellLists lists = in.lists;
+  if (!in.wanted[0]) lists.fog.light = FogLight::nothing;  // transmittance alone looks no light up
+  for (size_t i = 0; i < 2; ++i) {
+    if (!in.wanted[i]) continue;
+    wanted += fmt::format("#{}={}", defines[i], formats.size());
+    formats.push_back(color_format);
+  }
+  declare_fog(builder, in.scene, lists);
+  GraphicsPipelineDesc behind;
+  behind.vertex_shader = "background.vert";
+  CellLists far = lists;
+  far.fog.last = false;
+  behind.fragment_shader = with_fog("fog_layers_sky.frag" + wanted, far);
+  behind.color_formats = formats;
+  behind.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
+  behind.samples = in.scene.samples;
+  behind.depth_test = tested;
+  behind.depth_compare = VK_COMPARE_OP_EQUAL;
+  out.behind = builder.pipeline(behind);
+  RunPipelineChoice choice;
+  choice.desc = behind;
+  choice.desc.vertex_shader = "draw.vert";
+  choice.desc.fragment_shader = with_fog("fog_layers.frag" + wanted, lists);
+  if (!in.scene.runs->empty()) {
+    out.opaque = declare_runs(
+        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+    choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+    choice.desc.blend = Blend::premultiplied_over;
+    out.blended = declare_runs(
+        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend; }, choice);
+  }
+  for (size_t i = 0; i < 2; ++i) {
+    if (!in.wanted[i]) continue;
+    ImageDesc desc{std::string(layers[i].name) + ".layer", color_format, in.scene.width_px, in.scene.height_px,
+                   in.scene.samples};
+    desc.covered = true;
+    out.images[i] = builder.write(builder.create(desc), Access::color_attachment);
+  }
+  return out;
+}
+
+void FogLayers::record(CommandList& commands, const In& in, const Out& out) const {
+  CellLists lists = in.lists;
+  if (!in.wanted[0]) lists.fog.light = FogLight::nothing;
+  std::vector<CommandList::Attachment> colors;
+  for (const ImageHandle image : out.images)
+    if (image) colors.push_back({image});
+  commands.begin_rendering(colors, in.depth);
+  commands.bind(out.behind);
+  commands.push(sky_push(commands, in.scene, lists));
+  commands.set_cull(false, false);
+  commands.draw(3);
+  if (!in.scene.runs->empty()) {
+    RunPipelines all = out.opaque;
+    for (size_t r = 0; r < all.by_run.size(); ++r)
+      if (out.blended.by_run[r]) all.by_run[r] = out.blended.by_run[r];
+    record_runs(commands, in.scene, in.draws, in.deformed, all, nullptr, &lists);
+  }
+  commands.end_rendering();
+}
+
+}  // namespace candela

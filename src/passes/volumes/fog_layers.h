@@ -1,0 +1,34 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+#include "passes/surfaces/texture_knobs.h"
+
+namespace candela {
+
+// What fog does to beauty, in images of their own: the light that it scatters or emits towards the camera, which with
+// the terms of passes/surfaces/terms.h sums to beauty, and its transmittance, 1 in clear air. Drawn at the samples of
+// beauty and against its depth, and blended surfaces composite over them as they do over beauty.
+struct FogLayers {
+  static constexpr std::string_view name = "fog_layers";
+  static constexpr std::string_view effect = "fog";
+  static constexpr LayerName layers[2] = {{"fog"}, {"fog.transmittance"}};
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs>;
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    CellLists lists;        // with the fog
+    ImageHandle depth;      // optional: there are blended surfaces alone without it
+    std::array<bool, 2> wanted{};
+  };
+  struct Out {
+    std::array<ImageHandle, 2> images;  // as multisampled as the frame; empty where not wanted
+    PipelineHandle behind;
+    RunPipelines opaque, blended;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+
+#include "graph/builder.h"
+
+namespace candela {
+
+struct SceneInputs;
+struct CellLists;
+
+// What the frame's shaders know of its fog. Not a pass. Its values are FOG in shaders/lib/fog.glsl.
+enum class FogLight : uint8_t {
+  no_fog,
+  nothing,  // the fog scatters nothing, or no light reaches it: transmittance and emission alone
+  grid,     // from the image
+  march     // each point follows its own ray
+};
+struct FogView {
+  FogLight light = FogLight::no_fog;
+  bool ambient = false;  // the sky's light is scattered too
+  bool last = false;     // grid: the slice in which a surface stands is followed for itself
+  ImageHandle grid;
+  explicit operator bool() const { return light != FogLight::no_fog; }
+};
+
+// A shader's name with the definitions that have it seen through the fog; the name alone in clear air. Definitions and
+// not specialization constants: a frame without fog compiles the source that it would have without this effect.
+std::string with_fog(std::string shader, const CellLists& lists);
+// What such a shader reads besides the frame's constants: the grid, and, to walk, lights and shadow maps.
+void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared = false);
+// Whether such a shader walks the lists of lights itself.
+bool fog_walks(const CellLists& lists);
+
+}  // namespace candela

@@ -1,0 +1,165 @@
+// Fog as the GPU draws it against the reference's single scattering, shadows aside: the layers of fog, at pixels'
+// centres.
+#include "reference_parity.h"
+#include "testscenes/make_scene.h"
+
+namespace candela::test {
+namespace {
+
+struct FogPair {
+  std::vector<glm::dvec3> light, through, beauty;  // of the GPU
+  std::vector<glm::dvec3> true_light, true_through, true_beauty;
+  // Of the fog's light, over the pixels of which it is at least a tenth.
+  double relmse() const {
+    double sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < light.size(); ++i) {
+      const glm::dvec3 truth = true_light[i];
+      if (truth.x + truth.y + truth.z < 0.1 * (true_beauty[i].x + true_beauty[i].y + true_beauty[i].z)) continue;
+      for (int c = 0; c < 3; ++c) sum += std::pow(light[i][c] - truth[c], 2) / (truth[c] * truth[c] + 0.01) / 3;
+      ++count;
+    }
+    return count > 0 ? sum / double(count) : 0;
+  }
+  double worst_transmittance() const {
+    double worst = 0;
+    for (size_t i = 0; i < through.size(); ++i)
+      for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(through[i][c] - true_through[i][c]));
+    return worst;
+  }
+  double beauty_relmse() const {
+    double sum = 0;
+    for (size_t i = 0; i < beauty.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        sum += std::pow(beauty[i][c] - true_beauty[i][c], 2) / (std::pow(true_beauty[i][c], 2) + 0.01) / 3;
+    return sum / double(beauty.size());
+  }
+};
+
+}  // namespace
+
+class ReferenceFog : public ReferenceParity {
+ protected:
+  static std::string look_file(const std::string& text) {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    const std::string path = ::testing::TempDir() + fmt::format("candela_{}.look.json", info->name());
+    std::ofstream(path) << text;
+    return path;
+  }
+  // Surfaces, masks and blending, lamps of every kind; eyes at a height of 1 and some metres.
+  static std::string room(bool with_sun) {
+    GltfBuilder b = empty_scene();
+    add_node(b, {{"mesh", add_square_mesh(b, 6, add_material(b, diffuse_material(0.7, 0.6, 0.5)))},
+                 {"translation", {0, 0, -8}}});
+    Json glass = diffuse_material(0.2, 0.9, 0.2);
+    glass["alphaMode"] = "BLEND", glass["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.4;
+    add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, glass))}, {"translation", {1, 0.4, -4}}});
+    add_node(b, {{"mesh", add_square_mesh(b, 0.7f, add_material(b, unlit_material(0.4, 0.5, 0.6, 1)))},
+                 {"translation", {-1.5, -0.4, -3}}});
+    add_light(b, {{"type", "point"}, {"intensity", 12.0}, {"color", {1, 0.7, 0.3}}}, {{"translation", {-2, 1, -5}}});
+    add_light(b, {{"type", "point"}, {"intensity", 6.0}, {"range", 3.0}}, {{"translation", {2, -1, -3}}});
+    add_light(b,
+              {{"type", "spot"},
+               {"intensity", 40.0},
+               {"range", 12.0},
+               {"color", {0.3, 0.6, 1}},
+               {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.5}}}},
+              {{"translation", {1.5, 3, -6}}, {"rotation", {-0.7071068, 0, 0, 0.7071068}}});
+    if (with_sun) add_light(b, {{"type", "directional"}, {"intensity", 2.0}}, {{"rotation", {-0.5, 0.1, 0, 0.86}}});
+    return write(b);
+  }
+  static std::vector<glm::dvec3> averaged(const Image& image, int side) {
+    std::vector<glm::dvec3> out;
+    for (int y = 0; y < image.height / side; ++y)
+      for (int x = 0; x < image.width / side; ++x) {
+        glm::dvec3 sum(0);
+        for (int j = 0; j < side; ++j)
+          for (int i = 0; i < side; ++i) sum += glm::dvec3(image.at<glm::vec4>(x * side + i, y * side + j));
+        out.push_back(sum / double(side * side));
+      }
+    return out;
+  }
+  // Both at side * side samples a pixel, on a grid.
+  static FogPair pair_of(Job job, int fog_steps = 256, int side = 1) {
+    job.settings.push_back({"lights", "floor_lux", "0"});
+    job.settings.push_back({"sun", "mode", "off"});
+    job.samples = 1;
+    job.layers = {"fog", "fog.transmittance"};
+    FogPair out;
+    Job large = job;
+    large.width_px *= side, large.height_px *= side;
+    const Images images = images_of(large);
+    if (images.size() != 3) return out;
+    out.light = averaged(images["fog"], side);
+    out.through = averaged(images["fog.transmittance"], side);
+    out.beauty = averaged(images["beauty"], side);
+    auto frame = open_reference(job, 0, {});
+    EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
+    if (!frame) return out;
+    reference::TraceSettings settings;
+    settings.visibility = false;
+    settings.ambient = reference::Ambient::occlusion;
+    settings.fog_steps = fog_steps;
+    settings.sampler = {reference::SamplerKind::uniform, side * side, 0};
+    reference::Film film(job.width_px, job.height_px, {.fog = true});
+    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), side * side,
+             [](double) { return true; });
+    for (size_t i = 0; i < film.pixels(); ++i) {
+      out.true_light.push_back(film.fog_light(i));
+      out.true_through.push_back(film.fog_through(i));
+      out.true_beauty.emplace_back(film.mean(i));
+    }
+    return out;
+  }
+  static Job in_fog(const std::string& scene, const std::string& fog) {
+    Job job = job_for(scene, width, height);
+    job.look = look_file("{\"fog\": " + fog + "}");
+    look(job, {0, 0.5, 3}, {0, 0, -3}, 50);
+    return job;
+  }
+};
+
+// Every kind of fog, marched in many slices and in the default grid; coloured, high and low, bounded from within and
+// without, forwards and backwards.
+TEST_F(ReferenceFog, LayersOfEveryKind) {
+  const std::string scene = room(true);
+  const std::pair<const char*, double> kinds[] = {
+      {R"({"extinction": [0.05, 0.08, 0.12], "albedo": 0.9})", 1},
+      {R"({"extinction": 0.1, "anisotropy": 0.8, "falloff": 0.3, "height": 0.5, "emission": [0.01, 0.02, 0.0]})", 1},
+      {R"({"extinction": 0.2, "anisotropy": -0.5, "bounds": {"x": [-3, 3], "y": [-1, 1.5], "z": [-7, -2]}})", 4},
+      {R"({"extinction": 3, "albedo": [0.9, 0.5, 1], "falloff": 0.1, "height": -2})", 1},
+  };
+  for (const auto& [fog, slack] : kinds) {
+    Job job = in_fog(scene, fog);
+    const FogPair grid = pair_of(job);
+    job.settings = {{"fog", "grid", "march"}, {"fog", "steps", "512"}};
+    const FogPair marched = pair_of(job);
+    fmt::print("{}: grid {:.2e}, marched {:.2e}, transmittance {:.1e}, beauty {:.2e}\n", fog, grid.relmse(),
+               marched.relmse(), marched.worst_transmittance(), marched.beauty_relmse());
+    EXPECT_LT(grid.relmse(), 2e-3 * slack) << fog;
+    EXPECT_LT(marched.relmse(), 2e-4) << fog;
+    EXPECT_LT(marched.worst_transmittance(), 2e-5) << fog;
+    EXPECT_LT(grid.worst_transmittance(), 2e-5) << fog;
+    EXPECT_LT(marched.beauty_relmse(), 2e-4) << fog;
+  }
+}
+
+// The goal of the default: a night street of 1,024 lamps in fog, each value of the grid nearer to the truth.
+TEST_F(ReferenceFog, TheStreetUpTheLadder) {
+  const std::string path = ::testing::TempDir() + "candela_fog_street.glb";
+  ASSERT_TRUE(make_scene("street", 1, 1024, path));
+  Job job = job_for(path, 96, 54);
+  job.look = look_file(R"({"fog": {"extinction": 0.02, "albedo": 0.95, "anisotropy": 0.3}})");
+  std::vector<double> errors;
+  for (const char* grid : {"32x18x24", "96x54x48", "128x72x64", "160x90x128", "march"}) {
+    job.settings = {{"fog", "grid", grid}};
+    errors.push_back(pair_of(job, 16, 4).relmse());
+    fmt::print("{}: relMSE {:.2e}\n", grid, errors.back());
+  }
+  EXPECT_LT(errors[2], 0.01) << "the default";
+  EXPECT_LT(errors[1], errors[0]);
+  EXPECT_LT(errors[3], errors[1]);
+  EXPECT_LT(errors[4], 0.002);
+}
+
+}  // namespace candela::test

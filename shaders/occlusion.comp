@@ -76,7 +76,8 @@ void main() {
       for (int side = -1; side <= 1; side += 2) {
         const vec2 to = float(side) * way;
         // As far as the picture.
-        const vec2 edge = mix(place_px, vec2(frame.size_px) - place_px, greaterThan(to, vec2(0.0))) / max(abs(to), 1e-6);
+        const vec2 edge = mix(place_px, vec2(frame.size_px) - place_px, greaterThan(to, vec2(0.0))) /
+            max(abs(to), 1e-6);
         const float end_px = min(reach_px, min(edge.x, edge.y)), first_px = 1.3 * float(TEXEL_PX);
         float horizon = float(-side) * sin_g;  // cosine of the tangent plane's angle
         float area = size * arc(horizon, float(side), cos_g, sin_g);
@@ -86,7 +87,8 @@ void main() {
           const float at_px = max(end_px * u * u, first_px * (1.0 + float(j) / float(pc.samples)));
           if (at_px > end_px) continue;
           const ivec2 other = ivec2(floor((place_px + to * at_px) / float(TEXEL_PX)));
-          if (other == texel || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(pc.texels)))) continue;
+          if (other == texel || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(pc.texels))))
+            continue;
           const float z = texelFetch(pass_images[pc.points], other, 0).r;
           if (!(z > 0.0)) continue;
           const vec3 s = occlusion_point(other, z, SHAPE, pc.subsample_ndc) - p;

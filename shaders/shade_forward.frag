@@ -36,7 +36,8 @@ void main() {
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) {
     vec3 ambient = HAS_OCCLUSION != 0
-        ? occluded_ambient_light(s, to_viewer, occlusion_open(surface_point, plane_normal)) : ambient_light(s, to_viewer);
+        ? occluded_ambient_light(s, to_viewer, occlusion_open(surface_point, plane_normal))
+        : ambient_light(s, to_viewer);
 #ifdef FOG
     ambient *= fog_sky_through(v.relative_position, s.normal, false);
 #endif

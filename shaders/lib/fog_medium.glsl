@@ -4,11 +4,16 @@
 
 // As good as at infinity; its square is still a number.
 const float FOG_FAR = 1e18;
+// An exponent at which nothing is left; llvmpipe's exp of minus infinity is no number.
+const float FOG_OPAQUE = 1e4;
 
 // (1 - e^-x)/x and 1 - e^-x, right from 0 on: without the series all digits are gone at 1e-7.
-float one_minus_exp_over(float x) { return x < 1e-2 ? 1.0 - x * (0.5 - x * (1.0 / 6.0)) : (1.0 - exp(-min(x, 1e4))) / x; }
+float one_minus_exp_over(float x) {
+  return x < 1e-2 ? 1.0 - x * (0.5 - x * (1.0 / 6.0)) : (1.0 - exp(-min(x, FOG_OPAQUE))) / x;
+}
 vec3 one_minus_exp(vec3 x) {
-  return mix(1.0 - exp(-min(x, vec3(1e4))), x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0)))), lessThan(x, vec3(1e-2)));
+  return mix(1.0 - exp(-min(x, vec3(FOG_OPAQUE))), x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0)))),
+      lessThan(x, vec3(1e-2)));
 }
 
 // The part of a span that lies inside the bounds; (0, 0) where none does.
@@ -38,8 +43,6 @@ float fog_length(vec3 origin, vec3 direction, float begin_m, float end_m) {
   return min(level * metres * one_minus_exp_over(abs(rate) * metres), 3e38);
 }
 
-// Nothing is left long before the largest exponent, and llvmpipe's exp of minus infinity is no number.
-const float FOG_OPAQUE = 1e4;
 vec3 fog_through(float metres) { return exp(-min(frame.fog.extinction * metres, vec3(FOG_OPAQUE))); }
 
 // What fog leaves of light over a distance in direction l; FOG_FAR: of light from the sky.
@@ -52,7 +55,8 @@ vec3 fog_through(vec3 from, vec3 l, float distance_m) {
 // light it stays right from extinction 0 to where it is the light over the extinction.
 vec3 fog_held(float metres) {
   const vec3 x = frame.fog.extinction * metres;
-  return mix((1.0 - exp(-min(x, vec3(FOG_OPAQUE)))) / frame.fog.extinction, metres * (1.0 - x * (0.5 - x * (1.0 / 6.0))),
+  return mix((1.0 - exp(-min(x, vec3(FOG_OPAQUE)))) / frame.fog.extinction,
+      metres * (1.0 - x * (0.5 - x * (1.0 / 6.0))),
       lessThan(x, vec3(1e-2)));
 }
 

@@ -7,7 +7,8 @@
 // grazing angles still blends, and each fragment of an edge takes the texels of its own surface. Where none of them is
 // of the surface, the texel of the 4 by 4 about it that is the most like it stands for all.
 float occlusion_open(vec3 relative, vec3 plane_normal) {
-  const vec3 p = vec3(dot(relative, frame.camera_right), dot(relative, frame.camera_up), dot(relative, frame.camera_back));
+  const vec3 p =
+      vec3(dot(relative, frame.camera_right), dot(relative, frame.camera_up), dot(relative, frame.camera_back));
   const vec3 n = vec3(dot(plane_normal, frame.camera_right), dot(plane_normal, frame.camera_up),
       dot(plane_normal, frame.camera_back));
   const vec2 subsample_ndc = IS_SUBSAMPLE != 0 ? pc.subsample_ndc : vec2(0.0);

@@ -25,7 +25,8 @@ vec2 occlusion_place_px(ivec2 texel, float point, int shape) {
   const uint side = uint(OCCLUSION_TEXEL_PX(shape)), samples = uint(OCCLUSION_SAMPLES(shape));
   const uint name = floatBitsToUint(point) & occlusion_name_mask(shape);
   const uint pixel = name / samples;
-  return vec2(texel * int(side) + ivec2(pixel % side, pixel / side)) + occlusion_sample_px(int(samples), name % samples);
+  return vec2(texel * int(side) + ivec2(pixel % side, pixel / side)) +
+      occlusion_sample_px(int(samples), name % samples);
 }
 
 // Camera space: right, up, back. metres: along the view axis.
@@ -42,7 +43,8 @@ vec3 occlusion_point(ivec2 texel, float point, int shape, vec2 subsample_ndc) {
 // bits is a vector too.
 uint pack_normal(vec3 n) {
   n /= abs(n.x) + abs(n.y) + abs(n.z);
-  const vec2 folded = n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(n.xy, vec2(0.0)));
+  const vec2 folded =
+      n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(n.xy, vec2(0.0)));
   return packSnorm2x16(folded);
 }
 vec3 unpack_normal(uint bits) {

@@ -32,7 +32,7 @@ struct WorldInput {
       false;  // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
   std::optional<Fog> fog{};
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
-  double sun_radius_rad = 0;  // of every directional light's disc in the sky; 0: points, with hard shadows
+  double sun_radius_rad = 0;             // of every directional light's disc in the sky; 0: points, with hard shadows
 };
 
 // A ray with directions in double; the acceleration structure gets it rounded.

@@ -37,8 +37,8 @@ ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                         std::string_view instance = {});
 
-// How open to the sky the opaque and masked surfaces of a depth are. `index`: which of `count` samples of a supersampled
-// frame the depth is of; each has its own part of the slices.
+// How open to the sky the opaque and masked surfaces of a depth are. `index`: which of `count` samples of a
+// supersampled frame the depth is of; each has its own part of the slices.
 OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth,
                                   std::string_view instance = {}, uint32_t index = 0, uint32_t count = 1);
 // Whether shading takes it; it may be made for its layer alone.

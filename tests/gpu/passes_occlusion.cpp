@@ -131,7 +131,8 @@ class OcclusionTest : public PassTest {
         const glm::vec2 texel = texels[size_t(ty) * size_t(across) + size_t(tx)];
         const uint32_t name = std::bit_cast<uint32_t>(texel.y) & uint32_t(side * side - 1);
         // Beyond the picture's edge there is nothing.
-        const double z = double(texel.y), r = settings.look.radius_m, reach = camera.perspective ? r / std::sqrt(z * z - r * r) : r;
+        const double z = double(texel.y), r = settings.look.radius_m,
+                     reach = camera.perspective ? r / std::sqrt(z * z - r * r) : r;
         const double border = reach * camera.width / (2 * camera.half.x);
         if (x < border || y < border || x > camera.width - border || y > camera.height - border) continue;
         const double d = double(texel.x) - truth(camera, planes, tx * side + int(name) % side,
@@ -152,7 +153,8 @@ TEST_F(OcclusionTest, AFreePlaneIsWhollyOpen) {
         camera.perspective = perspective;
         const glm::dvec3 n(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
         const std::vector<Plane> plane = {{n, (perspective ? -4 : -20) * n.z}};
-        for (const auto& [texel_px, slices, denoise] : {std::tuple(2, 3, 1), std::tuple(2, 1, 0), std::tuple(1, 4, 0)}) {
+        for (const auto& [texel_px, slices, denoise] :
+             {std::tuple(2, 3, 1), std::tuple(2, 1, 0), std::tuple(1, 4, 0)}) {
           Settings settings{texel_px, slices, 6, denoise};
           for (const glm::vec2 texel : run_pass(camera, depths_of(camera, plane), settings)) {
             if (!(texel.y > 0)) continue;

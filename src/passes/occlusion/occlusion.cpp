@@ -27,7 +27,8 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .lowest = 1,
        .highest = 4,
        .ladder = {2, 2, 2, 1},
-       .trades = "side of a texel of ambient occlusion: 1 full resolution, 2 half; coarser ones blur contacts and edges",
+       .trades =
+           "side of a texel of ambient occlusion: 1 full resolution, 2 half; coarser ones blur contacts and edges",
        .walk = {4, 2, 1},
        .passes = passes,
        .only = {1, 2, 4}},

@@ -14,7 +14,7 @@ struct OcclusionLayer {
   struct In {
     SceneInputs scene;
     Draws draws;
-    BufferHandle deformed;  // optional
+    BufferHandle deformed;      // optional
     OcclusionTexels occlusion;  // optional: nothing is opaque or masked
   };
   struct Out {

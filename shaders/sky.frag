@@ -20,20 +20,21 @@ void main() {
   if (frame.perspective != 0u)
     direction += ndc.x * frame.tan_half.x * frame.camera_right - ndc.y * frame.tan_half.y * frame.camera_up;
   direction = normalize(direction);
+  const float step = max(length(dFdx(direction)), length(dFdy(direction)));
+  direction = in_sky(direction);
   // The middle of the image is +X, and u grows towards +Z, as three.js places an environment (scene/environment.h
   // agrees).
   const vec2 uv = vec2(atan(direction.z, direction.x) / (2.0 * PI) + 0.5, acos(clamp(direction.y, -1.0, 1.0)) / PI);
-  const float step = max(length(dFdx(direction)), length(dFdy(direction)));
   const float lod = log2(max(step * frame.sky_size_px.x / (2.0 * PI), 1e-6));
   const vec3 radiance = textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv,
       max(lod, 0.0)).rgb;
 #ifdef FOG
   const FogSeen fog = fog_before_sky(ndc);
-  out_radiance = vec4(radiance * frame.pre_exposure * fog.through, 1.0);
+  out_radiance = vec4(radiance * (frame.sky_intensity * frame.pre_exposure) * fog.through, 1.0);
 #ifndef WITHOUT_FOG_LIGHT
   out_radiance.rgb += fog.light;
 #endif
 #else
-  out_radiance = vec4(radiance * frame.pre_exposure, 1.0);
+  out_radiance = vec4(radiance * (frame.sky_intensity * frame.pre_exposure), 1.0);
 #endif
 }

@@ -1,5 +1,7 @@
-// Ambient light from the environment's (or the neutral default's) spherical harmonics up to l = 2 (Ramamoorthi and
-// Hanrahan 2001). Wrong by construction: reflections are as blurred as diffuse light is, until prefiltered maps come.
+// Ambient light: of a sky image, filtered (lib/image_light.glsl), or else of the spherical harmonics up to l = 2
+// (Ramamoorthi and Hanrahan 2001) of the environment or of the neutral default, whose reflections are as blurred as
+// diffuse light is.
+#include "lib/image_light.glsl"
 vec3 ambient_radiance(vec3 n) {
   const vec4 sh[9] = frame.ambient_sh;
   vec3 e = sh[0].rgb * 0.282095 + sh[1].rgb * (0.488603 * n.y) + sh[2].rgb * (0.488603 * n.z) +
@@ -22,13 +24,32 @@ struct AmbientLobes {
   vec3 diffuse, specular;
 };
 AmbientLobes ambient_lobes(Surface s, vec3 v) {
+  Surface in_image = s;
+  in_image.normal = in_sky(s.normal);
+  if (IBL_METHOD == ibl_sampled) {
+    const SkyLobes sampled = sampled_sky(brdf_terms(in_image, in_sky(v)), s.roughness);
+    return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity);
+  }
   const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
   const vec3 f_dielectric = s.dielectric_f0 * albedo.x + s.dielectric_f90 * albedo.y;
   const vec3 f_metal = s.base_color * albedo.x + albedo.y;
   const float f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
   const float diffuse_left = 1.0 - (f0_max + (s.dielectric_f90 - f0_max) * albedo.z);
-  const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * ambient_radiance(s.normal);
-  const vec3 specular = mix(f_dielectric, f_metal, s.metallic) * ambient_radiance(reflect(-v, s.normal));
+  const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_image.normal)
+                                              : ambient_radiance(s.normal);
+  const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * around;
+  vec3 specular = mix(f_dielectric, f_metal, s.metallic);
+  const vec3 mirrored = reflect(-v, s.normal);
+  if (IBL_METHOD == ibl_split) {
+    specular *= frame.sky_intensity * filtered_sky(in_sky(mirrored), slice_of_roughness(s.roughness));
+  } else if (IBL_METHOD == ibl_lobe) {
+    const vec2 lobe = lobe_shape(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
+    specular *= filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
+    specular += sky_lights(brdf_terms(in_image, in_sky(v)), lobe.y);
+    specular *= frame.sky_intensity;
+  } else {
+    specular *= ambient_radiance(mirrored);
+  }
   return AmbientLobes(diffuse, specular);
 }
 vec3 ambient_light(Surface s, vec3 v) {

@@ -2,3 +2,9 @@
 // storage buffers lane by lane, and GPUs keep it in a cache of its own.
 #include "shared/scene.h"
 layout(set = 1, binding = 2, scalar) uniform FrameBlock { FrameConstants frame; };
+
+// A direction in the sky's own axes.
+vec3 in_sky(vec3 d) {
+  const vec2 turn = frame.sky_turn;
+  return vec3(turn.x * d.x - turn.y * d.z, d.y, turn.y * d.x + turn.x * d.z);
+}

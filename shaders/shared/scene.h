@@ -1,6 +1,7 @@
 #ifndef CANDELA_SHARED_SCENE_H
 #define CANDELA_SHARED_SCENE_H
 #include "shared/fog.h"
+#include "shared/image_light.h"
 #include "shared/lights.h"
 #include "shared/types.h"
 
@@ -88,6 +89,10 @@ struct FrameConstants {
   float pre_exposure;
   LightGrid grid;
   FogMedium fog;
+  ImageLight image_light;
+  vec2 sky_turn;  // cosine and sine of the sky's rotation about +Y
+  float sky_intensity;
+  uint unused_sky;
 };
 
 SHARED_END
@@ -109,7 +114,8 @@ static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 &&
-              offsetof(FrameConstants, fog) == 504 && sizeof(FrameConstants) == 608);
+              offsetof(FrameConstants, fog) == 504 && offsetof(FrameConstants, image_light) == 608 &&
+              sizeof(FrameConstants) == 680);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

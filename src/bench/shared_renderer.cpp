@@ -55,12 +55,12 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
-  if (2 * scene_.images.size() + 2 > textures)
+  if (2 * scene_.images.size() + 5 > textures)
     return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
-    if (sky) gpu_scene_->set_environment(*sky);
+    if (sky) gpu_scene_->set_environment(std::move(*sky));
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }

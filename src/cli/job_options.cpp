@@ -65,7 +65,10 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->type_name("DEGREES");
   command.add_option("--size", o.size, "Size of the image in pixels")->capture_default_str()->type_name("WxH");
   if (renderer == Renderer::gpu) add_technique_options(command, o);
-  command.add_option("--sky", o.sky, "Equirectangular .hdr or .exr that lights the scene and fills the background")
+  command
+      .add_option("--sky", o.sky,
+                  "Equirectangular .hdr or .exr, or six faces (a folder, or a path with *), that light the scene and "
+                  "fill the background")
       ->type_name("FILE");
   command.add_option("--look", o.look, "Look file (JSON): fog, the sun's disc")->type_name("FILE");
   command.add_option("--exposure", o.exposure_ev, "Stops")->capture_default_str()->type_name("EV");

@@ -1,6 +1,7 @@
 #include "frame/content_hash.h"
 
 #include "base/files.h"
+#include "image/cube_faces.h"
 
 namespace candela {
 
@@ -14,9 +15,16 @@ Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::s
   };
   for (const std::string& file : files)
     if (auto done = add(file); !done) return std::unexpected(done.error());
-  for (const std::string& file : {sky, look})
-    if (!file.empty())
-      if (auto done = add(file); !done) return std::unexpected(done.error());
+  if (!sky.empty() && names_cube_faces(sky)) {
+    const auto faces = cube_face_files(sky);
+    if (!faces) return std::unexpected(faces.error());
+    for (const auto& face : *faces)
+      if (auto done = add(face.string()); !done) return std::unexpected(done.error());
+  } else if (!sky.empty()) {
+    if (auto done = add(sky); !done) return std::unexpected(done.error());
+  }
+  if (!look.empty())
+    if (auto done = add(look); !done) return std::unexpected(done.error());
   return hash128(digests);
 }
 

@@ -114,6 +114,9 @@ void set_view(const View& view, const FrameRequest& request, shared::FrameConsta
   c.size_px = {uint32_t(request.width_px), uint32_t(request.height_px)};
   c.perspective = view.perspective ? 1 : 0;
   c.pre_exposure = std::exp2(request.pre_exposure_ev);
+  const double turn = glm::radians(request.look.sky.rotation_deg);
+  c.sky_turn = glm::vec2(std::cos(turn), std::sin(turn));
+  c.sky_intensity = float(request.look.sky.intensity);
 }
 
 // Without its textures' indices, which only a device knows.

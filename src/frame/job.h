@@ -35,7 +35,7 @@ struct Job {
   std::string quality = "high";       // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings;  // --set PASS.KNOB=VALUE, over the quality
   std::string effects = "auto";       // auto (by quality and look), none, or names separated by commas
-  std::string sky;                    // equirectangular .hdr or .exr
+  std::string sky;                    // equirectangular .hdr or .exr, or six faces
   std::string look;                   // look file: fog
   float exposure_ev = 0;
   std::string tonemap = "agx";      // agx, none, reinhard, aces, neutral, rec709

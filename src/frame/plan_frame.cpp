@@ -109,6 +109,11 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.view_first_command = std::make_shared<const std::vector<uint32_t>>(f.suns.views.first_command);
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
+  if (f.facts.image_light) {
+    const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;
+    const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
+    s.features.insert(s.features.end(), more.begin(), more.end());
+  }
   s.item_count = uint32_t(u.items.size());
   s.cull_group_count = uint32_t(u.groups.size());
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);
@@ -157,12 +162,15 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.request.look = std::move(*look);
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();
+  f.image_light = knobs->get<IblKnobs>();
   f.facts = survey(context.scene, f.pose, f.data, context.environment != nullptr);
   if (!has_light(context.scene) && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
     f.request.neutral_light = true;
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false);
   }
+  f.facts.image_light = f.facts.environment && f.facts.lit_items + f.facts.blend_lit_items > 0 &&
+                        f.request.wants_true(ShadeForward::shading_effect);
   const float floor_lux = knobs->get<LightRangeKnobs>().floor_lux;
   const uint32_t bounded = apply_light_floor(f.data.lights, floor_lux);
   if (bounded > 0)
@@ -170,7 +178,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
         "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
         bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data);
-  const AmbientSh ambient = context.environment       ? *context.environment
+  const SkyLook& sky = f.request.look.sky;
+  const AmbientSh ambient = context.environment
+                                ? turned(*context.environment, glm::radians(sky.rotation_deg), sky.intensity)
                             : f.request.neutral_light ? neutral_ambient()
                                                       : AmbientSh{};
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
@@ -264,6 +274,9 @@ std::vector<std::string> effect_names() {
   AllPasses::each([&]<class P>(std::type_identity<P>) {
     if constexpr (IsEffect<P>)
       if (std::find(names.begin(), names.end(), P::effect) == names.end()) names.emplace_back(P::effect);
+    if constexpr (ShadesEffect<P>)
+      if (std::find(names.begin(), names.end(), P::shading_effect) == names.end())
+        names.emplace_back(P::shading_effect);
   });
   return names;
 }

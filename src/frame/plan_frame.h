@@ -10,6 +10,7 @@
 #include "frame/job.h"
 #include "graph/builder.h"
 #include "passes/lights/light_grid.h"
+#include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
@@ -35,6 +36,7 @@ struct PlannedFrame {
   LightGrid light_grid;
   FrameSuns suns;
   TextureKnobs textures;
+  IblKnobs image_light;
   CompiledGraph graph;
   // Of the plan without dumps, and as if nothing were kept from other frames: what is the same picture has the same.
   Hash128 hash;

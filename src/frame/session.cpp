@@ -118,11 +118,12 @@ Expected<void> DeviceSession::open() {
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   try {
     const StageTimer timer(opening_, "upload");
-    // An image may be uploaded twice, as sRGB and as linear; the sky and the split sum are one more each.
-    const size_t textures = std::min<size_t>(2 * scene_.images.size() + 2, gpu::Bindless::most_textures);
+    // An image may be uploaded twice, as sRGB and as linear; the sky, its three maps and the split sum are one more
+    // each.
+    const size_t textures = std::min<size_t>(2 * scene_.images.size() + 5, gpu::Bindless::most_textures);
     bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
-    if (sky_) gpu_scene_->set_environment(*sky_);
+    if (sky_) gpu_scene_->set_environment(std::move(*sky_));
     sky_.reset();
     const std::filesystem::path cache = cache_folder();
     runner_ = std::make_unique<gpu::FrameRunner>(*device_, *bindless_,

@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "base/input.h"
 #include "base/log.h"
+#include "image/cube_faces.h"
 #include "image/environment_file.h"
 #include "image/exr.h"
 #include "image/hdr.h"
@@ -175,10 +176,16 @@ Expected<DecodedImage> read_environment(const std::filesystem::path& path) {
 
 Expected<DecodedImage> read_environment(const std::filesystem::path& path, std::vector<std::string>& warnings,
                                         uint64_t before_bytes) {
+  if (names_cube_faces(path)) {
+    auto cube = read_cube_faces(path, before_bytes);
+    if (cube) make_usable(*cube, path.string(), warnings);
+    return cube;
+  }
   auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
   if (!is_exr(*bytes) && !is_hdr(*bytes))
-    return fail(ErrorKind::input, path.string(), "an environment must be Radiance HDR (.hdr) or OpenEXR (.exr)");
+    return fail(ErrorKind::input, path.string(),
+                "an environment must be Radiance HDR (.hdr) or OpenEXR (.exr), or a folder of six faces");
   const auto info = is_exr(*bytes) ? probe_exr(*bytes, path.string()) : probe_hdr(*bytes, path.string());
   if (!info) return std::unexpected(info.error());
   if (auto fits = charge_decoded(before_bytes, decoded_bytes_with_mips(*info), path.string()); !fits)

@@ -43,7 +43,8 @@ Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::s
 // PNG, JPEG, (Radiance) HDR. Refuses what probe_image() refuses, sizes over max_side, and pixel counts that no file of
 // this length could encode.
 Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const std::string& place, int max_side = 16384);
-// An equirectangular environment (.hdr or .exr) as rgba32f. Non-finite and negative values become 0 with a warning.
+// An environment as rgba32f: equirectangular (.hdr or .exr), or six faces (cube_faces.h). Non-finite and negative
+// values become 0 with a warning.
 Expected<DecodedImage> read_environment(const std::filesystem::path& path);
 
 }  // namespace candela

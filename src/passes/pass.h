@@ -77,6 +77,12 @@ concept IsEffect = requires {
   { P::effect } -> std::convertible_to<std::string_view>;
 };
 
+// An effect that is no pass but another way of its shading.
+template <class P>
+concept ShadesEffect = requires {
+  { P::shading_effect } -> std::convertible_to<std::string_view>;
+};
+
 // Numbers that it counts for the host: Report is a struct of 32-bit words, Out::report a buffer of its size with memory
 // host_read, which the pass also makes a sink; empty where there is nothing to count. warnings() says what a user must
 // know of it.

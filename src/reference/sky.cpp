@@ -41,7 +41,13 @@ void accumulate(double* weights, int count) {
 
 }  // namespace
 
-Sky::Sky(const DecodedImage& image) : kind_(Kind::image), image_width_(image.width), image_height_(image.height) {
+Sky::Sky(const DecodedImage& image, double turn_rad, double times)
+    : kind_(Kind::image),
+      turn_cos_(std::cos(turn_rad)),
+      turn_sin_(std::sin(turn_rad)),
+      times_(times),
+      image_width_(image.width),
+      image_height_(image.height) {
   texels_.resize(size_t(image.width) * size_t(image.height));
   for (size_t i = 0; i < texels_.size(); ++i) std::memcpy(&texels_[i], image.pixels.data() + i * 16, 12);
   make_distribution(image.width, image.height);
@@ -70,15 +76,20 @@ glm::dvec3 Sky::texel(int x, int y) const {
   return texels_[size_t(y) * size_t(image_width_) + size_t(x)];
 }
 
+glm::dvec3 Sky::in_image(glm::dvec3 d) const {
+  return {turn_cos_ * d.x - turn_sin_ * d.z, d.y, turn_sin_ * d.x + turn_cos_ * d.z};
+}
+
 glm::dvec3 Sky::radiance(glm::dvec3 d) const {
   if (kind_ == Kind::none) return glm::dvec3(0);
   if (kind_ == Kind::linear) return constant_ + slope_ * d.y;
+  d = in_image(d);
   const double x = (std::atan2(d.z, d.x) / (2 * pi) + 0.5) * image_width_ - 0.5;
   const double y = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi * image_height_ - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
   const double fx = x - x0, fy = y - y0;
-  return glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx),
-                  glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
+  return times_ * glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx),
+                           glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
 }
 
 double Sky::solid_angle(int row) const {
@@ -112,6 +123,7 @@ void Sky::make_distribution(int width, int height) {
 }
 
 glm::ivec2 Sky::cell_of(glm::dvec3 d) const {
+  d = in_image(d);
   const double u = std::atan2(d.z, d.x) / (2 * pi) + 0.5, v = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi;
   return {std::clamp(int(u * width_), 0, width_ - 1), std::clamp(int(v * height_), 0, height_ - 1)};
 }
@@ -133,7 +145,8 @@ Sky::Choice Sky::sample(glm::dvec2 u) const {
   const double y = glm::mix(top, bottom, row.fraction),
                longitude = 2 * pi * ((column.index + column.fraction) / width_ - 0.5);
   const double r = std::sqrt(std::max(1 - y * y, 0.0));
-  const glm::dvec3 direction(r * std::cos(longitude), y, r * std::sin(longitude));
+  const double x = r * std::cos(longitude), z = r * std::sin(longitude);
+  const glm::dvec3 direction(turn_cos_ * x + turn_sin_ * z, y, turn_cos_ * z - turn_sin_ * x);
   return {direction, pdf(direction)};
 }
 

@@ -10,8 +10,10 @@ namespace candela::reference {
 // nothing. Directions are world axes (and so relative space's).
 class Sky {
  public:
-  Sky() = default;                             // black
-  explicit Sky(const DecodedImage& equirect);  // rgba32f, read bilinearly: longitude wraps, the poles do not
+  Sky() = default;  // black
+  // rgba32f, read bilinearly: longitude wraps, the poles do not. Turned about +Y, counter-clockwise seen from above,
+  // its radiance multiplied.
+  explicit Sky(const DecodedImage& equirect, double turn_rad = 0, double times = 1);
   static Sky neutral();                      // radiance 0.45 + 0.25 y, as scene/environment.h defines neutral_ambient()
   static Sky constant(glm::dvec3 radiance);  // for tests with closed forms
 
@@ -34,9 +36,11 @@ class Sky {
   glm::dvec3 texel(int x, int y) const;
   double solid_angle(int row) const;
   glm::ivec2 cell_of(glm::dvec3 direction) const;
+  glm::dvec3 in_image(glm::dvec3 direction) const;  // from world axes to the image's
 
   Kind kind_ = Kind::none;
   glm::dvec3 constant_{0}, slope_{0};  // linear: radiance constant + slope * y
+  double turn_cos_ = 1, turn_sin_ = 0, times_ = 1;
   int image_width_ = 0, image_height_ = 0;
   std::vector<glm::vec3> texels_;
   int width_ = 0, height_ = 0;                // of the distribution

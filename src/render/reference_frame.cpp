@@ -87,8 +87,9 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.occlusion = look->occlusion;
   if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (sky) {
-    input.sky = reference::Sky(*sky);
-    input.ambient_sh = project_environment(*sky);
+    const double turn = glm::radians(look->sky.rotation_deg);
+    input.sky = reference::Sky(*sky, turn, look->sky.intensity);
+    input.ambient_sh = turned(project_environment(*sky), turn, look->sky.intensity);
     input.sky_visible = true;
   } else if (!has_light(frame->scene)) {
     add_neutral_light(frame->view, frame->data);

@@ -44,6 +44,33 @@ AmbientSh project_environment(const DecodedImage& image) {
   return convolve(sum);
 }
 
+AmbientSh turned(const AmbientSh& sh, double angle_rad, double times) {
+  if (angle_rad == 0 && times == 1) return sh;
+  // The second band as a quadratic form, in which a rotation acts on both sides. Factors as in sh_basis().
+  constexpr double a = 1.092548 / 2, b = 0.315392;
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  const glm::dmat3 rotation(c, 0, -s, 0, 1, 0, s, 0, c);  // columns
+  AmbientSh out;
+  for (int k = 0; k < 3; ++k) {
+    const auto at = [&](size_t i) { return double(sh[i][k]); };
+    const glm::dvec3 first = rotation * glm::dvec3(at(3), at(1), at(2));
+    const double xy = a * at(4), yz = a * at(5), xz = a * at(7);
+    const glm::dmat3 form(a * at(8) - b * at(6), xy, xz, xy, -a * at(8) - b * at(6), yz, xz, yz, 2 * b * at(6));
+    const glm::dmat3 q = rotation * form * glm::transpose(rotation);
+    const double values[9] = {at(0),
+                              first.y,
+                              first.z,
+                              first.x,
+                              q[0][1] / a,
+                              q[1][2] / a,
+                              q[2][2] / (2 * b),
+                              q[0][2] / a,
+                              (q[0][0] - q[1][1]) / (2 * a)};
+    for (size_t i = 0; i < 9; ++i) out[i][k] = float(times * values[i]);
+  }
+  return out;
+}
+
 AmbientSh neutral_ambient() {
   // Radiance 0.45 + 0.25 y: in the basis, the constant 0.45 / 0.282095 and the y term 0.25 / 0.488603.
   std::array<glm::dvec3, 9> radiance{};

@@ -17,6 +17,9 @@ glm::dvec3 equirect_direction(double u, double v);
 // Projects an rgba32f equirectangular image, in double with exact solid angles of the rows.
 AmbientSh project_environment(const DecodedImage& image);
 
+// The same of that sky turned about +Y, counter-clockwise seen from above, and made brighter.
+AmbientSh turned(const AmbientSh& sh, double angle_rad, double times);
+
 // What a frame without any light gets: radiance 0.7 from above fading to 0.2 from below, so that any object is seen.
 AmbientSh neutral_ambient();
 

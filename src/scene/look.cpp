@@ -169,6 +169,24 @@ Expected<void> read_sun(const Json& j, const std::string& place, Look& look) {
   return {};
 }
 
+Expected<void> read_sky_look(const Json& j, const std::string& place, Look& look) {
+  const Readers<SkyLook> readers = {
+      {"rotation_deg",
+       [](const Json& value, const std::string& at, SkyLook& sky) -> Expected<void> {
+         const auto degrees = number(value, at);
+         if (!degrees) return std::unexpected(degrees.error());
+         sky.rotation_deg = *degrees;
+         return {};
+       }},
+      {"intensity", [](const Json& value, const std::string& at, SkyLook& sky) -> Expected<void> {
+         const auto times = from_zero(value, at);
+         if (!times) return std::unexpected(times.error());
+         sky.intensity = *times;
+         return {};
+       }}};
+  return read_keys(j, place, readers, look.sky);
+}
+
 Expected<double> from_zero_to(const Json& j, const std::string& place, double most) {
   const auto value = from_zero(j, place);
   if (value && *value > most) return wrong(place, fmt::format("{} is above {}", *value, most));
@@ -311,8 +329,11 @@ Expected<Look> look_from_json(const std::string& text, const std::string& place,
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
   if (auto evaluated = evaluate(*j, place + ": ", time_s); !evaluated) return std::unexpected(evaluated.error());
   Look look;
-  const Readers<Look> readers = {
-      {"fog", read_fog}, {"sun", read_sun}, {"bloom", read_bloom}, {"occlusion", read_occlusion}};
+  const Readers<Look> readers = {{"fog", read_fog},
+                                 {"sun", read_sun},
+                                 {"sky", read_sky_look},
+                                 {"bloom", read_bloom},
+                                 {"occlusion", read_occlusion}};
   if (auto read = read_keys(*j, place + ": ", readers, look); !read) return std::unexpected(read.error());
   return look;
 }

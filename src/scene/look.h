@@ -50,6 +50,12 @@ struct Bloom {
   static double variance_px2(size_t level) { return 1.5 * (double(uint64_t(1) << (2 * (level + 1))) - 1); }
 };
 
+// How the sky's image stands and shines.
+struct SkyLook {
+  double rotation_deg = 0;  // about +Y, counter-clockwise seen from above
+  double intensity = 1;     // times the image's radiance
+};
+
 // How surfaces near a point hide the sky from it. A ray that meets a surface at distance t is hidden by
 // saturate((radius - t) / (falloff * radius)): wholly up to (1 - falloff) radii, and beyond the radius not at all.
 struct Occlusion {
@@ -68,6 +74,7 @@ struct Look {
   std::optional<Fog> fog;
   std::optional<Bloom> bloom;
   std::optional<Sun> sun;
+  SkyLook sky;
   std::optional<Occlusion> occlusion;
 };
 

@@ -23,6 +23,7 @@ struct SceneFacts {
   uint32_t lights() const { return point_lights + spot_lights + directional_lights; }
   bool emissive = false;     // a visible material emits
   bool environment = false;  // a sky image is given
+  bool image_light = false;  // surfaces reflect it, not only its spherical harmonics
   bool perspective = true;
   bool any_normal_texture = false, any_base_texture = false, any_orm_texture = false, any_occlusion_texture = false,
        any_emissive_texture = false, any_specular_texture = false, any_vertex_color = false, any_uv1 = false,

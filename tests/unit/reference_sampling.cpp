@@ -174,6 +174,19 @@ TEST(Sampling, SkiesInClosedForm) {
 }
 
 // A unit vector's rounding may take it past the poles.
+// Turned a quarter counter-clockwise seen from above, what was at +X is at -Z; its samples follow it.
+TEST(Sampling, ASkyTurnsWithItsSamples) {
+  const Sky sky(test_sky()), turned(test_sky(), std::numbers::pi / 2, 2);
+  SampleStream stream({}, 3, 5, 7);
+  for (int i = 0; i < 64; ++i) {
+    const glm::dvec2 u = stream.next2();
+    const Sky::Choice one = sky.sample(u), other = turned.sample(u);
+    EXPECT_LT(glm::length(other.direction - glm::dvec3(one.direction.z, one.direction.y, -one.direction.x)), 1e-9);
+    EXPECT_NEAR(other.pdf, one.pdf, 1e-6 * one.pdf);
+    EXPECT_LT(glm::length(turned.radiance(other.direction) - 2.0 * sky.radiance(one.direction)), 1e-6);
+  }
+}
+
 TEST(Sampling, ASkysPolesAreFinite) {
   const Sky sky(test_sky());
   const double beyond = std::nextafter(1.0, 2.0);

@@ -105,6 +105,24 @@ TEST(Environment, TheMiddleIsPlusXAndTheTopPlusY) {
   EXPECT_TRUE(near(equirect_direction(0.3, 1), {0, -1, 0}));
 }
 
+// Turned, it is that of the turned sky: what lay at +X comes to -Z by a quarter counter-clockwise seen from above.
+TEST(Environment, TurnsAboutTheVertical) {
+  const auto radiance = [](glm::dvec3 d) {
+    return glm::dvec3(2 + d.x, 2 + d.y * d.z + d.x * d.z, 3 + d.z - d.x * d.x + 0.5 * d.x * d.y);
+  };
+  const auto sh = project_environment(make_environment(512, 256, radiance));
+  for (const double angle : {0.0, std::numbers::pi / 2, 2.2, -0.7}) {
+    const AmbientSh now = turned(sh, angle, 1.5);
+    for (const glm::dvec3 n : directions) {
+      const double c = std::cos(angle), s = std::sin(angle);
+      const glm::dvec3 before(c * n.x - s * n.z, n.y, s * n.x + c * n.z);
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(reflected(now, n)[k], 1.5 * reflected(sh, before)[k], 1e-5) << angle;
+    }
+  }
+  EXPECT_GT(reflected(turned(sh, std::numbers::pi / 2, 1), {0, 0, -1}).x, 2.5);
+  EXPECT_EQ(turned(sh, 0, 1), sh);
+}
+
 TEST(Environment, TheNeutralOneIsBrighterAbove) {
   const AmbientSh sh = neutral_ambient();
   const double above = reflected(sh, {0, 1, 0}).x, below = reflected(sh, {0, -1, 0}).x,

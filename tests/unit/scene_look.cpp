@@ -136,6 +136,9 @@ TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
       {R"({"fog": {"albedo": 1}})", "l.json: /fog", "lacks extinction"},
       {R"({"fog": {"extinction": [1, 0, 1], "emission": [0, 1, 0]}})", "l.json: /fog/emission", "extinction above 0"},
       {R"({"fog": {"extinction": 1, "extinction": 2}})", "l.json: /fog/extinction", "twice"},
+      {R"({"sky": {"rotation_deg": "90"}})", "l.json: /sky/rotation_deg", "not a number"},
+      {R"({"sky": {"intensity": -1}})", "l.json: /sky/intensity", "below 0"},
+      {R"({"sky": {"rotation": 90}})", "l.json: /sky/rotation", "rotation_deg"},
       {R"({"fog": []})", "l.json: /fog", "not an object"},
       {R"([])", "l.json", "object"},
       {R"({"fog": {"extinction": 1},})", "l.json", "JSON"},
@@ -149,6 +152,15 @@ TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
     EXPECT_NE(look.error().message.find(what), std::string::npos) << look.error().text();
   }
   EXPECT_FALSE(read_look("no such file.json"));
+}
+
+TEST(Look, TurnsAndDimsTheSky) {
+  const auto look =
+      look_from_json(R"({"sky": {"rotation_deg": {"keys": [[0, 0], [2, 90]]}, "intensity": 0.5}})", "l", 1);
+  ASSERT_TRUE(look) << look.error().text();
+  EXPECT_EQ(look->sky.rotation_deg, 45);
+  EXPECT_EQ(look->sky.intensity, 0.5);
+  EXPECT_EQ(look_from_json("{}", "l")->sky.intensity, 1);
 }
 
 }  // namespace candela::test

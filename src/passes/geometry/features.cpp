@@ -19,7 +19,9 @@ SpecConstant constant(Feature f) {
                                       "HAS_TEXTURES",
                                       "IS_SUBSAMPLE",
                                       "HAS_SUN_SHADOWS",
-                                      "HAS_OCCLUSION"};
+                                      "HAS_OCCLUSION",
+                                      "IBL_METHOD",
+                                      "HAS_SKY_IRRADIANCE"};
   return {uint32_t(f), names[uint32_t(f)], 1};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -65,6 +67,13 @@ SpecConstant occlusion_constant(uint32_t shape) {
   SpecConstant c = constant(Feature::occlusion);
   c.value = shape;
   return c;
+}
+
+std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {
+  std::vector<SpecConstant> list = {constant(Feature::ibl_method)};
+  list.front().value = uint32_t(method) + 1;
+  if (irradiance_map) list.push_back(constant(Feature::sky_irradiance));
+  return list;
 }
 
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features) {

@@ -25,10 +25,14 @@ enum class Feature : uint32_t {
   subsample,
   sun_shadows,
   occlusion,
+  ibl_method,
+  sky_irradiance,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
 std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient);
+// What the surfaces of a frame with image-based light need besides (passes/surfaces/ibl_knobs.h).
+std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map);
 // The same for a picture that is one of a supersampled frame's.
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // Of a pass that shades under lights with shadow maps.

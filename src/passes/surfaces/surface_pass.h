@@ -1,6 +1,7 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -8,13 +9,17 @@ namespace candela {
 // Radiance of the opaque and masked surfaces that won the depth pre-pass (EQUAL test), each fragment once. Units: cd/m2
 // times the pre-exposure.
 //   shade_forward (lit): glTF 2.0 metallic-roughness under every punctual light that reaches the point (each pixel
-//   walks its cell's list, or all lights, in light order), plus ambient light and emission. Leaves wrong: shadows of
-//   other lights than those with maps, ambient reflections as blurred as diffuse light. shade_unlit:
-//   KHR_materials_unlit, and lines and points without normals: base colour goes out as radiance.
+//   walks its cell's list, or all lights, in light order), plus ambient light and emission. Ambient light of a
+//   sky image is its filtered reflection and irradiance (effect ibl), else spherical harmonics, whose reflections are
+//   as blurred as diffuse light. Leaves wrong: shadows of other lights than those with maps, and light that bounces
+//   more than once between a rough surface's own facets. shade_unlit: KHR_materials_unlit, and lines and points without
+//   normals: base colour goes out as radiance.
 template <bool lit>
 struct SurfacePass {
   static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";
-  using SharedKnobs = std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs>, std::tuple<TextureKnobs>>;
+  using SharedKnobs =
+      std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>, std::tuple<TextureKnobs>>;
+  static constexpr std::string_view shading_effect = "ibl";  // image-based light
   struct In {
     SceneInputs scene;
     Draws draws;

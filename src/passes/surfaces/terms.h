@@ -3,6 +3,7 @@
 
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -30,7 +31,7 @@ struct Terms {
   static constexpr LayerName layers[term_count] = {{"direct.sun"},      {"direct.point"},     {"direct.spot"},
                                                    {"ambient.diffuse"}, {"ambient.specular"}, {"emission"},
                                                    {"background"}};
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

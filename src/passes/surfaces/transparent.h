@@ -1,6 +1,7 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -10,7 +11,7 @@ namespace candela {
 // triangles of one section among themselves, blend in the wrong order.
 struct Transparent {
   static constexpr std::string_view name = "transparent";
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -9,6 +9,7 @@ layout(local_size_x = 1) in;
 layout(constant_id = 0) const uint kind = 0u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TargetRef { uint w[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FramesRef { FrameConstants c[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ImageLightsRef { ImageLight l[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightsRef { Light l[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FogsRef { FogMedium f[]; };
 layout(push_constant, scalar) uniform Push { uint64_t source, target; } push;
@@ -59,6 +60,12 @@ void put_frame(FrameConstants v) {
   put(v.perspective); put(v.sky_texture); put(v.sky_sampler);
   put(v.split_sum_texture); put(v.split_sum_sampler); put(v.sky_size_px); put(v.pre_exposure);
 }
+void put_image_light(ImageLight v) {
+  put(v.slices); put(v.lights); put(v.texture); put(v.irradiance_texture); put(v.lobe_texture); put(v.clamp_sampler);
+  put(v.light_count); put(v.pixel_samples); put(v.irradiance_uv); put(v.rest_px);
+}
+void put_sky_slice(SkySlice v) { put(v.offset); put(v.scale); }
+void put_sky_light(SkyLight v) { put(v.direction); put(v.illuminance); }
 void put_group(CullGroup v) { put(v.first_item); put(v.item_count); put(v.run); put(v.first_group); put(v.is_last); }
 void put_command(DrawCommand v) {
   put(v.index_count); put(v.instance_count); put(v.first_index); put(v.vertex_offset); put(v.first_instance);
@@ -80,5 +87,8 @@ void main() {
   if (kind == 6u) put_group(CullGroupsRef(push.source).g[1]);
   if (kind == 7u) put_command(DrawCommandsRef(push.source).d[1]);
   if (kind == 8u) put_job(DeformJobsRef(push.source).j[1]);
-  if (kind == 9u) put_fog(FogsRef(push.source).f[1]);
+  if (kind == 9u) put_image_light(ImageLightsRef(push.source).l[1]);
+  if (kind == 10u) put_sky_slice(SkySlicesRef(push.source).s[1]);
+  if (kind == 11u) put_sky_light(SkyLightsRef(push.source).s[1]);
+  if (kind == 12u) put_fog(FogsRef(push.source).f[1]);
 }

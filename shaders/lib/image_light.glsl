@@ -1,0 +1,137 @@
+// Light of a sky image (frame/prefilter_sky.h makes what is read here). Directions are in the sky's own axes. Needs
+// lib/brdf.glsl.
+
+// Place on an octahedral map from -1 to 1, +Y in the middle (Engelhardt and Dachsbacher 2008).
+vec2 octahedral(vec3 d) {
+  d /= abs(d.x) + abs(d.y) + abs(d.z);
+  if (d.y >= 0.0) return d.xz;
+  return (1.0 - abs(d.zx)) * vec2(d.x >= 0.0 ? 1.0 : -1.0, d.z >= 0.0 ? 1.0 : -1.0);
+}
+vec3 sky_slice(uint i, vec2 place) {
+  const SkySlice slice = SkySlicesRef(frame.image_light.slices).s[i];
+  return textureLod(sampler2D(textures[frame.image_light.texture], samplers[frame.image_light.clamp_sampler]),
+      slice.offset + slice.scale * place, 0.0).rgb;
+}
+float slice_of_roughness(float roughness) {
+  return max(float(sky_slice_count - 1u) + float(sky_slices_per_octave) * log2(max(roughness, least_roughness)), 0.0);
+}
+vec3 filtered_sky(vec3 d, float slice) {
+  const vec2 place = octahedral(d) * 0.5 + 0.5;
+  const uint i = min(uint(slice), sky_slice_count - 2u);
+  return mix(sky_slice(i, place), sky_slice(i + 1u, place), slice - float(i));
+}
+vec3 sky_irradiance(vec3 n) {
+  const vec2 place = octahedral(n) * 0.5 + 0.5;
+  const vec2 uv = frame.image_light.irradiance_uv.x + frame.image_light.irradiance_uv.y * place;
+  return textureLod(
+      sampler2D(textures[frame.image_light.irradiance_texture], samplers[frame.image_light.clamp_sampler]), uv,
+      0.0).rgb;
+}
+
+// Where the lobe's middle lies, from the normal (0) to the mirror direction (1), and the slice as wide as the lobe.
+vec2 lobe_shape(float roughness, float n_v) {
+  const float size = float(sky_lobe_size), low = sqrt(least_roughness);
+  const vec2 at = vec2(sqrt(n_v), (sqrt(max(roughness, least_roughness)) - low) / (1.0 - low));
+  return textureLod(sampler2D(textures[frame.image_light.lobe_texture], samplers[frame.image_light.clamp_sampler]),
+      (at * (size - 1.0) + 0.5) / size, 0.0).rg;
+}
+
+// The sky's bright spots, as far as they are not in the slice.
+float share_of_lights(float slice) {
+  return clamp((slice - float(sky_lights_after)) / float(sky_lights_from - sky_lights_after), 0.0, 1.0);
+}
+vec3 sky_lights(BrdfTerms b, float slice) {
+  const float share = share_of_lights(slice);
+  vec3 sum = vec3(0.0);
+  if (share == 0.0) return sum;
+  for (uint i = 0u; i < frame.image_light.light_count; ++i) {
+    const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
+    const float n_l = dot(b.normal, light.direction);
+    if (n_l <= 0.0) continue;
+    vec3 h = light.direction + b.to_viewer;
+    float h_h = dot(h, h), v_h = 0.5 * sqrt(h_h);
+    if (!(h_h > 1e-8)) {
+      h = b.normal;
+      h_h = 1.0;
+      v_h = 0.0;
+    }
+    const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x;
+    sum += light.illuminance * (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (ggx_dv(b, h, h_h, n_l) * n_l);
+  }
+  return share * sum;
+}
+
+// The sky's image itself, seen through a cone of a solid angle, and that without its bright spots.
+struct SkyTexels {
+  vec3 all, rest;
+};
+SkyTexels sky_through(vec3 d, float solid_angle) {
+  const float across = length(d.xz);
+  const vec2 uv = vec2(atan(d.z, d.x) / (2.0 * PI) + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI);
+  const vec2 size = frame.sky_size_px, rest_size = frame.image_light.rest_px;
+  const float covered = solid_angle / (2.0 * PI * PI * max(across, 1e-4));  // as an image of one texel
+  const float lod = max(0.5 * log2(max(covered * size.x * size.y, 1e-12)), 0.0);
+  const float rest_lod = max(0.5 * log2(max(covered * rest_size.x * rest_size.y, 1e-12)), 0.0);
+  return SkyTexels(
+      textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv, lod).rgb,
+      textureLod(sampler2D(textures[frame.image_light.texture], samplers[frame.sky_sampler]), uv, rest_lod).rgb);
+}
+
+struct SkyLobes {
+  vec3 diffuse, specular;
+};
+// Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of
+// Visible Normals", 2018), each as wide as its share (Krivanek and Colbert 2008): with more samples it tends to the
+// integral. The same directions for every pixel, so without noise.
+SkyLobes sampled_sky(BrdfTerms b, float roughness) {
+  const float handed = b.normal.z < 0.0 ? -1.0 : 1.0, p = -1.0 / (handed + b.normal.z), q = b.normal.x * b.normal.y * p;
+  const mat3 axes = mat3(vec3(1.0 + handed * b.normal.x * b.normal.x * p, handed * q, -handed * b.normal.x),
+      vec3(q, handed + b.normal.y * b.normal.y * p, -b.normal.y), b.normal);
+  vec3 v = b.to_viewer * axes;
+  v = normalize(vec3(v.xy, max(v.z, 1e-4)));
+  const vec3 stretched = normalize(vec3(b.alpha * v.xy, v.z));
+  const float across2 = dot(stretched.xy, stretched.xy);
+  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
+  const vec3 t2 = cross(stretched, t1);
+  const float g1 = 2.0 * v.z / (v.z + sqrt(v.z * v.z * (1.0 - b.alpha2) + b.alpha2));
+  const uint count = frame.image_light.pixel_samples;
+  const float slice = slice_of_roughness(roughness), share = share_of_lights(slice);
+  SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0));
+  for (uint i = 0u; i < count; ++i) {
+    const float u = (float(i) + 0.5) / float(count), phi = 2.0 * PI * float(bitfieldReverse(i)) * (1.0 / 4294967296.0);
+    const vec2 disc = sqrt(u) * vec2(cos(phi), sin(phi));
+    // Diffuse.
+    vec3 l = vec3(disc, sqrt(max(1.0 - u, 0.0)));
+    const float dv_h = 0.5 * length(l + v), dx = clamp(1.0 - dv_h, 0.0, 1.0), dx2 = dx * dx;
+    const float left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * dx2 * dx2 * dx);
+    if (b.diffuse != vec3(0.0) && l.z > 0.0)
+      sum.diffuse += left * sky_through(axes * l, PI / (float(count) * l.z)).rest;
+    // Specular.
+    const float s = 0.5 * (1.0 + stretched.z);
+    const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
+    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
+    const vec3 h = normalize(vec3(b.alpha * nh.xy, max(nh.z, 1e-6)));
+    const float v_h = dot(v, h);
+    l = 2.0 * v_h * h - v;
+    if (l.z <= 0.0 || v_h <= 0.0) continue;
+    const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x;
+    const float g2 = 2.0 * l.z * v.z /
+                     (l.z * sqrt(v.z * v.z * (1.0 - b.alpha2) + b.alpha2) +
+                         v.z * sqrt(l.z * l.z * (1.0 - b.alpha2) + b.alpha2));
+    const float k = dot(h.xy, h.xy) + h.z * h.z * b.alpha2;
+    const float pdf = g1 * b.alpha2 / (4.0 * PI * k * k * v.z);
+    const SkyTexels sky = sky_through(axes * l, 1.0 / (float(count) * pdf));
+    sum.specular += (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (g2 / g1) * mix(sky.all, sky.rest, share);
+  }
+  sum.diffuse *= b.diffuse * PI / float(count);
+  sum.specular /= float(count);
+  for (uint i = 0u; i < frame.image_light.light_count; ++i) {
+    const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
+    const float n_l = dot(b.normal, light.direction);
+    const float dx = clamp(1.0 - 0.5 * length(light.direction + b.to_viewer), 0.0, 1.0), dx2 = dx * dx;
+    const float left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * dx2 * dx2 * dx);
+    if (n_l > 0.0) sum.diffuse += b.diffuse * light.illuminance * (left * n_l);
+  }
+  sum.specular += sky_lights(b, slice);
+  return sum;
+}

@@ -9,11 +9,11 @@ SHARED_BEGIN
 #ifdef __cplusplus
 inline constexpr uint sky_slice_count = 15, sky_slices_per_octave = 3;
 // The sky's bright spots are in the slices up to the first number, and lights of their own from the second on.
-inline constexpr uint sky_lights_after = 7, sky_lights_from = 9;
+inline constexpr uint sky_lights_after = 4, sky_lights_from = 6;
 inline constexpr uint sky_lobe_size = 32;
 #else
 const uint sky_slice_count = 15u, sky_slices_per_octave = 3u;
-const uint sky_lights_after = 7u, sky_lights_from = 9u;
+const uint sky_lights_after = 4u, sky_lights_from = 6u;
 const uint sky_lobe_size = 32u;
 #endif
 

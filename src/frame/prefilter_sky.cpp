@@ -121,6 +121,106 @@ glm::mat3 axes_about(glm::dvec3 n) {
           glm::vec3(n)};
 }
 
+// What is far brighter than the rest, as a tree: seen from afar a part of it counts as one point (Barnes and Hut, "A
+// Hierarchical O(N log N) Force-Calculation Algorithm", 1986).
+class BrightTree {
+ public:
+  struct Point {
+    glm::vec3 direction;
+    SkyTexel light;  // radiance times solid angle
+    float weight;    // its luminance
+  };
+  explicit BrightTree(std::vector<Point> points) {
+    if (!points.empty()) build(points, 0, points.size());
+  }
+  // Of the lobe of a slice about d; scale makes the lobe's integral 1.
+  SkyTexel seen(glm::vec3 d, float a2, float scale) const {
+    SkyTexel sum{};
+    // Children come before their parents, a left one right before its sibling's tree: walked from the end.
+    for (size_t i = nodes_.size(); i > 0;) {
+      const Node& node = nodes_[i - 1];
+      const float c = glm::dot(d, node.direction);
+      // The lobe changes over its width, and over the distance beyond; 2 (1 - c) is the distance squared.
+      if (node.points > 1 && node.spread2 > 0.005f * (2 * (1 - c) + 4 * a2)) {
+        --i;
+        continue;
+      }
+      if (c > 0) {
+        const float k = 0.5f * (1 + c) * (a2 - 1) + 1;
+        sum += (scale * c / (k * k)) * node.light;
+      }
+      i -= node.nodes;
+    }
+    return sum;
+  }
+  bool empty() const { return nodes_.empty(); }
+
+ private:
+  struct Node {
+    glm::vec3 direction;
+    float spread2 = 0;  // mean square distance from it
+    SkyTexel light{};
+    uint32_t points = 0, nodes = 1;  // below it, and with itself
+  };
+  uint32_t build(std::vector<Point>& points, size_t first, size_t end) {
+    glm::dvec3 sum(0), low(2), high(-2);
+    double weight = 0;
+    Node node;
+    for (size_t i = first; i < end; ++i) {
+      const glm::dvec3 at(points[i].direction);
+      sum += double(points[i].weight) * at, weight += double(points[i].weight), node.light += points[i].light;
+      low = glm::min(low, at), high = glm::max(high, at);
+    }
+    node.direction = glm::vec3(glm::normalize(sum));
+    for (size_t i = first; i < end; ++i) {
+      const glm::vec3 off = points[i].direction - node.direction;
+      node.spread2 += points[i].weight / float(weight) * glm::dot(off, off);
+    }
+    node.points = uint32_t(end - first);
+    if (node.points > 1) {
+      const glm::dvec3 size = high - low;
+      const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+      const size_t middle = (first + end) / 2;
+      std::nth_element(points.begin() + long(first), points.begin() + long(middle), points.begin() + long(end),
+                       [&](const Point& a, const Point& b) { return a.direction[axis] < b.direction[axis]; });
+      node.nodes += build(points, first, middle) + build(points, middle, end);
+    }
+    nodes_.push_back(node);
+    return node.nodes;
+  }
+  std::vector<Node> nodes_;
+};
+
+// Takes texels out of a sky that are brighter than eight times the threshold of lights, down to that threshold.
+BrightTree take_brightest(SkyLevel& sky) {
+  const double threshold = light_threshold(sky);
+  std::vector<BrightTree::Point> points;
+  if (std::isfinite(threshold))
+    for (int y = 0; y < sky.height; ++y)
+      for (int x = 0; x < sky.width; ++x) {
+        SkyTexel& t = sky.texels[size_t(y) * size_t(sky.width) + size_t(x)];
+        const double light = luminance(t);
+        if (!(light > 8 * threshold)) continue;
+        const float over = float((light - threshold) / light), solid_angle = float(sky.solid_angle(y));
+        points.push_back({glm::vec3(sky.direction(x, y)), (over * solid_angle) * t, float(light) * over * solid_angle});
+        t = (1 - over) * t;
+      }
+  return BrightTree(std::move(points));
+}
+
+// One over the integral of a slice's lobe, c over k squared, over all directions.
+double lobe_scale(double roughness) {
+  // The samples of lobe_samples() have the density a2 / (4 pi k^2).
+  const double a2 = std::pow(roughness, 4);
+  double sum = 0;
+  constexpr int count = 4096;
+  for (int i = 0; i < count; ++i) {
+    const double u = (i + 0.5) / count, n_l = 2 * (1 - u) / (1 + (a2 - 1) * u) - 1;
+    if (n_l > 0) sum += n_l;
+  }
+  return a2 / (4 * pi * sum / count);
+}
+
 struct Tile {
   uint32_t x, y, size;
 };
@@ -142,18 +242,27 @@ std::vector<Tile> place_tiles(uint32_t size, uint32_t& width, uint32_t& height) 
 }
 
 void filter_slice(FilteredSky& out, const Tile& tile, double roughness, uint32_t samples,
-                  const std::vector<SkyLevel>& levels) {
+                  const std::vector<SkyLevel>& levels, const BrightTree& bright, double share_of_bright) {
+  const float a2 = float(std::pow(roughness, 4)), scale = float(share_of_bright * lobe_scale(roughness));
   const std::vector<LobeSample> lobe = lobe_samples(roughness, samples, levels.front());
   const SkyReader sky(levels);
   tbb::parallel_for(0u, tile.size, [&](uint32_t y) {
     float* texel = out.texels.data() + (size_t(tile.y + y) * out.width + tile.x) * 4;
     for (uint32_t x = 0; x < tile.size; ++x, texel += 4) {
-      const glm::mat3 axes = axes_about(octahedral_direction(x, y, tile.size));
+      const glm::dvec3 d = octahedral_direction(x, y, tile.size);
+      const glm::mat3 axes = axes_about(d);
       SkyTexel sum{};
       for (const LobeSample& s : lobe) sum += s.weight * sky.sample(axes * s.l, s.lod);
+      if (scale > 0 && !bright.empty()) sum += bright.seen(glm::vec3(d), a2, scale);
       std::memcpy(texel, &sum, 16);
     }
   });
+}
+
+// The part of the sky's lights that a slice leaves to them.
+double share_of_lights(uint32_t slice) {
+  const double range = shared::sky_lights_from - shared::sky_lights_after;
+  return std::clamp((double(slice) - shared::sky_lights_after) / range, 0.0, 1.0);
 }
 
 // The sky that a slice is of: with all bright spots, half of their light, or none.
@@ -285,26 +394,34 @@ FilteredSky prefilter_sky(const DecodedImage& image, const IblKnobs& knobs) {
   const uint32_t side = side_of(sky, knobs);
   const std::vector<Tile> tiles = place_tiles(side, out.width, out.height);
   out.texels.resize(size_t(out.width) * out.height * 4);
-  std::vector<SkyLevel> levels = sky_pyramid(sky);
+  SkyLevel dimmed = sky;
+  const BrightTree bright = take_brightest(dimmed);
+  const bool lit = !out.lights.empty();
+  std::vector<SkyLevel> levels;
+  double whole = -1;  // how much of the lights the levels hold
+  bool wide = false;  // what the tree has they lack
   for (uint32_t i = 0; i <= last_slice; ++i) {
     const Tile& tile = tiles[i];
-    if (i > shared::sky_lights_after && i <= shared::sky_lights_from && !out.lights.empty()) {
-      const float without = float(i - shared::sky_lights_after) / (shared::sky_lights_from - shared::sky_lights_after);
-      levels = blended(sky, parts.rest, 1 - without);
-    }
+    const double roughness = roughness_of_slice(i);
+    const double of_lights = lit ? share_of_lights(i) : 0;
+    // Points of the tree are texels: lobes are wider than a few. A lobe is about 2.5 alpha wide.
+    const bool now_wide = !bright.empty() && roughness * roughness > 2 * pi / sky.width;
+    if (whole != 1 - of_lights || wide != now_wide)
+      levels = blended(now_wide ? dimmed : sky, parts.rest, float(1 - of_lights));
+    whole = 1 - of_lights, wide = now_wide;
     const uint64_t samples = uint64_t(knobs.filter_samples) * (side / tile.size);
-    filter_slice(out, tile, roughness_of_slice(i), uint32_t(samples), levels);
+    filter_slice(out, tile, roughness, uint32_t(samples), levels, bright, wide ? whole : 0);
     const glm::vec2 size(out.width, out.height);
     out.slices.push_back({(glm::vec2(tile.x, tile.y) + 1.0f) / size, glm::vec2(tile.size - 2) / size});
   }
-  if (knobs.irradiance_px > 0) sum_irradiance(out, uint32_t(knobs.irradiance_px), levels);
+  if (knobs.irradiance_px > 0) sum_irradiance(out, uint32_t(knobs.irradiance_px), sky_pyramid(std::move(parts.rest)));
   out.lobes = lobe_table();
   return out;
 }
 
 namespace {
 
-constexpr uint32_t file_version = 1;
+constexpr uint32_t file_version = 2;
 
 template <class T>
 void put(std::vector<std::byte>& out, const std::vector<T>& values) {

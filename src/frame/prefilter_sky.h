@@ -16,7 +16,8 @@ namespace candela {
 // texel; linear radiance.
 //   slices      means of the sky weighed by the GGX lobe that is seen along its own middle, n = v = r (Karis, "Real
 //               Shading in Unreal Engine 4", 2013), for the roughness of each slice, by filtered importance sampling
-//               (Krivanek and Colbert, "Real-time Shading with Filtered Importance Sampling", 2008)
+//               (Krivanek and Colbert, "Real-time Shading with Filtered Importance Sampling", 2008); texels that
+//               are brighter by far are summed instead, for samples on the lobe's flanks would smear them
 //   lights      bright spots, which the slices of rough lobes do not hold
 //   irradiance  means weighed by the cosine, of the whole sky; summed, not sampled
 //   lobes       over n.v and roughness (axes as shared/split_sum.h) where the middle of the true lobe lies, as its

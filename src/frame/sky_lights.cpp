@@ -6,15 +6,16 @@
 #include <queue>
 
 namespace candela {
+
+double luminance(const SkyTexel& t) { return 0.2126 * double(t[0]) + 0.7152 * double(t[1]) + 0.0722 * double(t[2]); }
+
 namespace {
 
 // Measured over five skies (docs/image-based-light.md): more would take light out that maps blur well, less leaves
 // spots whose reflections maps blur across the horizon of the surface.
 constexpr double times_mean = 8;
-constexpr double wide_rad = 0.035, too_wide_rad = 0.1;  // root mean squares of the angle from the middle
+constexpr double wide_rad = 0.02, too_wide_rad = 0.04;  // root mean squares of the angle from the middle
 constexpr double least_share = 1e-4;                    // of the sky's light
-
-double luminance(const SkyTexel& t) { return 0.2126 * double(t[0]) + 0.7152 * double(t[1]) + 0.0722 * double(t[2]); }
 
 // One texel above the threshold.
 struct Bright {
@@ -65,23 +66,6 @@ std::pair<Spot, Spot> cut(const Spot& spot) {
   return parts;
 }
 
-// Eight times the mean luminance of the sky cut off at this very value.
-double threshold_of(const SkyLevel& sky) {
-  double threshold = std::numeric_limits<double>::infinity();
-  for (int pass = 0; pass < 24; ++pass) {
-    double sum = 0;
-    for (int y = 0; y < sky.height; ++y) {
-      double row = 0;
-      for (int x = 0; x < sky.width; ++x) row += std::min(luminance(sky.at(x, y)), threshold);
-      sum += row * sky.solid_angle(y);
-    }
-    const double next = times_mean * sum / (4 * std::numbers::pi);
-    if (next > 0.999 * threshold) break;
-    threshold = next;
-  }
-  return threshold;
-}
-
 // Of texels that touch, across the seam too.
 std::vector<Spot> bright_spots(const SkyLevel& sky, double threshold) {
   std::vector<Spot> spots;
@@ -119,11 +103,28 @@ std::vector<Spot> bright_spots(const SkyLevel& sky, double threshold) {
 
 }  // namespace
 
+// Eight times the mean luminance of the sky cut off at this very value.
+double light_threshold(const SkyLevel& sky) {
+  double threshold = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < 24; ++pass) {
+    double sum = 0;
+    for (int y = 0; y < sky.height; ++y) {
+      double row = 0;
+      for (int x = 0; x < sky.width; ++x) row += std::min(luminance(sky.at(x, y)), threshold);
+      sum += row * sky.solid_angle(y);
+    }
+    const double next = times_mean * sum / (4 * std::numbers::pi);
+    if (next > 0.999 * threshold) break;
+    threshold = next;
+  }
+  return threshold > 0 ? threshold : std::numeric_limits<double>::infinity();
+}
+
 SkyParts take_lights(const SkyLevel& sky, int most) {
   SkyParts parts{sky, {}};
   if (most == 0) return parts;
-  const double threshold = threshold_of(sky);
-  if (!(threshold > 0) || !std::isfinite(threshold)) return parts;
+  const double threshold = light_threshold(sky);
+  if (!std::isfinite(threshold)) return parts;
   std::vector<Spot> spots = bright_spots(sky, threshold);
   const double all = threshold / times_mean * 4 * std::numbers::pi;
   std::erase_if(spots, [&](const Spot& s) { return s.weight < least_share * all; });

@@ -20,4 +20,8 @@ struct SkyParts {
 // Sampling", 2005. Leaves wrong: a light has no width.
 SkyParts take_lights(const SkyLevel& sky, int most);
 
+// The luminance above which it takes light; infinite where nothing is so bright.
+double light_threshold(const SkyLevel& sky);
+double luminance(const SkyTexel& texel);
+
 }  // namespace candela

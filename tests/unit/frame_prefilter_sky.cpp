@@ -8,6 +8,7 @@
 
 #include "frame/sky_lights.h"
 #include "scene/environment.h"
+#include "shared/split_sum.h"
 
 namespace candela {
 namespace {
@@ -55,7 +56,7 @@ glm::dvec3 slice(const FilteredSky& sky, size_t i, glm::dvec3 d) {
 }
 glm::dvec3 irradiance(const FilteredSky& sky, glm::dvec3 n) {
   const double side = sky.irradiance_px;
-  return read(sky.irradiance, glm::uvec2(sky.irradiance_px), (1 + (side - 2) * (octahedral(n) * 0.5 + 0.5)) / side);
+  return read(sky.irradiance, glm::uvec2(sky.irradiance_px), (1.0 + (side - 2) * (octahedral(n) * 0.5 + 0.5)) / side);
 }
 
 // Directions all over, edges and corners of the octahedron among them.

@@ -92,7 +92,9 @@ TEST(Suite, AScenesSkyAndLookAndTheEffectsReachTheJobs) {
                                          "s.json", folder, "no/assets");
   ASSERT_FALSE(elsewhere);
   EXPECT_NE(elsewhere.error().text().find("/scenes/0/look"), std::string::npos) << elsewhere.error().text();
-  EXPECT_NE(error_of(R"({"scenes": ["spheres"], "effects": ["blom"]})").find("bloom"), std::string::npos);
+  const auto misspelt = suite_of(R"({"scenes": ["spheres"], "effects": ["blom"]})");
+  ASSERT_TRUE(misspelt);
+  EXPECT_NE(configurations(*misspelt).error().text().find("bloom"), std::string::npos);
   // Assets that are not there leave the scene out, with the reason.
   const auto without = suite_of(R"({"scenes": [{"scene": "spheres", "sky": "assets:env/dusk.hdr"}]})");
   ASSERT_TRUE(without) << without.error().text();

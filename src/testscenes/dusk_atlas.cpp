@@ -96,7 +96,7 @@ glm::dvec3 shop_color(uint64_t seed, int index, double s, double t) {
   const glm::dvec3 light = lights[size_t(index) % lights.size()];
   const double shelves = 3 + double(rng.next() % 3), items = 12 + double(rng.next() % 9), phase = rng.uniform();
   // Back wall between a bright ceiling and a floor; side walls draw in.
-  glm::dvec3 c = light * mix(0.75, 0.22, t);
+  glm::dvec3 c = light * mix(0.5, 0.16, t);
   const bool back = t > 0.22 && t < 0.8 && s > 0.08 && s < 0.92;
   if (back) {
     const double y = (t - 0.22) / 0.58 * shelves, x = (s + 0.13 * phase) * items;
@@ -105,7 +105,7 @@ glm::dvec3 shop_color(uint64_t seed, int index, double s, double t) {
     const glm::dvec3 tint(item.uniform(0.25, 1), item.uniform(0.2, 0.9), item.uniform(0.15, 0.8));
     const double tall = item.uniform(0.35, 0.85);
     const bool thing = y - row > 1 - tall && x - column > 0.12 && x - column < 0.88;
-    c = y - row > 0.93 ? light * 0.12 : thing ? light * tint * 0.6 : light * 0.34 * mix(1.2, 0.7, t);
+    c = y - row > 0.93 ? light * 0.12 : thing ? light * tint * tint * 0.55 : light * 0.17 * mix(1.2, 0.7, t);
   }
   if (t <= 0.22) {  // spots along the ceiling
     const double lamp = std::fmod(s * 6 + phase, 1.0) - 0.5;
@@ -276,7 +276,7 @@ glm::dvec3 glow_color(int glow) {
     case lamp_glow:
       return {1, 0.62, 0.28};
     case head_glow:
-      return {1, 0.95, 0.85};
+      return {0.55, 0.52, 0.46};
     case tail_glow:
       return {0.5, 0.008, 0.006};
     case red_glow:

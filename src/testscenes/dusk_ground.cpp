@@ -63,7 +63,7 @@ void add_ground(GlbWriter& out, const Materials& m) {
     pavement(kit, m, side, cross_far_m, far_end_m);
   }
 
-  const Paint white = m.line_paint.tinted(glm::dvec3(0.25, 0.25, 0.24)),
+  const Paint white = m.line_paint.tinted(glm::dvec3(0.19, 0.19, 0.18)),
               yellow = m.line_paint.tinted({0.4, 0.26, 0.05});
   const auto dashes = [&](double x, double z_near, double z_far) {
     for (double z = z_near; z - 2.5 > z_far; z -= 6) flat(kit, white, x - 0.07, x + 0.07, z, z - 2.5, paint_m);

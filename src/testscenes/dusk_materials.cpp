@@ -84,7 +84,7 @@ Materials make_materials(GlbWriter& out, uint64_t seed) {
   m.chrome = make.flat("chrome", 0.2, 1);
   m.glass = make.flat("glass", 0.06, 0);
   m.matte = make.flat("matte", 0.75, 0);
-  m.line_paint = make.flat("road paint", 0.38, 0);
+  m.line_paint = make.flat("road paint", 0.3, 0);
   m.bark = m.matte;
   json leaf = pbr({1, 1, 1, 1}, 0, 0.55);
   leaf["doubleSided"] = true;

@@ -138,6 +138,8 @@ class Street {
         const glm::dvec3 at = foot + glm::dvec3(-side * lamp.at.x, lamp.at.y, 0);
         lamps_.add(at, {1, 0.62 + 0.06 * rng_.uniform(), 0.3}, rng_.uniform(1100, 1400), 24, {0, 1, 0});
         lamps_.aim({-side * 0.12, -1, 0});
+        // The bowl itself, seen from all around: it draws long reflections on the wet road.
+        bowls_.add(at, {1, 0.6, 0.27}, 10, 26, {0, 1, 0});
         const double between = z - 7.5 + rng_.uniform(-0.8, 0.8);
         if (between > cross_near_m + 3 || (between < cross_far_m - 3 && between > far_end_m + 4)) {
           const glm::dvec3 tree(side * (x + 0.25), kerb_m, between);
@@ -156,7 +158,7 @@ class Street {
     if (lit) {
       LightArrays head, tail;
       for (double x : {-1.0, 1.0}) {
-        head.add({x * car.head_x, car.head_y, car.front_z - 0.15}, {1, 0.93, 0.8}, 150, 30, {0, 1, 0});
+        head.add({x * car.head_x, car.head_y, car.front_z - 0.15}, {1, 0.93, 0.8}, 60, 30, {0, 1, 0});
         head.aim({0.02 * x, -0.11, -1});
         tail.add({x * car.tail_x, car.tail_y, car.back_z + 0.3}, {1, 0.04, 0.02}, 5, 8, {0, 1, 0});
       }
@@ -186,7 +188,7 @@ class Street {
     for (size_t i = 0; i < 3; ++i)
       driving.push_back(make_car(out_, m_, i == 1 ? hatchback : saloon, colors[i + 2], true));
     add_car_node(cab, {1.85, 0, -15}, 0, true, 2.2);
-    add_car_node(driving[0], {-1.8, 0, -25}, pi, true, 1.4);
+    add_car_node(driving[0], {-1.8, 0, -29}, pi, true, 1.4);
     add_car_node(driving[1], {1.75, 0, -37}, 0, true, 2.5);
     add_car_node(driving[2], {-1.85, 0, -66}, pi, true, 3);
     add_car_node(driving[1], {-1.8, 0, -92}, pi, true, 3);
@@ -271,10 +273,11 @@ class Street {
   void write() {
     instances_.write(out_, "instances");
     lamps_.write(out_, "street lamps", spot(out_, "street lamp", 24, 0.28, 0.68));
+    bowls_.write(out_, "lamp bowls", point(out_, "lamp bowl", 26));
     shop_lights_.write(out_, "shops", point(out_, "shop", 9));
     points_.write(out_, "lights over the road", point(out_, "light", 9));
-    add_sun(out_, {-0.045, 0.1, -1}, {1, 0.45, 0.18}, 3.2);  // the last of it, along the street
-    const glm::dvec3 eye(1.1, 1.55, 6.6), target(-0.4, 2.7, -20);
+    add_sun(out_, {-0.045, 0.1, -1}, {1, 0.45, 0.18}, 2.6);  // the last of it, along the street
+    const glm::dvec3 eye(1.15, 1.5, 5.7), target(-0.35, 3.2, -20);
     const int camera = out_.camera_node(eye, target, 0.74);
     const std::array times{0.0, end_s};
     const glm::dvec3 end = eye + glm::dvec3(-0.3, 0.05, -5);
@@ -285,7 +288,7 @@ class Street {
   Rng rng_;
   Materials m_;
   Instances instances_;
-  LightArrays lamps_, shop_lights_, points_;
+  LightArrays lamps_, bowls_, shop_lights_, points_;
   int head_light_ = -1, tail_light_ = -1;
 };
 

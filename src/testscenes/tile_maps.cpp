@@ -74,7 +74,7 @@ TilePoint asphalt_point(double u, double v, uint64_t seed) {
 double puddle_roughness(double u, double v, uint64_t seed) {
   const double wet = tiling_octaves(u, v, 9, 4, seed), streak = tiling_noise(u, v, 24, seed + 7);
   const double standing = smooth_step(0.5, 0.57, wet);
-  return mix(mix(0.27, 0.46, streak), 0.07, standing);
+  return mix(mix(0.19, 0.38, streak), 0.06, standing);
 }
 
 TilePoint pavement_point(double u, double v, uint64_t seed) {

@@ -67,12 +67,13 @@ TEST(Tiles, OppositeEdgesContinueEachOther) {
   }
 }
 
-// The functions themselves repeat, up to what rounding does at a step between two stones.
+// The functions themselves repeat. Stones meet in a joint, on whose two sides their shades differ.
 TEST(Tiles, PointsRepeat) {
   for (const Material& m : materials)
     for (double at : {0.013, 0.37, 0.71}) {
+      const bool stones = m.point == pavement_point || m.point == brick_point;
       EXPECT_NEAR(m.point(at, 1e-9, 5).height_m, m.point(at, 1 - 1e-9, 5).height_m, 4e-3) << m.name;
-      EXPECT_NEAR(m.point(1e-9, at, 5).color.x, m.point(1 - 1e-9, at, 5).color.x, 1e-4) << m.name;
+      EXPECT_NEAR(m.point(1e-9, at, 5).color.x, m.point(1 - 1e-9, at, 5).color.x, stones ? 0.02 : 1e-4) << m.name;
     }
   for (double at : {0.013, 0.37, 0.71})
     EXPECT_NEAR(puddle_roughness(at, 0, 5), puddle_roughness(at, 1 - 1e-9, 5), 1e-6);

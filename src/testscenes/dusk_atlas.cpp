@@ -127,7 +127,7 @@ std::string_view strokes_of(char letter) {
     case 'A':
       return "0004264440 0242";
     case 'B':
-      return "0006364544330 3341 300";
+      return "00063645443303 3342413000";
     case 'C':
       return "4536160501103041";
     case 'D':

@@ -62,7 +62,7 @@ TilePoint asphalt_point(double u, double v, uint64_t seed) {
   const double patches = tiling_octaves(u, v, 4, 4, seed + 2);
   // Cracks run where two slow noises are equal.
   const double apart = std::abs(tiling_octaves(u, v, 3, 4, seed + 3) - 0.5);
-  const double crack = 1 - smooth_step(0.0, 0.0035, apart);
+  const double crack = (1 - smooth_step(0.0, 0.003, apart)) * smooth_step(0.55, 0.65, patches);
   TilePoint p;
   const double grey = (0.022 + 0.03 * grain * coarse + 0.014 * patches) * (1 - 0.6 * crack);
   p.color = glm::dvec3(1, 1.01, 1.04) * grey;

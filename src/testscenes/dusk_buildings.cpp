@@ -207,7 +207,7 @@ void add_shop(const Ground& g, const Materials& m, Rng& rng, Facade& facade, Lig
   }
   const auto world = [&](glm::dvec3 p) { return glm::dvec3(frame_of * glm::dvec4(p, 1)); };
   lights.add(world({(pane_x0 + pane_x1) / 2, 2.5, 1.5}), {1, 0.74, 0.45}, 10, 9, {0, 1, 0});
-  lights.add(world({centre, g.top - 0.4, 1.5}), glm::mix(lying_sign_color(sign), glm::dvec3(1), 0.1), 12, 18,
+  lights.add(world({centre, g.top - 0.4, 1.5}), glm::mix(lying_sign_color(sign), glm::dvec3(1), 0.1), 12, 14,
              {0, 1, 0});
 }
 
@@ -338,7 +338,7 @@ void add_building(const Building& b, glm::dvec3 at, double turn_rad, const Mater
     walls.box(iron, {x - 0.08, low - 0.05, 0.33}, {x + 0.08, low + tall + 0.05, 0.37 + wide},
               MeshKit::front | MeshKit::back | MeshKit::top | MeshKit::bottom);
     for (double y : {low + 0.3, low + tall - 0.3}) walls.box(iron, {x - 0.03, y, 0}, {x + 0.03, y + 0.06, 0.35});
-    shop_lights.add(world({x, low + 0.4, 1.7}), standing_sign_color(sign), 11, 20, {0, 1, 0});
+    shop_lights.add(world({x, low + 0.4, 1.7}), standing_sign_color(sign), 12, 16, {0, 1, 0});
   }
   // A downpipe at the edge.
   walls.tube(m.metal.tinted(glm::dvec3(0.3)), {half - 0.12, 0, 0.12}, 0.055, {half - 0.12, roof - 0.1, 0.12}, 0.055, 6);

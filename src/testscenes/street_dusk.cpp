@@ -139,7 +139,7 @@ class Street {
         lamps_.add(at, {1, 0.62 + 0.06 * rng_.uniform(), 0.3}, rng_.uniform(1100, 1400), 24, {0, 1, 0});
         lamps_.aim({-side * 0.12, -1, 0});
         // The bowl itself, seen from all around: it draws long reflections on the wet road.
-        bowls_.add(at, {1, 0.6, 0.27}, 10, 26, {0, 1, 0});
+        bowls_.add(at, {1, 0.6, 0.27}, 10, 20, {0, 1, 0});
         const double between = z - 7.5 + rng_.uniform(-0.8, 0.8);
         if (between > cross_near_m + 3 || (between < cross_far_m - 3 && between > far_end_m + 4)) {
           const glm::dvec3 tree(side * (x + 0.25), kerb_m, between);
@@ -273,7 +273,7 @@ class Street {
   void write() {
     instances_.write(out_, "instances");
     lamps_.write(out_, "street lamps", spot(out_, "street lamp", 24, 0.28, 0.68));
-    bowls_.write(out_, "lamp bowls", point(out_, "lamp bowl", 26));
+    bowls_.write(out_, "lamp bowls", point(out_, "lamp bowl", 20));
     shop_lights_.write(out_, "shops", point(out_, "shop", 9));
     points_.write(out_, "lights over the road", point(out_, "light", 9));
     add_sun(out_, {-0.045, 0.1, -1}, {1, 0.45, 0.18}, 2.6);  // the last of it, along the street

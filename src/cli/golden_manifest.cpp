@@ -4,6 +4,7 @@
 #include "base/input.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "testscenes/make_scene.h"
 
 namespace candela::cli {
 namespace fs = std::filesystem;
@@ -34,6 +35,14 @@ Expected<std::string> resolve(const Json& j, const char* key, const std::string&
   if (!j.contains(key)) return std::string();
   if (!j[key].is_string()) return fail(ErrorKind::input, file + ": /" + key, "is not a text");
   const std::string text = j[key].get<std::string>();
+  if (text.starts_with(made_prefix)) {
+    const std::string name = text.substr(made_prefix.size());
+    const auto views = scene_names();
+    const std::vector<std::string> names(views.begin(), views.end());
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      return fail(ErrorKind::input, file + ": /" + key, "{}", unknown_name("scene", name, names));
+    return text;
+  }
   constexpr std::string_view prefix = "assets:";
   const bool asset = text.starts_with(prefix);
   const fs::path home = asset ? assets : root.parent_path();

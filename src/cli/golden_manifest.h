@@ -9,13 +9,15 @@
 namespace candela::cli {
 
 // golden/<name>/golden.json: how a picture is made and what it may differ by. Beside it lies golden.png or golden.exr.
-//   scene    relative to the golden's folder's repository (the parent of the root), or "assets:PATH" below --assets
-//   sky      likewise; absent: none
+//   scene    relative to the golden's folder's repository (the parent of the root), or "assets:PATH" below --assets, or
+//            "made:NAME", a generated scene of seed 1, which is made for the render and removed after it
+//   sky      likewise ("made:NAME": the sky of that generated scene); absent: none
 //   job      the keys of a job's JSON, without scene and sky
 //   frame, fps  or  time
 //   gate     limits of the ladder (metrics/gate.h)
 //   accepted  per device class the digests of decoded pixels that are right there besides the picture's own
 //   made     device class, device, driver and version of the last update
+inline constexpr std::string_view made_prefix = "made:";  // of job.scene and job.sky
 struct GoldenManifest {
   std::string name;
   std::filesystem::path folder;

@@ -1,10 +1,12 @@
 #include "cli/golden_run.h"
 
 #include "base/log.h"
+#include "bench/scene_store.h"
 #include "cli/scene_notes.h"
 #include "frame/timings.h"
 #include "metrics/heatmap.h"
 #include "render/outputs.h"
+#include "testscenes/make_scene.h"
 
 namespace candela::cli {
 namespace fs = std::filesystem;
@@ -13,13 +15,21 @@ Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSet
                                       const fs::path& picture) {
   const WantedOutputs wanted{
       .linear = golden.exr || !golden.job.allow_nonfinite, .display = !golden.exr, .display_bits = golden.job.png_bits};
-  auto session = Session::open(golden.job, wanted, settings);
+  Job job = golden.job;
+  SceneStore made;
+  for (std::string* file : {&job.scene, &job.sky}) {
+    if (!file->starts_with(made_prefix)) continue;
+    auto scene = made.generated(file->substr(made_prefix.size()), 1, 0);
+    if (!scene) return std::unexpected(scene.error());
+    *file = file == &job.sky ? sky_beside(*scene).string() : *scene;
+  }
+  auto session = Session::open(job, wanted, settings);
   if (!session) return std::unexpected(session.error());
   auto frame = (*session)->render(golden.time_s);
   if (!frame) return std::unexpected(frame.error());
-  if (const std::string blank = blank_warning(*frame, golden.job, (*session)->scene()); !blank.empty() && !allow_blank)
+  if (const std::string blank = blank_warning(*frame, job, (*session)->scene()); !blank.empty() && !allow_blank)
     return fail(ErrorKind::input, golden.name, "{}; a golden of nothing guards nothing (--allow-blank)", blank);
-  if (auto written = write_outputs(*frame, golden.job, **session, golden.frame, golden.rate, {picture}); !written)
+  if (auto written = write_outputs(*frame, job, **session, golden.frame, golden.rate, {picture}); !written)
     return std::unexpected(written.error());
   const gpu::DeviceInfo& device = (*session)->device().info();
   return GoldenPicture{device.device_class, device.name, device.driver};

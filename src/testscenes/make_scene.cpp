@@ -4,6 +4,7 @@
 
 #include "base/files.h"
 #include "math/transforms.h"
+#include "testscenes/dusk_sky.h"
 #include "testscenes/procedural_textures.h"
 #include "testscenes/table.h"
 
@@ -15,6 +16,8 @@ struct SceneEntry {
   std::string_view name, description;
   void (*make)(GlbWriter&, SceneOptions&);
   int most_lights = 0;  // 0: a fixed set
+  bool committed = true;
+  std::vector<std::byte> (*sky)(uint64_t seed) = nullptr;
 };
 
 // A node for each light is 160 bytes of JSON; scenes that write CANDELA_light_instances go further.
@@ -45,6 +48,9 @@ constexpr SceneEntry table[] = {
      most_light_instances},
     {"street-dense", "the street's 1,024 lights' worth of city, which more lights make denser", make_street_dense,
      most_light_instances},
+    {"street-dusk",
+     "a street after sunset and rain with its sky, made for a picture: shops, lamps, cars, trees, people",
+     make_street_dusk, 0, false, make_dusk_sky},
     {"texture-transform", "KHR_texture_transform, wrap modes, filters and the second UV set", make_texture_transform},
     {"unlit-box", "a textured unlit box (KHR_materials_unlit)", make_unlit_box},
 };
@@ -68,6 +74,18 @@ std::string_view scene_description(std::string_view name) {
   return entry ? entry->description : std::string_view{};
 }
 
+bool scene_is_committed(std::string_view name) {
+  const SceneEntry* entry = find(name);
+  return entry && entry->committed;
+}
+
+std::vector<std::byte> make_scene_sky(std::string_view name, uint64_t seed) {
+  const SceneEntry* entry = find(name);
+  return entry && entry->sky ? entry->sky(seed) : std::vector<std::byte>{};
+}
+
+std::filesystem::path sky_beside(std::filesystem::path scene) { return scene.replace_extension(".hdr"); }
+
 Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint64_t seed, int lights) {
   const SceneEntry* entry = find(name);
   if (!entry) {
@@ -88,6 +106,9 @@ Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint6
 Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, const std::filesystem::path& out) {
   auto bytes = make_scene_bytes(name, seed, lights);
   if (!bytes) return std::unexpected(bytes.error());
+  if (const std::vector<std::byte> sky = make_scene_sky(name, seed); !sky.empty())
+    if (auto written = write_file_atomically(sky_beside(out), std::span<const std::byte>(sky)); !written)
+      return std::unexpected(written.error());
   return write_file_atomically(out, std::span<const std::byte>(*bytes));
 }
 

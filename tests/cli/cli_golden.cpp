@@ -71,6 +71,24 @@ TEST_F(Golden, AnUpdateIsOneEntryAndTheNewestIsFirst) {
   EXPECT_TRUE(changes.starts_with("# Why goldens changed\n")) << changes;
 }
 
+TEST_F(Golden, AGeneratedSceneIsMadeForTheRender) {
+  Json generated = box_manifest();
+  generated["scene"] = "made:unlit-box";
+  write_manifest(folder, "generated", generated);
+  ASSERT_EQ(update("first").code, 0);
+  const auto committed = read_image(folder / "golden/box/golden.png"),
+             made = read_image(folder / "golden/generated/golden.png");
+  ASSERT_TRUE(committed && made);
+  EXPECT_EQ(committed->channels[0].f, made->channels[0].f);
+  EXPECT_EQ(check().code, 0);
+
+  generated["scene"] = "made:castle";
+  write_manifest(folder, "generated", generated);
+  const Ended unknown = check();
+  EXPECT_EQ(unknown.code, 3);
+  EXPECT_NE(unknown.err.find("castle"), std::string::npos) << unknown.err;
+}
+
 TEST_F(Golden, AChangedPictureFailsWithAReport) {
   ASSERT_EQ(update("first").code, 0);
   Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));

@@ -30,7 +30,7 @@ class SharedRenderer {
   std::unique_ptr<gpu::FrameRunner> runner_;
   Scene scene_;
   GeometryLayout layout_;
-  std::optional<AmbientSh> environment_;
+  JobSky sky_;
   std::vector<std::string> warnings_;
   std::unique_ptr<GpuScene> gpu_scene_;
 };

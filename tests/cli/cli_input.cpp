@@ -151,7 +151,9 @@ TEST(Limits, RefusedThreadsAndMemoryAreAnExitCodeAndALine) {
       const int wanted = processes == 64 ? 0 : 6;
       const bool may_do = std::string(command) == "reference" && processes > 1;  // the CPU alone needs few
       EXPECT_TRUE(ended.code == wanted || (may_do && ended.code == 0)) << command << processes << ended.err;
-      if (ended.code == 6) EXPECT_NE(ended.err.find("threads"), std::string::npos) << ended.err;
+      if (ended.code == 6) {
+        EXPECT_NE(ended.err.find("threads"), std::string::npos) << ended.err;
+      }
     }
   const Ended memory = run_program({"prlimit", "--as=200000000", "--core=0", CANDELA_PROGRAM, "render",
                                     folder / "box.glb", "--size", "16x16", "-o", folder / "b.exr"});

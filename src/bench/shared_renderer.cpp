@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "frame/device_samples.h"
+#include "frame/job_look.h"
 #include "gltf/gltf.h"
 
 namespace candela {
@@ -41,11 +42,8 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
   warnings_ = scene_.warnings;
-  Job job;
-  job.sky = sky_file;
-  auto sky = JobSky::read(job, {}, scene_, warnings_);
-  if (!sky) return std::unexpected(sky.error());
-  sky_ = std::move(*sky);
+  look_file_.clear();
+  if (auto read = read_sky(sky_file, {}); !read) return read;
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
@@ -60,7 +58,20 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
   return {};
 }
 
+Expected<void> SharedRenderer::read_sky(const std::string& sky_file, const std::string& look_file) {
+  Job job;
+  job.scene = scene_.path, job.sky = sky_file, job.look = look_file;
+  const auto look = look_of(job);
+  if (!look) return std::unexpected(look.error());
+  auto sky = JobSky::read(job, *look, scene_, warnings_);
+  if (!sky) return std::unexpected(sky.error());
+  sky_ = std::move(*sky), sky_file_ = sky_file, look_file_ = look_file;
+  return {};
+}
+
 Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs& wanted, double time_s) {
+  if (job.look != look_file_)  // which may have a sky
+    if (auto read = read_sky(sky_file_, job.look); !read) return std::unexpected(read.error());
   if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine)
     return std::unexpected(fine.error());
   auto planned = plan_frame(job, PlanContext{scene_, layout_, &sky_}, wanted, time_s);

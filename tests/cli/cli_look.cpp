@@ -55,7 +55,7 @@ TEST(Look, BesideTheSceneIsRead) {
     EXPECT_EQ(Json::parse(given.out)["look"]["file"], other) << command;
     EXPECT_EQ(Json::parse(given.out)["look"]["beside_scene"], false) << command;
   }
-  std::ofstream(look) << R"({"skies": {}})";
+  std::ofstream(look) << R"({"skyy": {}})";
   const Ended wrong = candela(words("plan", scene, ""));
   EXPECT_EQ(wrong.code, 3);
   EXPECT_NE(wrong.err.find("did you mean 'sky'"), std::string::npos) << wrong.err;

@@ -47,7 +47,7 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
-  if (2 * scene_.images.size() + 1 + gpu_sky_textures > textures)
+  if (2 * scene_.images.size() + 1 + 2 * gpu_sky_textures > textures)
     return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {

@@ -99,7 +99,7 @@ const FilteredSky& GpuSky::filtered_part(const SkyImage& image, const IblKnobs& 
   constexpr size_t most = 6;
   if (filtered_.size() >= most) filtered_.erase(filtered_.begin());
   filtered_.emplace_back(key, std::make_unique<FilteredSky>(filtered_sky(
-                                  image.image, knobs, image.passing ? std::filesystem::path() : cache_folder())));
+                                  image.to_filter(), knobs, image.passing ? std::filesystem::path() : cache_folder())));
   return *filtered_.back().second;
 }
 
@@ -107,7 +107,7 @@ void GpuSky::load_filtered(Maps& maps, const FrameSky& frame_sky) {
   FilteredSky sky;
   if (frame_sky.parts.size() == 1 && frame_sky.is_plain()) {
     const SkyImage& image = *frame_sky.parts[0].image;
-    sky = filtered_sky(image.image, maps.knobs, image.passing ? std::filesystem::path() : cache_folder());
+    sky = filtered_sky(image.to_filter(), maps.knobs, image.passing ? std::filesystem::path() : cache_folder());
   } else {
     std::vector<WeightedSky> parts;
     for (const SkyPart& part : frame_sky.parts) parts.push_back({&filtered_part(*part.image, maps.knobs), part.weight});

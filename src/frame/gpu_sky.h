@@ -11,8 +11,8 @@
 
 namespace candela {
 
-// Bindless textures that skies take: five for each frame in flight, and for the one that is being made.
-inline constexpr size_t gpu_sky_textures = 15;
+// Bindless textures that a sky takes, of each frame in flight and of the one that is being made.
+inline constexpr size_t gpu_sky_textures = 5;
 
 // Skies on a device: the image, the image as the background shows it, and what surfaces reflect of it. What a frame
 // uses is held by the frame, so that the next may have another sky. Where weights alone change, the parts' maps are

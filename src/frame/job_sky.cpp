@@ -47,9 +47,19 @@ Expected<std::string> named_by_look(const Job& job, const std::string& name) {
   return file.string();
 }
 
-std::shared_ptr<const SkyImage> as_part(DecodedImage image, bool passing = false) {
+// Half the texels each way.
+DecodedImage halved(const DecodedImage& image) {
+  const SkyLevel half = std::move(sky_pyramid(sky_level(image))[1]);
+  DecodedImage out{half.width, half.height, DecodedImage::Format::rgba32f, 3, {}};
+  const auto bytes = std::as_bytes(std::span(half.texels));
+  out.pixels.assign(bytes.begin(), bytes.end());
+  return out;
+}
+
+std::shared_ptr<const SkyImage> as_part(DecodedImage image, std::optional<DecodedImage> coarse = {},
+                                        bool passing = false) {
   auto part = std::make_shared<SkyImage>();
-  part->passing = passing;
+  part->coarse = std::move(coarse), part->passing = passing;
   part->sh = project_environment(image);
   part->content = hash128(fmt::format("{}x{} {}", image.width, image.height, hash128(image.pixels).hex()));
   part->image = std::move(image);
@@ -206,7 +216,9 @@ std::shared_ptr<const SkyImage> JobSky::gradient_band(int band, double exponent)
   const std::string key = fmt::format("gradient {} {:a}", band, exponent);
   for (const auto& [made, image] : made_)
     if (made == key) return image;
-  keep(key, as_part(gradient_image(band, exponent, width_, height_)));
+  std::optional<DecodedImage> coarse;
+  if (!second_) coarse = gradient_image(band, exponent, width_, height_ / 4);
+  keep(key, as_part(gradient_image(band, exponent, width_, height_), std::move(coarse)));
   return gradient_band(band, exponent);
 }
 
@@ -218,7 +230,10 @@ std::shared_ptr<const SkyImage> JobSky::air_image(const Atmosphere& a, glm::dvec
     if (made == key) return image;
   if (!air_ || air_key_ != air) air_ = std::make_shared<Air>(a), air_key_ = air;
   const int width = std::min(width_, atmosphere_width);
-  keep(key, as_part(enlarged(air_->image(to_sun, width, width / 2), width_, height_), true));
+  DecodedImage image = air_->image(to_sun, width, width / 2);
+  std::optional<DecodedImage> coarse;
+  if (!second_) coarse = halved(image);  // with an image beside it both are filtered alike
+  keep(key, as_part(enlarged(image, width_, height_), std::move(coarse), true));
   return air_image(a, to_sun);
 }
 

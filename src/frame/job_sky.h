@@ -19,6 +19,9 @@ namespace candela {
 // An equirectangular image (scene/environment.h) that skies are made of.
 struct SkyImage {
   DecodedImage image;  // rgba32f
+  // What is filtered instead, of skies so smooth that fewer texels hold what surfaces reflect.
+  std::optional<DecodedImage> coarse;
+  const DecodedImage& to_filter() const { return coarse ? *coarse : image; }
   AmbientSh sh{};
   Hash128 content;
   bool passing = false;  // of one moment: not worth room on disk

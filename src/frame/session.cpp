@@ -121,7 +121,7 @@ Expected<void> DeviceSession::open() {
     const StageTimer timer(opening_, "upload");
     // An image may be uploaded twice, as sRGB and as linear; the split sum is one more.
     const size_t textures =
-        std::min<size_t>(2 * scene_.images.size() + 1 + gpu_sky_textures, gpu::Bindless::most_textures);
+        std::min<size_t>(2 * scene_.images.size() + 1 + 9 * gpu_sky_textures, gpu::Bindless::most_textures);
     bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
     const std::filesystem::path cache = cache_folder();

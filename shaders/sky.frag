@@ -25,8 +25,9 @@ void main() {
   // The middle of the image is +X, and u grows towards +Z, as three.js places an environment (scene/environment.h
   // agrees).
   const vec2 uv = vec2(atan(direction.z, direction.x) / (2.0 * PI) + 0.5, acos(clamp(direction.y, -1.0, 1.0)) / PI);
-  const float lod = log2(max(step * frame.sky_size_px.x / (2.0 * PI), 1e-6));
-  const vec3 radiance = textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv,
+  const float width = float(textureSize(sampler2D(textures[frame.sky_background], samplers[frame.sky_sampler]), 0).x);
+  const float lod = log2(max(step * width / (2.0 * PI), 1e-6));
+  const vec3 radiance = textureLod(sampler2D(textures[frame.sky_background], samplers[frame.sky_sampler]), uv,
       max(lod, 0.0)).rgb;
 #ifdef FOG
   const FogSeen fog = fog_before_sky(ndc);

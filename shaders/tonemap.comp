@@ -6,8 +6,10 @@ layout(push_constant, scalar) uniform Push { TonemapPush pc; };
 #include "shared/types.h"
 #include "lib/bindless.glsl"
 #include "lib/tone_curves.glsl"
+#include "shared/exposure.h"
 layout(local_size_x = 64, local_size_y = 1) in;  // rows, as in resolve.comp
 layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/post/tonemap.h
+layout(constant_id = 1) const int AUTOMATIC = 0;  // exposure by the frame's luminance
 
 vec3 srgb_encode(vec3 c) {
   return mix(1.055 * pow(max(c, vec3(1e-7)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308)));
@@ -29,8 +31,9 @@ void main() {
   const vec4 source = texelFetch(pass_images[pc.source], ivec2(p), 0);
   const float alpha = clamp(source.a, 0.0, 1.0);
   vec3 c = max(source.rgb, vec3(0.0)) * pc.exposure;
+  if (AUTOMATIC != 0) c *= ExposureResultRef(pc.automatic).r.factor;
   c = min(alpha > 0.0 ? c / alpha : c, vec3(1e30));
-  if (CURVE == 1) c = agx(c);
+  if (CURVE == 1) c = agx(c, pc.agx_min_ev, pc.agx_max_ev);
   if (CURVE == 2) c = reinhard(c);
   if (CURVE == 3) c = aces_hill(c);
   if (CURVE == 4) c = khronos_neutral(c);

@@ -40,14 +40,14 @@ float agx_sigmoid(float x) {
   const float y = scale * u / pow(1.0 + pow(max(u, 1e-10), p), 1.0 / p);
   return pivot_y + (toe ? -y : y);
 }
-vec3 agx(vec3 c) {
+// lowest_ev, highest_ev: log2 of what comes out black and white.
+vec3 agx(vec3 c, float lowest_ev, float highest_ev) {
   const mat3 inset = mat3(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992,
       0.878468636469772, 0.0784336,
                           0.0792237451477643, 0.0791661274605434, 0.879142973793104);
   const mat3 outset = mat3(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368,
       1.15190312990417,
                            -0.0980434501171241, -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
-  const float lowest_ev = -12.47393, highest_ev = 4.026069;
   const vec3 v = clamp((log2(max(inset * c, vec3(1e-10))) - lowest_ev) / (highest_ev - lowest_ev), 0.0, 1.0);
   const vec3 curved = vec3(agx_sigmoid(v.r), agx_sigmoid(v.g), agx_sigmoid(v.b));
   return pow(max(outset * curved, vec3(0.0)), vec3(2.2));

@@ -37,11 +37,13 @@ struct BackgroundPush {
   uint sun_maps, fog_light;
 };
 struct TonemapPush {
+  uint64_t automatic;   // an ExposureResult, with automatic exposure
   uint source, target;  // bindless
   uvec2 size_px;
   float exposure;      // what is left to apply after pre-exposure
   uint dither_levels;  // 255, 65535, or 0 for none
   uint seed;
+  float agx_min_ev, agx_max_ev;  // stops of exposed radiance
 };
 struct ResolvePush {
   uint source, target;

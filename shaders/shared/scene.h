@@ -92,7 +92,7 @@ struct FrameConstants {
   ImageLight image_light;
   vec2 sky_turn;  // cosine and sine of the sky's rotation about +Y
   float sky_intensity;
-  uint unused_sky;
+  uint sky_background;  // the sky as it is seen: its own image, or that blurred
 };
 
 SHARED_END

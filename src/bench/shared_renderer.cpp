@@ -2,9 +2,8 @@
 
 #include "base/files.h"
 #include "frame/device_samples.h"
+#include "frame/job_look.h"
 #include "gltf/gltf.h"
-#include "image/environment_file.h"
-#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -38,39 +37,44 @@ SharedRenderer::~SharedRenderer() = default;
 
 Expected<void> SharedRenderer::load(const std::string& scene_file, const std::string& sky_file) {
   gpu_scene_.reset();
-  environment_.reset();
+  sky_ = {};
   auto scene = load_gltf(scene_file);
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
   warnings_ = scene_.warnings;
-  std::optional<DecodedImage> sky;
-  if (!sky_file.empty()) {
-    const auto before = decoded_bytes(scene_);
-    if (!before) return std::unexpected(before.error());
-    auto image = read_environment(sky_file, warnings_, *before);
-    if (!image) return std::unexpected(image.error());
-    environment_ = project_environment(*image);
-    sky = std::move(*image);
-  }
+  look_file_.clear();
+  if (auto read = read_sky(sky_file, {}); !read) return read;
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
-  if (2 * scene_.images.size() + 5 > textures)
+  if (2 * scene_.images.size() + 1 + 2 * gpu_sky_textures > textures)
     return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
-    if (sky) gpu_scene_->set_environment(std::move(*sky));
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
   return {};
 }
 
+Expected<void> SharedRenderer::read_sky(const std::string& sky_file, const std::string& look_file) {
+  Job job;
+  job.scene = scene_.path, job.sky = sky_file, job.look = look_file;
+  const auto look = look_of(job);
+  if (!look) return std::unexpected(look.error());
+  auto sky = JobSky::read(job, *look, scene_, warnings_);
+  if (!sky) return std::unexpected(sky.error());
+  sky_ = std::move(*sky), sky_file_ = sky_file, look_file_ = look_file;
+  return {};
+}
+
 Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs& wanted, double time_s) {
+  if (job.look != look_file_)  // which may have a sky
+    if (auto read = read_sky(sky_file_, job.look); !read) return std::unexpected(read.error());
   if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine)
     return std::unexpected(fine.error());
-  auto planned = plan_frame(job, PlanContext{scene_, layout_, environment_ ? &*environment_ : nullptr}, wanted, time_s);
+  auto planned = plan_frame(job, PlanContext{scene_, layout_, &sky_}, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
     const GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);

@@ -30,7 +30,9 @@ class SharedRenderer {
   std::unique_ptr<gpu::FrameRunner> runner_;
   Scene scene_;
   GeometryLayout layout_;
-  std::optional<AmbientSh> environment_;
+  Expected<void> read_sky(const std::string& sky_file, const std::string& look_file);
+  JobSky sky_;
+  std::string sky_file_, look_file_;  // that sky_ is of
   std::vector<std::string> warnings_;
   std::unique_ptr<GpuScene> gpu_scene_;
 };

@@ -4,6 +4,8 @@
 #include "bench/error_truth.h"
 #include "cli/job_options.h"
 #include "frame/content_hash.h"
+#include "frame/job_look.h"
+#include "frame/job_sky.h"
 #include "gltf/gltf.h"
 #include "gpu/device_select.h"
 #include "report/bench_rows.h"
@@ -15,7 +17,11 @@ Expected<BudgetPlace> place_of(const Job& job, const std::string& device) {
   BudgetPlace place{.scene = job.scene, .width_px = job.width_px, .height_px = job.height_px};
   const auto scene = load_gltf(job.scene);
   if (!scene) return std::unexpected(scene.error());
-  const auto content = hash_files(scene->files, job.sky, job.look);
+  const auto look = look_of(job);
+  if (!look) return std::unexpected(look.error());
+  const auto skies = sky_files(job, *look);
+  if (!skies) return std::unexpected(skies.error());
+  const auto content = hash_files(scene->files, *skies, job.look);
   if (!content) return std::unexpected(content.error());
   place.scene_content = content->hex();
   const auto devices = gpu::list_devices();

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/input_options.h"
+#include "scene/look.h"
 
 namespace candela::cli {
 
@@ -68,12 +69,17 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command
       .add_option("--sky", o.sky,
                   "Equirectangular .hdr or .exr, or six faces (a folder, or a path with *), that light the scene and "
-                  "fill the background")
+                  "fill the background; atmosphere: the day sky of the scene's sun; none: not even the look's")
       ->type_name("FILE");
-  command.add_option("--look", o.look, "Look file (JSON): fog, the sun's disc")->type_name("FILE");
-  command.add_option("--exposure", o.exposure_ev, "Stops")->capture_default_str()->type_name("EV");
-  command.add_option("--tonemap", o.tonemap, "Tone curve of PNG: agx, none, reinhard, aces, neutral or rec709")
-      ->capture_default_str()
+  command
+      .add_option("--look", o.look,
+                  "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
+      ->type_name("FILE");
+  command.add_option("--exposure", o.exposure_ev, "Stops, over the look's; 0 where neither says")->type_name("EV");
+  command
+      .add_option("--tonemap", o.tonemap,
+                  "Tone curve of PNG, over the look's: agx (where neither says), none, reinhard, aces, neutral or "
+                  "rec709")
       ->type_name("NAME");
   if (renderer == Renderer::gpu) add_layer_options(command, o);
   command.add_option("--background", o.background, "Where there is no sky: transparent, or linear R,G,B")
@@ -252,7 +258,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.quality = o.quality;
   job.effects = o.effects;
   job.sky = o.sky;
-  job.look = o.look;
+  job.look = o.look == "none" ? "" : o.look.empty() ? look_beside(o.scene).string() : o.look;
   job.exposure_ev = o.exposure_ev;
   job.tonemap = o.tonemap;
   job.view = o.view;

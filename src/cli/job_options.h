@@ -14,14 +14,14 @@ namespace candela::cli {
 // an option's name, help and default stand.
 struct JobOptions {
   std::string scene, animation = "all", camera, eye, target, size = "1280x720", technique = "clustered",
-                     quality = "high", effects = "auto", sky, look, tonemap = "agx", view = "beauty", layers,
+                     quality = "high", effects = "auto", sky, look, tonemap, view = "beauty", layers,
                      background = "transparent", exr_type = "half", exr_compression = "zip", fps = "24", device,
                      shader_folder, config;
   std::vector<std::string> settings;
   double yfov_deg = 0;
   bool has_yfov = false;
   int samples = 0, png_bits = 8, queues = 2;
-  float exposure_ev = 0;
+  std::optional<float> exposure_ev;
   uint64_t seed = 0;
   bool no_dither = false, metadata_timings = false, allow_nonfinite = false, allow_blank = false, validate = false,
        strict = false, quiet = false, verbose = false, json = false;

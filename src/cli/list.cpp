@@ -7,6 +7,7 @@
 #include "frame/plan_frame.h"
 #include "frame/timings.h"
 #include "gpu/device.h"
+#include "scene/look.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::cli {
@@ -125,6 +126,8 @@ void add_list(CLI::App& app, Action& action) {
   knobs->add_flag("--json", o->json, "As JSON");
   knobs->callback([o, &action] { action = [o] { return list_knobs(*o); }; });
   add_names(*list, action, o, "layers", "EXR layers beside beauty (--layers)", layer_names);
+  CLI::App* look = list->add_subcommand("look-schema", "The JSON Schema of look files (docs/schemas)");
+  look->callback([&action] { action = [] { return done(print(look_schema())); }; });
   add_names(*list, action, o, "scenes", "Scenes that make-scene writes", generated_scenes);
 }
 

@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
+#include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "frame/job_look.h"
 #include "frame/plan_frame.h"
@@ -47,6 +49,17 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
   return plan_frame(job, *scene, wanted, moment->time_s);
 }
 
+std::string look_text(const Job& job, const Look& look) {
+  const std::string line = look_line(job, look);
+  return line.empty() ? line : "look " + line + "\n";
+}
+std::string plan_with_look(const FramePlan& plan, const Job& job, const Look& look) {
+  if (job.look.empty()) return plan_json(plan) + "\n";
+  auto j = own_json(plan_json(plan));
+  j["look"] = look_json(job, look);
+  return j.dump(2) + "\n";
+}
+
 Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
   Job job;
   const auto frame = plan_of(command, o, job);
@@ -54,7 +67,9 @@ Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
   if (o.dot && o.job.json) return fail(ErrorKind::usage, "--dot", "--dot and --json both ask for stdout");
   for (const std::string& note : frame->notes) log::info("{}", note);
   const FramePlan& plan = frame->graph.plan;
-  auto printed = o.dot ? print(plan_dot(plan)) : o.job.json ? print(plan_json(plan) + "\n") : print(plan_text(plan));
+  auto printed = o.dot        ? print(plan_dot(plan))
+                 : o.job.json ? print(plan_with_look(plan, job, frame->request.look))
+                              : print(plan_text(plan) + look_text(job, frame->request.look));
   if (!printed) return std::unexpected(printed.error());
   return 0;
 }

@@ -9,8 +9,11 @@
 #include "cli/command.h"
 #include "cli/job_options.h"
 #include "cli/output_paths.h"
+#include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
+#include "frame/job_look.h"
+#include "frame/job_sky.h"
 #include "frame/timings.h"
 #include "reference/display.h"
 #include "render/count_view.h"
@@ -98,7 +101,7 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
     if (*mode == Mode::path)
       return fail(ErrorKind::usage, "--fog-steps",
                   "belongs to --mode direct; path follows light through fog as it goes");
-    if (o.job.look.empty())
+    if (plan.job.look.empty())
       return fail(ErrorKind::usage, "--fog-steps", "needs --look FILE, which says what the fog is");
     if (*o.fog_steps < 1 || *o.fog_steps > most_fog_steps)
       return fail(ErrorKind::usage, "--fog-steps", "{} is outside 1 to {}", *o.fog_steps, most_fog_steps);
@@ -115,7 +118,7 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
   plan.settings.ambient = *ambient;
   if (o.ambient_distance_m > 0) plan.settings.ambient_distance_m = o.ambient_distance_m;
   plan.settings.most_bounces = o.bounces;
-  if (o.job.look.empty())
+  if (plan.job.look.empty())
     plan.settings.fog_steps = 0;
   else if (o.fog_steps)
     plan.settings.fog_steps = *o.fog_steps;
@@ -208,10 +211,19 @@ Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o
           path, reference_image(film, frame, plan.job, settings, plan.layers, plan.moment.frame, plan.moment.rate),
           plan.job.exr_compression);
     } else {
-      reference::DisplaySettings display{
-          .curve = plan.job.tonemap, .exposure_ev = plan.job.exposure_ev, .bits = plan.job.png_bits};
+      const DisplayLook look = display_look(plan.job, frame.look);
+      reference::DisplaySettings display{.curve = look.curve,
+                                         .exposure_ev = look.exposure_ev,
+                                         .agx_min_ev = look.agx_min_ev,
+                                         .agx_max_ev = look.agx_max_ev,
+                                         .bits = plan.job.png_bits};
+      if (frame.look.exposure.automatic) {
+        std::vector<glm::dvec4> pixels;
+        for (size_t i = 0; i < film.pixels(); ++i) pixels.push_back(film.mean(i));
+        display.exposure_ev += reference::automatic_ev(pixels, *frame.look.exposure.automatic);
+      }
       display.dither = plan.job.dither;
-      display.alpha = plan.job.background == "transparent" && plan.job.sky.empty();
+      display.alpha = plan.job.background == "transparent" && !has_sky(plan.job, frame.look);
       display.seed = uint32_t(noise ^ (noise >> 32));
       const DisplayImage image = o.view == "beauty" ? reference::display_image(film, display)
                                                     : count_view(reference_counts(film, frame, o.view), film.width(),
@@ -232,6 +244,7 @@ Json result_json(const ReferencePlan& plan, const ReferenceFrame& frame, const r
   j["scene_content"] = frame.scene_content.hex();
   j["camera"] = frame.view.name;
   j["time_s"] = frame.time_s;
+  j["look"] = look_json(plan.job, frame.look);
   j["notes"] = frame.notes;
   j["warnings"] = frame.warnings;
   j["spp"] = film.samples();
@@ -303,6 +316,7 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
   const auto frame = open_reference(plan->job, plan->moment.time_s, plan->accel, plan->settings.mode);
   if (!frame) return std::unexpected(frame.error());
   if (auto noted = note_scene((*frame)->scene, o.job.strict); !noted) return std::unexpected(noted.error());
+  log_look(plan->job, (*frame)->look);
   for (const std::string& note : (*frame)->notes) log::info("{}", note);
   for (const std::string& warning : (*frame)->warnings) log::warning("{}", warning);
   if (o.job.strict && !(*frame)->warnings.empty())

@@ -195,6 +195,7 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
       return same;
   auto frame = (*session)->render(plan->moment.time_s);
   if (!frame) return std::unexpected(frame.error());
+  log_look(plan->job, frame->request.look);
   for (const std::string& note : frame->notes) log::info("{}", note);
   if (auto noted = note_frame(*frame, (*session)->scene(), o.job.strict, warnings); !noted)
     return std::unexpected(noted.error());

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/scene_notes.h"
+#include "frame/job_look.h"
 #include "frame/timings.h"
 #include "render/frame_names.h"
 
@@ -14,12 +15,24 @@ void log_device(const gpu::DeviceInfo& device) {
   log::info("device {}: {} ({})", device.index, device.name, device.driver);
 }
 
+void log_look(const Job& job, const Look& look) {
+  if (const std::string line = look_line(job, look); !line.empty()) log::info("look {}", line);
+}
+
+nlohmann::ordered_json look_json(const Job& job, const Look& look) {
+  if (job.look.empty()) return nullptr;
+  const bool beside = std::filesystem::path(job.look) == look_beside(job.scene);
+  return {{"file", job.look}, {"beside_scene", beside}, {"switched_on", switched_on(look)}};
+}
+
 nlohmann::ordered_json result_head(const Job& job, const Session& session, const std::vector<std::string>& warnings) {
   nlohmann::ordered_json j;
   j["version"] = CANDELA_VERSION;
   j["device"] = device_json(session.device().info());
   j["driver"] = session.device().info().driver;
   j["job"] = own_json(job_json(job));
+  const auto look = look_of(job);
+  j["look"] = look ? look_json(job, *look) : nlohmann::ordered_json();
   j["scene_content"] = session.scene_content().hex();
   j["extensions"] = extensions_json(session.scene());
   j["warnings"] = session.scene().warnings;

@@ -9,6 +9,10 @@ namespace candela::cli {
 
 void log_device(const gpu::DeviceInfo& device);
 
+// Which look file was read and what it switched on, in the log; as JSON, null without a look.
+void log_look(const Job& job, const Look& look);
+nlohmann::ordered_json look_json(const Job& job, const Look& look);
+
 // What --json of render and sequence has in common: device, driver, version, job, extensions, warnings.
 nlohmann::ordered_json result_head(const Job& job, const Session& session, const std::vector<std::string>& warnings);
 

@@ -109,7 +109,7 @@ bool nothing_in_view(const FrameResult& frame, const Job& job, const Scene& scen
 }  // namespace
 
 std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
-  const bool alpha_tells = job.sky.empty() && job.background == "transparent";
+  const bool alpha_tells = !has_sky(job, frame.request.look) && job.background == "transparent";
   const std::optional<bool> transparent = alpha_tells ? is_transparent(frame) : std::nullopt;
   if (!transparent.value_or(nothing_in_view(frame, job, scene))) return {};
   if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";

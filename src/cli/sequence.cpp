@@ -10,6 +10,7 @@
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
+#include "frame/job_look.h"
 #include "frame/timings.h"
 
 namespace candela::cli {
@@ -122,6 +123,7 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
   auto session = Session::open(*job, wanted_by(*settings, *job), *run_settings);
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
+  if (const auto look = look_of(*job)) log_look(*job, *look);
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
 
   std::vector<std::string> warnings;

@@ -5,7 +5,8 @@
 
 namespace candela {
 
-Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::string& sky, const std::string& look) {
+Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::vector<std::string>& skies,
+                             const std::string& look) {
   std::string digests;
   const auto add = [&](const std::string& file) -> Expected<void> {
     const auto bytes = read_file(file);
@@ -15,13 +16,15 @@ Expected<Hash128> hash_files(const std::vector<std::string>& files, const std::s
   };
   for (const std::string& file : files)
     if (auto done = add(file); !done) return std::unexpected(done.error());
-  if (!sky.empty() && names_cube_faces(sky)) {
-    const auto faces = cube_face_files(sky);
-    if (!faces) return std::unexpected(faces.error());
-    for (const auto& face : *faces)
-      if (auto done = add(face.string()); !done) return std::unexpected(done.error());
-  } else if (!sky.empty()) {
-    if (auto done = add(sky); !done) return std::unexpected(done.error());
+  for (const std::string& sky : skies) {
+    std::vector<std::string> images = {sky};
+    if (names_cube_faces(sky)) {
+      const auto faces = cube_face_files(sky);
+      if (!faces) return std::unexpected(faces.error());
+      images.assign(faces->begin(), faces->end());
+    }
+    for (const std::string& image : images)
+      if (auto done = add(image); !done) return std::unexpected(done.error());
   }
   if (!look.empty())
     if (auto done = add(look); !done) return std::unexpected(done.error());

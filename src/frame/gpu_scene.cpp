@@ -7,7 +7,6 @@
 
 #include "base/files.h"
 #include "frame/mip_chain.h"
-#include "frame/prefilter_sky.h"
 #include "frame/split_sum.h"
 #include "frame/upload_table.h"
 #include "scene/scene_images.h"
@@ -62,7 +61,7 @@ void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, std::span<
 }  // namespace
 
 GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout)
-    : device_(device), bindless_(bindless), scene_(scene), layout_(layout) {
+    : device_(device), bindless_(bindless), scene_(scene), layout_(layout), sky_(device, bindless) {
   for (const Material& m : scene.materials)
     for_each_slot(m, [&](const TextureSlot& slot, bool srgb) {
       if (slot) mipmapped_[{slot.image, srgb}] |= scene.samplers[size_t(slot.sampler)].mipmaps;
@@ -88,23 +87,7 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
 GpuScene::~GpuScene() {
   for (const auto& [key, loaded] : textures_)
     if (loaded.index != shared::absent) bindless_.remove_sampled(loaded.index);
-  remove_image_light();
-  for (const uint32_t index : {environment_index_, split_sum_index_})
-    if (index != shared::absent) bindless_.remove_sampled(index);
-}
-
-void GpuScene::set_environment(DecodedImage image) {
-  const gpu::TextureData data = make_mip_chain(image, false, true);
-  environment_ = gpu::Texture(device_, data, "sky");
-  gpu::Uploader uploader(device_);
-  uploader.to_texture(environment_, data);
-  uploader.flush();
-  environment_index_ = bindless_.add_sampled(environment_.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  Sampler sampler;
-  sampler.wrap_v = Wrap::clamp;
-  environment_sampler_ = bindless_.add_sampler(sampler_info(sampler));
-  environment_size_ = {image.width, image.height};
-  sky_ = std::move(image);
+  if (split_sum_index_ != shared::absent) bindless_.remove_sampled(split_sum_index_);
 }
 
 void GpuScene::set_samplers(const TextureKnobs& knobs) {
@@ -137,89 +120,6 @@ void GpuScene::load_split_sum(const PlannedFrame& frame) {
   sampler.wrap_u = sampler.wrap_v = Wrap::clamp;
   sampler.mipmaps = false;
   split_sum_sampler_ = bindless_.add_sampler(sampler_info(sampler));
-}
-
-void GpuScene::remove_image_light() {
-  if (!sky_maps_) return;
-  const shared::ImageLight& light = sky_maps_->light;
-  for (const uint32_t index : {light.texture, light.irradiance_texture, light.lobe_texture})
-    if (index != shared::absent) bindless_.remove_sampled(index);
-  sky_maps_.reset();
-}
-
-// Once for each set of knobs: frames of a session have the same.
-void GpuScene::load_image_light(const PlannedFrame& frame) {
-  if (!frame.facts.image_light || (sky_maps_ && sky_maps_->knobs == frame.image_light)) return;
-  remove_image_light();
-  sky_maps_ = std::make_shared<SkyMaps>();
-  SkyMaps& maps = *sky_maps_;
-  maps.knobs = frame.image_light;
-  shared::ImageLight& light = maps.light;
-  light.texture = light.irradiance_texture = light.lobe_texture = shared::absent;
-  light.pixel_samples = uint32_t(maps.knobs.pixel_samples);
-  if (IblMethod(maps.knobs.method) == IblMethod::sampled)
-    load_divided_sky(maps);
-  else
-    load_filtered_sky(maps);
-}
-
-void GpuScene::load_filtered_sky(SkyMaps& maps) {
-  const FilteredSky sky = filtered_sky(sky_, maps.knobs, cache_folder());
-  shared::ImageLight& light = maps.light;
-  gpu::Uploader uploader(device_);
-  const auto load = [&](gpu::Texture& texture, VkFormat format, uint32_t width, uint32_t height,
-                        const std::vector<float>& texels, const char* name) {
-    gpu::TextureData data{format, width, height, {}};
-    const auto bytes = std::as_bytes(std::span(texels));
-    data.levels.emplace_back(bytes.begin(), bytes.end());
-    texture = gpu::Texture(device_, data, name);
-    uploader.to_texture(texture, data);
-    return bindless_.add_sampled(texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  };
-  light.texture = load(maps.sky, VK_FORMAT_R32G32B32A32_SFLOAT, sky.width, sky.height, sky.texels, "sky.filtered");
-  light.lobe_texture =
-      load(maps.lobes, VK_FORMAT_R32G32_SFLOAT, shared::sky_lobe_size, shared::sky_lobe_size, sky.lobes, "sky.lobes");
-  if (const uint32_t side = sky.irradiance_px; side > 0) {
-    light.irradiance_texture =
-        load(maps.irradiance, VK_FORMAT_R32G32B32A32_SFLOAT, side, side, sky.irradiance, "sky.irradiance");
-    light.irradiance_uv = {1 / float(side), float(side - 2) / float(side)};
-  }
-  Sampler sampler;
-  sampler.wrap_u = sampler.wrap_v = Wrap::clamp;
-  sampler.mipmaps = false;
-  light.clamp_sampler = bindless_.add_sampler(sampler_info(sampler));
-  load_sky_table(maps, uploader, sky.slices, sky.lights);
-}
-
-void GpuScene::load_divided_sky(SkyMaps& maps) {
-  const DividedSky sky = divide_sky(sky_, maps.knobs);
-  gpu::TextureData data{VK_FORMAT_R32G32B32A32_SFLOAT, uint32_t(sky.rest[0].width), uint32_t(sky.rest[0].height), {}};
-  for (const SkyLevel& level : sky.rest) {
-    const auto bytes = std::as_bytes(std::span(level.texels));
-    data.levels.emplace_back(bytes.begin(), bytes.end());
-  }
-  maps.sky = gpu::Texture(device_, data, "sky.rest");
-  gpu::Uploader uploader(device_);
-  uploader.to_texture(maps.sky, data);
-  maps.light.texture = bindless_.add_sampled(maps.sky.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  maps.light.rest_px = {sky.rest[0].width, sky.rest[0].height};
-  load_sky_table(maps, uploader, {}, sky.lights);
-}
-
-void GpuScene::load_sky_table(SkyMaps& maps, gpu::Uploader& uploader, const std::vector<shared::SkySlice>& slices,
-                              std::vector<shared::SkyLight> lights) {
-  maps.light.light_count = uint32_t(lights.size());
-  // lavapipe 25.0.7 loads from an address even where no lane asks: there is always a light.
-  if (lights.empty()) lights.push_back({});
-  const auto slice_bytes = std::as_bytes(std::span(slices)), light_bytes = std::as_bytes(std::span(lights));
-  maps.table =
-      gpu::Buffer(device_, slice_bytes.size() + light_bytes.size(), storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                  gpu::Buffer::Memory::device, gpu::Device::Purpose::scene, "sky.table");
-  if (!slices.empty()) uploader.to_buffer(maps.table, 0, slice_bytes);
-  uploader.to_buffer(maps.table, slice_bytes.size(), light_bytes);
-  uploader.flush();
-  maps.light.slices = maps.table.address();
-  maps.light.lights = maps.light.slices + slice_bytes.size();
 }
 
 void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
@@ -297,22 +197,15 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   set_samplers(frame.textures);
   load_textures(frame, uploaded);
   load_split_sum(frame);
-  load_image_light(frame);
   const auto start = Clock::now();
   const std::shared_ptr<Buffers> own = free_buffers();
   uploaded.keep.push_back(own);
   for (size_t m = 0; m < frame.upload.materials.size(); ++m)
     set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : Material{}, frame.upload.materials[m]);
   shared::FrameConstants& c = frame.upload.constants;
-  c.sky_texture = environment_index_;
-  c.sky_sampler = environment_sampler_;
-  c.sky_size_px = environment_size_;
+  sky_.load(frame, c, uploaded.keep);
   c.split_sum_texture = split_sum_index_;
   c.split_sum_sampler = split_sum_sampler_;
-  if (frame.facts.image_light) {
-    c.image_light = sky_maps_->light;
-    uploaded.keep.push_back(sky_maps_);
-  }
   const std::vector<UploadRow> rows = upload_table(frame, layout_);
   for (size_t i = 0; i < rows.size(); ++i) {
     const UploadRow& row = rows[i];

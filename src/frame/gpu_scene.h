@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "frame/gpu_sky.h"
 #include "frame/plan_frame.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
 #include "gpu/resources.h"
-#include "image/io.h"
 
 namespace candela {
 
@@ -20,8 +20,6 @@ class GpuScene {
  public:
   GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout);
   ~GpuScene();
-
-  void set_environment(DecodedImage image);
 
   struct Uploaded {
     std::map<int, const gpu::Buffer*> imports;      // for FrameRunner::submit
@@ -41,13 +39,6 @@ class GpuScene {
   };
   void set_samplers(const TextureKnobs& knobs);
   void load_split_sum(const PlannedFrame& frame);
-  void load_image_light(const PlannedFrame& frame);
-  void remove_image_light();
-  struct SkyMaps;
-  void load_filtered_sky(SkyMaps& maps);
-  void load_divided_sky(SkyMaps& maps);
-  void load_sky_table(SkyMaps& maps, gpu::Uploader& uploader, const std::vector<shared::SkySlice>& slices,
-                      std::vector<shared::SkyLight> lights);
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
   shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
   void set_textures(const Material& material, shared::Material& out) const;
@@ -69,18 +60,7 @@ class GpuScene {
   std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another
   std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers, filtered as the knobs say
   TextureKnobs texture_knobs_;
-  gpu::Texture environment_;
-  uint32_t environment_index_ = shared::absent, environment_sampler_ = 0;
-  glm::vec2 environment_size_{0};
-  // The sky filtered as the knobs say, when a frame first asks for it.
-  struct SkyMaps {
-    gpu::Texture sky, irradiance, lobes;
-    gpu::Buffer table;  // slices, then lights
-    IblKnobs knobs;
-    shared::ImageLight light{};
-  };
-  DecodedImage sky_;
-  std::shared_ptr<SkyMaps> sky_maps_;
+  GpuSky sky_;
   gpu::Texture split_sum_;
   uint32_t split_sum_index_ = shared::absent, split_sum_sampler_ = 0;
 };

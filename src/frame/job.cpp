@@ -54,8 +54,8 @@ std::string job_json(const Job& job) {
   if (job.effects != "auto") j["effects"] = job.effects;
   if (!job.sky.empty()) j["sky"] = job.sky;
   if (!job.look.empty()) j["look"] = job.look;
-  j["exposure"] = shortest(job.exposure_ev);
-  j["tonemap"] = job.tonemap;
+  if (job.exposure_ev) j["exposure"] = shortest(*job.exposure_ev);
+  if (!job.tonemap.empty()) j["tonemap"] = job.tonemap;
   j["view"] = job.view;
   if (!job.layers.empty()) j["layers"] = job.layers;
   j["background"] = job.background;
@@ -238,7 +238,7 @@ Hash128 frame_identity(const Job& job, const Hash128& scene_content, const std::
   // The files' content is hashed, so where they lie does not matter.
   Job nowhere = job;
   nowhere.scene.clear();
-  if (!nowhere.sky.empty()) nowhere.sky = "sky";
+  if (!nowhere.sky.empty() && !is_sky_word(nowhere.sky)) nowhere.sky = "sky";
   if (!nowhere.look.empty()) nowhere.look = "look";
   return hash128(fmt::format("candela {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(nowhere), scene_content.hex(),
                              device, time_s));

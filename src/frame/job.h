@@ -35,12 +35,12 @@ struct Job {
   std::string quality = "high";       // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings;  // --set PASS.KNOB=VALUE, over the quality
   std::string effects = "auto";       // auto (by quality and look), none, or names separated by commas
-  std::string sky;                    // equirectangular .hdr or .exr, or six faces
-  std::string look;                   // look file: fog
-  float exposure_ev = 0;
-  std::string tonemap = "agx";      // agx, none, reinhard, aces, neutral, rec709
-  std::vector<std::string> layers;  // beside beauty
-  std::string view = "beauty";      // what PNG and video show: beauty, or a heatmap layer in colours with a legend
+  std::string sky;   // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
+  std::string look;  // look file
+  std::optional<float> exposure_ev;  // absent: as the look says, else 0
+  std::string tonemap;               // agx, none, reinhard, aces, neutral, rec709; empty: as the look says, else agx
+  std::vector<std::string> layers;   // beside beauty
+  std::string view = "beauty";       // what PNG and video show: beauty, or a heatmap layer in colours with a legend
   std::string background = "transparent";  // or "R,G,B" linear, used where there is no sky
   uint64_t seed = 0;
   // Encoding.
@@ -51,6 +51,8 @@ struct Job {
   bool timings_in_metadata = false;
   bool allow_nonfinite = false;
 };
+// Skies that --sky names without a file.
+inline bool is_sky_word(const std::string& sky) { return sky == "none" || sky == "atmosphere"; }
 std::string job_json(const Job& job);  // stable order; one line
 Expected<Job> job_from_json(const std::string& text);
 Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720"

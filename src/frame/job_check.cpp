@@ -54,8 +54,8 @@ Expected<void> check_job(const Job& job) {
     return fail(ErrorKind::usage, "--samples", "{} is none of 1, 2, 4 and 8", job.samples);
   if (job.png_bits != 8 && job.png_bits != 16)
     return fail(ErrorKind::usage, "--png-bits", "{} is neither 8 nor 16", job.png_bits);
-  if (!std::isfinite(job.exposure_ev) || std::abs(job.exposure_ev) > 100)
-    return fail(ErrorKind::usage, "--exposure", "{} is outside -100 to 100 stops", job.exposure_ev);
+  if (const float ev = job.exposure_ev.value_or(0); !std::isfinite(ev) || std::abs(ev) > 100)
+    return fail(ErrorKind::usage, "--exposure", "{} is outside -100 to 100 stops", ev);
   if (job.camera.eye.has_value() != job.camera.target.has_value())
     return fail(ErrorKind::usage, job.camera.eye ? "--target" : "--eye", "--eye and --target go together");
   if (job.camera.eye && !job.camera.camera.empty())
@@ -65,7 +65,8 @@ Expected<void> check_job(const Job& job) {
   static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
   if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
-  if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;
+  if (!job.tonemap.empty())
+    if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;
   if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
   if (job.effects != "auto" && job.effects != "none")
     for (const std::string& effect : split(job.effects, ','))

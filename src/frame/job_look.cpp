@@ -1,9 +1,27 @@
 #include "frame/job_look.h"
 
+#include "base/text.h"
+
 namespace candela {
 
 Expected<Look> look_of(const Job& job, double time_s) {
   return job.look.empty() ? Look{} : read_look(job.look, time_s);
+}
+
+DisplayLook display_look(const Job& job, const Look& look) {
+  const ToneMapping& tone = look.tone_mapping;
+  DisplayLook out{.agx_min_ev = tone.agx_min_ev, .agx_max_ev = tone.agx_max_ev};
+  out.exposure_ev = job.exposure_ev.value_or(float(look.exposure.ev.value_or(0)));
+  if (!job.tonemap.empty() || !tone.curve.empty()) out.curve = job.tonemap.empty() ? tone.curve : job.tonemap;
+  return out;
+}
+
+std::string look_line(const Job& job, const Look& look) {
+  if (job.look.empty()) return {};
+  const std::vector<std::string> names = switched_on(look);
+  const bool beside = std::filesystem::path(job.look) == look_beside(job.scene);
+  return fmt::format("{}{}: {}", job.look, beside ? " (beside the scene)" : "",
+                     names.empty() ? "switches nothing on" : joined(names));
 }
 
 std::string left_out_of(const Job& job, const Look& look) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/log.h"
 #include "base/text.h"
 #include "frame/caster_hash.h"
 #include "frame/frame_fog.h"
@@ -14,7 +15,6 @@
 #include "frame/upload_table.h"
 #include "passes/geometry/features.h"
 #include "scene/neutral_light.h"
-#include "scene/scene_images.h"
 #include "techniques/technique.h"
 
 namespace candela {
@@ -45,8 +45,11 @@ Expected<std::array<float, 4>> parse_background(const std::string& text, float p
   return std::array<float, 4>{rgb[0] * pre_exposure, rgb[1] * pre_exposure, rgb[2] * pre_exposure, 1};
 }
 
-FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedOutputs& wanted, double time_s) {
+FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedOutputs& wanted, double time_s,
+                          Look look) {
+  const DisplayLook display = display_look(job, look);
   FrameRequest request;
+  request.look = std::move(look);
   request.width_px = job.width_px;
   request.height_px = job.height_px;
   // Supersampling takes the place of multisampling.
@@ -59,9 +62,9 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.technique = job.technique;
   request.quality = job.quality;
   request.effects = job.effects;
-  request.tonemap = job.tonemap;
-  request.exposure_ev = job.exposure_ev;
-  request.pre_exposure_ev = std::clamp(job.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
+  request.tonemap = display.curve;
+  request.exposure_ev = display.exposure_ev;
+  request.pre_exposure_ev = std::clamp(display.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
   request.display_bits = wanted.display_bits;
   request.dither = job.dither;
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
@@ -156,15 +159,17 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!view) return std::unexpected(view.error());
   f.view = std::move(*view);
   f.data = make_frame_data(context.scene, f.pose, f.view);
-  f.request = make_request(job, *knobs, wanted, time_s);
   auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
-  f.request.look = std::move(*look);
+  f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();
   f.image_light = knobs->get<IblKnobs>();
-  f.facts = survey(context.scene, f.pose, f.data, context.environment != nullptr);
-  if (!has_light(context.scene) && !context.environment && f.facts.lit_items + f.facts.blend_lit_items > 0) {
+  if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
+  add_sky_sun(f.sky, f.data);
+  f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
+  f.facts = survey(context.scene, f.pose, f.data, bool(f.sky));
+  if (!has_light(context.scene) && !f.sky && f.facts.lit_items + f.facts.blend_lit_items > 0) {
     f.request.neutral_light = true;
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false);
@@ -178,11 +183,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
         "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
         bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data);
-  const SkyLook& sky = f.request.look.sky;
-  const AmbientSh ambient = context.environment
-                                ? turned(*context.environment, glm::radians(sky.rotation_deg), sky.intensity)
-                            : f.request.neutral_light ? neutral_ambient()
-                                                      : AmbientSh{};
+  const AmbientSh ambient = f.sky ? f.sky.ambient() : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
   f.animate_ms = ms_since(start);
 
@@ -247,13 +248,13 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
 Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const WantedOutputs& wanted, double time_s) {
   const auto layout = layout_geometry(scene);
   if (!layout) return std::unexpected(layout.error());
-  AmbientSh environment;
-  if (!job.sky.empty()) {
-    const auto image = read_sky(job.sky, scene);
-    if (!image) return std::unexpected(image.error());
-    environment = project_environment(*image);
-  }
-  return plan_frame(job, PlanContext{scene, *layout, job.sky.empty() ? nullptr : &environment}, wanted, time_s);
+  const auto look = look_of(job, time_s);
+  if (!look) return std::unexpected(look.error());
+  std::vector<std::string> warnings;
+  const auto sky = JobSky::read(job, *look, scene, warnings);
+  if (!sky) return std::unexpected(sky.error());
+  for (const std::string& warning : warnings) log::warning("{}", warning);
+  return plan_frame(job, PlanContext{scene, *layout, &*sky}, wanted, time_s);
 }
 
 std::vector<std::string> technique_names() {

@@ -8,6 +8,7 @@
 #include "frame/frame_suns.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
+#include "frame/job_sky.h"
 #include "graph/builder.h"
 #include "passes/lights/light_grid.h"
 #include "passes/surfaces/ibl_knobs.h"
@@ -37,6 +38,7 @@ struct PlannedFrame {
   FrameSuns suns;
   TextureKnobs textures;
   IblKnobs image_light;
+  FrameSky sky;
   CompiledGraph graph;
   // Of the plan without dumps, and as if nothing were kept from other frames: what is the same picture has the same.
   Hash128 hash;
@@ -59,14 +61,14 @@ struct WantedOutputs {
 struct PlanContext {
   const Scene& scene;
   const GeometryLayout& layout;
-  const AmbientSh* environment = nullptr;  // of the sky image, when the job has one
-  const LookFile* look = nullptr;          // the job's, as the session read it; without one plan_frame reads the file
+  const JobSky* sky = nullptr;     // the job's, as the session read it; without one there is no sky
+  const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
   // Asked once for each image that the frame could keep; empty: nothing is kept.
   std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
 };
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);
-// The same for one frame alone; reads the job's sky.
+// The same for one frame alone; reads the job's sky and look.
 Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const WantedOutputs& wanted, double time_s);
 
 // Tables for `candela list`, --set and the help text.

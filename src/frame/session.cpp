@@ -4,15 +4,16 @@
 
 #include "base/check.h"
 #include "base/files.h"
+#include "base/log.h"
 #include "base/statistics.h"
 #include "frame/content_hash.h"
 #include "frame/device_samples.h"
 #include "frame/gpu_scene.h"
+#include "frame/gpu_sky.h"
 #include "frame/job_look.h"
 #include "frame/timings.h"
 #include "gltf/gltf.h"
 #include "gpu/kept_image.h"
-#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -61,9 +62,8 @@ class DeviceSession : public Session {
   Timings opening_;
   Scene scene_;
   GeometryLayout layout_;
-  std::optional<DecodedImage> sky_;
+  std::optional<JobSky> sky_;
   std::string left_out_;  // of the look
-  AmbientSh environment_{};
   Hash128 scene_content_;
   std::optional<LookFile> look_;
   std::unique_ptr<gpu::Device> device_;
@@ -82,12 +82,6 @@ Expected<void> DeviceSession::load() {
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
-  if (!job_.sky.empty()) {
-    auto image = read_sky(job_.sky, scene_);
-    if (!image) return std::unexpected(image.error());
-    environment_ = project_environment(*image);
-    sky_ = std::move(*image);
-  }
   if (!job_.look.empty()) {
     auto read = read_look_file(job_.look);
     if (!read) return std::unexpected(read.error());
@@ -96,7 +90,14 @@ Expected<void> DeviceSession::load() {
   const auto look = look_ ? look_from_json(look_->text, look_->place) : Expected<Look>(Look{});
   if (!look) return std::unexpected(look.error());
   left_out_ = left_out_of(job_, *look);
-  auto content = hash_files(scene_.files, job_.sky, job_.look);
+  std::vector<std::string> warnings;
+  auto sky = JobSky::read(job_, *look, scene_, warnings);
+  if (!sky) return std::unexpected(sky.error());
+  for (const std::string& warning : warnings) log::warning("{}", warning);
+  sky_ = std::move(*sky);
+  const auto skies = sky_files(job_, *look);
+  if (!skies) return std::unexpected(skies.error());
+  auto content = hash_files(scene_.files, *skies, job_.look);
   if (!content) return std::unexpected(content.error());
   scene_content_ = *content;
   return {};
@@ -118,13 +119,11 @@ Expected<void> DeviceSession::open() {
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   try {
     const StageTimer timer(opening_, "upload");
-    // An image may be uploaded twice, as sRGB and as linear; the sky, its three maps and the split sum are one more
-    // each.
-    const size_t textures = std::min<size_t>(2 * scene_.images.size() + 5, gpu::Bindless::most_textures);
+    // An image may be uploaded twice, as sRGB and as linear; the split sum is one more.
+    const size_t textures =
+        std::min<size_t>(2 * scene_.images.size() + 1 + 9 * gpu_sky_textures, gpu::Bindless::most_textures);
     bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
-    if (sky_) gpu_scene_->set_environment(std::move(*sky_));
-    sky_.reset();
     const std::filesystem::path cache = cache_folder();
     runner_ = std::make_unique<gpu::FrameRunner>(*device_, *bindless_,
                                                  gpu::ShaderCompiler(settings_.shader_folder, cache), cache);
@@ -138,7 +137,7 @@ Expected<void> DeviceSession::open() {
 
 Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   const double start = process_clock_us();
-  PlanContext context{scene_, layout_, job_.sky.empty() ? nullptr : &environment_, look_ ? &*look_ : nullptr};
+  PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
   auto planned = plan_frame(job_, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());

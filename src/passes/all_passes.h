@@ -17,6 +17,7 @@
 #include "passes/occlusion/occlusion.h"
 #include "passes/occlusion/occlusion_layer.h"
 #include "passes/post/bloom.h"
+#include "passes/post/exposure.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
@@ -46,7 +47,7 @@ struct PassList {
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
                            LightFill, LightSort, AmbientOcclusion, FogGrid, ShadeForward, ShadeUnlit, Sky, Background,
                            Transparent, Layers, Terms, FogLayers, SunLayers, OcclusionLayer, LightHeat, Supersample,
-                           Resolve, BloomPass, Tonemap, Readback, Dump>;
+                           Resolve, Exposure, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

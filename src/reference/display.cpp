@@ -1,5 +1,6 @@
 #include "reference/display.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -42,16 +43,16 @@ double agx_sigmoid(double x) {
   const double u = slope * std::abs(x - pivot) / scale, y = scale * u / std::pow(1 + std::pow(u, power), 1 / power);
   return x < pivot ? 0.5 - y : 0.5 + y;
 }
-glm::dvec3 agx(glm::dvec3 c) {
+glm::dvec3 agx(glm::dvec3 c, double lowest, double highest) {
   const glm::dmat3 inset(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992,
                          0.878468636469772, 0.0784336, 0.0792237451477643, 0.0791661274605434, 0.879142973793104);
   const glm::dmat3 outset(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368,
                           1.15190312990417, -0.0980434501171241, -0.0990297440797205, -0.0989611768448433,
                           1.15107367264116);
-  const glm::dvec3 curved = each(inset * c, [](double v) {
-    constexpr double lowest = -12.47393, highest = 4.026069;
-    return agx_sigmoid(std::clamp((std::log2(std::max(v, 1e-10)) - lowest) / (highest - lowest), 0.0, 1.0));
-  });
+  c = inset * c;
+  glm::dvec3 curved;
+  for (int i = 0; i < 3; ++i)
+    curved[i] = agx_sigmoid(std::clamp((std::log2(std::max(c[i], 1e-10)) - lowest) / (highest - lowest), 0.0, 1.0));
   return each(outset * curved, [](double v) { return std::pow(std::max(v, 0.0), 2.2); });
 }
 
@@ -76,8 +77,8 @@ glm::dvec3 dithered(glm::dvec3 c, uint32_t x, uint32_t y, uint32_t seed) {
 
 }  // namespace
 
-glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c) {
-  if (curve == "agx") return agx(c);
+glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c, double agx_min_ev, double agx_max_ev) {
+  if (curve == "agx") return agx(c, agx_min_ev, agx_max_ev);
   if (curve == "reinhard") return c / (1.0 + c);
   if (curve == "aces") return aces(c);
   if (curve == "neutral") return neutral(c);
@@ -86,6 +87,24 @@ glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c) {
 }
 
 glm::dvec3 display_encoded(glm::dvec3 mapped) { return each(glm::clamp(mapped, 0.0, 1.0), srgb_encoded); }
+
+double automatic_ev(std::span<const glm::dvec4> pixels, const AutoExposure& look) {
+  std::vector<double> stops;
+  for (const glm::dvec4& p : pixels) {
+    const double alpha = std::clamp(p.w, 0.0, 1.0);
+    const double light = glm::dot(glm::max(glm::dvec3(p), glm::dvec3(0)), glm::dvec3(0.2126, 0.7152, 0.0722));
+    if (alpha > 0 && !std::isnan(light)) stops.push_back(std::log2(std::clamp(light / alpha, 0x1p-24, 0x1p24)));
+  }
+  std::sort(stops.begin(), stops.end());
+  const double count = double(stops.size()), low = look.low_percent / 100 * count,
+               high = look.high_percent / 100 * count;
+  double weights = 0, sum = 0;
+  for (size_t i = 0; i < stops.size(); ++i) {
+    const double weight = std::max(std::min(double(i + 1), high) - std::max(double(i), low), 0.0);
+    weights += weight, sum += weight * stops[i];
+  }
+  return weights > 0 ? std::clamp(std::log2(look.target) - sum / weights, look.min_ev, look.max_ev) : 0;
+}
 
 DisplayImage display_image(const Film& film, const DisplaySettings& settings) {
   DisplayImage image;
@@ -100,7 +119,7 @@ DisplayImage display_image(const Film& film, const DisplaySettings& settings) {
     const double alpha = std::clamp(source.w, 0.0, 1.0);
     glm::dvec3 c = glm::max(glm::dvec3(source), glm::dvec3(0)) * exposure;
     c = glm::min(alpha > 0 ? c / alpha : c, glm::dvec3(1e30));
-    c = display_encoded(tone_mapped(settings.curve, c));
+    c = display_encoded(tone_mapped(settings.curve, c, settings.agx_min_ev, settings.agx_max_ev));
     if (settings.dither && settings.bits == 8)
       c = dithered(c, uint32_t(i % size_t(film.width())), uint32_t(i / size_t(film.width())), settings.seed);
     const double values[4] = {c.x, c.y, c.z, alpha};

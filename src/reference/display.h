@@ -1,14 +1,17 @@
 #pragma once
+#include <span>
 #include <string_view>
 
 #include "image/image.h"
 #include "reference/film.h"
+#include "scene/look.h"
 
 namespace candela::reference {
 
 struct DisplaySettings {
   std::string_view curve = "agx";  // none, agx, reinhard, aces, neutral, rec709
   double exposure_ev = 0;
+  double agx_min_ev = agx_lowest_ev, agx_max_ev = agx_highest_ev;  // scene/look.h
   int bits = 8;
   bool dither = true;  // 8 bits alone
   bool alpha = false;  // straight alpha as a fourth channel
@@ -16,9 +19,14 @@ struct DisplaySettings {
 };
 
 // Exposed linear Rec.709 to linear display values (TECHNIQUES 15.2), in double.
-glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c);
+glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c, double agx_min_ev = agx_lowest_ev,
+                       double agx_max_ev = agx_highest_ev);
 // Those, clipped to [0,1] and sRGB-encoded.
 glm::dvec3 display_encoded(glm::dvec3 mapped);
+
+// Automatic exposure in stops: what takes the mean log2 of the luminances between two percentiles of the film to the
+// target; by sorting, in double. pixels: premultiplied.
+double automatic_ev(std::span<const glm::dvec4> pixels, const AutoExposure& look);
 
 // The film as the GPU's tone mapping makes it: exposure, curve, sRGB encoding, and the same dither.
 DisplayImage display_image(const Film& film, const DisplaySettings& settings);

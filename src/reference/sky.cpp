@@ -1,6 +1,7 @@
 #include "reference/sky.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -53,6 +54,27 @@ Sky::Sky(const DecodedImage& image, double turn_rad, double times)
   make_distribution(image.width, image.height);
 }
 
+Sky Sky::sum(std::span<const Part> parts, const std::optional<SkyGradient>& gradient, double gradient_weight,
+             double turn_rad, double times) {
+  Sky sky;
+  sky.kind_ = Kind::sum;
+  sky.turn_cos_ = std::cos(turn_rad), sky.turn_sin_ = std::sin(turn_rad), sky.times_ = times;
+  sky.gradient_ = gradient, sky.gradient_weight_ = gradient_weight;
+  if (!parts.empty()) {
+    sky.image_width_ = parts[0].equirect->width, sky.image_height_ = parts[0].equirect->height;
+    std::vector<glm::dvec3> sums(size_t(sky.image_width_) * size_t(sky.image_height_));
+    for (const Part& part : parts)
+      for (size_t i = 0; i < sums.size(); ++i) {
+        glm::vec3 texel;
+        std::memcpy(&texel, part.equirect->pixels.data() + i * 16, 12);
+        sums[i] += part.weight * glm::dvec3(texel);
+      }
+    sky.texels_.assign(sums.begin(), sums.end());
+  }
+  sky.make_distribution(parts.empty() ? 1 : sky.image_width_, parts.empty() ? 256 : sky.image_height_);
+  return sky;
+}
+
 Sky Sky::neutral() {
   Sky sky;
   sky.kind_ = Kind::linear;
@@ -83,13 +105,46 @@ glm::dvec3 Sky::in_image(glm::dvec3 d) const {
 glm::dvec3 Sky::radiance(glm::dvec3 d) const {
   if (kind_ == Kind::none) return glm::dvec3(0);
   if (kind_ == Kind::linear) return constant_ + slope_ * d.y;
+  const glm::dvec3 gradient = times_ * gradient_at(d.y);
+  if (texels_.empty()) return gradient;
   d = in_image(d);
   const double x = (std::atan2(d.z, d.x) / (2 * pi) + 0.5) * image_width_ - 0.5;
   const double y = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi * image_height_ - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
   const double fx = x - x0, fy = y - y0;
-  return times_ * glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx),
-                           glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
+  const glm::dvec3 image = times_ * glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx),
+                                             glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
+  return gradient_ ? gradient + image : image;
+}
+
+glm::dvec3 Sky::gradient_at(double sine) const {
+  if (!gradient_) return glm::dvec3(0);
+  const SkyGradient& g = *gradient_;
+  const double share = std::pow(std::min(std::abs(sine), 1.0), g.exponent);
+  return gradient_weight_ * glm::mix(g.horizon, sine > 0 ? g.zenith : g.ground, share);
+}
+
+glm::dvec3 Sky::blurred(glm::dvec3 d, double deviation_rad) const {
+  const double kappa = 1 / (deviation_rad * deviation_rad);
+  const glm::dvec3 aside = std::abs(d.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 x = glm::normalize(glm::cross(aside, d)), y = glm::cross(d, x);
+  uint64_t state = 0x9e3779b97f4a7c15u;
+  for (int k = 0; k < 3; ++k) state = (state ^ std::bit_cast<uint64_t>(d[k])) * 0xd6e8feb86659fd93u + (state >> 29);
+  const auto next = [&state] {  // splitmix64 (Steele, Lea and Flood 2014)
+    uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  };
+  constexpr int directions = 16;
+  glm::dvec3 sum(0);
+  for (int i = 0; i < directions; ++i) {
+    const double u = (i + next()) / directions, phi = 2 * pi * next();
+    const double less = -std::log1p(-(1 - u) * -std::expm1(-2 * kappa)) / kappa;  // 1 - cos(angle)
+    const double across = std::sqrt(std::max(less * (2 - less), 0.0));
+    sum += radiance(glm::normalize((1 - less) * d + across * (std::cos(phi) * x + std::sin(phi) * y)));
+  }
+  return sum / double(directions);
 }
 
 double Sky::solid_angle(int row) const {
@@ -107,7 +162,10 @@ void Sky::make_distribution(int width, int height) {
       glm::dvec3 mean(0);
       if (kind_ == Kind::linear) {
         mean = radiance({0, std::cos(pi * (y + 0.5) / height), 0});
+      } else if (texels_.empty()) {
+        mean = gradient_at(std::cos(pi * (y + 0.5) / height));
       } else {
+        mean = gradient_at(std::cos(pi * (y + 0.5) / height));
         // The mean of the bilinear image over the texel: wherever the image is not black, the weight is not 0.
         constexpr double weight[3] = {0.125, 0.75, 0.125};
         for (int j = -1; j <= 1; ++j)

@@ -1,8 +1,11 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "image/io.h"
+#include "scene/look.h"
 
 namespace candela::reference {
 
@@ -14,11 +17,21 @@ class Sky {
   // rgba32f, read bilinearly: longitude wraps, the poles do not. Turned about +Y, counter-clockwise seen from above,
   // its radiance multiplied.
   explicit Sky(const DecodedImage& equirect, double turn_rad = 0, double times = 1);
+  // A weighted sum of such images, all of one size, and of a gradient.
+  struct Part {
+    const DecodedImage* equirect = nullptr;
+    glm::dvec3 weight{1};
+  };
+  static Sky sum(std::span<const Part> parts, const std::optional<SkyGradient>& gradient, double gradient_weight,
+                 double turn_rad, double times);
   static Sky neutral();                      // radiance 0.45 + 0.25 y, as scene/environment.h defines neutral_ambient()
   static Sky constant(glm::dvec3 radiance);  // for tests with closed forms
 
   explicit operator bool() const { return kind_ != Kind::none; }
   glm::dvec3 radiance(glm::dvec3 direction) const;  // direction of unit length
+  // What the camera sees where the background is blurred: the mean under exp(cos(angle) / deviation^2), estimated from
+  // some directions about this one, other ones for each direction.
+  glm::dvec3 blurred(glm::dvec3 direction, double deviation_rad) const;
 
   // Directions by luminance: a row by its share, a column by its share of the row, uniform in solid angle within a
   // texel (Pharr and Humphreys's piecewise-constant distribution, with densities exact per texel). pdf is per
@@ -31,9 +44,10 @@ class Sky {
   double pdf(glm::dvec3 direction) const;
 
  private:
-  enum class Kind { none, linear, image };
+  enum class Kind { none, linear, image, sum };
   void make_distribution(int width, int height);
   glm::dvec3 texel(int x, int y) const;
+  glm::dvec3 gradient_at(double sine) const;
   double solid_angle(int row) const;
   glm::ivec2 cell_of(glm::dvec3 direction) const;
   glm::dvec3 in_image(glm::dvec3 direction) const;  // from world axes to the image's
@@ -43,6 +57,8 @@ class Sky {
   double turn_cos_ = 1, turn_sin_ = 0, times_ = 1;
   int image_width_ = 0, image_height_ = 0;
   std::vector<glm::vec3> texels_;
+  std::optional<SkyGradient> gradient_;
+  double gradient_weight_ = 0;
   int width_ = 0, height_ = 0;                // of the distribution
   std::vector<double> row_end_, column_end_;  // cumulative; the last of each is exactly 1
 };

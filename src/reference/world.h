@@ -26,6 +26,7 @@ struct WorldInput {
   Sky sky{};                 // lights the scene
   AmbientSh ambient_sh{};    // of that sky, for the occlusion of the raster techniques' ambient term alone
   bool sky_visible = false;  // camera rays see it; else the background
+  double sky_blur_rad = 0;   // standard deviation by which they see it blurred
   glm::dvec4 background{0};  // linear, premultiplied
   AccelOptions accel{};
   bool glass =

@@ -153,7 +153,7 @@ void add_metadata(FloatImage& image, const FrameResult& frame, const Job& job, c
 }
 
 // By the job and not by the pixels, so that all frames of a sequence have the same channels.
-bool shows_through(const Job& job) { return job.background == "transparent" && job.sky.empty(); }
+bool shows_through(const Job& job, const Look& look) { return job.background == "transparent" && !has_sky(job, look); }
 
 }  // namespace
 
@@ -202,7 +202,7 @@ DisplayImage display_image(const FrameResult& frame, const Job& job) {
   DisplayImage image;
   image.width = frame.width_px;
   image.height = frame.height_px;
-  image.channels = shows_through(job) ? 4 : 3;
+  image.channels = shows_through(job, frame.request.look) ? 4 : 3;
   for (const OutputImage& output : frame.outputs) {
     if (output.layer != "display") continue;
     CHECK(output.format == VK_FORMAT_R8G8B8A8_UNORM || output.format == VK_FORMAT_R16G16B16A16_UNORM);

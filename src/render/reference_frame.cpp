@@ -7,12 +7,12 @@
 #include "base/text.h"
 #include "frame/content_hash.h"
 #include "frame/job_look.h"
+#include "frame/job_sky.h"
 #include "gltf/gltf.h"
 #include "reference/leaf_view.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "scene/neutral_light.h"
-#include "scene/scene_images.h"
 
 namespace candela {
 namespace {
@@ -29,6 +29,16 @@ glm::dvec4 background_of(const std::string& text) {
     std::from_chars(part.data(), part.data() + part.size(), colour[i]);
   }
   return colour;
+}
+
+// Gradients by their formula; the rest by its images.
+reference::Sky traced_sky(const FrameSky& sky) {
+  const double turn = glm::radians(sky.rotation_deg);
+  if (sky.is_plain() && !sky.gradient) return reference::Sky(sky.parts[0].image->image, turn, sky.intensity);
+  std::vector<reference::Sky::Part> parts;
+  for (const SkyPart& part : sky.parts)
+    if (!part.of_gradient) parts.push_back({&part.image->image, glm::dvec3(part.weight)});
+  return reference::Sky::sum(parts, sky.gradient, sky.gradient_weight, turn, sky.intensity);
 }
 
 }  // namespace
@@ -57,15 +67,14 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   if (!scene) return std::unexpected(scene.error());
   frame->scene = std::move(*scene);
   frame->time_s = time_s;
-  std::optional<DecodedImage> sky;
-  if (!job.sky.empty()) {
-    auto image = read_sky(job.sky, frame->scene);
-    if (!image) return std::unexpected(image.error());
-    sky = std::move(*image);
-  }
-  const auto look = look_of(job);
+  const auto look = look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
-  const auto content = hash_files(frame->scene.files, job.sky, job.look);
+  frame->look = *look;
+  const auto job_sky = JobSky::read(job, *look, frame->scene, frame->warnings);
+  if (!job_sky) return std::unexpected(job_sky.error());
+  const auto skies = sky_files(job, *look);
+  if (!skies) return std::unexpected(skies.error());
+  const auto content = hash_files(frame->scene.files, *skies, job.look);
   if (!content) return std::unexpected(content.error());
   frame->scene_content = *content;
   const auto animations = choose_animations(frame->scene, job.animation);
@@ -86,11 +95,12 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.fog = look->fog;
   input.occlusion = look->occlusion;
   if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
-  if (sky) {
-    const double turn = glm::radians(look->sky.rotation_deg);
-    input.sky = reference::Sky(*sky, turn, look->sky.intensity);
-    input.ambient_sh = turned(project_environment(*sky), turn, look->sky.intensity);
+  if (const FrameSky sky = job_sky->at(*look, frame->data, frame->notes)) {
+    add_sky_sun(sky, frame->data);
+    input.sky = traced_sky(sky);
+    input.ambient_sh = sky.ambient();
     input.sky_visible = true;
+    input.sky_blur_rad = glm::radians(sky.blur_deg);
   } else if (!has_light(frame->scene)) {
     add_neutral_light(frame->view, frame->data);
     input.sky = reference::Sky::neutral();
@@ -136,7 +146,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.camera = job.camera;
   picture.width_px = job.width_px, picture.height_px = job.height_px;
   picture.background = job.background;
-  picture.sky = job.sky.empty() ? "" : "sky";
+  picture.sky = job.sky.empty() || is_sky_word(job.sky) ? job.sky : "sky";
   picture.look = job.look.empty() ? "" : "look";
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),
                              settings_json(settings, accel), frame.scene_content.hex(), frame.time_s,

@@ -19,6 +19,7 @@ struct ReferenceFrame {
   View view;
   FrameData data;
   double time_s = 0;
+  Look look;  // of that time
   Hash128 scene_content;
   std::vector<std::string> notes, warnings;
   std::unique_ptr<reference::World> world;

@@ -1,69 +1,45 @@
 #include "scene/look.h"
 
-#include <cmath>
-#include <functional>
-#include <map>
-#include <vector>
-
 #include "base/files.h"
-#include "base/json.h"
-#include "base/text.h"
+#include "scene/look_rows.h"
 
 namespace candela {
-namespace {
+namespace look_rows {
 
-using Json = nlohmann::ordered_json;
-
-std::unexpected<Error> wrong(const std::string& place, const std::string& what) {
-  return std::unexpected(Error{ErrorKind::input, what, place});
-}
-
-template <class T>
-using Readers = std::map<std::string, std::function<Expected<void>(const Json&, const std::string& place, T&)>>;
-
-template <class T>
-Expected<void> read_keys(const Json& j, const std::string& place, const Readers<T>& readers, T& into) {
-  if (!j.is_object()) return wrong(place, "the value is not an object");
-  std::vector<std::string> names;
-  for (const auto& [name, reader] : readers) names.push_back(name);
-  for (const auto& [key, value] : j.items()) {
-    const std::string at = place + "/" + key;
-    const auto reader = readers.find(key);
-    if (reader == readers.end()) return wrong(at, unknown_name("key", key, names));
-    if (auto read = reader->second(value, at, into); !read) return read;
-  }
-  return {};
-}
-
-Expected<double> number(const Json& j, const std::string& place) {
+Expected<double> number(const Json& j, const std::string& place, Range range) {
   if (!j.is_number()) return wrong(place, "the value is not a number");
   const double value = j.get<double>();
   if (!std::isfinite(float(value))) return wrong(place, fmt::format("{} is beyond what a 32-bit number holds", value));
+  const bool both = range.low != 0 && std::isfinite(range.low) && std::isfinite(range.high);
+  if (both && !(value >= range.low && value <= range.high))
+    return wrong(place, fmt::format("{} is outside {} to {}", value, range.low, range.high));
+  if (!(value >= range.low)) return wrong(place, fmt::format("{} is below {}", value, range.low));
+  if (range.above_low && !(value > range.low)) return wrong(place, fmt::format("{} is not above {}", value, range.low));
+  if (!(value <= range.high)) return wrong(place, fmt::format("{} is above {}", value, range.high));
   return value;
 }
 
-Expected<double> from_zero(const Json& j, const std::string& place) {
-  const auto value = number(j, place);
-  if (value && !(*value >= 0)) return wrong(place, fmt::format("{} is below 0", *value));
-  return value;
-}
-
-// One number for all channels, or three.
-Expected<glm::dvec3> colour(const Json& j, const std::string& place) {
+Expected<glm::dvec3> color(const Json& j, const std::string& place, Range range) {
   if (!j.is_array()) {
-    const auto value = from_zero(j, place);
+    const auto value = number(j, place, range);
     return value ? Expected<glm::dvec3>(glm::dvec3(*value)) : std::unexpected(value.error());
   }
   if (j.size() != 3)
     return wrong(place, fmt::format("the list holds {} values; write one number or three: red, green, blue", j.size()));
   glm::dvec3 out;
   for (int c = 0; c < 3; ++c) {
-    const auto value = from_zero(j[size_t(c)], fmt::format("{}/{}", place, c));
+    const auto value = number(j[size_t(c)], fmt::format("{}/{}", place, c), range);
     if (!value) return std::unexpected(value.error());
     out[c] = *value;
   }
   return out;
 }
+
+}  // namespace look_rows
+
+namespace {
+
+using namespace look_rows;
 
 // The keys of "fog" as they stand in the file; two ways to say what the air does exclude each other.
 struct FogKeys {
@@ -71,70 +47,29 @@ struct FogKeys {
   std::optional<glm::dvec3> extinction, albedo, scattering, absorption;
 };
 
-template <class Value, class Parse>
-auto into(Value member, Parse parse) {
-  return [=](const Json& j, const std::string& place, FogKeys& keys) -> Expected<void> {
-    const auto value = parse(j, place);
-    if (!value) return std::unexpected(value.error());
-    std::invoke(member, keys) = *value;
-    return {};
-  };
+Row<FogKeys> axis_row(int axis) {
+  LookKey key = key_of(std::string(1, char('x' + axis)), LookKey::Kind::numbers, {}, "metres: lowest and highest");
+  key.least = key.most = 2;
+  return {key, [axis](const Json& v, const std::string& at, FogKeys& into) -> Expected<void> {
+            if (!v.is_array() || v.size() != 2)
+              return wrong(at, "the value is not a list of two numbers, lowest and highest");
+            const auto low = number(v[0], at + "/0"), high = number(v[1], at + "/1");
+            if (!low) return std::unexpected(low.error());
+            if (!high) return std::unexpected(high.error());
+            if (!(*low < *high)) return wrong(at, fmt::format("{} is not below {}", *low, *high));
+            into.fog.lowest[axis] = *low, into.fog.highest[axis] = *high;
+            return {};
+          }};
 }
 
-Expected<double> anisotropy(const Json& j, const std::string& place) {
-  const auto g = number(j, place);
-  if (g && std::abs(*g) > largest_anisotropy)
-    return wrong(place, fmt::format("{} is outside -{} to {}", *g, largest_anisotropy, largest_anisotropy));
-  return g;
-}
-
-Expected<glm::dvec3> albedo(const Json& j, const std::string& place) {
-  const auto value = colour(j, place);
-  if (value && glm::any(glm::greaterThan(*value, glm::dvec3(1))))
-    return wrong(place, "an albedo is at most 1: air scatters no more than it meets");
-  return value;
-}
-
-Expected<void> bounds(const Json& j, const std::string& place, FogKeys& keys) {
-  Readers<FogKeys> axes;
-  for (int axis = 0; axis < 3; ++axis)
-    axes[std::string(1, char('x' + axis))] = [axis](const Json& v, const std::string& at,
-                                                    FogKeys& into) -> Expected<void> {
-      if (!v.is_array() || v.size() != 2)
-        return wrong(at, "the value is not a list of two numbers, lowest and highest");
-      const auto low = number(v[0], at + "/0"), high = number(v[1], at + "/1");
-      if (!low) return std::unexpected(low.error());
-      if (!high) return std::unexpected(high.error());
-      if (!(*low < *high)) return wrong(at, fmt::format("{} is not below {}", *low, *high));
-      into.fog.lowest[axis] = *low, into.fog.highest[axis] = *high;
-      return {};
-    };
-  return read_keys(j, place, axes, keys);
-}
-
-const Readers<FogKeys>& fog_readers() {
-  static const Readers<FogKeys> table = {
-      {"extinction", into(&FogKeys::extinction, colour)},
-      {"albedo", into(&FogKeys::albedo, albedo)},
-      {"scattering", into(&FogKeys::scattering, colour)},
-      {"absorption", into(&FogKeys::absorption, colour)},
-      {"anisotropy", into([](FogKeys& k) -> double& { return k.fog.anisotropy; }, anisotropy)},
-      {"emission", into([](FogKeys& k) -> glm::dvec3& { return k.fog.emission_per_m; }, colour)},
-      {"falloff", into([](FogKeys& k) -> double& { return k.fog.falloff_per_m; }, from_zero)},
-      {"height", into([](FogKeys& k) -> double& { return k.fog.height_m; }, number)},
-      {"bounds", bounds},
-  };
-  return table;
-}
-
-Expected<void> read_fog(const Json& j, const std::string& place, Look& look) {
-  FogKeys keys;
-  if (auto read = read_keys(j, place, fog_readers(), keys); !read) return read;
+Expected<void> set_fog(const Json&, const std::string& place, FogKeys& keys, Look& look) {
   Fog& fog = keys.fog;
   const bool by_parts = keys.scattering || keys.absorption;
   if (by_parts && (keys.extinction || keys.albedo))
     return wrong(place, "extinction and albedo say the same as scattering and absorption; write one pair");
   if (!by_parts && !keys.extinction) return wrong(place, "lacks extinction (per metre), or scattering and absorption");
+  if (keys.albedo && glm::any(glm::greaterThan(*keys.albedo, glm::dvec3(1))))
+    return wrong(place + "/albedo", "an albedo is at most 1: air scatters no more than it meets");
   if (by_parts) {
     fog.scattering_per_m = keys.scattering.value_or(glm::dvec3(0));
     fog.extinction_per_m = fog.scattering_per_m + keys.absorption.value_or(glm::dvec3(0));
@@ -153,201 +88,354 @@ Expected<void> read_fog(const Json& j, const std::string& place, Look& look) {
   return {};
 }
 
-Expected<void> read_sun(const Json& j, const std::string& place, Look& look) {
-  const Readers<Sun> readers = {
-      {"angular_radius_deg", [](const Json& value, const std::string& at, Sun& sun) -> Expected<void> {
-         const auto degrees = from_zero(value, at);
-         if (!degrees) return std::unexpected(degrees.error());
-         if (*degrees > largest_sun_radius_deg)
-           return wrong(at, fmt::format("{} is above {} degrees", *degrees, largest_sun_radius_deg));
-         sun.angular_radius_deg = *degrees;
-         return {};
-       }}};
-  Sun sun;
-  if (auto read = read_keys(j, place, readers, sun); !read) return read;
-  look.sun = sun;
-  return {};
-}
-
-Expected<void> read_sky_look(const Json& j, const std::string& place, Look& look) {
-  const Readers<SkyLook> readers = {
-      {"rotation_deg",
-       [](const Json& value, const std::string& at, SkyLook& sky) -> Expected<void> {
-         const auto degrees = number(value, at);
-         if (!degrees) return std::unexpected(degrees.error());
-         sky.rotation_deg = *degrees;
-         return {};
-       }},
-      {"intensity", [](const Json& value, const std::string& at, SkyLook& sky) -> Expected<void> {
-         const auto times = from_zero(value, at);
-         if (!times) return std::unexpected(times.error());
-         sky.intensity = *times;
-         return {};
-       }}};
-  return read_keys(j, place, readers, look.sky);
-}
-
-Expected<double> from_zero_to(const Json& j, const std::string& place, double most) {
-  const auto value = from_zero(j, place);
-  if (value && *value > most) return wrong(place, fmt::format("{} is above {}", *value, most));
-  return value;
-}
-
-Expected<void> read_occlusion(const Json& j, const std::string& place, Look& look) {
-  const auto into_number = [](double Occlusion::*member, double most) {
-    return [=](const Json& v, const std::string& at, Occlusion& o) -> Expected<void> {
-      const auto value = from_zero_to(v, at, most);
-      if (!value) return std::unexpected(value.error());
-      o.*member = *value;
-      return {};
-    };
+Row<Look> fog_row() {
+  const auto copy = [](FogKeys& k) { return k; };
+  const auto keep = [](const Json&, const std::string&, FogKeys& part, FogKeys& into) -> Expected<void> {
+    into = part;
+    return {};
   };
-  const Readers<Occlusion> readers = {
-      {"radius_m",
-       [](const Json& v, const std::string& at, Occlusion& o) -> Expected<void> {
-         const auto value = from_zero(v, at);
-         if (!value) return std::unexpected(value.error());
-         if (!(*value > 0)) return wrong(at, "the value is not above 0; \"strength\": 0 switches occlusion off");
-         o.radius_m = *value;
-         return {};
-       }},
-      {"falloff", into_number(&Occlusion::falloff, 1)},
-      {"strength", into_number(&Occlusion::strength, 1)},
+  Row<FogKeys> albedo = color_row<FogKeys>("albedo", from_zero(), &FogKeys::albedo,
+                                           "the part of the extinction that is scattered; 1 where nothing is said");
+  albedo.key.high = 1;  // set_fog() says why
+  const Rows<FogKeys> rows = {
+      color_row<FogKeys>("extinction", from_zero(), &FogKeys::extinction,
+                         "per metre: light that a metre takes out of a ray at density 1"),
+      albedo,
+      color_row<FogKeys>("scattering", from_zero(), &FogKeys::scattering, "per metre; instead of extinction"),
+      color_row<FogKeys>("absorption", from_zero(), &FogKeys::absorption, "per metre; instead of extinction"),
+      number_row<FogKeys>(
+          "anisotropy", between(-largest_anisotropy, largest_anisotropy),
+          [](FogKeys& k) -> double& { return k.fog.anisotropy; }, "g of Henyey and Greenstein's phase function"),
+      color_row<FogKeys>(
+          "emission", from_zero(), [](FogKeys& k) -> glm::dvec3& { return k.fog.emission_per_m; },
+          "cd/m2 per metre that the air gives by itself"),
+      number_row<FogKeys>(
+          "falloff", from_zero(), [](FogKeys& k) -> double& { return k.fog.falloff_per_m; },
+          "per metre: the density is exp(-falloff (y - height))"),
+      number_row<FogKeys>(
+          "height", {}, [](FogKeys& k) -> double& { return k.fog.height_m; }, "metres: where the density is 1"),
+      object_row<FogKeys, FogKeys>("bounds", {axis_row(0), axis_row(1), axis_row(2)}, copy, keep,
+                                   "outside there is no fog"),
   };
-  Occlusion occlusion;
-  if (auto read = read_keys(j, place, readers, occlusion); !read) return read;
-  look.occlusion = occlusion;
-  return {};
+  return object_row<Look, FogKeys>(
+      "fog", rows, [](Look&) { return FogKeys{}; }, set_fog, "air that absorbs, scatters and glows");
+}
+
+Row<Look> sun_row() {
+  return object_row<Look, Sun>(
+      "sun",
+      {number_row<Sun>("angular_radius_deg", between(0, largest_sun_radius_deg), &Sun::angular_radius_deg,
+                       "degrees: the radius of directional lights as they are seen; 0 is a point")},
+      [](Look&) { return Sun{}; },
+      [](const Json&, const std::string&, Sun& sun, Look& look) -> Expected<void> {
+        look.sun = sun;
+        return {};
+      },
+      "the directional lights' disc in the sky");
+}
+
+Row<Look> occlusion_row() {
+  return object_row<Look, Occlusion>(
+      "occlusion",
+      {number_row<Occlusion>("radius_m", above_zero(), &Occlusion::radius_m,
+                             "metres: what is farther off does not hide the sky"),
+       number_row<Occlusion>("falloff", between(0, 1), &Occlusion::falloff,
+                             "the part of the radius over which the effect fades"),
+       number_row<Occlusion>("strength", between(0, 1), &Occlusion::strength, "of the darkening")},
+      [](Look&) { return Occlusion{}; },
+      [](const Json&, const std::string&, Occlusion& occlusion, Look& look) -> Expected<void> {
+        look.occlusion = occlusion;
+        return {};
+      },
+      "how surfaces near a point hide the sky from it");
+}
+
+Row<Bloom> weights_row() {
+  static constexpr size_t most_levels = 12;
+  LookKey key = key_of("weights", LookKey::Kind::numbers, from_zero(), "of the levels, finest first");
+  key.least = 1, key.most = most_levels;
+  return {key, [](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
+            if (!v.is_array() || v.empty() || v.size() > most_levels)
+              return wrong(at, fmt::format("the value is not a list of 1 to {} weights", most_levels));
+            b.weights.clear();
+            double sum = 0;
+            for (size_t i = 0; i < v.size(); ++i) {
+              const auto weight = number(v[i], fmt::format("{}/{}", at, i), from_zero());
+              if (!weight) return std::unexpected(weight.error());
+              b.weights.push_back(*weight);
+              sum += *weight;
+            }
+            if (!(sum > 0)) return wrong(at, "the weights are all 0");
+            return {};
+          }};
 }
 
 // "preset" comes first, whatever the order of the keys: the others go over it.
-Expected<void> read_bloom(const Json& j, const std::string& place, Look& look) {
-  constexpr double no_limit = std::numeric_limits<double>::infinity();
-  constexpr size_t most_levels = 12;
-  Bloom bloom;
-  if (j.is_object() && j.contains("preset")) {
-    if (j["preset"] != "city-lights") return wrong(place + "/preset", "the only preset is city-lights");
-    bloom = {.strength = 1, .threshold = 1.5, .knee = 0.25, .weights = {1, 0.5, 0.25, 0.125, 0.0625}, .keeps = false};
-  }
-  const auto into_number = [](double Bloom::*member, double most) {
-    return [=](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
-      const auto value = from_zero_to(v, at, most);
-      if (!value) return std::unexpected(value.error());
-      b.*member = *value;
-      return {};
-    };
+Row<Look> bloom_row() {
+  LookKey preset = key_of("preset", LookKey::Kind::text, {}, "values that the other keys go over");
+  preset.choices = {"city-lights"};
+  const Rows<Bloom> rows = {
+      {preset, [](const Json&, const std::string&, Bloom&) -> Expected<void> { return {}; }},
+      number_row<Bloom>("strength", from_zero(), &Bloom::strength, "the share of the light that is scattered"),
+      number_row<Bloom>("threshold", from_zero(), &Bloom::threshold, "exposed radiance: less does not glow"),
+      number_row<Bloom>("knee", from_zero(), &Bloom::knee, "half the width over which the threshold sets in"),
+      flag_row<Bloom>("keeps", &Bloom::keeps, "what is scattered is taken from where it came; otherwise it is added"),
+      flag_row<Bloom>("beauty", &Bloom::in_beauty, "in linear output too"),
+      weights_row(),
   };
-  const auto into_flag = [](bool Bloom::*member) {
-    return [=](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
-      if (!v.is_boolean()) return wrong(at, "the value is neither true nor false");
-      b.*member = v.get<bool>();
-      return {};
-    };
-  };
-  const Readers<Bloom> readers = {
-      {"preset", [](const Json&, const std::string&, Bloom&) -> Expected<void> { return {}; }},
-      {"strength", into_number(&Bloom::strength, no_limit)},
-      {"threshold", into_number(&Bloom::threshold, no_limit)},
-      {"knee", into_number(&Bloom::knee, no_limit)},
-      {"keeps", into_flag(&Bloom::keeps)},
-      {"beauty", into_flag(&Bloom::in_beauty)},
-      {"weights",
-       [=](const Json& v, const std::string& at, Bloom& b) -> Expected<void> {
-         if (!v.is_array() || v.empty() || v.size() > most_levels)
-           return wrong(at, fmt::format("the value is not a list of 1 to {} weights", most_levels));
-         b.weights.clear();
-         double sum = 0;
-         for (size_t i = 0; i < v.size(); ++i) {
-           const auto weight = from_zero(v[i], fmt::format("{}/{}", at, i));
-           if (!weight) return std::unexpected(weight.error());
-           b.weights.push_back(*weight);
-           sum += *weight;
-         }
-         if (!(sum > 0)) return wrong(at, "the weights are all 0");
-         return {};
-       }},
-  };
-  if (auto read = read_keys(j, place, readers, bloom); !read) return read;
-  if (bloom.keeps && bloom.strength > 1)
-    return wrong(place + "/strength", fmt::format("{} is above 1: no more light can be scattered than there is; "
-                                                  "\"keeps\": false adds it",
-                                                  bloom.strength));
-  look.bloom = bloom;
-  return {};
-}
-
-// The value of {"keys": [[t, v], ...]} at a time; numbers, or lists of as many numbers.
-Expected<Json> value_at(const Json& keys, const std::string& place, double time_s) {
-  if (!keys.is_array() || keys.empty()) return wrong(place, "the value is not a list of [time, value]");
-  double before = -std::numeric_limits<double>::infinity();
-  for (size_t i = 0; i < keys.size(); ++i) {
-    const std::string at = fmt::format("{}/{}", place, i);
-    const Json& key = keys[i];
-    if (!key.is_array() || key.size() != 2) return wrong(at, "the value is not [time, value]");
-    const auto time = number(key[0], at + "/0");
-    if (!time) return std::unexpected(time.error());
-    if (!(*time > before)) return wrong(at + "/0", "the times do not ascend");
-    before = *time;
-    const bool list = key[1].is_array();
-    if (list != keys[0][1].is_array() || (list && key[1].size() != keys[0][1].size()))
-      return wrong(at + "/1", "the value is of another kind than the first key's");
-    for (size_t c = 0; c < (list ? key[1].size() : 1); ++c)
-      if (const auto value = number(list ? key[1][c] : key[1], at + "/1"); !value)
-        return std::unexpected(value.error());
-  }
-  size_t next = 0;
-  while (next < keys.size() && keys[next][0].get<double>() <= time_s) ++next;
-  if (next == 0) return keys[0][1];
-  if (next == keys.size()) return keys[next - 1][1];
-  const double t0 = keys[next - 1][0].get<double>(), t1 = keys[next][0].get<double>();
-  const double s = (time_s - t0) / (t1 - t0);
-  const auto between = [&](const Json& a, const Json& b) { return (1 - s) * a.get<double>() + s * b.get<double>(); };
-  if (!keys[0][1].is_array()) return Json(between(keys[next - 1][1], keys[next][1]));
-  Json list = Json::array();
-  for (size_t c = 0; c < keys[0][1].size(); ++c) list.push_back(between(keys[next - 1][1][c], keys[next][1][c]));
-  return list;
-}
-
-Expected<void> evaluate(Json& j, const std::string& place, double time_s) {
-  if (j.is_object() && j.size() == 1 && j.contains("keys")) {
-    auto value = value_at(j["keys"], place + "/keys", time_s);
-    if (!value) return std::unexpected(value.error());
-    j = Json(std::move(*value));
+  const auto done = [rows](const Json& j, const std::string& place, Bloom& bloom, Look& look) -> Expected<void> {
+    if (j.contains("preset")) {
+      if (j["preset"] != "city-lights") return wrong(place + "/preset", "the only preset is city-lights");
+      bloom = {.strength = 1, .threshold = 1.5, .knee = 0.25, .weights = {1, 0.5, 0.25, 0.125, 0.0625}, .keeps = false};
+      if (auto again = read_rows(j, place, rows, bloom); !again) return again;
+    }
+    if (bloom.keeps && bloom.strength > 1)
+      return wrong(place + "/strength", fmt::format("{} is above 1: no more light can be scattered than there is; "
+                                                    "\"keeps\": false adds it",
+                                                    bloom.strength));
+    look.bloom = bloom;
     return {};
-  }
-  if (!j.is_object()) return {};
-  for (auto& [key, value] : j.items())
-    if (auto done = evaluate(value, place + "/" + key, time_s); !done) return done;
-  return {};
+  };
+  return object_row<Look, Bloom>(
+      "bloom", rows, [](Look&) { return Bloom{}; }, done, "light that lens and eye scatter round bright things");
+}
+
+Row<SkyLook> gradient_row() {
+  return object_row<SkyLook, SkyGradient>(
+      "gradient",
+      {color_row<SkyGradient>("zenith", from_zero(), &SkyGradient::zenith, "radiance straight up"),
+       color_row<SkyGradient>("horizon", from_zero(), &SkyGradient::horizon, "radiance at the horizon"),
+       color_row<SkyGradient>("ground", from_zero(), &SkyGradient::ground, "radiance straight down"),
+       number_row<SkyGradient>("exponent", between(0.05, 20), &SkyGradient::exponent,
+                               "of the sine of the elevation, by which zenith and ground set in")},
+      [](SkyLook&) { return SkyGradient{}; },
+      [](const Json&, const std::string&, SkyGradient& gradient, SkyLook& sky) -> Expected<void> {
+        sky.gradient = gradient;
+        return {};
+      },
+      "a sky of three colours, without an image");
+}
+
+Row<SkyLook> atmosphere_row() {
+  return object_row<SkyLook, Atmosphere>(
+      "atmosphere",
+      {number_row<Atmosphere>("haze", between(0, 100), &Atmosphere::haze, "times the Earth's aerosols"),
+       number_row<Atmosphere>("ozone", between(0, 100), &Atmosphere::ozone, "times the Earth's ozone"),
+       number_row<Atmosphere>("ground_albedo", between(0, 1), &Atmosphere::ground_albedo,
+                              "of the ground below the horizon"),
+       number_row<Atmosphere>("altitude_m", between(0, 50'000), &Atmosphere::altitude_m, "metres: of the observer"),
+       color_row<Atmosphere>("sun_lux", from_zero(), &Atmosphere::sun_lux,
+                             "of the sun above the air; without it that of the first directional light")},
+      [](SkyLook&) { return Atmosphere{}; },
+      [](const Json&, const std::string&, Atmosphere& air, SkyLook& sky) -> Expected<void> {
+        sky.atmosphere = air;
+        return {};
+      },
+      "the day sky of the Earth's air under the scene's first directional light");
+}
+
+Row<SkyLook> second_row() {
+  struct Keys {
+    SecondSky sky;
+    std::optional<double> weight;
+    bool has_image = false;
+  };
+  const Rows<SecondSky> follows = {
+      number_row<SecondSky>("from_deg", between(-90, 90), &SecondSky::from_deg, "elevation at which the weight is 1"),
+      number_row<SecondSky>("to_deg", between(-90, 90), &SecondSky::to_deg, "elevation at which the weight is 0")};
+  const Rows<Keys> rows = {
+      text_row<Keys>(
+          "image", {}, [](Keys& k) -> std::string& { return k.sky.image; },
+          "as --sky takes it, from the look's folder"),
+      number_row<Keys>(
+          "intensity", from_zero(), [](Keys& k) -> double& { return k.sky.intensity; }, "times this image's radiance"),
+      number_row<Keys>("weight", between(0, 1), &Keys::weight, "0: the first sky alone; 1: this one alone"),
+      object_row<Keys, SecondSky>(
+          "follows_sun", follows, [](Keys& k) { return k.sky; },
+          [](const Json&, const std::string& at, SecondSky& sky, Keys& keys) -> Expected<void> {
+            if (!(sky.from_deg < sky.to_deg))
+              return wrong(at, fmt::format("from_deg {} is not below to_deg {}", sky.from_deg, sky.to_deg));
+            keys.sky.from_deg = sky.from_deg, keys.sky.to_deg = sky.to_deg, keys.sky.follows_sun = true;
+            return {};
+          },
+          "instead of weight: 1 - smoothstep(from, to, the first directional light's elevation)"),
+  };
+  return object_row<SkyLook, Keys>(
+      "second", rows, [](SkyLook&) { return Keys{}; },
+      [](const Json&, const std::string& place, Keys& keys, SkyLook& sky) -> Expected<void> {
+        if (keys.sky.image.empty()) return wrong(place, "lacks image");
+        if (keys.weight.has_value() == keys.sky.follows_sun)
+          return wrong(place, "needs weight or follows_sun, one of the two");
+        keys.sky.weight = keys.weight.value_or(0);
+        sky.second = keys.sky;
+        return {};
+      },
+      "a second image that is blended over the sky");
+}
+
+Row<Look> sky_row() {
+  const Rows<SkyLook> rows = {
+      number_row<SkyLook>("rotation_deg", {}, &SkyLook::rotation_deg,
+                          "degrees about +Y, counter-clockwise seen from above"),
+      number_row<SkyLook>("intensity", from_zero(), &SkyLook::intensity, "times the radiance"),
+      number_row<SkyLook>("blur_deg", between(0, 90), &SkyLook::blur_deg,
+                          "degrees: standard deviation by which the background is blurred, not the light"),
+      flag_row<SkyLook>("extract_sun", &SkyLook::extract_sun,
+                        "the image's brightest spot becomes a directional light, with shadows"),
+      text_row<SkyLook>("image", {}, &SkyLook::image, "as --sky takes it, from the look's folder"),
+      gradient_row(),
+      atmosphere_row(),
+      second_row(),
+  };
+  return object_row<Look, SkyLook>(
+      "sky", rows, [](Look&) { return SkyLook{}; },
+      [](const Json&, const std::string& place, SkyLook& sky, Look& look) -> Expected<void> {
+        if (!sky.image.empty() + sky.gradient.has_value() + sky.atmosphere.has_value() > 1)
+          return wrong(place, "image, gradient and atmosphere are three skies; write one");
+        look.sky = sky;
+        return {};
+      },
+      "what the sky is, and how it stands and shines");
+}
+
+Row<ExposureLook> auto_exposure_row() {
+  return object_row<ExposureLook, AutoExposure>(
+      "auto",
+      {number_row<AutoExposure>("low_percent", between(0, 100), &AutoExposure::low_percent,
+                                "of the pixels, by luminance, that are darker than what is looked at"),
+       number_row<AutoExposure>("high_percent", between(0, 100), &AutoExposure::high_percent,
+                                "of the pixels up to which is looked at"),
+       number_row<AutoExposure>("target", above_zero(), &AutoExposure::target,
+                                "the exposed luminance that their geometric mean becomes"),
+       number_row<AutoExposure>("min_ev", between(-100, 100), &AutoExposure::min_ev, "stops: no darker than this"),
+       number_row<AutoExposure>("max_ev", between(-100, 100), &AutoExposure::max_ev, "stops: no brighter than this")},
+      [](ExposureLook&) { return AutoExposure{}; },
+      [](const Json&, const std::string& place, AutoExposure& a, ExposureLook& exposure) -> Expected<void> {
+        if (!(a.low_percent < a.high_percent))
+          return wrong(place,
+                       fmt::format("low_percent {} is not below high_percent {}", a.low_percent, a.high_percent));
+        if (!(a.min_ev <= a.max_ev))
+          return wrong(place, fmt::format("min_ev {} is above max_ev {}", a.min_ev, a.max_ev));
+        exposure.automatic = a;
+        return {};
+      },
+      "by the frame's own luminance");
+}
+
+Row<Look> exposure_row() {
+  return object_row<Look, ExposureLook>(
+      "exposure",
+      {auto_exposure_row(),
+       number_row<ExposureLook>("ev", between(-100, 100), &ExposureLook::ev,
+                                "stops by which the picture is made brighter; --exposure goes before it")},
+      [](Look&) { return ExposureLook{}; },
+      [](const Json&, const std::string&, ExposureLook& exposure, Look& look) -> Expected<void> {
+        look.exposure = exposure;
+        return {};
+      },
+      "how bright the picture is");
+}
+
+Row<Look> tone_row() {
+  return object_row<Look, ToneMapping>(
+      "tone_mapping",
+      {text_row<ToneMapping>("curve", {"agx", "none", "reinhard", "aces", "neutral", "rec709"}, &ToneMapping::curve,
+                             "of display output; --tonemap goes before it"),
+       number_row<ToneMapping>("agx_min_ev", between(-100, 100), &ToneMapping::agx_min_ev,
+                               "of agx: log2 of the exposed radiance that is black"),
+       number_row<ToneMapping>("agx_max_ev", between(-100, 100), &ToneMapping::agx_max_ev,
+                               "of agx: log2 of the exposed radiance that is white")},
+      [](Look&) { return ToneMapping{}; },
+      [](const Json&, const std::string& place, ToneMapping& tone, Look& look) -> Expected<void> {
+        if (!(tone.agx_max_ev - tone.agx_min_ev >= 0.1))
+          return wrong(place, fmt::format("agx_min_ev {} is not below agx_max_ev {} by at least 0.1", tone.agx_min_ev,
+                                          tone.agx_max_ev));
+        look.tone_mapping = tone;
+        return {};
+      },
+      "how radiance becomes display values");
+}
+
+const Rows<Look>& look_table() {
+  static const Rows<Look> rows = {fog_row(),       sun_row(),      sky_row(), bloom_row(),
+                                  occlusion_row(), exposure_row(), tone_row()};
+  return rows;
+}
+
+Expected<Look> look_at(const std::string& text, const std::string& place, double time_s, std::vector<double>* times) {
+  auto j = read_json(text, place);
+  if (!j) return std::unexpected(j.error());
+  if (!j->is_object()) return wrong(place, "a look is a JSON object");
+  if (auto evaluated = evaluate(*j, place + ": ", time_s, times); !evaluated) return std::unexpected(evaluated.error());
+  Look look;
+  if (auto read = read_rows(*j, place + ": ", look_table(), look); !read) return std::unexpected(read.error());
+  return look;
 }
 
 }  // namespace
 
+const std::vector<LookKey>& look_keys() {
+  static const std::vector<LookKey> keys = [] {
+    std::vector<LookKey> list;
+    for (const Row<Look>& row : look_table()) list.push_back(row.key);
+    return list;
+  }();
+  return keys;
+}
+
+std::vector<std::string> switched_on(const Look& look) {
+  std::vector<std::string> names;
+  const auto add = [&](bool on, std::string name) {
+    if (on) names.push_back(std::move(name));
+  };
+  const SkyLook& sky = look.sky;
+  add(look.fog.has_value(), "fog");
+  add(look.sun.has_value(), "the sun's disc");
+  add(!sky.image.empty(), "sky image");
+  add(sky.gradient.has_value(), "sky gradient");
+  add(sky.atmosphere.has_value(), "sky atmosphere");
+  add(sky.second.has_value(), "second sky");
+  add(sky.blur_deg > 0, "blurred background");
+  add(sky.extract_sun, "the sky image's sun as a light");
+  add(look.bloom.has_value(), "bloom");
+  add(look.occlusion.has_value(), "occlusion");
+  add(look.exposure.ev.has_value(), "exposure");
+  add(look.exposure.automatic.has_value(), "automatic exposure");
+  add(!look.tone_mapping.curve.empty() || look.tone_mapping.agx_min_ev != agx_lowest_ev ||
+          look.tone_mapping.agx_max_ev != agx_highest_ev,
+      "tone mapping");
+  return names;
+}
+
 Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s) {
-  auto j = read_json(text, place);
-  if (!j) return std::unexpected(j.error());
-  if (!j->is_object()) return wrong(place, "a look is a JSON object");
-  if (auto evaluated = evaluate(*j, place + ": ", time_s); !evaluated) return std::unexpected(evaluated.error());
-  Look look;
-  const Readers<Look> readers = {{"fog", read_fog},
-                                 {"sun", read_sun},
-                                 {"sky", read_sky_look},
-                                 {"bloom", read_bloom},
-                                 {"occlusion", read_occlusion}};
-  if (auto read = read_keys(*j, place + ": ", readers, look); !read) return std::unexpected(read.error());
-  return look;
+  return look_at(text, place, time_s, nullptr);
 }
 
 Expected<LookFile> read_look_file(const std::filesystem::path& file) {
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(bytes.error());
-  return LookFile{std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), file.string()};
+  LookFile look{std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), file.string()};
+  std::vector<double> times;
+  if (auto read = look_at(look.text, look.place, 0, &times); !read) return std::unexpected(read.error());
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  for (const double time_s : times)
+    if (auto read = look_at(look.text, look.place, time_s, nullptr); !read)
+      return fail(ErrorKind::input, read.error().place, "at {} s: {}", time_s, read.error().message);
+  return look;
 }
 
 Expected<Look> read_look(const std::filesystem::path& file, double time_s) {
   const auto read = read_look_file(file);
   if (!read) return std::unexpected(read.error());
   return look_from_json(read->text, read->place, time_s);
+}
+
+std::filesystem::path look_beside(const std::filesystem::path& scene) {
+  std::filesystem::path file = scene;
+  file.replace_extension(".look.json");
+  std::error_code failed;
+  return std::filesystem::is_regular_file(file, failed) ? file : std::filesystem::path();
 }
 
 }  // namespace candela

@@ -50,10 +50,61 @@ struct Bloom {
   static double variance_px2(size_t level) { return 1.5 * (double(uint64_t(1) << (2 * (level + 1))) - 1); }
 };
 
-// How the sky's image stands and shines.
+// A sky without an image. With e the sine of the elevation: horizon + (zenith - horizon) e^exponent above the horizon,
+// horizon + (ground - horizon) (-e)^exponent below. Radiance.
+struct SkyGradient {
+  glm::dvec3 zenith{0.25, 0.45, 0.9}, horizon{0.8, 0.85, 0.9}, ground{0.2, 0.18, 0.16};
+  double exponent = 0.5;
+};
+
+// Air of the Earth under the scene's first directional light (scene/atmosphere.h).
+struct Atmosphere {
+  double haze = 1;             // times the Earth's aerosols
+  double ozone = 1;            // times the Earth's ozone
+  double ground_albedo = 0.1;  // of the ground below the horizon
+  double altitude_m = 200;     // of the observer
+  // Of the sun above the air, lux; absent: the light's own.
+  std::optional<glm::dvec3> sun_lux;
+};
+
+// A second image over the first: the sky is (1 - weight) first + weight second.
+struct SecondSky {
+  std::string image;         // as the file names it
+  double intensity = 1;      // times this image's radiance
+  double weight = 0;         // 0 to 1
+  bool follows_sun = false;  // the weight is 1 - smoothstep(from, to, elevation of the first directional light)
+  double from_deg = -18, to_deg = 0;
+};
+
+// What the sky is, and how it stands and shines. At most one of image, gradient and atmosphere; an image of the command
+// line takes their place.
 struct SkyLook {
-  double rotation_deg = 0;  // about +Y, counter-clockwise seen from above
-  double intensity = 1;     // times the image's radiance
+  double rotation_deg = 0;   // about +Y, counter-clockwise seen from above
+  double intensity = 1;      // times the radiance
+  double blur_deg = 0;       // standard deviation by which the background is blurred; light is not
+  bool extract_sun = false;  // the image's brightest spot becomes a directional light, with shadows
+  std::string image;         // as the file names it
+  std::optional<SecondSky> second;
+  std::optional<SkyGradient> gradient;
+  std::optional<Atmosphere> atmosphere;
+};
+
+// Exposure by the frame's own luminance: the mean of log2 of the luminances between two percentiles of the picture
+// comes out as middle grey.
+struct AutoExposure {
+  double low_percent = 50, high_percent = 95;
+  double target = 0.18;  // exposed luminance of that mean
+  double min_ev = -16, max_ev = 16;
+};
+// Values that the command line goes before.
+struct ExposureLook {
+  std::optional<double> ev;  // stops; with automatic exposure on top of it
+  std::optional<AutoExposure> automatic;
+};
+inline constexpr double agx_lowest_ev = -12.47393, agx_highest_ev = 4.026069;
+struct ToneMapping {
+  std::string curve;                                               // empty: not said
+  double agx_min_ev = agx_lowest_ev, agx_max_ev = agx_highest_ev;  // stops of exposed radiance
 };
 
 // How surfaces near a point hide the sky from it. A ray that meets a surface at distance t is hidden by
@@ -76,19 +127,44 @@ struct Look {
   std::optional<Sun> sun;
   SkyLook sky;
   std::optional<Occlusion> occlusion;
+  ExposureLook exposure;
+  ToneMapping tone_mapping;
 };
+// What of it a picture shows, in words: "fog, bloom". Empty: nothing.
+std::vector<std::string> switched_on(const Look& look);
 
 // A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are
 // negative, not finite or contradict each other are errors (input) that name file and JSON path.
 //
 // Any number, list of numbers or colour may stand as {"keys": [[time in seconds, value], ...]} with ascending times: it
-// is then interpolated between them, and constant before the first and after the last.
+// is then interpolated between them, and constant before the first and after the last. "interpolation" beside it is
+// linear, step, or cubic: monotone pieces (Fritsch and Carlson, "Monotone Piecewise Cubic Interpolation", 1980), which
+// stay between their keys, so that values that are right at the keys are right between them.
+//
 // A file's text as it was read once, for a sequence whose frames evaluate it at their own times.
 struct LookFile {
   std::string text, place;  // place: the file's name, for errors
 };
+// Read and checked at the times of all keys.
 Expected<LookFile> read_look_file(const std::filesystem::path& file);
 Expected<Look> read_look(const std::filesystem::path& file, double time_s = 0);
 Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s = 0);
+
+// NAME.look.json beside NAME.gltf or NAME.glb, or empty where there is none.
+std::filesystem::path look_beside(const std::filesystem::path& scene);
+
+// The keys that the reader takes, as a tree: what the reader checks and docs/schemas/look.schema.json says.
+struct LookKey {
+  enum class Kind : uint8_t { object, number, numbers, color, flag, text };
+  std::string name, help;
+  Kind kind = Kind::number;
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool above_low = false;            // low itself is outside
+  size_t least = 0, most = 0;        // of numbers: how many
+  std::vector<std::string> choices;  // of text
+  std::vector<LookKey> keys;         // of object
+};
+const std::vector<LookKey>& look_keys();
+std::string look_schema();  // JSON Schema, draft 2020-12
 
 }  // namespace candela

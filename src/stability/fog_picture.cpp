@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "frame/job_look.h"
 #include "reference/display.h"
 #include "reference/film.h"
 #include "render/reference_frame.h"
@@ -38,7 +39,8 @@ Expected<FogPicture> fog_picture(const Job& job, reference::Mode mode,
     truth.low = truth.high = truth.centre;
     made.known = std::move(truth);
   }
-  reference::DisplaySettings display{.curve = job.tonemap, .exposure_ev = job.exposure_ev, .bits = 8};
+  const DisplayLook look = display_look(job, {});
+  reference::DisplaySettings display{.curve = look.curve, .exposure_ev = look.exposure_ev, .bits = 8};
   made.display = reference::display_image(film, display);
   return made;
 }

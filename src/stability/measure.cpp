@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/check.h"
+#include "frame/job_look.h"
 #include "reference/display.h"
 #include "reference/film.h"
 #include "reference/integrator.h"
@@ -156,13 +157,14 @@ PixelCounts count_pixels(const Beauty& beauty, double pre_exposure) {
 
 double display_error(const DisplayImage& display, const Beauty& beauty, double pre_exposure, const Job& job) {
   CHECK(display.bits == 16);
-  const double exposure = std::exp2(double(job.exposure_ev));
+  const DisplayLook look = display_look(job, {});
+  const double exposure = std::exp2(double(look.exposure_ev));
   double worst = 0;
   for (size_t i = 0; i < pixels_of(beauty); ++i) {
     const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
     const double alpha = std::clamp(v.w, 0.0, 1.0);
     const glm::dvec3 exposed = glm::max(glm::dvec3(v), 0.0) * exposure / (alpha > 0 ? alpha : 1);
-    const glm::dvec3 shown = reference::display_encoded(reference::tone_mapped(job.tonemap, exposed));
+    const glm::dvec3 shown = reference::display_encoded(reference::tone_mapped(look.curve, exposed));
     for (int c = 0; c < 3; ++c) {
       uint16_t code;
       std::memcpy(&code, display.pixels.data() + (i * size_t(display.channels) + size_t(c)) * 2, 2);

@@ -5,6 +5,12 @@
 namespace candela {
 namespace {
 
+Exposure::In exposure_in(const Frame& frame, const SceneInputs& scene, ImageHandle linear) {
+  Exposure::In in{linear, scene.width_px, scene.height_px, {}, std::exp2(-frame.request.pre_exposure_ev)};
+  in.look = frame.request.look.exposure.automatic.value_or(AutoExposure{});
+  return in;
+}
+
 Tonemap::In tonemap_in(const Frame& frame, const SceneInputs& scene, ImageHandle linear) {
   const FrameRequest& request = frame.request;
   const auto curves = tone_curve_names();
@@ -14,6 +20,8 @@ Tonemap::In tonemap_in(const Frame& frame, const SceneInputs& scene, ImageHandle
   in.dither = request.dither;
   in.exposure = std::exp2(request.exposure_ev - request.pre_exposure_ev);
   in.seed = request.noise_seed;
+  in.agx_min_ev = float(request.look.tone_mapping.agx_min_ev);
+  in.agx_max_ev = float(request.look.tone_mapping.agx_max_ev);
   return in;
 }
 
@@ -32,7 +40,9 @@ void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance) {
   const uint32_t width = scene.width_px, height = scene.height_px;
   const ImageHandle linear = newest(frame.add(Resolve{}, {radiance, width, height, scene.samples}).resolved, radiance);
   const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear)).color, linear);
-  const ImageHandle display = frame.add(Tonemap{}, tonemap_in(frame, scene, bloomed)).display;
+  Tonemap::In shown = tonemap_in(frame, scene, bloomed);
+  shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;
+  const ImageHandle display = frame.add(Tonemap{}, shown).display;
 
   Readback::In readback;
   const auto want = [&](const std::string& layer, ImageHandle image) {

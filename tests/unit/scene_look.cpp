@@ -163,4 +163,105 @@ TEST(Look, TurnsAndDimsTheSky) {
   EXPECT_EQ(look_from_json("{}", "l")->sky.intensity, 1);
 }
 
+TEST(Look, InterpolatesAsItIsTold) {
+  const auto at = [](const std::string& how, double time_s) {
+    const auto look = look_from_json(
+        R"({"bloom": {"strength": {"keys": [[0, 0], [1, 0], [2, 1], [4, 1]], "interpolation": ")" + how + "\"}}}", "l",
+        time_s);
+    EXPECT_TRUE(look) << look.error().text();
+    return look ? look->bloom->strength : -1;
+  };
+  EXPECT_EQ(at("step", 1.99), 0);
+  EXPECT_EQ(at("step", 2), 1);
+  EXPECT_DOUBLE_EQ(at("linear", 1.25), 0.25);
+  // Flat on both sides of the rise: a smoothstep, and never below or above its keys.
+  EXPECT_DOUBLE_EQ(at("cubic", 1.25), 0.25 * 0.25 * (3 - 2 * 0.25));
+  EXPECT_DOUBLE_EQ(at("cubic", 1.5), 0.5);
+  for (double t = -1; t < 5; t += 0.01) {
+    EXPECT_GE(at("cubic", t), 0) << t;
+    EXPECT_LE(at("cubic", t), 1) << t;
+  }
+  // Rising throughout: the tangent at a key is the harmonic mean of its slopes, 2/(1/1 + 1/3) for equal steps.
+  const auto rising = [](double t) {
+    return look_from_json(R"({"bloom": {"keeps": false, "strength": {"keys": [[0, 0], [1, 1], [2, 4]],
+                              "interpolation": "cubic"}}})",
+                          "l", t)
+        ->bloom->strength;
+  };
+  const double h = 1e-6;
+  EXPECT_NEAR((rising(1 + h) - rising(1 - h)) / (2 * h), 1.5, 1e-5);
+  for (const char* wrong : {R"({"bloom": {"strength": {"keys": [[0, 0]], "interpolation": "cubik"}}})",
+                            R"({"bloom": {"strength": {"keys": [[0, 0]], "interpolation": 1}}})",
+                            R"({"bloom": {"strength": {"keys": [[0, 0]], "interpolaton": "step"}}})"})
+    EXPECT_FALSE(look_from_json(wrong, "l")) << wrong;
+  EXPECT_NE(look_from_json(R"({"bloom": {"strength": {"keys": [[0, 0]], "interpolation": "cubik"}}})", "l")
+                .error()
+                .message.find("did you mean 'cubic'"),
+            std::string::npos);
+}
+
+// A value that is wrong at a later key is refused when the file is read, not minutes into a sequence.
+TEST(Look, IsCheckedAtAllItsKeys) {
+  const std::string file = ::testing::TempDir() + "candela_keys.look.json";
+  std::ofstream(file) << R"({"occlusion": {"strength": {"keys": [[0, 0.5], [7.5, 1.5]]}}})";
+  const auto read = read_look_file(file);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().text().find("/occlusion/strength: at 7.5 s: 1.5 is above 1"), std::string::npos)
+      << read.error().text();
+}
+
+TEST(Look, SaysHowBrightThePictureIsAndHowItIsShown) {
+  const auto look = look_from_json(
+      R"({"exposure": {"ev": {"keys": [[0, 1.5], [10, -2.5]]}},
+          "tone_mapping": {"curve": "agx", "agx_min_ev": -14, "agx_max_ev": {"keys": [[0, 4], [10, 1]]}}})",
+      "l", 5);
+  ASSERT_TRUE(look) << look.error().text();
+  EXPECT_EQ(look->exposure.ev, -0.5);
+  EXPECT_EQ(look->tone_mapping.curve, "agx");
+  EXPECT_EQ(look->tone_mapping.agx_min_ev, -14);
+  EXPECT_EQ(look->tone_mapping.agx_max_ev, 2.5);
+  const auto none = look_from_json("{}", "l");
+  EXPECT_FALSE(none->exposure.ev);
+  EXPECT_TRUE(none->tone_mapping.curve.empty());
+  for (const char* wrong : {R"({"exposure": {"ev": 101}})", R"({"tone_mapping": {"curve": "agxx"}})",
+                            R"({"tone_mapping": {"agx_min_ev": 2, "agx_max_ev": 2}})"})
+    EXPECT_FALSE(look_from_json(wrong, "l")) << wrong;
+}
+
+TEST(Look, SaysWhatTheSkyIs) {
+  const auto look = look_from_json(
+      R"({"sky": {"gradient": {"zenith": [0, 0, 1], "exponent": 2}, "blur_deg": 3,
+          "second": {"image": "night", "intensity": 0.1, "follows_sun": {"from_deg": -10}}}})",
+      "l");
+  ASSERT_TRUE(look) << look.error().text();
+  EXPECT_EQ(look->sky.gradient->zenith, glm::dvec3(0, 0, 1));
+  EXPECT_EQ(look->sky.gradient->exponent, 2);
+  EXPECT_EQ(look->sky.blur_deg, 3);
+  EXPECT_TRUE(look->sky.second->follows_sun);
+  EXPECT_EQ(look->sky.second->from_deg, -10);
+  EXPECT_EQ(look->sky.second->to_deg, 0);
+  EXPECT_EQ(switched_on(*look), (std::vector<std::string>{"sky gradient", "second sky", "blurred background"}));
+  EXPECT_TRUE(look_from_json(R"({"sky": {"atmosphere": {}}})", "l")->sky.atmosphere);
+  EXPECT_FALSE(look_from_json(R"({"sky": {"atmosphere": {}}})", "l")->sky.atmosphere->sun_lux);
+  for (const char* wrong :
+       {R"({"sky": {"gradient": {}, "image": "a.hdr"}})", R"({"sky": {"gradient": {}, "atmosphere": {}}})",
+        R"({"sky": {"second": {"image": "n"}}})", R"({"sky": {"second": {"weight": 1}}})",
+        R"({"sky": {"second": {"image": "n", "weight": 1, "follows_sun": {}}}})",
+        R"({"sky": {"second": {"image": "n", "follows_sun": {"from_deg": 5, "to_deg": 5}}}})",
+        R"({"sky": {"second": {"image": "", "weight": 1}}})", R"({"sky": {"blur_deg": 91}})"}) {
+    const auto refused = look_from_json(wrong, "l");
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_NE(refused.error().text().find("l: /sky"), std::string::npos) << refused.error().text();
+  }
+}
+
+TEST(Look, LiesBesideItsScene) {
+  const std::filesystem::path folder = ::testing::TempDir();
+  const auto file = folder / "candela_beside.look.json";
+  std::ofstream(file) << "{}";
+  EXPECT_EQ(look_beside(folder / "candela_beside.glb"), file);
+  EXPECT_EQ(look_beside(folder / "candela_beside.gltf"), file);
+  EXPECT_TRUE(look_beside(folder / "candela_nothing_beside.glb").empty());
+}
+
 }  // namespace candela::test

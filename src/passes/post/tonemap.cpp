@@ -20,7 +20,9 @@ Tonemap::Out Tonemap::declare(GraphBuilder& builder, const In& in) const {
   const VkFormat format = in.bits == 8 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R16G16B16A16_UNORM;
   out.display = builder.write(builder.create(ImageDesc{"display", format, in.width_px, in.height_px}),
                               Access::storage_image_write);
-  out.pipeline = builder.pipeline(ComputePipelineDesc{"tonemap.comp", {{0, "CURVE", uint32_t(in.curve)}}});
+  std::vector<SpecConstant> constants = {{0, "CURVE", uint32_t(in.curve)}};
+  if (builder.read_optional(in.automatic, Access::compute_read)) constants.push_back({1, "AUTOMATIC", 1});
+  out.pipeline = builder.pipeline(ComputePipelineDesc{"tonemap.comp", std::move(constants)});
   return out;
 }
 
@@ -33,6 +35,8 @@ void Tonemap::record(CommandList& commands, const In& in, const Out& out) const 
   push.exposure = in.exposure;
   push.dither_levels = in.dither && in.bits == 8 ? 255u : 0u;
   push.seed = in.seed;
+  if (in.automatic) push.automatic = commands.address(in.automatic);
+  push.agx_min_ev = in.agx_min_ev, push.agx_max_ev = in.agx_max_ev;
   commands.push(push);
   commands.dispatch(in.width_px, in.height_px);
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
+#include "scene/look.h"
 
 namespace candela {
 
@@ -20,7 +21,9 @@ struct Tonemap {
     uint32_t bits = 8;
     bool dither = true;
     uint32_t seed = 0;
-    float exposure = 1;  // what is left to apply after pre-exposure
+    float exposure = 1;      // what is left to apply after pre-exposure
+    BufferHandle automatic;  // optional: a factor on top (passes/post/exposure.h)
+    float agx_min_ev = float(agx_lowest_ev), agx_max_ev = float(agx_highest_ev);
   };
   struct Out {
     ImageHandle display;

@@ -1,0 +1,14 @@
+#pragma once
+#include "image/io.h"
+#include "scene/look.h"
+
+namespace candela {
+
+// The share of zenith (0), horizon (1) and ground (2) that a gradient sky has at a sine of the elevation. They sum
+// to 1.
+double gradient_share(int band, double exponent, double sine);
+
+// That share as an equirectangular image, the mean over each row's height; all columns are alike.
+DecodedImage gradient_image(int band, double exponent, int width, int height);
+
+}  // namespace candela

@@ -1,0 +1,122 @@
+#pragma once
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "scene/look.h"
+
+// Tables of a look file's keys: each row says what it is (look_keys() shows it) and reads it into a T.
+namespace candela::look_rows {
+
+using Json = nlohmann::ordered_json;
+
+inline std::unexpected<Error> wrong(const std::string& place, const std::string& what) {
+  return std::unexpected(Error{ErrorKind::input, what, place});
+}
+
+template <class T>
+struct Row {
+  LookKey key;
+  std::function<Expected<void>(const Json&, const std::string& place, T&)> read;
+};
+template <class T>
+using Rows = std::vector<Row<T>>;
+
+template <class T>
+Expected<void> read_rows(const Json& j, const std::string& place, const Rows<T>& rows, T& into) {
+  if (!j.is_object()) return wrong(place, "the value is not an object");
+  std::vector<std::string> names;
+  for (const Row<T>& row : rows) names.push_back(row.key.name);
+  for (const auto& [key, value] : j.items()) {
+    const std::string at = place + "/" + key;
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row<T>& r) { return r.key.name == key; });
+    if (row == rows.end()) return wrong(at, unknown_name("key", key, names));
+    if (auto read = row->read(value, at, into); !read) return read;
+  }
+  return {};
+}
+
+struct Range {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool above_low = false;
+};
+inline Range from_zero() { return {.low = 0}; }
+inline Range above_zero() { return {.low = 0, .above_low = true}; }
+inline Range between(double low, double high) { return {.low = low, .high = high}; }
+
+// A number that 32 bits hold, within the range.
+Expected<double> number(const Json& j, const std::string& place, Range range = {});
+// One number for all channels, or three; each of at least 0.
+Expected<glm::dvec3> color(const Json& j, const std::string& place, Range range = from_zero());
+
+inline LookKey key_of(std::string name, LookKey::Kind kind, Range range, std::string help) {
+  LookKey key{.name = std::move(name), .help = std::move(help), .kind = kind};
+  key.low = range.low, key.high = range.high, key.above_low = range.above_low;
+  return key;
+}
+
+// `member` reaches from a T what takes the value: a pointer to a member, or a function.
+template <class T, class Member>
+Row<T> number_row(std::string name, Range range, Member member, std::string help) {
+  return {key_of(std::move(name), LookKey::Kind::number, range, std::move(help)),
+          [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            const auto value = number(j, place, range);
+            if (!value) return std::unexpected(value.error());
+            std::invoke(member, into) = *value;
+            return {};
+          }};
+}
+template <class T, class Member>
+Row<T> color_row(std::string name, Range range, Member member, std::string help) {
+  return {key_of(std::move(name), LookKey::Kind::color, range, std::move(help)),
+          [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            const auto value = color(j, place, range);
+            if (!value) return std::unexpected(value.error());
+            std::invoke(member, into) = *value;
+            return {};
+          }};
+}
+template <class T, class Member>
+Row<T> flag_row(std::string name, Member member, std::string help) {
+  return {key_of(std::move(name), LookKey::Kind::flag, {}, std::move(help)),
+          [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            if (!j.is_boolean()) return wrong(place, "the value is neither true nor false");
+            std::invoke(member, into) = j.get<bool>();
+            return {};
+          }};
+}
+// choices: the texts that there are; empty: any that is not empty.
+template <class T, class Member>
+Row<T> text_row(std::string name, std::vector<std::string> choices, Member member, std::string help) {
+  LookKey key = key_of(std::move(name), LookKey::Kind::text, {}, std::move(help));
+  key.choices = choices;
+  return {std::move(key), [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            if (!j.is_string() || j.get<std::string>().empty()) return wrong(place, "the value is not a text");
+            const std::string text = j.get<std::string>();
+            if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
+              return wrong(place, unknown_name("value", text, choices));
+            std::invoke(member, into) = text;
+            return {};
+          }};
+}
+// done: checks what was read as a whole and hands it on.
+template <class T, class Part>
+Row<T> object_row(std::string name, const Rows<Part>& rows, std::function<Part(T&)> start,
+                  std::function<Expected<void>(const Json&, const std::string& place, Part&, T&)> done,
+                  std::string help) {
+  LookKey key = key_of(std::move(name), LookKey::Kind::object, {}, std::move(help));
+  for (const Row<Part>& row : rows) key.keys.push_back(row.key);
+  return {std::move(key), [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            Part part = start(into);
+            if (auto read = read_rows(j, place, rows, part); !read) return read;
+            return done(j, place, part, into);
+          }};
+}
+
+// {"keys": ...} anywhere in it gives way to its value at a time. times: of all keys, where they are wanted.
+Expected<void> evaluate(Json& j, const std::string& place, double time_s, std::vector<double>* times);
+
+}  // namespace candela::look_rows

@@ -220,6 +220,19 @@ Expected<void> read_occlusion(const Json& j, const std::string& place, Look& loo
   return {};
 }
 
+Expected<void> read_shadows(const Json& j, const std::string& place, Look& look) {
+  const Readers<ShadowLook> readers = {
+      {"lights", [](const Json& v, const std::string& at, ShadowLook& s) -> Expected<void> {
+         if (!v.is_array()) return wrong(at, "the value is not a list of names of nodes");
+         for (size_t i = 0; i < v.size(); ++i) {
+           if (!v[i].is_string()) return wrong(fmt::format("{}/{}", at, i), "the value is not a node's name");
+           s.lights.push_back(v[i].get<std::string>());
+         }
+         return {};
+       }}};
+  return read_keys(j, place, readers, look.shadows);
+}
+
 // "preset" comes first, whatever the order of the keys: the others go over it.
 Expected<void> read_bloom(const Json& j, const std::string& place, Look& look) {
   constexpr double no_limit = std::numeric_limits<double>::infinity();
@@ -333,7 +346,8 @@ Expected<Look> look_from_json(const std::string& text, const std::string& place,
                                  {"sun", read_sun},
                                  {"sky", read_sky_look},
                                  {"bloom", read_bloom},
-                                 {"occlusion", read_occlusion}};
+                                 {"occlusion", read_occlusion},
+                                 {"shadows", read_shadows}};
   if (auto read = read_keys(*j, place + ": ", readers, look); !read) return std::unexpected(read.error());
   return look;
 }

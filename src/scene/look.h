@@ -69,6 +69,11 @@ struct Occlusion {
   }
 };
 
+// The point and spot lights that shadow maps are given to first, by the names of their nodes.
+struct ShadowLook {
+  std::vector<std::string> lights;
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
@@ -76,6 +81,7 @@ struct Look {
   std::optional<Sun> sun;
   SkyLook sky;
   std::optional<Occlusion> occlusion;
+  ShadowLook shadows;
 };
 
 // A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are

@@ -4,10 +4,10 @@
 //
 // A texel is compared with what the plane of the point's triangle has there (Isidoro, "Shadow Mapping: GPU-based Tips
 // and Techniques", 2006), exactly: over a map reversed depth is linear on a plane, and the normal gives its gradient.
-// Lifting the point instead, by as much as a plane's depth differs within the lookup, lets it see past what stands near:
-// rays from points so lifted are open at 8 % of those of Sponza that face a lamp and lie in shadow. Three limits:
-// - Where the plane leads away from the light the point's own depth counts: at the inner edge of two walls the other one
-//   is not taken for something in front of this one.
+// Lifting the point instead, by as much as a plane's depth differs within the lookup, lets it see past what is near:
+// from points so lifted rays are open at 8 % of what faces a lamp in Sponza and lies in shadow. Three limits:
+// - Where the plane leads away from the light the point's own depth counts: at the inner edge of two walls the other
+//   one is not taken for something in front of this one.
 // - A texel on which the plane lies some texels nearer to the light than the point sees nothing of what lies between,
 //   and counts less and less.
 // - Curved surfaces are not planes: the plane is moved towards the light by a share of a texel.

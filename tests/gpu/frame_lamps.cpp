@@ -75,9 +75,10 @@ TEST_F(FrameLamps, AShadowLiesWhereTheLightCarriesIt) {
     const Images images = images_of(job);
     const glm::dvec3 eye(0, 5, 6), forward = glm::normalize(-eye), right(1, 0, 0), up = glm::cross(right, forward);
     const double tan_y = std::tan(30 * 3.14159265358979 / 180), tan_x = tan_y * columns / rows;
-    // In the plane of the floor, for a map of 512 texels: 1.5 texels of the kernel, one of the filter, 2.9 by which the
-    // point is lifted, and the border.
-    const double texel = 3 * 2 * (c.cone_rad == 1.0 ? std::tan(1.0) : 1.0) / 495, penumbra = 3.5 * texel;
+    // In the plane of the floor, for a map of 256 texels less its border: 1.5 texels of the tent, half a one of which
+    // the edge covers a part, and the lift.
+    const double texel = 3 * 2 * (c.cone_rad == 1.0 ? std::tan(1.0) : 1.0) / 251, penumbra = 2.2 * texel;
+    set(job, "shadows", "size_px", "256");
     int dark = 0, lit = 0;
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < columns; ++x) {

@@ -39,7 +39,7 @@ void main() {
         ? occluded_ambient_light(s, to_viewer, occlusion_open(surface_point, plane_normal))
         : ambient_light(s, to_viewer);
 #ifdef FOG
-    ambient *= fog_sky_through(v.relative_position, s.normal, false);
+    ambient *= fog_sky_through_surface(v.relative_position, s.normal);
 #endif
     radiance += ambient;
   }

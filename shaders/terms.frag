@@ -80,7 +80,7 @@ void main() {
     ambient = occluded_lobes(ambient, s, to_viewer, occlusion_open(surface_point, plane_normal));
 #ifdef FOG
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
-    const vec3 sky = fog_sky_through(v.relative_position, s.normal, false);
+    const vec3 sky = fog_sky_through_surface(v.relative_position, s.normal);
     ambient.diffuse *= sky;
     ambient.specular *= sky;
   }

@@ -89,3 +89,31 @@ vec3 fog_sky_through(vec3 from, vec3 axis, bool of_phase) {
   }
   return sum / float(frame.fog.sky_directions);
 }
+
+// Of the directions whose cosine to the vertical is mu, the mean of the cosine to a normal, below 0 as 0, times two: its
+// integral over mu from 0 to 1 is the part of the cosine's lobe that points up. c: the normal's own cosine.
+float fog_cosine_lobe(float mu, float c) {
+  const float a = c * mu, b = sqrt(max((1.0 - c * c) * (1.0 - mu * mu), 0.0));
+  if (b <= abs(a)) return 2.0 * max(a, 0.0);
+  const float x = a / b, y = abs(x);
+  // The arc's cosine within 7e-5 (Abramowitz and Stegun, 4.4.45).
+  const float arc = sqrt(1.0 - y) * (1.5707288 + y * (-0.2121144 + y * (0.0742610 - 0.0187293 * y)));
+  return (2.0 / 3.14159265358979) * (a * (x > 0.0 ? 3.14159265358979 - arc : arc) + sqrt(max(b * b - a * a, 0.0)));
+}
+
+// The mean transmittance from a point to the sky, by the cosine about a normal. Without bounds what lies towards the sky
+// depends on height and elevation alone: two points of Gauss and Legendre for each 16 of fog.sky_directions.
+vec3 fog_sky_through_surface(vec3 from, vec3 normal) {
+  if (frame.fog.bounded != 0u) return fog_sky_through(from, normal, false);
+  if (frame.fog.falloff == 0.0) return vec3(0.0);
+  const uint panels = (frame.fog.sky_directions + 15u) / 16u;
+  const float up = min(exp(min(frame.fog.falloff * (frame.fog.height - from.y), 80.0)) / frame.fog.falloff, 3e38);
+  const float c = clamp(normal.y, -1.0, 1.0);
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < panels; ++i)
+    for (int side = 0; side < 2; ++side) {
+      const float mu = (float(i) + (side == 0 ? 0.21132487 : 0.78867513)) / float(panels);
+      sum += fog_cosine_lobe(mu, c) * fog_through(min(up / mu, 3e38));
+    }
+  return sum * (0.5 / float(panels));
+}

@@ -94,6 +94,7 @@ std::string error_place(const BenchRow& row) {
   if (lights >= 0) place += fmt::format(", {} light{}", lights, lights == 1 ? "" : "s");
   place += fmt::format(", {}x{}", row.width_px, row.height_px);
   if (!row.camera.empty()) place += ", camera " + row.camera;
+  place += row_look(row);
   if (row.time_s != 0) place += fmt::format(", at {} s", row.time_s);
   if (row.views > 1) place += fmt::format(", {} views", row.views);
   return place + ", " + row.device;

@@ -14,8 +14,9 @@ namespace candela {
 namespace {
 
 std::string place_of(const Configuration& c) {
-  return fmt::format("{}\n{}\n{}\n{}x{}\n{:a}\n{}", c.scene.label, c.seed, c.lights.value_or(-1), c.job.width_px,
-                     c.job.height_px, c.time_s, c.scene.camera.camera);
+  return fmt::format("{}\n{}\n{}\n{}x{}\n{:a}\n{}\n{}\n{}\n{}", c.scene.label, c.seed, c.lights.value_or(-1),
+                     c.job.width_px, c.job.height_px, c.time_s, c.scene.camera.camera, c.scene.sky.label,
+                     c.scene.look.label, c.job.effects);
 }
 
 template <class T>

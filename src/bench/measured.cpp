@@ -72,6 +72,8 @@ Measured::Measured(const Configuration& configuration, const Suite& suite, const
   row.technique = job.technique;
   row.settings = settings_text(job);
   row.quality = job.quality;
+  row.effects = job.effects;
+  row.sky = configuration.scene.sky.label, row.look = configuration.scene.look.label;
   row.output = suite.output;
   row.seed = configuration.scene.generated() ? configuration.seed : 0;
   row.lights_wanted = configuration.lights.value_or(-1);
@@ -82,7 +84,9 @@ Measured::Measured(const Configuration& configuration, const Suite& suite, const
   row.version = CANDELA_VERSION;
   row.machine = processor_name();
   row.cores = int(std::thread::hardware_concurrency());
-  row.job = job_json(job);  // names the scene by its label: where files lie does not matter
+  Job named = job;  // files by their labels: where they lie does not matter
+  named.sky = row.sky, named.look = row.look;
+  row.job = job_json(named);
   row.gpu.name = "gpu", row.frame.name = "frame";
 }
 

@@ -59,6 +59,14 @@ void judge_row(const BenchRow& before, const BenchRow& after, const NoiseRules& 
 
 }  // namespace
 
+std::string row_look(const BenchRow& row) {
+  std::string text;
+  if (!row.sky.empty()) text += ", sky " + row.sky;
+  if (!row.look.empty()) text += ", look " + row.look;
+  if (row.effects != "auto") text += ", effects " + row.effects;
+  return text;
+}
+
 Series& series(std::vector<Series>& all, const std::string& name) {
   for (Series& s : all)
     if (s.name == name) return s;
@@ -66,9 +74,9 @@ Series& series(std::vector<Series>& all, const std::string& name) {
 }
 
 std::string row_key(const BenchRow& row) {
-  return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}x{}|{}|{}|{}|{}", row.scene, row.seed, row.lights_wanted, row.camera,
-                     row.technique, row.settings, row.quality, row.width_px, row.height_px, row.samples, row.output,
-                     row.time_s, row.views);
+  return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}x{}|{}|{}|{}|{}", row.scene, row.sky, row.look, row.seed,
+                     row.lights_wanted, row.camera, row.technique, row.settings, row.quality, row.effects, row.width_px,
+                     row.height_px, row.samples, row.output, row.time_s, row.views);
 }
 
 std::string row_way(const BenchRow& row) {
@@ -82,6 +90,7 @@ std::string row_title(const BenchRow& row) {
   if (!row.camera.empty()) title += ", camera " + row.camera;
   title += fmt::format(", {}, {}x{}, {} sample{}", row_way(row), row.width_px, row.height_px, row.samples,
                        row.samples == 1 ? "" : "s");
+  title += row_look(row);
   if (row.quality != "high") title += ", " + row.quality;
   if (row.output != "exr") title += ", " + row.output;
   if (row.time_s != 0) title += fmt::format(", at {} s", row.time_s);
@@ -92,6 +101,7 @@ std::string row_axis(const BenchRow& row) {
   std::string axis = fmt::format("{}, {}x{}, {} sample{}", row.scene, row.width_px, row.height_px, row.samples,
                                  row.samples == 1 ? "" : "s");
   if (!row.camera.empty()) axis += ", camera " + row.camera;
+  axis += row_look(row);
   if (row.quality != "high") axis += ", " + row.quality;
   if (row.output != "exr") axis += ", " + row.output;
   if (row.time_s != 0) axis += fmt::format(", at {} s", row.time_s);

@@ -69,7 +69,7 @@ struct SameWork {
 // One configuration as measured. Every number of a report is here or follows from it.
 struct BenchRow {
   // What was measured.
-  std::string suite, scene, scene_content, technique, settings, quality, output;
+  std::string suite, scene, scene_content, technique, settings, quality, effects, sky, look, output;
   uint64_t seed = 0;
   int64_t lights = -1;         // that shine in the frame; -1: unknown
   int64_t lights_wanted = -1;  // asked of a generated scene; -1: its own number
@@ -106,6 +106,8 @@ struct BenchRow {
   std::vector<std::byte> strip;               // the same: picture of the reference, this one, and their FLIP
 };
 
+// ", sky S, look L, effects E", as far as they are not the defaults.
+std::string row_look(const BenchRow& row);
 // Names what the row measured, without the device: equal for the same configuration in another run.
 std::string row_key(const BenchRow& row);
 // The same for readers: "street, 1024 lights, clustered, 1280x720, 4 samples".

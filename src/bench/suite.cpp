@@ -103,6 +103,7 @@ Expected<std::vector<Configuration>> configurations(const Suite& suite) {
            [](Configuration& c, const std::pair<int, int>& size) { std::tie(c.job.width_px, c.job.height_px) = size; });
   multiply(suite.samples, [](Configuration& c, int samples) { c.job.samples = samples; });
   multiply(suite.qualities, [](Configuration& c, const std::string& quality) { c.job.quality = quality; });
+  multiply(suite.effects, [](Configuration& c, const std::string& effects) { c.job.effects = effects; });
   multiply(suite.times_s, [](Configuration& c, double time_s) { c.time_s = time_s; });
   std::vector<std::pair<std::string, Settings>> ways;
   for (const SuiteTechnique& technique : techniques_of(suite))
@@ -114,6 +115,7 @@ Expected<std::vector<Configuration>> configurations(const Suite& suite) {
   for (Configuration& c : all) {
     c.job.scene = c.scene.label;
     c.job.camera = c.scene.camera;
+    c.job.sky = c.scene.sky.file, c.job.look = c.scene.look.file;
     c.job.exr_float = true;
     if (auto fine = check_job(c.job); !fine) return std::unexpected(fine.error());
     const auto limit = suite.max_lights.find(c.job.technique);

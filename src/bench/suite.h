@@ -18,6 +18,11 @@ struct KnobSweep {
 };
 Expected<KnobSweep> parse_knob_sweep(const std::string& text);
 
+// A file that a suite names: as written there, and where it lies.
+struct SuiteFile {
+  std::string label, file;
+};
+
 // A scene of a suite: a file, or a generated scene by name.
 struct SuiteScene {
   std::string label;             // as written: unique together with seed, lights and camera
@@ -25,6 +30,7 @@ struct SuiteScene {
   std::vector<int> lights;       // of a generated one; empty: the suite's
   std::optional<uint64_t> seed;  // of a generated one; empty: the suite's
   CameraRequest camera;
+  SuiteFile sky, look;  // empty: none
   std::string missing;  // why it is left out: its assets are not there
   bool generated() const { return file.empty(); }
 };
@@ -51,6 +57,7 @@ struct Suite {
   std::vector<int> samples = {0};  // 0: as the quality says
   std::vector<KnobSweep> set;
   std::vector<std::string> qualities = {"high"};
+  std::vector<std::string> effects = {"auto"};  // each as --effects of render
   std::vector<double> times_s = {0};
   // Of sweeps of error: how many views a place has, its own the first; or which (error_views.h). Six, for the range of
   // six differences holds their median in 97 % of all cases.
@@ -88,8 +95,8 @@ struct Configuration {
 // "lights.mask=1 lights.test=aabb", sorted by name.
 std::string settings_text(const Job& job);
 
-// The cross product, in order: scene, lights, size, samples, quality, time, technique, knobs. What limits leave out
-// stays in the list with its reason. Errors (usage): names and values that no job takes.
+// The cross product, in order: scene, lights, size, samples, quality, effects, time, technique, knobs. What limits
+// leave out stays in the list with its reason. Errors (usage): names and values that no job takes.
 Expected<std::vector<Configuration>> configurations(const Suite& suite);
 
 // Configurations of one group must show the same picture. Two of them are in one when all but technique and knobs that

@@ -50,6 +50,26 @@ Expected<void> read_point(const Json& j, const Place& place, SuiteScene& scene) 
   return {};
 }
 
+// A sky or a look, below the file's folder or that of the assets.
+template <SuiteFile SuiteScene::*member>
+Expected<void> read_named_file(const Json& j, const Place& place, SuiteScene& scene) {
+  const auto text = text_of(j, place);
+  if (!text) return std::unexpected(text.error());
+  const bool asset = text->starts_with(assets_prefix);
+  const fs::path& home = asset ? place.assets : place.folder;
+  const std::string below = asset ? text->substr(assets_prefix.size()) : *text;
+  const fs::path file = (home / below).lexically_normal();
+  scene.*member = {*text, file.string()};
+  std::error_code failed;
+  if (asset && !fs::is_directory(home, failed)) {
+    scene.missing = fmt::format("there is no folder of assets at {}", home.string());
+    return {};
+  }
+  if (auto allowed = check_named_file(file, home); !allowed)
+    return fail(ErrorKind::input, place.at, "{}", allowed.error().message);
+  return {};
+}
+
 // A scene that the file names: generated, or below the file's folder or that of the assets.
 Expected<SuiteScene> named_scene(const std::string& text, const Place& place) {
   SuiteScene scene = suite_scene(text, place.folder, place.assets);
@@ -71,7 +91,8 @@ Expected<SuiteScene> scene_of(const Json& j, const Place& place) {
          if (!text) return std::unexpected(text.error());
          const auto named = named_scene(*text, at);
          if (!named) return std::unexpected(named.error());
-         scene.label = named->label, scene.file = named->file, scene.missing = named->missing;
+         scene.label = named->label, scene.file = named->file;
+         if (!named->missing.empty()) scene.missing = named->missing;
          return {};
        }},
       {"lights",
@@ -84,6 +105,8 @@ Expected<SuiteScene> scene_of(const Json& j, const Place& place) {
                   SuiteScene& scene) { return read_positive(v, at, scene.camera.yfov_deg.emplace()); }},
       {"eye", read_point<&CameraRequest::eye>},
       {"target", read_point<&CameraRequest::target>},
+      {"sky", read_named_file<&SuiteScene::sky>},
+      {"look", read_named_file<&SuiteScene::look>},
   };
   SuiteScene scene;
   if (auto read = read_keys(j, place, readers, scene); !read) return std::unexpected(read.error());
@@ -180,6 +203,7 @@ const Readers<Suite>& suite_readers() {
       {"samples", list_into(&Suite::samples, whole_of(0))},
       {"set", [](const Json& j, const Place& at, Suite& s) { return read_sweeps(j, at, s.set); }},
       {"qualities", list_into(&Suite::qualities, text_of)},
+      {"effects", list_into(&Suite::effects, text_of)},
       {"times", list_into(&Suite::times_s, time_of)},
       {"frames", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},  // with fps, below
       {"fps", [](const Json&, const Place&, Suite&) { return Expected<void>{}; }},

@@ -101,6 +101,11 @@ Expected<void> put_options(const BenchOptions& o, Suite& suite) {
     for (SuiteScene& scene : suite.scenes) scene.lights.clear();
   if (!o.camera.empty())
     for (SuiteScene& scene : suite.scenes) scene.camera = {.camera = o.camera};
+  for (SuiteScene& scene : suite.scenes) {
+    if (!o.sky.empty()) scene.sky = {o.sky, o.sky};
+    if (!o.look.empty()) scene.look = {o.look, o.look};
+  }
+  if (!o.effects.empty()) suite.effects = o.effects;
   if (o.seed) suite.seed = *o.seed;
   if (!o.output.empty()) suite.output = o.output;
   if (!o.reference.empty()) suite.reference = o.reference;
@@ -136,6 +141,9 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--size", o.sizes, "Sizes: 1280x720,640x360")->type_name("LIST");
   command.add_option("--samples", o.samples, "Samples a pixel: 1,4; 0: as the quality says")->type_name("LIST");
   command.add_option("--quality", o.qualities, "Presets of all knobs: draft,high")->type_name("LIST");
+  command.add_option("--effects", o.effects, "As for render; given again, each is a configuration")->type_name("SET");
+  command.add_option("--sky", o.sky, "Sky of every scene, as for render")->type_name("FILE");
+  command.add_option("--look", o.look, "Look file of every scene, as for render")->type_name("FILE");
   command.add_option("--set", o.settings, "Values of one knob, each a configuration; may be given again")
       ->allow_extra_args(false)
       ->type_name("PASS.KNOB=A,B,C");
@@ -249,7 +257,8 @@ Expected<void> check_options(const BenchOptions& o) {
   if (o.count && o.suite != "exactness") return fail(ErrorKind::usage, "--count", "goes with --suite exactness");
   if (o.suite != "stability" && (!o.only.empty() || !o.pictures.empty() || o.large))
     return fail(ErrorKind::usage, "--only", "--only, --pictures and --large go with --suite stability");
-  if (o.suite == "stability" && !(o.lights + o.sizes + o.samples + o.qualities + o.times + o.frames + o.camera).empty())
+  if (o.suite == "stability" &&
+      !(o.lights + o.sizes + o.samples + o.qualities + o.times + o.frames + o.camera + o.sky + o.look).empty())
     return fail(ErrorKind::usage, "--suite", "the scenes of stability choose their own lights, sizes and times");
   if (o.error && modes > 0)
     return fail(ErrorKind::usage, "--error", "takes scenes or suite files, not --suite, --compare or --from");

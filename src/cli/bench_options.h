@@ -14,8 +14,8 @@ namespace candela::cli {
 struct BenchOptions {
   std::vector<std::string> what;  // suite files and scenes
   std::string suite, stability_file, techniques, lights, sizes, samples, qualities, times, frames,
-      fps = "24", output, reference, camera, assets, report, json, csv, device, only, pictures;
-  std::vector<std::string> settings, compare, from;
+      fps = "24", output, reference, camera, sky, look, assets, report, json, csv, device, only, pictures;
+  std::vector<std::string> settings, effects, compare, from;
   std::optional<uint64_t> seed;
   std::optional<double> budget_s, precision, warm_up_s;
   std::optional<int> min_runs, max_runs, max_sessions, count, reference_max_lights, views;

@@ -308,7 +308,7 @@ double smith_v(double n_l, double n_v, double a2) {
 double spread_of_slice(double roughness) {
   const double a2 = std::pow(roughness, 4);
   double sum = 0, all = 0;
-  constexpr int count = 2048;
+  constexpr int count = 4096;
   for (int i = 0; i < count; ++i) {
     const double u = (i + 0.5) / count, n_h2 = (1 - u) / (1 + (a2 - 1) * u), n_l = 2 * n_h2 - 1;
     if (!(n_l > 0)) continue;
@@ -328,13 +328,14 @@ LobeShape lobe_shape(double roughness, double n_v) {
   double all = 0, x = 0, z = 0, xx = 0, xz = 0, yy = 0, zz = 0;
   for (int i = 0; i < rings; ++i)
     for (int j = 0; j < sectors; ++j) {  // half of the plane's two sides
-      const double u = (i + 0.5) / rings, phi = pi * (j + 0.5) / sectors;
+      // Denser towards the lobe's flanks, which are wide and hold most of the second moments.
+      const double t = 1 - (i + 0.5) / rings, u = 1 - t * t * t, phi = pi * (j + 0.5) / sectors;
       const double n_h2 = (1 - u) / (1 + (a2 - 1) * u), n_h = std::sqrt(n_h2), across = std::sqrt(1 - n_h2);
       const double v_h = sin_v * across * std::cos(phi) + n_v * n_h;
       const glm::dvec3 l(2 * v_h * across * std::cos(phi) - sin_v, 2 * v_h * across * std::sin(phi),
                          2 * v_h * n_h - n_v);
       if (!(v_h > 0) || !(l.z > 0)) continue;
-      const double weight = smith_v(l.z, n_v, a2) * l.z * v_h / n_h;
+      const double weight = 3 * t * t * smith_v(l.z, n_v, a2) * l.z * v_h / n_h;
       all += weight, x += weight * l.x, z += weight * l.z;
       xx += weight * l.x * l.x, xz += weight * l.x * l.z, yy += weight * l.y * l.y, zz += weight * l.z * l.z;
     }
@@ -356,7 +357,7 @@ std::vector<float> lobe_table() {
     for (uint32_t column = 0; column < size; ++column) {
       const double n_v = std::clamp(std::pow(double(column) / (size - 1), 2), 1e-3, 0.9995);
       const LobeShape shape = lobe_shape(roughness, n_v);
-      const double aside = -shape.x / shape.z;
+      const double aside = std::max(-shape.x / shape.z, 0.0);  // below 0 by the samples' noise alone
       uint32_t i = 0;
       while (i + 1 < last_slice && spread[i + 1] < shape.spread) ++i;
       const double between = std::clamp((shape.spread - spread[i]) / (spread[i + 1] - spread[i]), 0.0, 1.0);
@@ -421,7 +422,7 @@ FilteredSky prefilter_sky(const DecodedImage& image, const IblKnobs& knobs) {
 
 namespace {
 
-constexpr uint32_t file_version = 2;
+constexpr uint32_t file_version = 3;
 
 template <class T>
 void put(std::vector<std::byte>& out, const std::vector<T>& values) {

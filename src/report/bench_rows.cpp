@@ -49,6 +49,9 @@ Json row_json(const BenchRow& row) {
   j["technique"] = row.technique;
   j["settings"] = row.settings;
   j["quality"] = row.quality;
+  if (!row.sky.empty()) j["sky"] = row.sky;
+  if (!row.look.empty()) j["look"] = row.look;
+  j["effects"] = row.effects;
   j["size"] = {row.width_px, row.height_px};
   j["samples"] = row.samples;
   j["time_s"] = row.time_s;
@@ -124,6 +127,7 @@ BenchRow row_from(const Json& j) {
   row.technique = j.at("technique");
   row.settings = j.at("settings");
   row.quality = j.at("quality");
+  row.sky = j.value("sky", ""), row.look = j.value("look", ""), row.effects = j.value("effects", "auto");
   row.width_px = j.at("size").at(0);
   row.height_px = j.at("size").at(1);
   row.samples = j.at("samples");
@@ -246,6 +250,9 @@ std::string bench_csv(const BenchRun& run) {
                                    "technique",
                                    "settings",
                                    "quality",
+                                   "effects",
+                                   "sky",
+                                   "look",
                                    "width_px",
                                    "height_px",
                                    "samples",
@@ -290,6 +297,9 @@ std::string bench_csv(const BenchRun& run) {
                                       row.technique,
                                       row.settings,
                                       row.quality,
+                                      row.effects,
+                                      row.sky,
+                                      row.look,
                                       number(row.width_px),
                                       number(row.height_px),
                                       number(row.samples),

@@ -117,8 +117,10 @@ TEST_F(ImageLight, ComesNearTheSumOverTheSky) {
     const Job job = squares(metallic, sky.file);
     const double lobe = error(job, metallic, sky, {{"ibl", "method", "lobe"}});
     EXPECT_LT(lobe, 0.005) << metallic;
-    EXPECT_GT(error(job, metallic, sky, {{"ibl", "method", "split"}}), 2 * lobe) << metallic;
-    EXPECT_GT(error(job, metallic, sky, {{"ibl", "method", "lobe"}, {"ibl", "lights", "0"}}), 2 * lobe) << metallic;
+    // Of a dielectric's little error half is of its diffuse light, which is alike.
+    const double worse = metallic > 0 ? 2 : 1.1;
+    EXPECT_GT(error(job, metallic, sky, {{"ibl", "method", "split"}}), worse * lobe) << metallic;
+    EXPECT_GT(error(job, metallic, sky, {{"ibl", "method", "lobe"}, {"ibl", "lights", "0"}}), worse * lobe) << metallic;
     double before = 1;
     for (const char* samples : {"64", "512", "4096"}) {
       const double now = error(job, metallic, sky, {{"ibl", "method", "sampled"}, {"ibl", "pixel_samples", samples}});
@@ -172,7 +174,9 @@ TEST_F(ImageLight, FollowsTheLooksSky) {
     if (std::string(method) == "none")
       job.effects = "none";
     else
-      job.settings = {{"ibl", "method", method}};
+      job.settings = {{"ibl", "method", method},
+                      {"ibl", "filter_samples", "1024"},  // samples do not turn with the sky
+                      {"ibl", "pixel_samples", "4096"}};
     const Images wanted = images_of(job);
     job.sky = plain.file, job.look = look;
     const Images images = images_of(job);

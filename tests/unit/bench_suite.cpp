@@ -5,6 +5,7 @@
 #include <set>
 
 #include "bench/exactness.h"
+#include "bench/row.h"
 #include "bench/suite.h"
 #include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
@@ -60,6 +61,44 @@ TEST(Suite, ASceneMayHaveItsOwnLightsSeedAndCamera) {
   EXPECT_EQ(all->front().seed, 3u);
   ASSERT_TRUE(all->front().job.camera.eye);
   EXPECT_EQ(all->front().job.camera.eye->y, 2);
+}
+
+// Skies and looks are a scene's, effects an axis; rows tell them apart by their names as written.
+TEST(Suite, AScenesSkyAndLookAndTheEffectsReachTheJobs) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "suite_looks";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "dusk.json") << "{}";
+  const std::string text = R"({"scenes": [{"scene": "spheres", "look": "dusk.json"}, "spheres"], "effects":
+      ["none", "auto"], "techniques": ["brute-force"]})";
+  const auto suite = suite_from_json(text, "s.json", folder, "no/assets");
+  ASSERT_TRUE(suite) << suite.error().text();
+  const auto all = configurations(*suite);
+  ASSERT_TRUE(all) << all.error().text();
+  ASSERT_EQ(all->size(), 4u);
+  EXPECT_EQ((*all)[0].job.effects, "none");
+  EXPECT_EQ((*all)[1].job.effects, "auto");
+  EXPECT_EQ((*all)[0].job.look, (folder / "dusk.json").string());
+  EXPECT_EQ((*all)[0].scene.look.label, "dusk.json");
+  EXPECT_TRUE((*all)[2].job.look.empty());
+  BenchRow a, b;
+  b.look = "dusk.json";
+  EXPECT_NE(row_key(a), row_key(b));
+  b = a, b.effects = "none";
+  EXPECT_NE(row_key(a), row_key(b));
+  EXPECT_NE(row_title(b).find("effects none"), std::string::npos);
+  // What lies elsewhere is an error that names the key.
+  std::ofstream(folder.parent_path() / "suite_elsewhere.json") << "{}";
+  const auto elsewhere = suite_from_json(R"({"scenes": [{"scene": "spheres", "look": "../suite_elsewhere.json"}]})",
+                                         "s.json", folder, "no/assets");
+  ASSERT_FALSE(elsewhere);
+  EXPECT_NE(elsewhere.error().text().find("/scenes/0/look"), std::string::npos) << elsewhere.error().text();
+  const auto misspelt = suite_of(R"({"scenes": ["spheres"], "effects": ["blom"]})");
+  ASSERT_TRUE(misspelt);
+  EXPECT_NE(configurations(*misspelt).error().text().find("bloom"), std::string::npos);
+  // Assets that are not there leave the scene out, with the reason.
+  const auto without = suite_of(R"({"scenes": [{"scene": "spheres", "sky": "assets:env/dusk.hdr"}]})");
+  ASSERT_TRUE(without) << without.error().text();
+  EXPECT_FALSE(configurations(*without)->front().left_out.empty());
 }
 
 TEST(Suite, ATechniquesOwnKnobsReplaceTheSuites) {

@@ -83,7 +83,22 @@ double mean_cosine(double roughness) {
   return sum / all;
 }
 
-double roughness_of(size_t i) { return std::exp2((double(i) - 14) / 3); }
+// The mean square of a coordinate across the lobe of a slice, and across the BRDF's own, without Fresnel's term, of
+// light that a viewer at n.v = 1 sees.
+double spread_across(double roughness, bool seen_from_above) {
+  const double a2 = std::pow(roughness, 4);
+  double sum = 0, all = 0;
+  constexpr int count = 200000;
+  for (int i = 0; i < count; ++i) {
+    const double t = (i + 0.5) / count, angle = t * t * pi / 2, c = std::cos(angle);
+    const double k = 0.5 * (1 + c) * (a2 - 1) + 1, masking = c + std::sqrt(c * c * (1 - a2) + a2);
+    const double weight = (seen_from_above ? c / masking : c) / (k * k) * std::sin(angle) * t;
+    all += weight, sum += weight * (1 - c * c) / 2;
+  }
+  return sum / all;
+}
+
+double roughness_of(double i) { return std::exp2((i - 14) / 3); }
 
 }  // namespace
 
@@ -98,17 +113,30 @@ TEST(PrefilterSky, KeepsUniformLight) {
   }
 }
 
-// Light that is linear in the direction is so after filtering, by the lobe's mean cosine; on all sides and across the
-// edges of the octahedral maps. What is left is the number of samples.
+// Light that is linear in the direction is so after filtering, by the lobe's mean cosine. What is left at the folds of
+// the octahedral maps, where no bilinear lookup is exact, goes with the size of their texels.
 TEST(PrefilterSky, MeansALinearSkyByTheLobe) {
-  const FilteredSky sky = prefilter_sky(sky_of(256, 128, [](glm::dvec3 d) { return 2.0 + d; }), quick());
-  for (size_t i = 0; i < sky.slices.size(); i += 2) {
-    const double c = mean_cosine(roughness_of(i));
+  const DecodedImage image = sky_of(512, 256, [](glm::dvec3 d) { return 2.0 + d; });
+  std::array<double, 2> at_folds{};
+  for (const int size : {64, 256}) {
+    IblKnobs knobs = quick();
+    knobs.size_px = size, knobs.filter_samples = 1024;
+    const FilteredSky sky = prefilter_sky(image, knobs);
+    for (size_t i = 0; i < sky.slices.size(); i += 2) {
+      const double c = mean_cosine(roughness_of(i));
+      for (const glm::dvec3 d : directions()) {
+        const bool folded = d.x == 0 || d.y == 0 || d.z == 0;
+        for (int k = 0; k < 3; ++k) {
+          EXPECT_NEAR(slice(sky, i, d)[k], 2 + c * d[k], folded ? 0.04 : 0.01) << i << " " << k;
+          if (i == 0 && folded)
+            at_folds[size == 256] = std::max(at_folds[size == 256], std::abs(slice(sky, i, d)[k] - (2 + c * d[k])));
+        }
+      }
+    }
     for (const glm::dvec3 d : directions())
-      for (int k = 0; k < 3; ++k) EXPECT_NEAR(slice(sky, i, d)[k], 2 + c * d[k], 0.012) << i << " " << k;
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(irradiance(sky, d)[k], 2 + 2.0 / 3 * d[k], 0.025);
   }
-  for (const glm::dvec3 d : directions())
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(irradiance(sky, d)[k], 2 + 2.0 / 3 * d[k], 0.004);
+  EXPECT_LT(at_folds[1], 0.35 * at_folds[0]);
 }
 
 // A sun of one texel, at the seam or near a pole, becomes a light that shines from it; nothing is lost or made.
@@ -130,7 +158,7 @@ TEST(PrefilterSky, SunsBecomeLightsAndKeepTheirEnergy) {
         };
         before += light(sky), after += light(parts.rest);
         moment_before += light(sky).x * sky.direction(x, y), moment_after += light(parts.rest).x * sky.direction(x, y);
-        EXPECT_LE(parts.rest.at(x, y)[0], 8 * 0.6);
+        EXPECT_LE(luminance(parts.rest.at(x, y)), 8 * 0.502);  // the sun itself, cut off, raises the mean by 0.2 %
       }
     for (const shared::SkyLight& l : parts.lights) {
       after += glm::dvec3(l.illuminance), moment_after += double(l.illuminance.x) * glm::dvec3(l.direction);
@@ -164,7 +192,9 @@ TEST(PrefilterSky, HoldsABrightSun) {
   const glm::dvec3 towards = glm::normalize(glm::dvec3(0.3, 0.8, 0.5));
   const DecodedImage image =
       sky_of(256, 128, [&](glm::dvec3 d) { return glm::dvec3(glm::dot(d, towards) > std::cos(0.04) ? 1e6 : 1e-3); });
-  const FilteredSky sky = prefilter_sky(image, quick());
+  IblKnobs knobs = quick();
+  knobs.irradiance_px = 64;
+  const FilteredSky sky = prefilter_sky(image, knobs);
   ASSERT_FALSE(sky.lights.empty());
   double lux = 0;
   for (const shared::SkyLight& l : sky.lights) lux += double(l.illuminance.x);
@@ -186,16 +216,23 @@ TEST(PrefilterSky, LobesLieBetweenNormalAndMirrorAndWidenWithRoughness) {
   for (size_t row = 0; row < size; ++row)
     for (size_t column = 0; column < size; ++column) {
       const float place = sky.lobes[2 * (row * size + column)], slice = sky.lobes[2 * (row * size + column) + 1];
-      EXPECT_GT(place, 0) << row << " " << column;
+      EXPECT_GE(place, 0) << row << " " << column;
       EXPECT_LT(place, 1.6) << row << " " << column;
       EXPECT_GE(slice, 0);
       EXPECT_LE(slice, shared::sky_slice_count - 1);
     }
+  // Seen from above, the true lobe has masking but no cosine, so it is a little wider than its roughness's slice: the
+  // table names one that is as wide, as long as there is one.
   for (size_t row = 0; row < size; ++row) {
     const double roughness = std::pow(low + (1 - low) * double(row) / (size - 1), 2);
-    const float* above = sky.lobes.data() + 2 * (row * size + size - 1);
-    // Seen from above, the true lobe has masking besides: a little narrower where it is rough.
-    EXPECT_NEAR(above[1], slice_of_roughness(roughness), 0.6) << roughness;
+    const double slice = double(sky.lobes[2 * (row * size + size - 1) + 1]);
+    const double seen = spread_across(roughness, true);
+    const double below = spread_across(roughness_of(std::floor(slice)), false);
+    const double beyond = spread_across(roughness_of(std::floor(slice) + 1), false);
+    if (slice < shared::sky_slice_count - 1.001)
+      EXPECT_NEAR(std::lerp(below, beyond, slice - std::floor(slice)), seen, 0.02 * seen + 1e-5) << roughness;
+    else
+      EXPECT_GT(seen, 0.98 * spread_across(1, false)) << roughness;
   }
 }
 

@@ -32,8 +32,8 @@ struct TestCamera {
 
 inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const TestCamera& camera = {}, Sky sky = {},
                                              bool sky_visible = false, glm::dvec4 background = glm::dvec4(0),
-                                             bool glass = false, std::optional<Fog> fog = {},
-                                             double sun_radius_rad = 0, std::optional<Occlusion> occlusion = {}) {
+                                             bool glass = false, std::optional<Fog> fog = {}, double sun_radius_rad = 0,
+                                             std::optional<Occlusion> occlusion = {}) {
   auto t = std::make_unique<TestWorld>();
   auto scene = builder.load(glass ? LoadFor::path_tracing : LoadFor::raster);
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().text());

@@ -147,7 +147,9 @@ TEST(Terms, AmbientLightIsDividedByItsLobes) {
       if (traced_sky) expect_near(mean(diffuse, Term::ambient_diffuse), albedo * radiance, 0.01, "diffuse");
       expect_near(mean(diffuse, Term::ambient_specular), glm::dvec3(0), 1e-12, "no specular");
       expect_near(mean(metal, Term::ambient_diffuse), glm::dvec3(0), 1e-12, "no diffuse");
-      if (traced_sky) EXPECT_GT(mean(metal, Term::ambient_specular).x, 1.5);
+      if (traced_sky) {
+        EXPECT_GT(mean(metal, Term::ambient_specular).x, 1.5);
+      }
     }
 }
 
@@ -235,7 +237,9 @@ TEST(Terms, OcclusionIsTheShareThatNearSurfacesLeave) {
       }
       const double expected = 1 - strength * alpha * (1 - beyond);
       EXPECT_NEAR(open, expected, 0.005) << alpha_mode;
-      if (mode == Mode::direct) EXPECT_NEAR(ambient.x, 0.5 * radiance * expected, 0.02 * radiance) << alpha_mode;
+      if (mode == Mode::direct) {
+        EXPECT_NEAR(ambient.x, 0.5 * radiance * expected, 0.02 * radiance) << alpha_mode;
+      }
     }
 }
 

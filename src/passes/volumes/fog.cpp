@@ -70,7 +70,8 @@ std::span<const Knob<FogKnobs>> FogKnobs::table() {
        1,
        4096,
        {4, 16, 16, 256},
-       "directions in which the fog before the sky is looked through, for ambient light in fog that has an end",
+       "directions in which the fog before the sky is looked through, for ambient light in fog that has an end; on "
+       "surfaces in fog without bounds two elevations for each 16, and no azimuths",
        {},
        Trades::error,
        {1, 4, 16, 64, 256},

@@ -1,5 +1,5 @@
 #version 460
-// The closed forms of fog at many places: eight words a place in, eight out.
+// The closed forms of fog at many places: eight words a place in, eleven out.
 #include "shared/types.h"
 #include "lib/bindless.glsl"
 #include "lib/frame.glsl"
@@ -13,7 +13,7 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= pc.count) return;
   PlacesRef p = PlacesRef(pc.places + 32ul * i);
-  ResultsRef r = ResultsRef(pc.results + 32ul * i);
+  ResultsRef r = ResultsRef(pc.results + 44ul * i);
   const vec3 origin = vec3(p.f[0], p.f[1], p.f[2]), direction = vec3(p.f[3], p.f[4], p.f[5]);
   const vec2 span = fog_inside(origin, direction, vec2(0.0, p.f[6]));
   const float metres = fog_length(origin, direction, span.x, span.y);
@@ -22,4 +22,6 @@ void main() {
   r.f[1] = through.x, r.f[2] = through.y, r.f[3] = through.z;
   r.f[4] = held.x, r.f[5] = held.y, r.f[6] = held.z;
   r.f[7] = henyey_greenstein(p.f[7]);
+  const vec3 sky = fog_sky_through_surface(origin, direction);
+  r.f[8] = sky.x, r.f[9] = sky.y, r.f[10] = sky.z;
 }

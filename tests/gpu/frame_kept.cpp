@@ -122,8 +122,8 @@ TEST_F(KeptMaps, FollowTheirLamps) {
   const int material = add_material(b, diffuse_material(0.6, 0.6, 0.6));
   add_node(b, {{"mesh", add_square_mesh(b, 4, material)}});
   add_node(b, {{"mesh", add_square_mesh(b, 0.6f, material)}, {"translation", {0, 0, 1}}});
-  for (const char* type : {"point", "spot"})
-    add_light(b, {{"type", type}, {"intensity", 30}, {"range", 8}}, {{"translation", {1, 0.5, 2.5}}});
+  add_light(b, {{"type", "point"}, {"intensity", 30}, {"range", 8}}, {{"translation", {1, 0.5, 2.5}}});
+  add_light(b, {{"type", "spot"}, {"intensity", 30}, {"spot", Json::object()}}, {{"translation", {0, 1, 3}}});
   const int times = b.accessor<float>("SCALAR", {0, 1, 2});
   const int places = b.accessor<float>("VEC3", {-1, 0, 2, 1, 0, 3, -1, 0, 2});
   b.json["animations"] = {{{"samplers", {{{"input", times}, {"output", places}}}},

@@ -173,7 +173,9 @@ TEST_F(FrameLamps, ALightInsideAWallLightsNothing) {
     add_node(b,
              {{"mesh", side}, {"rotation", turned({0, 0, 1}, {0, 0, face})}, {"translation", {0, 0, -2 + 0.1 * face}}});
   add_lamp(b, {0.3, 2, -2}, "point");
-  const Images images = images_of(looking_down(write(b)));
+  Job job = looking_down(write(b));
+  job.samples = 1;  // lavapipe shades covered samples beside their places, which may lie inside of the wall
+  const Images images = images_of(job);
   size_t lit = 0;
   for (size_t i = 0; i < images["beauty"].pixels(); ++i) lit += images["beauty"].values<float>()[4 * i] > 0;
   EXPECT_EQ(lit, 0u);
@@ -243,7 +245,7 @@ TEST_F(FrameLamps, NotesSayWhichLightsHaveNoShadowsAndWhichSmallerMaps) {
 TEST_F(FrameLamps, TheLookMarksLights) {
   GltfBuilder b = floor_and_square();
   add_lamp(b, {0, 3, 0}, "point");
-  add_lamp(b, {4, 0.4, -4}, "point");
+  add_lamp(b, {0.4, 3, -1}, "point");
   b.json["nodes"].back()["name"] = "marked";
   Job job = looking_down(write(b));
   const std::string file = ::testing::TempDir() + "candela_marks.look.json";

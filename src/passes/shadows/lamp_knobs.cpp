@@ -12,10 +12,10 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .member = &LampKnobs::lights,
        .lowest = 0,
        .highest = 4096,
-       .ladder = {4, 8, 16, 4096},
+       .ladder = {8, 64, 256, 4096},
        .trades = "point and spot lights that have shadows: those that the look marks first, then those that add most "
                  "to the picture; a note names the rest. marked: no others",
-       .walk = {0, 4, 16, 4096},
+       .walk = {0, 16, 64, 4096},
        .passes = drawing,
        .named = {{0, "none"}, {-1, "marked"}}},
       {.name = "budget_mb",

@@ -11,7 +11,7 @@ namespace candela {
 // draw and read the maps.
 struct LampKnobs {
   static constexpr std::string_view name = "shadows";
-  int lights = 16;  // none, marked_alone
+  int lights = 256;  // none, marked_alone
   static constexpr int none = 0, marked_alone = -1;
   int budget_mb = 128;
   int size_px = 1024;

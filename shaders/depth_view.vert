@@ -14,7 +14,9 @@ void main() {
   const Item item = load_item(gl_InstanceIndex);
   const Geometry g = load_geometry(item.geometry);
   gl_Position = pc.clip_from_relative * vec4(relative_position(item, g, gl_VertexIndex), 1.0);
-  gl_Position.z = min(gl_Position.z, gl_Position.w);  // what lies before the near plane is flattened onto it
+  // What lies before the near plane is flattened onto it. Not where the view is perspective: triangles that cross the
+  // plane of the eye would be bent; such a view begins so near that nothing lies before it (shared/shadows.h).
+  if (pc.flattens != 0u) gl_Position.z = min(gl_Position.z, gl_Position.w);
   if (IS_MASKED != 0) {
     const uint v = gl_VertexIndex;
     out_material = item.material;

@@ -8,7 +8,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
-#include "lib/sun_shadow.glsl"
+#include "lib/light_shadow.glsl"
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/draw.frag.glsl"
@@ -38,7 +38,7 @@ void main() {
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
 #ifdef DIRECT
-  const vec3 plane_normal = HAS_SUN_SHADOWS != 0 ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  const vec3 plane_normal = HAS_SHADOWS ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
 #endif
   const bool unlit = (m.flags & material_unlit) != 0u;
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
@@ -65,7 +65,7 @@ void main() {
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
-      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, v.relative_position, plane_normal);
+      if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, v.relative_position, plane_normal);
       direct += reaching;
     }
   }

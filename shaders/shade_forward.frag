@@ -8,7 +8,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
-#include "lib/sun_shadow.glsl"
+#include "lib/light_shadow.glsl"
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
@@ -29,7 +29,7 @@ void main() {
   // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples
   // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
-  const bool in_plane = HAS_SUN_SHADOWS != 0 || HAS_OCCLUSION != 0;
+  const bool in_plane = HAS_SHADOWS || HAS_OCCLUSION != 0;
   const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
                                       : v.relative_position;
@@ -48,7 +48,7 @@ void main() {
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
-      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, surface_point, plane_normal);
+      if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, surface_point, plane_normal);
 #ifdef FOG
       if (reaching != vec3(0.0)) reaching *= fog_light_through(light, v.relative_position);
 #endif

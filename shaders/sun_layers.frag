@@ -8,7 +8,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
-#include "lib/sun_shadow.glsl"
+#include "lib/light_shadow.glsl"
 #include "lib/draw.frag.glsl"
 
 layout(location = 0) out float out_visibility;

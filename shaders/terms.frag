@@ -8,7 +8,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
-#include "lib/sun_shadow.glsl"
+#include "lib/light_shadow.glsl"
 #include "lib/light_cells.glsl"
 #include "lib/light_list.glsl"
 #include "lib/ambient.glsl"
@@ -65,7 +65,7 @@ void main() {
 #ifdef FOG
   through_fog = fog_before_through(v.relative_position);
 #endif
-  const bool in_plane = HAS_SUN_SHADOWS != 0 || HAS_OCCLUSION != 0;
+  const bool in_plane = HAS_SHADOWS || HAS_OCCLUSION != 0;
   const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
                                       : v.relative_position;
@@ -100,7 +100,7 @@ void main() {
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);
-      if (HAS_SUN_SHADOWS != 0) reaching *= light_visibility(light, surface_point, plane_normal);
+      if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, surface_point, plane_normal);
 #ifdef FOG
       if (reaching != vec3(0.0)) reaching *= fog_light_through(light, v.relative_position);
 #endif

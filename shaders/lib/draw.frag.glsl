@@ -6,7 +6,7 @@ layout(location = 3) centroid in vec4 in_tangent;
 layout(location = 4) centroid in vec2 in_uv0;
 layout(location = 5) centroid in vec2 in_uv1;
 layout(location = 6) centroid in vec4 in_color;
-layout(location = 7) in vec3 in_plane_position;  // HAS_SUN_SHADOWS or HAS_OCCLUSION: for derivatives
+layout(location = 7) in vec3 in_plane_position;  // HAS_SHADOWS or HAS_OCCLUSION: for derivatives
 
 Varyings load_varyings() {
   Varyings v;

@@ -22,7 +22,7 @@ void main() {
   out_position = relative_position(item, g, v);
   gl_Position = clip_position(out_position);
   gl_PointSize = 1.0;
-  if (HAS_SUN_SHADOWS != 0 || HAS_OCCLUSION != 0) out_plane_position = out_position;
+  if (HAS_SHADOWS || HAS_OCCLUSION != 0) out_plane_position = out_position;
   if (IS_UNLIT == 0) {
     out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0))
         : vec3(0.0);

@@ -20,3 +20,5 @@ layout(constant_id = 13) const int HAS_TEXTURES = 0;       // any of the above: 
 layout(constant_id = 17) const int IBL_METHOD = 0;         // of reflections of a sky image; 0: spherical harmonics
 layout(constant_id = 18) const int HAS_SKY_IRRADIANCE = 0; // a map of the sky's diffuse light
 const int ibl_split = 1, ibl_lobe = 2, ibl_sampled = 3;
+layout(constant_id = 19) const int HAS_LAMP_SHADOWS = 0;   // of some point or spot light
+const bool HAS_SHADOWS = HAS_SUN_SHADOWS != 0 || HAS_LAMP_SHADOWS != 0;

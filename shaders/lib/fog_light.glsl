@@ -126,7 +126,8 @@ bool next_fog_light(inout FogWalk w) {
 float fog_sun_visibility(LightRef light, vec3 position) {
   const uint named = floatBitsToUint(light_word(light, 6u).y);
   if (named == 0u) return 1.0;
-  const uint sun = max(named, 1u) - 1u;  // valid in all lanes: light_visibility in lib/sun_shadow.glsl
+  // Valid in all lanes, also those of lamps: light_visibility in lib/light_shadow.glsl.
+  const uint sun = (named & lamp_shadow_bit) != 0u ? 0u : max(named, 1u) - 1u;
   const CascadePlace place = find_cascade(sun, position);
   if (place.number == max_sun_cascades) return 1.0;
   SunShadowsRef suns = SunShadowsRef(pc.suns);

@@ -1,5 +1,5 @@
-// How much of a directional light's rays come through, from its cascades of depth maps. Needs lib/scene.glsl, the
-// push constants pc.suns and pc.sun_maps, and a fragment shader. Only where HAS_SUN_SHADOWS is 1.
+// How much of a directional light's rays come through, from its cascades of depth maps. Part of
+// lib/light_shadow.glsl; needs pc.suns and pc.sun_maps. Only where HAS_SUN_SHADOWS is 1.
 //
 // A point takes the finest cascade that covers it, from there the mean of nine comparisons on a Poisson disc that is
 // turned from pixel to pixel (noise instead of bands; Jimenez, "Next Generation Post Processing in Call of Duty:
@@ -32,9 +32,7 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
   const float per_metre = 0.5 / cascade.half_m;
   const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * per_metre;
   const float layer = float(suns.s[sun].first_layer + place.number);
-  vec2 pixel = floor(gl_FragCoord.xy);
-  if (IS_SUBSAMPLE != 0) pixel += 37.0 * pc.subsample_ndc * vec2(frame.size_px);  // each sample has its own turn
-  const float turn = 6.2831853 * fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+  const float turn = shadow_turn();
   const vec2 cos_sin = vec2(cos(turn), sin(turn)) * (radius * cascade.texel_m * per_metre);
   float lit = 0.0;
   for (int i = 0; i < 9; ++i) {
@@ -45,13 +43,4 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
         vec4(at, layer, depth), vec2(0.0), vec2(0.0));
   }
   return lit / 9.0;
-}
-
-// Of any light: 1 for those without a map.
-float light_visibility(LightRef light, vec3 position, vec3 normal) {
-  const uint sun = floatBitsToUint(light_word(light, 6u).y);
-  if (sun == 0u) return 1.0;
-  // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be
-  // valid.
-  return sun_visibility(max(sun, 1u) - 1u, position, normal);
 }

@@ -5,19 +5,20 @@ SHARED_BEGIN
 struct DrawPush {  // every pass that draws the scene
   uint64_t deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
-  uint64_t suns;                                     // SunShadow; only with shadow maps
+  uint64_t suns, lamps;                              // SunShadow, LampShadow; only with shadow maps
   // Of a supersampled frame: where this sample lies off the pixel's middle, and its side in pixels, by which the
   // footprints of textures shrink.
   vec2 subsample_ndc;
   float subsample_footprint;
-  uint sun_maps;   // the maps' place among the pass's images
-  uint fog_light;  // the same of the grid of fog's light
-  uint occlusion;  // of ambient occlusion's texels; only where shading reads them
+  uint sun_maps, lamp_maps;  // the maps' places among the pass's images
+  uint fog_light;            // the same of the grid of fog's light
+  uint occlusion;            // of ambient occlusion's texels; only where shading reads them
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;
   mat4 clip_from_relative;
   vec2 subsample_ndc;  // as in DrawPush, whose functions it serves; 0
+  uint flattens;       // what lies before the near plane onto it: parallel views
 };
 // Of what lies behind everything: the members that DrawPush has too are used where it is seen through fog.
 struct SkyPush {

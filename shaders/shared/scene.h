@@ -67,8 +67,8 @@ struct Light {
   vec3 direction;       // unit, the way the light shines
   uint type;
   float spot_scale, spot_offset;
-  vec3 intensity;   // cd or lux, times colour
-  uint sun_shadow;  // directional: 1 + its place among the frame's SunShadows; 0: it has no shadow maps
+  vec3 intensity;  // cd or lux, times colour
+  uint shadow;     // 1 + its place among the frame's SunShadows, or, with lamp_shadow_bit, LampShadows; 0: no maps
   float unused[2];
 };
 

@@ -6,8 +6,12 @@ SHARED_BEGIN
 
 #ifdef __cplusplus
 inline constexpr uint max_sun_cascades = 8;
+inline constexpr float lamp_near_m = 1e-4f, lamp_kernel_texels = 2;
+inline constexpr uint lamp_shadow_bit = 0x80000000u;
 #else
 const uint max_sun_cascades = 8u;
+const float lamp_near_m = 1e-4, lamp_kernel_texels = 2.0;
+const uint lamp_shadow_bit = 0x80000000u;  // of Light.shadow
 #endif
 
 // One square of a sun's shadow map, in the light's own axes, metres from the camera.
@@ -27,14 +31,30 @@ struct SunShadow {
   SunCascade cascades[max_sun_cascades];  // the finest first
 };
 
+// A point or spot light with shadow maps, square tiles of one layered image: six of a cube with the world's axes, or
+// one down a spot's cone. The reversed depth of a point at z metres along a map's axis is lamp_near_m / z. Points are
+// in relative space; tangents are metres across at a metre along.
+struct LampShadow {
+  vec3 position;
+  uint is_cube;
+  vec3 right, up, forward;  // of the one map
+  float texel_tangent;      // a texel's side
+  float most_tangent;       // of a lookup's middle: from there it does not leave the tile
+  float uv_per_texel;
+  float bias_m;   // of z, for what rounding does to it
+  vec3 tiles[6];  // middle in texels, and layer; -1: the camera sees nothing that lies there
+};
+
 SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
 static_assert(sizeof(SunCascade) == 20 && sizeof(SunShadow) == 224 && offsetof(SunShadow, cascades) == 64);
-}
+static_assert(sizeof(LampShadow) == 140 && offsetof(LampShadow, tiles) == 68);
+}  // namespace candela::shared
 #else
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SunShadowsRef { SunShadow s[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LampShadowsRef { LampShadow s[]; };
 #endif
 
 #endif

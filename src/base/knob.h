@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct Knob {
   std::vector<std::string_view> passes = {};
   std::vector<double> only = {};  // the values it takes; empty: all from lowest to highest
   std::string_view beside = {};   // a setting that must stand beside it, or it does nothing: "supersample.n=1"
+  std::vector<std::pair<double, std::string_view>> named = {};  // values with a name, also beyond lowest and highest
 
   double value(const K& knobs) const {
     return std::visit([&](auto m) { return double(knobs.*m); }, member);
@@ -46,6 +48,8 @@ struct Knob {
   // As it is printed and as --set takes it: a choice by its name, a float by its shortest digits.
   std::string text(double v) const {
     if (!choices.empty()) return std::string(choices[size_t(v)]);
+    for (const auto& [value, name_of_value] : named)
+      if (value == v) return std::string(name_of_value);
     return std::holds_alternative<float K::*>(member) ? fmt::format("{}", float(v)) : fmt::format("{}", v);
   }
 };

@@ -75,7 +75,8 @@ std::vector<std::string> gpu_part_layers() {
 std::vector<std::string> reference_part_layers(bool with_fog) {
   std::vector<std::string> names = edge_layers();
   for (const std::string& term : term_layer_names())
-    if (term != "shadow" && term != "occlusion") names.push_back(term);  // shares of light, and no light
+    // Shares of light are no light.
+    if (!term.starts_with("shadow") && term != "occlusion") names.push_back(term);
   if (with_fog) names.emplace_back("fog");
   return names;
 }

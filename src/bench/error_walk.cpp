@@ -7,6 +7,7 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "bench/error_views.h"
+#include "frame/job_look.h"
 #include "frame/plan_frame.h"
 #include "gltf/gltf.h"
 
@@ -60,14 +61,27 @@ class Walker {
   Expected<void> load(const Configuration& c) {
     const auto file = store_.file_of(c);
     if (!file) return std::unexpected(file.error());
-    if (*file == file_) return {};
-    auto scene = load_gltf(*file);
+    if (auto read = load_scene(*file); !read) return read;
+    Job job = c.job;
+    job.scene = *file;
+    const auto look = look_of(job, c.time_s);
+    if (!look) return std::unexpected(look.error());
+    std::vector<std::string> warnings;
+    auto sky = JobSky::read(job, *look, scene_, warnings);
+    if (!sky) return std::unexpected(sky.error());
+    sky_ = std::move(*sky);
+    return {};
+  }
+
+  Expected<void> load_scene(const std::string& file) {
+    if (file == file_) return {};
+    auto scene = load_gltf(file);
     if (!scene) return std::unexpected(scene.error());
     scene_ = std::move(*scene);
     auto layout = layout_geometry(scene_);
     if (!layout) return std::unexpected(layout.error());
     layout_ = std::move(*layout);
-    file_ = *file;
+    file_ = file;
     return {};
   }
 
@@ -94,7 +108,7 @@ class Walker {
     std::string all;
     for (const BenchView& view : place.views) {
       job.camera = view.camera;
-      const auto planned = plan_frame(job, PlanContext{scene_, layout_},
+      const auto planned = plan_frame(job, PlanContext{scene_, layout_, &sky_},
                                       {.linear = true, .display = whole_.output == "both"}, view.time_s);
       if (!planned) return std::unexpected(planned.error());
       all += work_of(*planned).hex();
@@ -178,6 +192,7 @@ class Walker {
   std::string file_;
   Scene scene_;
   GeometryLayout layout_;
+  JobSky sky_;  // of the place at hand
   std::map<Hash128, size_t> works_;                    // of the place at hand: row that does it
   std::vector<std::pair<Configuration, Work>> exact_;  // the same: exact ends of techniques
 };

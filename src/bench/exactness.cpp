@@ -180,6 +180,7 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"lights", "memory_mb", {"1", "512"}},
       {"sun", "skip_served", {"0", "1"}},
       {"sun", "draws", {"2097152", "4194304"}},
+      {"shadows", "draws", {"2097152", "4194304"}},
   };
   return table;
 }

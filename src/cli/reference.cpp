@@ -272,7 +272,8 @@ struct Traced {
 Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
                        const std::atomic<int>& interrupted) {
   const reference::FilmParts parts = film_parts(frame, plan.layers);
-  const Hash128 identity = film_identity(plan.job, frame, plan.settings, plan.accel, parts.terms);
+  Hash128 identity = film_identity(plan.job, frame, plan.settings, plan.accel, parts.terms);
+  if (parts.lamp_shadow) identity = hash128(identity.hex() + " shadow.lamps");
   reference::Film film(plan.job.width_px, plan.job.height_px, parts);
   std::error_code failed;
   if (o.resume && fs::exists(o.state, failed)) {

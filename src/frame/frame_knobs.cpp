@@ -33,6 +33,11 @@ Expected<double> parse_choice(const KnobSetting& s, const std::vector<std::strin
 template <class K>
 Expected<double> parse_value(const KnobSetting& s, const Knob<K>& knob) {
   if (!knob.choices.empty()) return parse_choice(s, knob.choices);
+  std::string names;
+  for (const auto& [named, name] : knob.named) {
+    if (s.value == name) return named;
+    names += std::string(name) + ", ";
+  }
   double value = 0;
   const char* const end = s.value.data() + s.value.size();
   const auto [at, error] = std::from_chars(s.value.data(), end, value);
@@ -41,11 +46,20 @@ Expected<double> parse_value(const KnobSetting& s, const Knob<K>& knob) {
     return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not {} or {}", s.pass, s.knob, s.value,
                 fmt::join(std::span(knob.only).first(knob.only.size() - 1), ", "), knob.only.back());
   if (!number || !(value >= knob.lowest && value <= knob.highest))
-    return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not a number from {} to {}", s.pass, s.knob, s.value,
-                knob.lowest, knob.highest);
+    return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not {}a number from {} to {}", s.pass, s.knob, s.value,
+                names.empty() ? "" : names + "or ", knob.lowest, knob.highest);
   if (std::holds_alternative<int K::*>(knob.member) && value != std::floor(value))
     return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not a whole number", s.pass, s.knob, s.value);
   return value;
+}
+
+template <class K>
+std::string range_text(const Knob<K>& knob) {
+  if (!knob.choices.empty()) return fmt::format("{}", fmt::join(knob.choices, "|"));
+  if (!knob.only.empty()) return fmt::format("{}", fmt::join(knob.only, "|"));
+  std::string text;
+  for (const auto& [value, name] : knob.named) text += std::string(name) + "|";
+  return text + fmt::format("{}..{}", knob.lowest, knob.highest);
 }
 
 }  // namespace
@@ -87,9 +101,7 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
                 .knob = std::string(knob.name),
                 .value_now = knob.text(knob.value(knobs)),
                 .unit = std::string(knob.unit),
-                .range = !knob.choices.empty() ? fmt::format("{}", fmt::join(knob.choices, "|"))
-                         : !knob.only.empty()  ? fmt::format("{}", fmt::join(knob.only, "|"))
-                                               : fmt::format("{}..{}", knob.lowest, knob.highest),
+                .range = range_text(knob),
                 .ladder = joined(ladder, " "),
                 .trades = std::string(knob.trades),
                 .kind = knob.kind == Trades::error  ? "error"

@@ -72,12 +72,12 @@ Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const Dra
     const glm::dvec3 direction = glm::normalize(glm::dvec3(data.lights[light].direction));
     SunCascades cascades = fit_sun_cascades(direction, view, fit, knobs, uint32_t(image.views.size()));
     out.shadows.push_back(cascades.shadow);
-    upload.lights[light].sun_shadow = uint32_t(out.shadows.size());
+    upload.lights[light].shadow = uint32_t(out.shadows.size());
     image.views.insert(image.views.end(), cascades.views.begin(), cascades.views.end());
   }
   image.layers = uint32_t(image.views.size());
   image.size_px = image.views.front().size_px.x;
-  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws));
+  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "sun.draws");
   if (!placed) return std::unexpected(placed.error());
   out.views = std::move(*placed);
   out.image = std::make_shared<const ViewImage>(std::move(image));

@@ -28,7 +28,7 @@ bool may_keep(const shared::View& view, const shared::Item& item) {
 }
 
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
-                                 std::span<const DrawRun> runs, bool culling, uint64_t budget) {
+                                 std::span<const DrawRun> runs, bool culling, uint64_t budget, std::string_view knob) {
   FrameViews placed;
   placed.table = std::move(views);
   std::vector<uint32_t> counts(placed.table.size() * runs.size());
@@ -50,9 +50,9 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
   const uint64_t most = std::min<uint64_t>(budget, std::numeric_limits<uint32_t>::max());
   if (needed > most)
     return fail(ErrorKind::usage, "--set",
-                "the frame's {} shadow views need room for {} draw commands, more than sun.draws = {}; set sun.draws "
+                "the frame's {} shadow views need room for {} draw commands, more than {} = {}; set {} "
                 "to {} or more ({} bytes each), or have fewer shadows",
-                placed.table.size(), needed, budget, needed, sizeof(shared::DrawCommand));
+                placed.table.size(), needed, knob, budget, knob, needed, sizeof(shared::DrawCommand));
   placed.first_command.push_back(uint32_t(needed));
   return placed;
 }

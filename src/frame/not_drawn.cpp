@@ -11,7 +11,6 @@ std::vector<std::string> not_drawn(const SceneFacts& facts, const Pose& pose) {
   const auto add = [&](bool needed, const char* name) {
     if (needed) names.emplace_back(name);
   };
-  add(lit && facts.point_lights + facts.spot_lights > 0, "shadows of point and spot lights");
   add(lit && facts.environment && !facts.image_light, "sharp reflections of the sky");
   add(glass, "transmission and refraction");
   return names;

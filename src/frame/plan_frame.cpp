@@ -106,10 +106,15 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.light_grid = f.light_grid.shape;
   s.sun_image = f.suns.image;
   s.sun_absence = f.suns.absence;
-  if (context.kept && s.sun_image)
-    if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures))
-      s.sun_key = depth_views_key(*casters, *s.sun_image);
+  if (context.kept && (s.sun_image || f.lamps.image))
+    if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures)) {
+      if (s.sun_image) s.sun_key = depth_views_key(*casters, *s.sun_image);
+      if (f.lamps.image) s.lamp_key = depth_views_key(*casters, *f.lamps.image);
+    }
   s.view_first_command = std::make_shared<const std::vector<uint32_t>>(f.suns.views.first_command);
+  s.lamp_image = f.lamps.image;
+  s.lamp_absence = f.lamps.absence;
+  s.lamp_first_command = std::make_shared<const std::vector<uint32_t>>(f.lamps.views.first_command);
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
   if (f.facts.image_light) {
@@ -195,17 +200,21 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
                                  extent.reach_m, knobs->get<LightKnobs>());
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
-  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(),
-                        knobs->get<Cull::Knobs>().enabled != 0, f.upload);
+  const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
+  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling, f.upload);
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
-  f.notes.insert(f.notes.end(), f.suns.notes.begin(), f.suns.notes.end());
   if (f.request.draws_fog()) {
     const FogKnobs& fog = knobs->get<FogKnobs>();
     f.upload.constants.fog =
         frame_fog(*f.request.look.fog, f.view, f.data, extent.farthest_m,
                   fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
   }
+  auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(), culling,
+                          f.upload);
+  if (!lamps) return std::unexpected(lamps.error());
+  f.lamps = std::move(*lamps);
+  for (const auto* notes : {&f.suns.notes, &f.lamps.notes}) f.notes.insert(f.notes.end(), notes->begin(), notes->end());
   f.light_grid_ms = ms_since(start);
 
   start = Clock::now();

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "frame/frame_dumps.h"
+#include "frame/frame_lamps.h"
 #include "frame/frame_suns.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
@@ -36,6 +37,7 @@ struct PlannedFrame {
   FrameUpload upload;
   LightGrid light_grid;
   FrameSuns suns;
+  FrameLamps lamps;
   TextureKnobs textures;
   IblKnobs image_light;
   FrameSky sky;

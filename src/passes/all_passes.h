@@ -22,6 +22,7 @@
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
+#include "passes/shadows/lamp_layers.h"
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
@@ -46,8 +47,8 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
                            LightFill, LightSort, AmbientOcclusion, FogGrid, ShadeForward, ShadeUnlit, Sky, Background,
-                           Transparent, Layers, Terms, FogLayers, SunLayers, OcclusionLayer, LightHeat, Supersample,
-                           Resolve, Exposure, BloomPass, Tonemap, Readback, Dump>;
+                           Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+                           Supersample, Resolve, Exposure, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

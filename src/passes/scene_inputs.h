@@ -15,11 +15,12 @@ struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
   BufferHandle light_bounds, light_chunks, light_globals;  // empty without light lists
   LightGridShape light_grid;
-  BufferHandle views, view_regions, suns;  // of shadow maps; empty without
-  std::shared_ptr<const ViewImage> sun_image;
-  std::shared_ptr<const std::vector<uint32_t>> view_first_command;
-  std::string sun_absence;                    // why there are none
-  std::optional<Hash128> sun_key;             // of the maps' content, where they may be kept
+  BufferHandle views, view_regions, suns;             // of shadow maps; empty without
+  BufferHandle lamp_views, lamp_view_regions, lamps;  // the same of point and spot lights
+  std::shared_ptr<const ViewImage> sun_image, lamp_image;
+  std::shared_ptr<const std::vector<uint32_t>> view_first_command, lamp_first_command;
+  std::string sun_absence, lamp_absence;      // why there are none
+  std::optional<Hash128> sun_key, lamp_key;   // of the maps' content, where they may be kept
   BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
   std::shared_ptr<const std::vector<DrawRun>> runs;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials

@@ -79,6 +79,8 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
       if (terms) {
         terms->add(own, through * s.coverage * clear);
         if (!s.unlit) terms->shadow -= through * s.coverage * (1 - sun_visibility(s, point, stream.next2()));
+        if (!s.unlit && terms->wants_lamp_shadow)
+          terms->lamp_shadow -= through * s.coverage * (1 - lamp_visibility(s, point));
         if (!opaque_met && !world_.is_blended(hit->item)) {
           opaque_met = true;
           if (!s.unlit) terms->occlusion = near_occlusion(s, point, stream.next2());
@@ -149,8 +151,17 @@ glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm
 
 // Traced apart from the light itself, which needs no shadow ray where the material shows none of it.
 double Integrator::sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const {
+  return open_share(world_.directional(), s, point, on_disc);
+}
+
+double Integrator::lamp_visibility(const Surface& s, const SurfacePoint& point) const {
+  return open_share(world_.tree_punctual(), s, point, glm::dvec2(0));
+}
+
+double Integrator::open_share(const std::vector<uint32_t>& lights, const Surface& s, const SurfacePoint& point,
+                              glm::dvec2 on_disc) const {
   double all = 0, open = 0;
-  for (const uint32_t index : world_.directional()) {
+  for (const uint32_t index : lights) {
     const Arrival a = arriving(world_.punctual_lights()[index], s.position, own_place(on_disc, index));
     const double weight = luminance(a.illuminance) * std::max(glm::dot(s.normal, a.l), 0.0);
     if (!(weight > 0)) continue;

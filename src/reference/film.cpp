@@ -29,6 +29,7 @@ struct FileHead {
 Film::Film(int width_px, int height_px, FilmParts parts)
     : width_(width_px),
       height_(height_px),
+      wants_lamp_shadow_(parts.lamp_shadow),
       sums_(size_t(width_px) * size_t(height_px)),
       fog_(parts.fog ? sums_.size() : 0),
       terms_(parts.terms ? sums_.size() : 0) {}
@@ -42,6 +43,10 @@ double Film::shadow(size_t pixel) const { return terms_.at(pixel).shadow / doubl
 
 double Film::occlusion(size_t pixel) const {
   return terms_.at(pixel).occlusion / double(std::max<uint64_t>(samples_, 1));
+}
+
+double Film::lamp_shadow(size_t pixel) const {
+  return terms_.at(pixel).lamp_shadow / double(std::max<uint64_t>(samples_, 1));
 }
 
 glm::dvec3 Film::fog_light(size_t pixel) const {
@@ -115,6 +120,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
         Sums& pixel = sums[at];
         for (uint64_t i = samples_; i < samples_ + uint64_t(count); ++i) {
           TermSample divided;
+          divided.wants_lamp_shadow = wants_lamp_shadow_;
           const PixelSample s = integrator.sample(x, y, i, terms.empty() ? nullptr : &divided);
           for (int c = 0; c < 3; ++c) {
             pixel.value[c] += s.radiance[c];
@@ -130,6 +136,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
             for (int c = 0; c < 3; ++c) terms[at].light[t][c] += divided.light[t][c];
           terms[at].shadow += divided.shadow;
           terms[at].occlusion += divided.occlusion;
+          terms[at].lamp_shadow += divided.lamp_shadow;
         }
       }
     const std::lock_guard lock(reporting);

@@ -12,6 +12,7 @@ namespace candela::reference {
 // What a film keeps beside the radiance.
 struct FilmParts {
   bool fog = false, terms = false;
+  bool lamp_shadow = false;  // with terms
 };
 
 // Sums over the samples of each pixel, in double, added in the order of the samples: any sharing of the work gives the
@@ -33,6 +34,7 @@ class Film {
   glm::dvec3 term(Term term, size_t pixel) const;  // mean of one; with fog_light() they sum to mean()
   double shadow(size_t pixel) const;               // mean TermSample::shadow
   double occlusion(size_t pixel) const;            // mean TermSample::occlusion
+  double lamp_shadow(size_t pixel) const;          // mean TermSample::lamp_shadow
   size_t pixels() const { return size_t(width_) * size_t(height_); }
 
   // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared
@@ -60,13 +62,14 @@ class Film {
     double light[3] = {}, through[3] = {};
   };
   struct TermSums {
-    double light[term_count][3] = {}, shadow = 0, occlusion = 0;
+    double light[term_count][3] = {}, shadow = 0, occlusion = 0, lamp_shadow = 0;
   };
   // The mean over pixels and channels of a quarter of the squared difference of the halves over scale(mean).
   template <class Scale>
   double mean_of_halves(Scale&& scale) const;
 
   int width_, height_;
+  bool wants_lamp_shadow_;
   uint64_t samples_ = 0;
   std::vector<Sums> sums_;
   std::vector<FogSums> fog_;     // empty: none

@@ -68,6 +68,9 @@ class Integrator {
   double sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
   // TermSample::occlusion of one surface.
   double near_occlusion(const Surface& s, const SurfacePoint& point, glm::dvec2 u) const;
+  double lamp_visibility(const Surface& s, const SurfacePoint& point) const;  // TermSample::lamp_shadow
+  double open_share(const std::vector<uint32_t>& lights, const Surface& s, const SurfacePoint& point,
+                    glm::dvec2 on_disc) const;
   glm::dvec3 sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
   // What a light would give if nothing stood between.
   struct Offer {

@@ -279,6 +279,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     }
     if (divided) {
       terms->shadow = sun_visibility(s, point, stream.next2());
+      if (terms->wants_lamp_shadow) terms->lamp_shadow = lamp_visibility(s, point);
       if (!world_.is_blended(hit->item)) terms->occlusion = near_occlusion(s, point, stream.next2());
     }
 

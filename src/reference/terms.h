@@ -35,6 +35,9 @@ struct TermSample {
   // Of the directional lights' light on what the pixel shows, weighed by the cosine, the share that nothing blocks; 1
   // where none of them faces the surface, and on what takes no light.
   double shadow = 1;
+  // The same of point and spot lights, only where it is wanted: it takes a ray for each of them.
+  bool wants_lamp_shadow = false;
+  double lamp_shadow = 1;
   // Of the nearest opaque or masked surface: the share of the sky's light that near surfaces leave, weighed by the
   // cosine about the triangle's normal (World::occlusion()); 1 where there is none, and on what takes no light.
   double occlusion = 1;

@@ -63,6 +63,7 @@ const std::vector<std::string>& term_layer_names() {
     std::vector<std::string> all;
     for (size_t t = 0; t < reference::term_count; ++t) all.emplace_back(name_of(reference::Term(t)));
     all.emplace_back("shadow");
+    all.emplace_back("shadow.lamps");
     all.emplace_back("occlusion");
     return all;
   }();
@@ -70,7 +71,9 @@ const std::vector<std::string>& term_layer_names() {
 }
 
 reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<std::string>& layers) {
-  return {.fog = frame.world->medium() != nullptr, .terms = std::ranges::any_of(term_layer_names(), is_in(layers))};
+  return {.fog = frame.world->medium() != nullptr,
+          .terms = std::ranges::any_of(term_layer_names(), is_in(layers)),
+          .lamp_shadow = is_in(layers)("shadow.lamps")};
 }
 
 void add_term_layers(FloatImage& image, const reference::Film& film, const std::vector<std::string>& layers,
@@ -89,6 +92,7 @@ void add_term_layers(FloatImage& image, const reference::Film& film, const std::
       add(name + "." + "RGB"[c], [&](size_t i) { return film.term(reference::Term(t), i)[c]; });
   }
   if (is_in(layers)("shadow")) add("shadow.Y", [&](size_t i) { return film.shadow(i); });
+  if (is_in(layers)("shadow.lamps")) add("shadow.lamps.Y", [&](size_t i) { return film.lamp_shadow(i); });
   if (is_in(layers)("occlusion")) add("occlusion.Y", [&](size_t i) { return film.occlusion(i); });
 }
 

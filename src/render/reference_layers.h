@@ -12,7 +12,7 @@ namespace candela {
 const std::vector<std::string>& surface_layer_names();
 
 // Layers that the film holds as means over its samples: the terms that beauty is the sum of, together with fog
-// (reference/terms.h), and shadow, which is no light.
+// (reference/terms.h), and shares of light, which are no light: shadow, shadow.lamps, occlusion.
 const std::vector<std::string>& term_layer_names();
 // What the film of these layers must keep.
 reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<std::string>& layers);

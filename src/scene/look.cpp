@@ -356,9 +356,29 @@ Row<Look> tone_row() {
       "how radiance becomes display values");
 }
 
+Row<Look> shadows_row() {
+  Row<ShadowLook> lights{key_of("lights", LookKey::Kind::texts, {}, "names of nodes: their lights get maps first"),
+                         [](const Json& v, const std::string& at, ShadowLook& shadows) -> Expected<void> {
+                           if (!v.is_array()) return wrong(at, "the value is not a list of names of nodes");
+                           for (size_t i = 0; i < v.size(); ++i) {
+                             if (!v[i].is_string())
+                               return wrong(fmt::format("{}/{}", at, i), "the value is not a node's name");
+                             shadows.lights.push_back(v[i].get<std::string>());
+                           }
+                           return {};
+                         }};
+  return object_row<Look, ShadowLook>(
+      "shadows", {lights}, [](Look&) { return ShadowLook{}; },
+      [](const Json&, const std::string&, ShadowLook& shadows, Look& look) -> Expected<void> {
+        look.shadows = shadows;
+        return {};
+      },
+      "which point and spot lights cast shadows before all others");
+}
+
 const Rows<Look>& look_table() {
-  static const Rows<Look> rows = {fog_row(),       sun_row(),      sky_row(), bloom_row(),
-                                  occlusion_row(), exposure_row(), tone_row()};
+  static const Rows<Look> rows = {fog_row(),       sun_row(),      sky_row(),  bloom_row(),
+                                  occlusion_row(), exposure_row(), tone_row(), shadows_row()};
   return rows;
 }
 
@@ -399,6 +419,7 @@ std::vector<std::string> switched_on(const Look& look) {
   add(sky.extract_sun, "the sky image's sun as a light");
   add(look.bloom.has_value(), "bloom");
   add(look.occlusion.has_value(), "occlusion");
+  add(!look.shadows.lights.empty(), "lights marked for shadows");
   add(look.exposure.ev.has_value(), "exposure");
   add(look.exposure.automatic.has_value(), "automatic exposure");
   add(!look.tone_mapping.curve.empty() || look.tone_mapping.agx_min_ev != agx_lowest_ev ||

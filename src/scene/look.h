@@ -120,6 +120,11 @@ struct Occlusion {
   }
 };
 
+// The point and spot lights that shadow maps are given to first, by the names of their nodes.
+struct ShadowLook {
+  std::vector<std::string> lights;
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
@@ -129,6 +134,7 @@ struct Look {
   std::optional<Occlusion> occlusion;
   ExposureLook exposure;
   ToneMapping tone_mapping;
+  ShadowLook shadows;
 };
 // What of it a picture shows, in words: "fog, bloom". Empty: nothing.
 std::vector<std::string> switched_on(const Look& look);
@@ -155,7 +161,7 @@ std::filesystem::path look_beside(const std::filesystem::path& scene);
 
 // The keys that the reader takes, as a tree: what the reader checks and docs/schemas/look.schema.json says.
 struct LookKey {
-  enum class Kind : uint8_t { object, number, numbers, color, flag, text };
+  enum class Kind : uint8_t { object, number, numbers, color, flag, text, texts };
   std::string name, help;
   Kind kind = Kind::number;
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();

@@ -46,6 +46,8 @@ Json schema_of(const LookKey& key) {
       return over_time({{"anyOf", Json::array({number_schema(key), list_schema(number_schema(key), 3, 3)})}});
     case LookKey::Kind::flag:
       return {{"type", "boolean"}};
+    case LookKey::Kind::texts:
+      return {{"type", "array"}, {"items", {{"type", "string"}}}};
     case LookKey::Kind::text:
       if (!key.choices.empty()) return {{"enum", key.choices}};
       return {{"type", "string"}, {"minLength", 1}};

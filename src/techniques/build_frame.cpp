@@ -30,6 +30,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     lit.lists.sun_maps = lighting.lists.sun_maps;
     lit.lists.fog = lighting.lists.fog;
     if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
+    lit.lists.lamp_maps = lighting.lists.lamp_maps;
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
     const ImageHandle radiance = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(radiance, sum, instance);
@@ -59,6 +60,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   lighting.lists.fog = fog_view(frame, scene, lighting);
+  lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
   ImageHandle radiance;
   TermImages terms;
   FogImages fog;

@@ -13,26 +13,37 @@ CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth,
   return {grid.compact ? offsets : assigned.lists, entries, tiles};
 }
 
-}  // namespace
-
-ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
-  constexpr std::string_view instance = "sun";
-  if (!scene.sun_image) {
+// What the views of an image show, drawn into it or kept from before; without the image the reason why it is not there.
+ImageHandle depth_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
+                       const std::shared_ptr<const ViewImage>& image, const std::optional<Hash128>& key,
+                       ViewRange views, const std::string& absence, std::string_view instance) {
+  if (!image) {
     ImageHandle none;
-    none.absence = frame.builder.leave_out(std::string(DepthViews::name) + ".sun", scene.sun_absence);
+    none.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
     return none;
   }
-  const Frame::Kept maps = frame.keep(DepthViews::image_desc(*scene.sun_image), scene.sun_key);
+  const Frame::Kept maps = frame.keep(DepthViews::image_desc(*image), key);
   if (maps.filled) {
     for (const std::string_view pass : {Cull::name, CullCompact::name, DepthViews::name})
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), "kept from before: nothing that casts has moved");
     return maps.image;
   }
-  const ViewRange views{scene.views, scene.view_regions, 0, uint32_t(scene.sun_image->views.size()),
-                        scene.view_first_command};
+  views.count = uint32_t(image->views.size());
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
-  return frame.add(DepthViews{}, {scene, draws, surfaces.deformed, scene.sun_image, maps.image}, instance).depth;
+  return frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
+}
+
+}  // namespace
+
+ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
+  const ViewRange views{scene.views, scene.view_regions, 0, 0, scene.view_first_command};
+  return depth_maps(frame, scene, surfaces, scene.sun_image, scene.sun_key, views, scene.sun_absence, "sun");
+}
+
+ImageHandle lamp_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
+  const ViewRange views{scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command};
+  return depth_maps(frame, scene, surfaces, scene.lamp_image, scene.lamp_key, views, scene.lamp_absence, "lamps");
 }
 
 OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance,

@@ -22,6 +22,7 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(Layers::layers[i].name);
   frame.add(Layers{}, wanted);
   frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
+  frame.add(LampLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
   frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
 }

@@ -32,8 +32,9 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lightin
 // For passes that walk no lights unless the fog does.
 CellLists fog_alone(const CellLists& lists);
 CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
-// The depth maps of directional lights' cascades; empty: none casts a shadow.
+// The depth maps of directional lights' cascades, and of point and spot lights; empty: none casts a shadow.
 ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
+ImageHandle lamp_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                         std::string_view instance = {});
 

@@ -116,6 +116,35 @@ TEST_F(KeptMaps, FollowTheirCasters) {
   EXPECT_EQ(kept, 3) << "the third of each place";
 }
 
+// Of lamps, one of which moves: the maps follow it, and are drawn no more while it stands.
+TEST_F(KeptMaps, FollowTheirLamps) {
+  GltfBuilder b = empty_scene();
+  const int material = add_material(b, diffuse_material(0.6, 0.6, 0.6));
+  add_node(b, {{"mesh", add_square_mesh(b, 4, material)}});
+  add_node(b, {{"mesh", add_square_mesh(b, 0.6f, material)}, {"translation", {0, 0, 1}}});
+  add_light(b, {{"type", "point"}, {"intensity", 30}, {"range", 8}}, {{"translation", {1, 0.5, 2.5}}});
+  add_light(b, {{"type", "spot"}, {"intensity", 30}, {"spot", Json::object()}}, {{"translation", {0, 1, 3}}});
+  const int times = b.accessor<float>("SCALAR", {0, 1, 2});
+  const int places = b.accessor<float>("VEC3", {-1, 0, 2, 1, 0, 3, -1, 0, 2});
+  b.json["animations"] = {{{"samplers", {{{"input", times}, {"output", places}}}},
+                           {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}};
+  Job job = job_for(write(b), 48, 32);
+  look(job, {0, 0, 9}, {0, 0, 0});
+  const auto plain = open(job), keeping = open_keeping(job);
+  ASSERT_TRUE(plain && keeping);
+  std::set<std::vector<std::byte>> pictures;
+  int drawn = 0;
+  for (const double time : {0.0, 0.5, 1.0, 0.5, 0.0, 1.0, 0.5, 1.0, 0.0}) {
+    const FrameResult without = render(*plain, time), with = render(*keeping, time);
+    EXPECT_EQ(images(with), images(without)) << time;
+    EXPECT_EQ(with.plan_hash, without.plan_hash);
+    pictures.insert(images(without)["beauty"].bytes);
+    drawn += std::ranges::any_of(with.plan.passes, [](const PlanPass& p) { return p.name == "depth_views.lamps"; });
+  }
+  EXPECT_EQ(pictures.size(), 3u);
+  EXPECT_EQ(drawn, 6) << "not the third time at each place";
+}
+
 TEST_F(KeptMaps, OfWhatMovesAreDrawnAnew) {
   for (const char* name : {"animated", "skinned", "morph"}) {
     const Job job = small_job(name);

@@ -33,11 +33,17 @@ DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void DepthViews::record(CommandList& commands, const In& in, const Out& out) const {
-  for (uint32_t v = 0; v < in.image->views.size(); ++v) {
-    const shared::View& view = in.image->views[v];
-    commands.begin_rendering({}, out.depth, ImageRange::layer(view.layer));
-    record_view_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, v, view.clip_from_relative);
-    commands.end_rendering();
+  const std::vector<shared::View>& views = in.image->views;
+  for (uint32_t v = 0; v < views.size(); ++v) {
+    const shared::View& view = views[v];
+    if (v == 0 || views[v - 1].layer != view.layer)
+      commands.begin_rendering({}, out.depth, ImageRange::layer(view.layer));
+    if (view.size_px != glm::uvec2(in.image->size_px)) {
+      commands.set_viewport(view.origin_px, view.size_px);
+      commands.set_scissor(view.origin_px, view.size_px);
+    }
+    record_view_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, v, view);
+    if (v + 1 == views.size() || views[v + 1].layer != view.layer) commands.end_rendering();
   }
 }
 

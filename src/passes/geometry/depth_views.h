@@ -1,17 +1,19 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/shadows/lamp_knobs.h"
 #include "passes/shadows/sun_knobs.h"
 
 namespace candela {
 
 // Depth of what casts shadows, as a range of views sees it: each view draws into its layer and viewport of one layered
-// image, in 32-bit float, reversed as the view's matrix says. Surfaces count from both sides, as they do for a ray of
-// light; what lies before the near plane is flattened onto it. Masked surfaces drop what their mask cuts away at the
-// texel's centre. Leaves wrong: blended surfaces, lines and points cast no shadow.
+// image, in 32-bit float, reversed as the view's matrix says. Views of one layer follow each other. Surfaces count from
+// both sides, as they do for a ray of light; what lies before the near plane of a parallel view is flattened onto it.
+// Masked surfaces drop what their mask cuts away at the texel's centre. Leaves wrong: blended surfaces, lines and
+// points cast no shadow.
 struct DepthViews {
   static constexpr std::string_view name = "depth_views", effect = "shadows";
-  using SharedKnobs = std::tuple<SunKnobs>;
+  using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

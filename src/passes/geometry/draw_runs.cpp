@@ -42,15 +42,21 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellL
   for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
     builder.read_optional(b, Access::fragment_read);
   builder.read_optional(lists.occlusion.open, Access::sampled_fragment);
-  if (!lists.sun_maps) return;
-  builder.read(lists.sun_maps, Access::sampled_fragment, "the suns' maps");
-  builder.read(scene.suns, Access::fragment_read, "the suns' cascades");
+  if (lists.sun_maps) {
+    builder.read(lists.sun_maps, Access::sampled_fragment, "the suns' maps");
+    builder.read(scene.suns, Access::fragment_read, "the suns' cascades");
+  }
+  if (lists.lamp_maps) {
+    builder.read(lists.lamp_maps, Access::sampled_fragment, "the lamps' maps");
+    builder.read(scene.lamps, Access::fragment_read, "the lamps' tiles");
+  }
 }
 
 std::vector<SpecConstant> light_constants(const CellLists& lists) {
   std::vector<SpecConstant> constants;
   if (lists.sun_maps) constants.push_back(sun_shadows_constant());
   if (lists.occlusion.open) constants.push_back(occlusion_constant(lists.occlusion.shape));
+  if (lists.lamp_maps) constants.push_back(lamp_shadows_constant());
   return constants;
 }
 
@@ -99,6 +105,10 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
   push_lights(commands, scene, lists, fog, push);
+  if (lists && scene.lights && lists->lamp_maps) {
+    push.lamps = commands.address(scene.lamps);
+    push.lamp_maps = commands.sampled(lists->lamp_maps);
+  }
   if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
@@ -112,13 +122,14 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
 }
 
 void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                      const RunPipelines& pipelines, uint32_t view, const glm::mat4& clip_from_relative) {
+                      const RunPipelines& pipelines, uint32_t number, const shared::View& view) {
   commands.bind_index_buffer(scene.indices);
   shared::DepthViewPush push{};
   push.deformed = deformed ? commands.address(deformed) : 0;
-  push.clip_from_relative = clip_from_relative;
+  push.clip_from_relative = view.clip_from_relative;
+  push.flattens = view.flags & shared::view_is_perspective ? 0 : 1;
   for (size_t r = 0; r < scene.runs->size(); ++r) {
-    const size_t region = view * scene.runs->size() + r;
+    const size_t region = number * scene.runs->size() + r;
     const uint32_t first = (*draws.first_command)[region], room = (*draws.first_command)[region + 1] - first;
     if (!pipelines.by_run[r] || room == 0) continue;
     commands.bind(pipelines.by_run[r]);

@@ -35,9 +35,10 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
 // The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists);
 
-// The same for what casts shadows in a view of the range that the draws are of: depth alone, surfaces from both sides.
+// The same for what casts shadows in a view of the range that the draws are of, by its number there: depth alone,
+// surfaces from both sides.
 void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                      const RunPipelines& pipelines, uint32_t view, const glm::mat4& clip_from_relative);
+                      const RunPipelines& pipelines, uint32_t number, const shared::View& view);
 
 // The specialization constants that say what such a pass finds.
 std::vector<SpecConstant> light_constants(const CellLists& lists);

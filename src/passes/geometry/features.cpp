@@ -21,7 +21,8 @@ SpecConstant constant(Feature f) {
                                       "HAS_SUN_SHADOWS",
                                       "HAS_OCCLUSION",
                                       "IBL_METHOD",
-                                      "HAS_SKY_IRRADIANCE"};
+                                      "HAS_SKY_IRRADIANCE",
+                                      "HAS_LAMP_SHADOWS"};
   return {uint32_t(f), names[uint32_t(f)], 1};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -62,6 +63,7 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
 }
 
 SpecConstant sun_shadows_constant() { return constant(Feature::sun_shadows); }
+SpecConstant lamp_shadows_constant() { return constant(Feature::lamp_shadows); }
 
 SpecConstant occlusion_constant(uint32_t shape) {
   SpecConstant c = constant(Feature::occlusion);

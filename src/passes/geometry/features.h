@@ -27,6 +27,7 @@ enum class Feature : uint32_t {
   occlusion,
   ibl_method,
   sky_irradiance,
+  lamp_shadows,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -37,6 +38,7 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map)
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // Of a pass that shades under lights with shadow maps.
 SpecConstant sun_shadows_constant();
+SpecConstant lamp_shadows_constant();
 // Of a pass that reads ambient occlusion's texels, of that shape (shared/occlusion.h).
 SpecConstant occlusion_constant(uint32_t shape);
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs

@@ -19,7 +19,8 @@ struct ViewRange {
   bool is_camera() const { return first_command == nullptr; }
 };
 
-// The views of a range as the host knows them, and the layered image of square maps that their depth is drawn into.
+// The views of a range as the host knows them, and the layered image of square maps that their depth is drawn into:
+// those of one layer are neighbours, and every layer has one.
 struct ViewImage {
   std::string name;
   uint32_t size_px = 0, layers = 0;

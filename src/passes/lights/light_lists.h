@@ -28,13 +28,14 @@ struct OcclusionTexels {
   uint32_t shape = 0;  // shared/occlusion.h
 };
 
-// What shading passes walk (shaders/lib/light_list.glsl), the depth maps of directional lights, the fog that all is
-// seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
+// What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights, the fog that all is seen through,
+// and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
-  BufferHandle cells;    // bitmasks of all cells, or where each cell's entries begin
-  BufferHandle entries;  // compact: light indices, ascending inside a cell
-  BufferHandle tiles;    // tiled: depths
-  ImageHandle sun_maps;  // a layer a cascade (shaders/lib/sun_shadow.glsl)
+  BufferHandle cells;     // bitmasks of all cells, or where each cell's entries begin
+  BufferHandle entries;   // compact: light indices, ascending inside a cell
+  BufferHandle tiles;     // tiled: depths
+  ImageHandle sun_maps;   // a layer a cascade (shaders/lib/sun_shadow.glsl)
+  ImageHandle lamp_maps;  // tiles (shaders/lib/lamp_shadow.glsl)
   FogView fog;
   OcclusionTexels occlusion;  // for opaque and masked surfaces alone
 };

@@ -1,0 +1,38 @@
+#version 460
+// How much of the light of point and spot lights arrives at the nearest opaque or masked surface.
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DrawPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/surface.glsl"
+#include "lib/brdf.glsl"
+#include "lib/light_eval.glsl"
+#include "lib/light_shadow.glsl"
+#include "lib/draw.frag.glsl"
+
+layout(location = 0) out float out_visibility;
+
+void main() {
+  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Varyings v = load_varyings();
+  const vec3 to_viewer = direction_to_viewer();
+  const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
+  const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
+  if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
+  out_visibility = 1.0;
+  if (HAS_LAMP_SHADOWS != 0 && (m.flags & material_unlit) == 0u) {
+    float all = 0.0, arriving = 0.0;
+    for (uint i = 0u; i < frame.light_count; ++i) {
+      LightRef light = light_at(pc.lights, i);
+      if (floatBitsToUint(light_word(light, 3u).y) == light_directional) continue;
+      vec3 l;
+      const float factor = light_arriving(light, v.relative_position, l);
+      const float n_l = max(dot(s.normal, l), 0.0);
+      const float weight = dot(light_intensity(light), vec3(0.2126, 0.7152, 0.0722)) * factor * n_l;
+      if (!(weight > 0.0)) continue;
+      all += weight;
+      arriving += weight * light_visibility(light, v.relative_position, plane_normal);
+    }
+    if (all > 0.0) out_visibility = arriving / all;
+  }
+}

@@ -1,0 +1,32 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "frame/frame_upload.h"
+#include "frame/frame_views.h"
+#include "passes/geometry/views.h"
+#include "passes/shadows/lamp_knobs.h"
+#include "scene/scene.h"
+#include "scene/survey.h"
+#include "shared/shadows.h"
+
+namespace candela {
+
+// The frame's shadow maps of point and spot lights, decided before the graph is built.
+struct FrameLamps {
+  std::string absence;                      // why there are none; empty: there are
+  std::vector<shared::LampShadow> shadows;  // the most important light's first
+  FrameViews views;
+  std::shared_ptr<const ViewImage> image;  // null: none
+  std::vector<std::string> notes;
+};
+
+// Chooses the lights that get maps (those that the look marks first) and the maps' sizes, places these in one layered
+// image, and tells the uploaded lights which is whose. Errors: more draw commands than the knob shadows.draws has room
+// for.
+Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
+                                const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs,
+                                bool culling, FrameUpload& upload);
+
+}  // namespace candela

@@ -1,0 +1,52 @@
+#include "passes/shadows/lamp_knobs.h"
+
+namespace candela {
+
+bool LampKnobs::matter(const SceneFacts& facts) { return facts.point_lights + facts.spot_lights > 0; }
+
+std::span<const Knob<LampKnobs>> LampKnobs::table() {
+  static const std::vector<std::string_view> drawing = {"cull", "cull_compact", "depth_views", "shade_forward",
+                                                        "transparent"};
+  static const Knob<LampKnobs> rows[] = {
+      {.name = "lights",
+       .member = &LampKnobs::lights,
+       .lowest = 0,
+       .highest = 4096,
+       .ladder = {8, 64, 256, 4096},
+       .trades = "point and spot lights that have shadows: those that the look marks first, then those that add most "
+                 "to the picture; a note names the rest. marked: no others",
+       .walk = {0, 16, 64, 4096},
+       .passes = drawing,
+       .named = {{0, "none"}, {-1, "marked"}}},
+      {.name = "budget_mb",
+       .member = &LampKnobs::budget_mb,
+       .unit = "MB",
+       .lowest = 1,
+       .highest = 16384,
+       .ladder = {32, 64, 128, 1024},
+       .trades = "memory of the shadow maps; what does not fit gets smaller maps, then none, which a note says",
+       .walk = {16, 64, 128, 1024},
+       .passes = drawing},
+      {.name = "size_px",
+       .member = &LampKnobs::size_px,
+       .unit = "px",
+       .lowest = 64,
+       .highest = 4096,
+       .ladder = {256, 512, 1024, 2048},
+       .trades = "most texels along a side of a map, to the power of two below; lights that show small have fewer",
+       .walk = {256, 512, 1024, 2048},
+       .passes = drawing},
+      {.name = "draws",
+       .member = &LampKnobs::draws,
+       .lowest = 0,
+       .highest = double(1 << 30),
+       .ladder = {double(1 << 21)},
+       .trades = "room for draw commands of all these views; a frame that needs more is refused and says how many",
+       .kind = Trades::time,
+       .walk = {double(1 << 22), double(1 << 21)},
+       .passes = drawing},
+  };
+  return rows;
+}
+
+}  // namespace candela

@@ -1,0 +1,23 @@
+#pragma once
+#include <span>
+#include <string_view>
+
+#include "base/knob.h"
+#include "scene/survey.h"
+
+namespace candela {
+
+// Shadow maps of point and spot lights: the knobs `shadows.*`, shared by the choice of the lights and the passes that
+// draw and read the maps.
+struct LampKnobs {
+  static constexpr std::string_view name = "shadows";
+  int lights = 256;  // none, marked_alone
+  static constexpr int none = 0, marked_alone = -1;
+  int budget_mb = 128;
+  int size_px = 1024;
+  int draws = 1 << 21;
+  static bool matter(const SceneFacts& facts);  // without point and spot lights they do nothing
+  static std::span<const Knob<LampKnobs>> table();
+};
+
+}  // namespace candela

@@ -1,0 +1,29 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+
+namespace candela {
+
+// Of the nearest opaque or masked surface at the pixel's centre: `shadow.lamps`, the share of the point and spot
+// lights' light that arrives, each weighed by its illuminance and cosine, 1 where none reaches it. Lights without maps
+// count as unblocked. Background: 1.
+struct LampLayers {
+  static constexpr std::string_view name = "lamp_layers";
+  static constexpr LayerName layers[1] = {{"shadow.lamps"}};
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    CellLists lists;        // for the maps
+  };
+  struct Out {
+    ImageHandle image;
+    ImageHandle depth;  // its own depth buffer
+    RunPipelines pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -56,6 +56,20 @@ TEST(Look, SaysHowLargeTheSunIs) {
   }
 }
 
+TEST(Look, MarksLightsForShadows) {
+  const auto marks = look_from_json(R"({"shadows": {"lights": ["a", "b"]}})", "l.json");
+  ASSERT_TRUE(marks) << marks.error().text();
+  EXPECT_EQ(marks->shadows.lights, (std::vector<std::string>{"a", "b"}));
+  EXPECT_TRUE(look_from_json("{}", "l.json")->shadows.lights.empty());
+  for (const char* wrong :
+       {R"({"shadows": {"lights": "a"}})", R"({"shadows": {"lights": [1]}})", R"({"shadows": {"lamps": []}})"}) {
+    const auto refused = look_from_json(wrong, "l.json");
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().kind, ErrorKind::input);
+    EXPECT_NE(refused.error().text().find("l.json: /shadows"), std::string::npos) << refused.error().text();
+  }
+}
+
 TEST(Look, SaysHowFarSurfacesHideTheSky) {
   const auto look = look_from_json(R"({"occlusion": {"radius_m": 2, "falloff": 0.5}})", "l.json");
   ASSERT_TRUE(look && look->occlusion);
@@ -68,12 +82,8 @@ TEST(Look, SaysHowFarSurfacesHideTheSky) {
   EXPECT_EQ(o.hidden(std::numeric_limits<double>::infinity()), 0);
   EXPECT_EQ((Occlusion{1, 0, 1}.hidden(0.999)), 1) << "a hard end";
   EXPECT_FALSE(look_from_json("{}", "l.json")->occlusion);
-  const auto marks = look_from_json(R"({"shadows": {"lights": ["a", "b"]}})", "l.json");
-  ASSERT_TRUE(marks) << marks.error().text();
-  EXPECT_EQ(marks->shadows.lights, (std::vector<std::string>{"a", "b"}));
   for (const char* wrong :
-       {R"({"shadows": {"lights": "a"}})", R"({"shadows": {"lights": [1]}})", R"({"shadows": {"lamps": []}})",
-        R"({"occlusion": {"radius_m": 0}})", R"({"occlusion": {"radius_m": -1}})", R"({"occlusion": {"falloff": 1.1}})",
+       {R"({"occlusion": {"radius_m": 0}})", R"({"occlusion": {"radius_m": -1}})", R"({"occlusion": {"falloff": 1.1}})",
         R"({"occlusion": {"strength": 2}})", R"({"occlusion": {"radius": 1}})", R"({"occlusion": 1})"}) {
     const auto refused = look_from_json(wrong, "l.json");
     ASSERT_FALSE(refused) << wrong;

@@ -89,7 +89,7 @@ int make_person(GlbWriter& out, const Materials& m, Rng& rng, glm::dvec3 coat, g
 
 struct Lantern {
   int mesh;
-  glm::dvec3 at;  // of its light; the arm reaches to +X
+  glm::dvec3 at;  // of its light, a hand below the bowl, which would shade it; the arm reaches to +X
 };
 Lantern make_street_lamp(GlbWriter& out, const Materials& m);
 int make_bollard(GlbWriter& out, const Materials& m);

@@ -52,7 +52,7 @@ Lantern make_street_lamp(GlbWriter& out, const Materials& m) {
   const glm::dvec3 bowl = head + glm::dvec3(0, -0.42, 0);
   glow_band(kit, m, bowl, {0, -0.2}, {0.2, -0.14}, 10, lamp_glow);
   glow_band(kit, m, bowl, {0.2, -0.14}, {0.3, 0.01}, 10, lamp_glow);
-  return {kit.write(out, "street lamp"), head + glm::dvec3(0, -0.6, 0)};
+  return {kit.write(out, "street lamp"), head + glm::dvec3(0, -0.72, 0)};
 }
 
 int make_bollard(GlbWriter& out, const Materials& m) {

@@ -24,6 +24,11 @@ vec2 texture_uv(TextureRef r, Varyings v) {
 }
 vec4 sample_texture(TextureRef r, Varyings v) {
   const vec2 uv = texture_uv(r, v);
+  // Where the corners of a triangle share one place there is no footprint: llvmpipe's anisotropic filter divides by it.
+  if (dFdxCoarse(uv) == vec2(0.0) && dFdyCoarse(uv) == vec2(0.0))
+    return textureLod(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
+                                              samplers[nonuniformEXT(r.sampler_index)])),
+                      uv, 0.0);
   if (IS_SUBSAMPLE != 0)
     return textureGrad(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
                                                samplers[nonuniformEXT(r.sampler_index)])),

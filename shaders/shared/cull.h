@@ -46,7 +46,8 @@ SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-enum : uint { view_has_served = 1u, view_is_perspective = 2u };
+// view_of_lamp: what glows all over casts no shadow in it (scene/glow.h).
+enum : uint { view_has_served = 1u, view_is_perspective = 2u, view_of_lamp = 4u };
 inline constexpr uint cull_group_size = 256, cull_mask_words = cull_group_size / 32;
 // Groups beyond what one dimension of a dispatch takes on every device (65535) go to the second.
 inline uvec2 cull_threads(uint groups) {
@@ -57,7 +58,7 @@ static_assert(sizeof(CullGroup) == 20 && sizeof(DrawCommand) == 20 && sizeof(Cul
 static_assert(sizeof(View) == 252 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
 }  // namespace candela::shared
 #else
-const uint view_has_served = 1u, view_is_perspective = 2u;
+const uint view_has_served = 1u, view_is_perspective = 2u, view_of_lamp = 4u;
 const uint cull_group_size = 256u, cull_mask_words = cull_group_size / 32u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CullGroupsRef { CullGroup g[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewsRef { View v[]; };

@@ -192,7 +192,7 @@ class Walker {
   std::string file_;
   Scene scene_;
   GeometryLayout layout_;
-  JobSky sky_;  // of the place at hand
+  JobSky sky_;                                         // of the place at hand
   std::map<Hash128, size_t> works_;                    // of the place at hand: row that does it
   std::vector<std::pair<Configuration, Work>> exact_;  // the same: exact ends of techniques
 };

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "frame/frame_views.h"
+#include "scene/glow.h"
 
 namespace candela {
 namespace {
@@ -54,8 +55,9 @@ std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upl
       out.add(geometry);
       out.add(item.first_index);
       out.add(item.index_count);
-      if (run.alpha == AlphaMode::mask)
-        add_mask(item.material < pose.materials.size() ? pose.materials[item.material] : Material{}, out);
+      const Material material = item.material < pose.materials.size() ? pose.materials[item.material] : Material{};
+      out.add(uint32_t(glows_all_over(material)));
+      if (run.alpha == AlphaMode::mask) add_mask(material, out);
     }
   }
   for (const Knob<TextureKnobs>& row : TextureKnobs::table()) out.add(row.value(textures));

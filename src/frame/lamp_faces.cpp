@@ -135,7 +135,7 @@ shared::View place_lamp_face(const Lamp& lamp, int face, uint32_t size_px, const
   // What lies farther off than the light reaches darkens nothing.
   if (std::isfinite(lamp.range_m))
     view.planes[4] = glm::vec4(glm::dvec4(-axes.forward, lamp.range_m + glm::dot(axes.forward, lamp.position)));
-  view.flags = shared::view_is_perspective;
+  view.flags = shared::view_is_perspective | shared::view_of_lamp;
   view.origin_px = tile.origin_px;
   view.size_px = {size_px, size_px};
   view.layer = tile.layer;

@@ -22,8 +22,8 @@ struct AccelOptions {
   float overlap_alpha =
       1e-5f;  // sbvh: spatial splits are tried where the children's overlap exceeds this share of the root's area
   float split_budget = 1.0f;  // sbvh: references that spatial splits may add, as a share of the triangles
-  // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, and backs of surfaces
-  // that are not double sided. true: for every candidate.
+  // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, what glows all
+  // over (scene/glow.h), and backs of surfaces that are not double sided. true: for every candidate.
   bool always_ask_filter = false;
   bool measure_cost = false;         // fill AccelStatistics::sah_cost
   const Kernels* kernels = nullptr;  // null: the best for this processor (trace.h); all give the same hits

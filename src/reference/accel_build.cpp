@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "reference/accel_trees.h"
+#include "scene/glow.h"
 
 namespace candela {
 namespace {
@@ -213,7 +214,8 @@ class Assembly {
 
 uint8_t doubts_of(const Material* material, bool always) {
   constexpr uint8_t fronts = 1, backs = 2;
-  if (always || (material && material->alpha_mode != AlphaMode::opaque)) return fronts | backs;
+  if (always || (material && (material->alpha_mode != AlphaMode::opaque || glows_all_over(*material))))
+    return fronts | backs;
   return material && material->double_sided ? 0 : backs;
 }
 

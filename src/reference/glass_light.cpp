@@ -1,5 +1,7 @@
 #include "reference/glass_light.h"
 
+#include <cmath>
+
 namespace candela::reference {
 
 glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
@@ -10,8 +12,9 @@ glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec
   const glm::dvec3 origin(ray->origin), direction(ray->direction);
   const double per_t = glm::length(direction);
   GlassWay way = start ? GlassWay(*start) : GlassWay();
+  const bool to_lamp = std::isfinite(distance_m) && !target;
   glm::dvec3 through(1);
-  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr);
+  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp);
   while (hit) {
     Surface s = world.surface(*hit, origin, direction);
     through *= way.arrive(s, -l, hit->back, double(hit->t) * per_t);
@@ -19,7 +22,7 @@ glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec
     if (through == glm::dvec3(0)) return through;
     if (is_straight(s)) way.cross();
     const Hit passed = *hit;
-    hit = next_surface(world, *ray, false, &passed, nullptr);
+    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp);
   }
   return through * way.end(distance_m);
 }

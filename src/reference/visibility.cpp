@@ -22,13 +22,14 @@ bool SurfaceFilter::accepts(const Hit& hit) const {
   if (passed_ && (std::tie(hit.t, hit.item, hit.primitive) <= std::tie(passed_->t, passed_->item, passed_->primitive) ||
                   is_same_point(hit, *passed_)))
     return false;
+  if (to_lamp_ && world_.glows_all_over(hit.item)) return false;
   if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item) && !world_.bounds_body(hit.item)) return false;
   return !world_.is_masked(hit.item) || world_.coverage(hit) > 0;
 }
 
 std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
-                                TraceCounts* counts) {
-  const SurfaceFilter filter(world, culls_backs, passed);
+                                TraceCounts* counts, bool to_lamp) {
+  const SurfaceFilter filter(world, culls_backs, passed, to_lamp);
   Ray rest = ray;
   if (passed) rest.t_min = passed->t;
   return world.accel().closest(rest, &filter, counts);
@@ -51,18 +52,19 @@ double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l,
                      const SurfacePoint* target) {
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return 1;
+  const bool to_lamp = std::isfinite(distance_m) && !target;
   if (!world.has_blend()) {
-    const SurfaceFilter filter(world, false);
+    const SurfaceFilter filter(world, false, nullptr, to_lamp);
     return world.accel().occluded(*ray, &filter) ? 0 : 1;
   }
   double through = 1;
-  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr);
+  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp);
   while (hit) {
     const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
     through *= 1 - coverage;
     if (!(through > 0)) return 0;
     const Hit passed = *hit;
-    hit = next_surface(world, *ray, false, &passed, nullptr);
+    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp);
   }
   return through;
 }

@@ -7,25 +7,27 @@ namespace candela::reference {
 // camera's: a wall is matter for light from both sides, and a rasterizer draws it from one (docs/reference.md).
 class SurfaceFilter final : public HitFilter {
  public:
-  // passed: the surfaces up to and with this hit are behind the ray already; null: none.
-  SurfaceFilter(const World& world, bool culls_backs, const Hit* passed = nullptr)
-      : world_(world), culls_backs_(culls_backs), passed_(passed) {}
+  // passed: the surfaces up to and with this hit are behind the ray already; null: none. to_lamp: what glows all over
+  // blocks nothing (scene/glow.h).
+  SurfaceFilter(const World& world, bool culls_backs, const Hit* passed = nullptr, bool to_lamp = false)
+      : world_(world), culls_backs_(culls_backs), passed_(passed), to_lamp_(to_lamp) {}
   bool accepts(const Hit& candidate) const override;
 
  private:
   const World& world_;
   bool culls_backs_;
   const Hit* passed_;
+  bool to_lamp_;
 };
 
 // The next surface along a ray; `passed` continues behind a surface that let the ray through, without an offset that
 // could miss what lies close behind it.
 std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
-                                TraceCounts* counts);
+                                TraceCounts* counts, bool to_lamp = false);
 
 // The part of the light that comes through between `from` and a point `distance_m` off in unit direction `l` (infinity:
 // from the sky): 0 behind opaque surfaces, otherwise the product of what blended ones leave. `target`, where the light
-// is a surface itself.
+// is a surface itself. A point at a finite distance without one is a point or spot light.
 double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
                      const SurfacePoint* target = nullptr);
 

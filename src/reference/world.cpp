@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scene/draw_list.h"
+#include "scene/glow.h"
 #include "scene/scene_images.h"
 #include "scene/texture_slots.h"
 
@@ -124,6 +125,7 @@ glm::dvec4 World::background(glm::dvec3 direction) const {
 
 bool World::is_masked(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::mask; }
 bool World::is_blended(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::blend; }
+bool World::glows_all_over(uint32_t item) const { return candela::glows_all_over(items_[item].material->material); }
 bool World::is_double_sided(uint32_t item) const { return items_[item].material->material.double_sided; }
 
 bool World::bounds_body(uint32_t item) const {

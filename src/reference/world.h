@@ -82,6 +82,7 @@ class World {
   double coverage(const Hit& hit) const;  // 1 opaque, 0 a hole
   bool is_masked(uint32_t item) const;    // by alpha: its holes are holes for every ray
   bool is_blended(uint32_t item) const;
+  bool glows_all_over(uint32_t item) const;
   bool is_double_sided(uint32_t item) const;
   bool has_glass() const { return has_glass_; }
   bool bounds_body(uint32_t item) const;  // of glass: it has an inside, whose walls are seen from both sides

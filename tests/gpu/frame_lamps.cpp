@@ -3,6 +3,9 @@
 
 #include "base/rng.h"
 #include "frame_fixture.h"
+#include "reference/film.h"
+#include "reference/integrator.h"
+#include "render/reference_frame.h"
 
 // Shadows of point and spot lights in whole frames.
 namespace candela::test {
@@ -60,6 +63,36 @@ class FrameLamps : public FrameTest {
     return {};
   }
 };
+
+// A lamp inside its bulb lights the floor, in both renderers; a bulb that does not glow keeps the light in.
+TEST_F(FrameLamps, WhatGlowsBlocksNoLamp) {
+  for (const bool glows : {true, false}) {
+    GltfBuilder b = floor_and_square();
+    Json bulb = diffuse_material(0.5, 0.5, 0.5);
+    if (glows) bulb["emissiveFactor"] = {1, 0.9, 0.8};
+    const int side = add_square_mesh(b, 0.2f, add_material(b, bulb));
+    for (const glm::dvec3 out : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0),
+                                 glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1)}) {
+      const glm::dvec3 at = lamp + 0.2 * out;
+      add_node(b, {{"mesh", side}, {"rotation", turned({0, 0, 1}, out)}, {"translation", {at.x, at.y, at.z}}});
+    }
+    add_lamp(b, lamp, "point");
+    Job job = looking_down(write(b));
+    const glm::vec4 drawn = images_of(job)["beauty"].at<glm::vec4>(width / 2, height - 4);
+    auto frame = open_reference(job, 0, {});
+    ASSERT_TRUE(frame) << frame.error().text();
+    reference::Film film(width, height, {});
+    film.add(reference::Integrator(*(*frame)->world, {}, width, height), 16, [](double) { return true; });
+    const glm::dvec3 traced(film.mean(size_t(height - 4) * width + width / 2));
+    if (glows) {
+      EXPECT_GT(drawn.x, 0.05f);
+      EXPECT_NEAR(drawn.x, traced.x, 0.02 * traced.x);
+    } else {
+      EXPECT_EQ(drawn.x, 0);
+      EXPECT_EQ(traced.x, 0);
+    }
+  }
+}
 
 // The square's shadow is half again as large as itself: dark inside, lit outside, and between them no wider than the
 // kernel and the filter are.

@@ -166,6 +166,31 @@ TEST_F(FrameTextures, NoSampleThatAMaskKeepsIsLost) {
   }
 }
 
+// Triangles whose corners share one place of the texture have no footprint, which an anisotropic filter divides by.
+TEST_F(FrameTextures, OnePlaceForAllCornersIsItsTexel) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json material = unlit_material(1, 1, 1);
+  const auto code = [](double u, double) { return glm::dvec4(u < 0.5 ? 0.0 : 1.0, 0.2, 0.4, 1); };
+  material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", add_texture(b, png_from(16, 16, 3, code), false)}};
+  b.json["samplers"].back()["minFilter"] = 9987;  // trilinear
+  const int square = add_textured_square(b, add_material(b, material));
+  b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TEXCOORD_0"] =
+      b.accessor<float>("VEC2", {0.75, 0.3, 0.75, 0.3, 0.75, 0.3, 0.75, 0.3});
+  add_node(b, {{"mesh", square}, {"rotation", {-0.6, 0, 0, 0.8}}});
+  Job job = job_for(write(b), 64, 36, 4);
+  look(job, {0.3, 0.2, 2}, {0, 0, 0});
+  job.settings = {{"textures", "anisotropy", "16"}};
+  int seen = 0;
+  for (const glm::vec4& p : images_of(job)["beauty"].values<glm::vec4>()) {
+    ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+    if (p.w < 1) continue;
+    EXPECT_NEAR(p.x, 1, 1e-3);
+    ++seen;
+  }
+  EXPECT_GT(seen, 50);
+}
+
 // A floor with stripes that run away from the viewer, seen at a slant: a pixel covers a small part of a stripe's width
 // and many texels of its length. Isotropic filtering takes the level of the length, where the stripes are gone. Against
 // 64 samples a pixel of the same.

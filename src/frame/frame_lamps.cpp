@@ -117,7 +117,7 @@ std::string nodes_of(const FrameData& data, std::span<const Candidate> lamps) {
 }  // namespace
 
 Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
-                                const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs,
+                                const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, int rows,
                                 bool culling, FrameUpload& upload) {
   FrameLamps out;
   out.absence = why_none(facts, request, knobs);
@@ -139,7 +139,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
       without.push_back(std::move(c));
       continue;
     }
-    c.size_px = c.wished_px = lamp_size_px(c.lamp, view, request.height_px, most_px);
+    c.size_px = c.wished_px = lamp_size_px(c.lamp, view, rows, most_px);
     for (int face = 0; face < c.lamp.faces(); ++face)
       // As wide as the smallest map's face: sizes are not final yet.
       if (lamp_face_is_seen(c.lamp, face, least_lamp_px, planes)) c.faces.push_back(face);

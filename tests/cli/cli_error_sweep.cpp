@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::json;
 
 std::string made_street(const TestFolder& folder) {
-  EXPECT_EQ(candela({"make-scene", "street", "--lights", "16", "-o", folder / "street.glb"}).code, 0);
+  EXPECT_EQ(candela({"make-scene", "street", "--lights", "4", "-o", folder / "street.glb"}).code, 0);
   return folder / "street.glb";
 }
 
@@ -120,9 +120,10 @@ TEST(ErrorSweep, ReferencesAreKept) {
   const TestFolder folder;
   const std::string street = made_street(folder);
   const auto bench = [&](const char* spp) {
-    const Ended ended = candela({"bench", street, "--size", "32x24", "--error", "--techniques", "brute-force",
-                                 "--min-runs", "1", "--max-runs", "1", "--warm-up-s", "0.001", "--reference-spp", spp,
-                                 "--views", "1", "--json", folder / "e.json"});
+    const Ended ended = candela({"bench", street,         "--size",         "32x24",           "--error", "--effects",
+                                 "none",  "--techniques", "brute-force",    "--min-runs",      "1",       "--max-runs",
+                                 "1",     "--warm-up-s",  "0.001",          "--reference-spp", spp,       "--views",
+                                 "1",     "--json",       folder / "e.json"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     Json errors = Json::array();
     for (const Json& row : Json::parse(bytes_of(folder / "e.json"))["rows"]) errors.push_back(row["errors"]);

@@ -54,8 +54,8 @@ bool item_survives(uint view, uint index) {
   const Item item = ItemsRef(frame.items).i[index];
   if (HAS_VIEW_TABLE != 0 && (ViewsRef(pc.views).v[view].flags & view_of_lamp) != 0u) {
     MaterialsRef materials = MaterialsRef(frame.materials);
-    if (materials.m[item.material].emissive != vec3(0.0) && materials.m[item.material].emissive_texture.texture == absent)
-      return false;
+    const uint texture = materials.m[item.material].emissive_texture.texture;
+    if (materials.m[item.material].emissive != vec3(0.0) && texture == absent) return false;
   }
   if (pc.culling == 0u) return true;
   return HAS_VIEW_TABLE != 0 ? view_keeps(view, item) : camera_keeps(item);

@@ -90,8 +90,8 @@ vec3 fog_sky_through(vec3 from, vec3 axis, bool of_phase) {
   return sum / float(frame.fog.sky_directions);
 }
 
-// Of the directions whose cosine to the vertical is mu, the mean of the cosine to a normal, below 0 as 0, times two: its
-// integral over mu from 0 to 1 is the part of the cosine's lobe that points up. c: the normal's own cosine.
+// Of the directions whose cosine to the vertical is mu, the mean of the cosine to a normal, below 0 as 0, times two:
+// its integral over mu from 0 to 1 is the part of the cosine's lobe that points up. c: the normal's own cosine.
 float fog_cosine_lobe(float mu, float c) {
   const float a = c * mu, b = sqrt(max((1.0 - c * c) * (1.0 - mu * mu), 0.0));
   if (b <= abs(a)) return 2.0 * max(a, 0.0);
@@ -101,8 +101,8 @@ float fog_cosine_lobe(float mu, float c) {
   return (2.0 / 3.14159265358979) * (a * (x > 0.0 ? 3.14159265358979 - arc : arc) + sqrt(max(b * b - a * a, 0.0)));
 }
 
-// The mean transmittance from a point to the sky, by the cosine about a normal. Without bounds what lies towards the sky
-// depends on height and elevation alone: two points of Gauss and Legendre for each 16 of fog.sky_directions.
+// The mean transmittance from a point to the sky, by the cosine about a normal. Without bounds what lies towards the
+// sky depends on height and elevation alone: two points of Gauss and Legendre for each 16 of fog.sky_directions.
 vec3 fog_sky_through_surface(vec3 from, vec3 normal) {
   if (frame.fog.bounded != 0u) return fog_sky_through(from, normal, false);
   if (frame.fog.falloff == 0.0) return vec3(0.0);

@@ -12,17 +12,35 @@ namespace {
 using Json = nlohmann::json;
 
 std::string made_street(const TestFolder& folder) {
-  EXPECT_EQ(candela({"make-scene", "street", "--lights", "4", "-o", folder / "street.glb"}).code, 0);
+  EXPECT_EQ(candela({"make-scene", "street", "--lights", "16", "-o", folder / "street.glb"}).code, 0);
   return folder / "street.glb";
 }
 
 TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
   const TestFolder folder;
   const std::string street = made_street(folder);
-  const Ended ended = candela(
-      {"bench",      street,   "--size",          "48x32",    "--error",         "--techniques", "clustered",
-       "--min-runs", "3",      "--max-runs",      "3",        "--warm-up-s",     "0.001",        "--reference-spp",
-       "2",          "--json", folder / "e.json", "--report", folder / "report", "--quiet"});
+  const Ended ended = candela({"bench",
+                               street,
+                               "--size",
+                               "48x32",
+                               "--error",
+                               "--effects",
+                               "occlusion",
+                               "--techniques",
+                               "clustered",
+                               "--min-runs",
+                               "3",
+                               "--max-runs",
+                               "3",
+                               "--warm-up-s",
+                               "0.001",
+                               "--reference-spp",
+                               "2",
+                               "--json",
+                               folder / "e.json",
+                               "--report",
+                               folder / "report",
+                               "--quiet"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_NE(ended.out.find("below 0.01 against direct-unshadowed"), std::string::npos) << ended.out;
   const Json json = Json::parse(bytes_of(folder / "e.json"));

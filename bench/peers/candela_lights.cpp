@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   if (!pixels) return failed(pixels.error());
   std::tie(job.width_px, job.height_px) = *pixels;
   if (job.samples == 0) job.samples = 4;
+  job.effects = "none";  // Filament draws none here
   job.tonemap = "none";
   job.dither = false;
   job.background = "0,0,0";

@@ -125,7 +125,8 @@ class Bench:
         folder.mkdir(parents=True, exist_ok=True)
         files = {}
         for name, server in servers.items():
-            files[name] = str(folder / f"{case.name}-{name.replace(' ', '-')}-{lights}.png")
+            # One word: the servers read the path up to a space.
+            files[name] = str(folder / f"{case.name}-{name}-{lights}.png".replace(" ", "-"))
             server.ask(f"frame {FIRST_TIME_S}")
             server.ask(f"save {files[name]}")
         first = next(iter(files.values()))
@@ -176,7 +177,7 @@ class Bench:
     def start(self, case, lights, caches):
         """Process to file: with warm shader caches, or with empty ones for each run."""
         scene, time_s = self.scene(case.scene, lights), str(FIRST_TIME_S)
-        render = [self.program("candela"), "render", scene, "--time", time_s, "--size", self.options.size, "--device", "cpu",
+        render = [self.program("candela"), "render", scene, "--time", time_s, "--size", self.options.size, "--device", "cpu", "--effects", "none",
                   "--set", f"resolve.samples={case.samples}", "--json"]
         commands = {
             "candela to EXR": [*render, "-o", str(self.work / "cold.exr")],

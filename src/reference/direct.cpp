@@ -134,7 +134,7 @@ glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const Surface
   // Light from behind the triangle, which a shading normal may let in, is blocked by the surface itself.
   if (!is_open(s, offer.l)) return glm::dvec3(0);
   return radiance * light_through(world_, point, offer.l, offer.distance_m, bodies_towards(s, offer.l),
-                                  offer.end ? &*offer.end : nullptr);
+                                  offer.end ? &*offer.end : nullptr, offer.is_lamp());
 }
 
 glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc,
@@ -169,7 +169,8 @@ double Integrator::open_share(const std::vector<uint32_t>& lights, const Surface
     if (!settings_.visibility)
       open += weight;
     else if (is_open(s, a.l))
-      open += weight * luminance(light_through(world_, point, a.l, a.distance_m, bodies_towards(s, a.l)));
+      open += weight * luminance(light_through(world_, point, a.l, a.distance_m, bodies_towards(s, a.l), nullptr,
+                                               std::isfinite(a.distance_m)));
   }
   return all > 0 ? open / all : 1;
 }

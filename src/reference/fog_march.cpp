@@ -213,7 +213,8 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
                                       (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
                                       medium.transmittance(p.position, a.l, a.distance_m);
         if (light_here == glm::dvec3(0)) continue;
-        sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m)
+        sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m,
+                                                                 nullptr, std::isfinite(a.distance_m))
                                     : light_here;
       }
     }

@@ -148,7 +148,8 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
   const auto arrives = [&](const Offer& offer) {
     const glm::dvec3 light = offer.radiance * world_.through_fog(position, offer.l, offer.distance_m);
     if (light == glm::dvec3(0)) return light;
-    return light * light_through(world_, point, offer.l, offer.distance_m, nullptr, offer.end ? &*offer.end : nullptr);
+    return light * light_through(world_, point, offer.l, offer.distance_m, nullptr, offer.end ? &*offer.end : nullptr,
+                                 offer.is_lamp());
   };
   const glm::dvec2 for_sky = stream.next2(), on_light = stream.next2();
   double pick = stream.next();

@@ -1,18 +1,15 @@
 #include "reference/glass_light.h"
 
-#include <cmath>
-
 namespace candela::reference {
 
 glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
-                         const Interior* start, const SurfacePoint* target) {
-  if (!world.has_glass()) return glm::dvec3(transmittance(world, from, l, distance_m, target));
+                         const Interior* start, const SurfacePoint* target, bool to_lamp) {
+  if (!world.has_glass()) return glm::dvec3(transmittance(world, from, l, distance_m, target, to_lamp));
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return glm::dvec3(1);
   const glm::dvec3 origin(ray->origin), direction(ray->direction);
   const double per_t = glm::length(direction);
   GlassWay way = start ? GlassWay(*start) : GlassWay();
-  const bool to_lamp = std::isfinite(distance_m) && !target;
   glm::dvec3 through(1);
   std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp);
   while (hit) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <string_view>
 
 #include "reference/sampling.h"
@@ -77,6 +78,7 @@ class Integrator {
     glm::dvec3 radiance{0}, l{0};
     double distance_m = 0;
     std::optional<SurfacePoint> end;  // where the light is a surface
+    bool is_lamp() const { return !end && std::isfinite(distance_m); }
   };
   // One of several offers, as likely as it weighs; taken() of it times scale() is their sum on average.
   class OneOf {

@@ -49,10 +49,9 @@ std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double dis
 }
 
 double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
-                     const SurfacePoint* target) {
+                     const SurfacePoint* target, bool to_lamp) {
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return 1;
-  const bool to_lamp = std::isfinite(distance_m) && !target;
   if (!world.has_blend()) {
     const SurfaceFilter filter(world, false, nullptr, to_lamp);
     return world.accel().occluded(*ray, &filter) ? 0 : 1;

@@ -27,9 +27,9 @@ std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_b
 
 // The part of the light that comes through between `from` and a point `distance_m` off in unit direction `l` (infinity:
 // from the sky): 0 behind opaque surfaces, otherwise the product of what blended ones leave. `target`, where the light
-// is a surface itself. A point at a finite distance without one is a point or spot light.
+// is a surface itself. to_lamp: the light is a point or spot light, which what glows all over does not block.
 double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
-                     const SurfacePoint* target = nullptr);
+                     const SurfacePoint* target = nullptr, bool to_lamp = false);
 
 // The ray of it; nothing where the two are closer than what keeps it off their surfaces.
 std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double distance_m,

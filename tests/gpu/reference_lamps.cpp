@@ -81,7 +81,8 @@ class ReferenceLamps : public ReferenceParity {
                                 std::max(glm::dot(surface.normal, a.l), 0.0);
           if (!(weight > 0) || !(glm::dot(mapped, a.l) > 0)) continue;
           all += weight;
-          if (reference::is_open(surface, a.l) && reference::transmittance(world, point, a.l, a.distance_m) > 0.5)
+          if (reference::is_open(surface, a.l) &&
+              reference::transmittance(world, point, a.l, a.distance_m, nullptr, true) > 0.5)
             open += weight;
         }
         if (!(all > 0)) continue;

@@ -1,5 +1,6 @@
 // The terms that beauty is divided into: each against its closed form, their sum, and that asking for them changes
 // nothing.
+#include "reference/glass_light.h"
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
@@ -116,6 +117,27 @@ TEST(Terms, EmissionAndBackgroundShareAPixelByCoverage) {
     const double noise = mode == Mode::path ? 0.03 : 1e-6;
     expect_near(emission, {0.25 * 4, 0.25 * 4 + 0.75 * 0.5, 0.25 * 4}, noise, "emission");
     expect_near(background, {0, 0, 0.75 * 0.5 * 2}, noise, "background");
+  }
+}
+
+// What glows all over blocks no lamp; of the sky it hides as much as anything, however near the sky's rays end.
+TEST(Terms, WhatGlowsHidesTheSkyButNoLamp) {
+  for (const bool glows : {true, false}) {
+    Json bulb = diffuse_material(0.5, 0.5, 0.5);
+    if (glows) bulb["emissiveFactor"] = {1, 0.5, 0};
+    GltfBuilder b = empty_scene();
+    use_all(b);
+    add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, bulb))}});
+    const auto t = make_world(b);
+    ASSERT_TRUE(t);
+    const SurfacePoint from{glm::vec3(0, 0, -2) - glm::vec3(t->view.position), {}, 0};
+    const glm::dvec3 up(0, 0, 1);
+    for (const double distance_m : {4.0, std::numeric_limits<double>::infinity()}) {
+      EXPECT_EQ(transmittance(*t->world, from, up, distance_m), 0);
+      EXPECT_EQ(light_through(*t->world, from, up, distance_m, nullptr), glm::dvec3(0));
+    }
+    EXPECT_EQ(transmittance(*t->world, from, up, 4, nullptr, true), glows ? 1 : 0);
+    EXPECT_EQ(light_through(*t->world, from, up, 4, nullptr, nullptr, true), glm::dvec3(glows ? 1 : 0));
   }
 }
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <glm/gtc/quaternion.hpp>
 
 #include "base/rng.h"
 #include "frame_fixture.h"
@@ -13,11 +12,6 @@ namespace {
 
 constexpr int width = 96, height = 64;
 
-Json turned(glm::dvec3 from, glm::dvec3 to) {
-  const glm::dquat q(from, glm::normalize(to));
-  return {q.x, q.y, q.z, q.w};
-}
-
 }  // namespace
 
 class FrameLamps : public FrameTest {
@@ -28,14 +22,14 @@ class FrameLamps : public FrameTest {
     Json light = {{"type", type}, {"intensity", 100.0}};
     if (type == "spot") light["spot"] = {{"innerConeAngle", 0.1}, {"outerConeAngle", cone_rad}};
     if (!range.is_null()) light["range"] = range;
-    add_light(b, light, {{"translation", {at.x, at.y, at.z}}, {"rotation", turned({0, 0, -1}, {0, -1, 0})}});
+    add_light(b, light, {{"translation", {at.x, at.y, at.z}}, {"rotation", rotation_between({0, 0, -1}, {0, -1, 0})}});
   }
   // A floor of half size 20 at y = 0 and a square of half size 0.5 a metre above it.
   static GltfBuilder floor_and_square(glm::dvec3 origin = glm::dvec3(0)) {
     GltfBuilder b = empty_scene();
     const int floor = add_square_mesh(b, 20, add_material(b, diffuse_material(0.8, 0.8, 0.8)));
     const int square = add_square_mesh(b, 0.5f, add_material(b, diffuse_material(0.5, 0.2, 0.1)));
-    const Json lying = turned({0, 0, 1}, {0, 1, 0});
+    const Json lying = rotation_between({0, 0, 1}, {0, 1, 0});
     add_node(b, {{"mesh", floor}, {"rotation", lying}, {"translation", {origin.x, origin.y, origin.z}}});
     add_node(b, {{"mesh", square}, {"rotation", lying}, {"translation", {origin.x, origin.y + 1, origin.z}}});
     return b;
@@ -74,7 +68,8 @@ TEST_F(FrameLamps, WhatGlowsBlocksNoLamp) {
     for (const glm::dvec3 out : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0),
                                  glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1)}) {
       const glm::dvec3 at = lamp + 0.2 * out;
-      add_node(b, {{"mesh", side}, {"rotation", turned({0, 0, 1}, out)}, {"translation", {at.x, at.y, at.z}}});
+      add_node(b,
+               {{"mesh", side}, {"rotation", rotation_between({0, 0, 1}, out)}, {"translation", {at.x, at.y, at.z}}});
     }
     add_lamp(b, lamp, "point");
     Job job = looking_down(write(b));
@@ -144,17 +139,17 @@ TEST_F(FrameLamps, ALightInsideAClosedBoxStaysThere) {
   Json both = diffuse_material(0.5, 0.5, 0.5);
   both["doubleSided"] = true;
   const int wall = add_square_mesh(b, 0.5f, add_material(b, both));
-  add_node(b, {{"mesh", floor}, {"rotation", turned({0, 0, 1}, {0, 1, 0})}, {"translation", {0, -1, 0}}});
+  add_node(b, {{"mesh", floor}, {"rotation", rotation_between({0, 0, 1}, {0, 1, 0})}, {"translation", {0, -1, 0}}});
   for (int axis = 0; axis < 3; ++axis)
     for (const double side : {-1.0, 1.0}) {
       glm::dvec3 out(0);
       out[axis] = side;
       // A hair wider than the box: edges overlap.
-      add_node(b,
-               {{"mesh", wall},
-                {"rotation", turned({0, 0, 1}, glm::dot(out, glm::dvec3(0, 0, 1)) < -0.5 ? glm::dvec3(0, 0, 1) : out)},
-                {"scale", {1.001, 1.001, 1}},
-                {"translation", {out.x / 2, out.y / 2, out.z / 2}}});
+      add_node(b, {{"mesh", wall},
+                   {"rotation",
+                    rotation_between({0, 0, 1}, glm::dot(out, glm::dvec3(0, 0, 1)) < -0.5 ? glm::dvec3(0, 0, 1) : out)},
+                   {"scale", {1.001, 1.001, 1}},
+                   {"translation", {out.x / 2, out.y / 2, out.z / 2}}});
     }
   add_lamp(b, {0.1, 0.05, -0.2}, "point");
   Job outside = looking_down(write(b));
@@ -203,8 +198,9 @@ TEST_F(FrameLamps, ALightInsideAWallLightsNothing) {
   GltfBuilder b = floor_and_square();
   const int side = add_square_mesh(b, 10, add_material(b, diffuse_material(0.5, 0.5, 0.5)));
   for (const double face : {1.0, -1.0})
-    add_node(b,
-             {{"mesh", side}, {"rotation", turned({0, 0, 1}, {0, 0, face})}, {"translation", {0, 0, -2 + 0.1 * face}}});
+    add_node(b, {{"mesh", side},
+                 {"rotation", rotation_between({0, 0, 1}, {0, 0, face})},
+                 {"translation", {0, 0, -2 + 0.1 * face}}});
   add_lamp(b, {0.3, 2, -2}, "point");
   Job job = looking_down(write(b));
   job.samples = 1;  // lavapipe shades covered samples beside their places, which may lie inside of the wall
@@ -231,7 +227,8 @@ TEST_F(FrameLamps, ListsAndCullingChangeNoBit) {
   for (int i = 0; i < 12; ++i) lamps.push_back({rng.uniform(-6, 6), rng.uniform(0.3, 4), rng.uniform(-6, 4)});
   GltfBuilder b = floor_and_square();
   for (size_t i = 0; i < lamps.size(); ++i) add_lamp(b, lamps[i], i % 2 ? "spot" : "point", 0.9, 4.0);
-  add_light(b, {{"type", "directional"}, {"intensity", 1.0}}, {{"rotation", turned({0, 0, -1}, {0.3, -1, 0.2})}});
+  add_light(b, {{"type", "directional"}, {"intensity", 1.0}},
+            {{"rotation", rotation_between({0, 0, -1}, {0.3, -1, 0.2})}});
   Job job = looking_down(write(b));
   const Images all = images_of(job);
   for (const char* technique : {"forward-plus", "brute-force"}) {

@@ -1,5 +1,3 @@
-#include <glm/gtc/quaternion.hpp>
-
 #include "../unit/reference_fixture.h"
 #include "base/rng.h"
 #include "frame_fixture.h"
@@ -12,11 +10,6 @@ constexpr int width = 96, height = 64;
 // The sun stands above and behind the camera's left shoulder.
 const glm::dvec3 shines = glm::normalize(glm::dvec3(0.5, -1, -0.7));
 
-Json turned(glm::dvec3 from, glm::dvec3 to) {
-  const glm::dquat q(from, glm::normalize(to));
-  return {q.x, q.y, q.z, q.w};
-}
-
 }  // namespace
 
 class FrameSun : public FrameTest {
@@ -27,13 +20,13 @@ class FrameSun : public FrameTest {
     const int floor = add_square_mesh(b, 20, add_material(b, diffuse_material(0.8, 0.8, 0.8)));
     const int square = add_square_mesh(
         b, 0.5f, add_material(b, square_material.is_null() ? diffuse_material(0.5, 0.2, 0.1) : square_material));
-    const Json lying = turned({0, 0, 1}, {0, 1, 0});
+    const Json lying = rotation_between({0, 0, 1}, {0, 1, 0});
     add_node(b, {{"mesh", floor}, {"rotation", lying}});
     for (const glm::dvec3 p : places)
       add_node(b, {{"mesh", square}, {"rotation", lying}, {"translation", {p.x, p.y, p.z}}});
     for (int i = 0; i < suns; ++i)
       add_light(b, {{"type", "directional"}, {"intensity", 3.0 - 0.1 * i}},
-                {{"rotation", turned({0, 0, -1}, shines + 0.3 * i)}});
+                {{"rotation", rotation_between({0, 0, -1}, shines + 0.3 * i)}});
     return write(b);
   }
   static Job looking_down(const std::string& path) {
@@ -91,7 +84,7 @@ TEST_F(FrameSun, AShadowLiesWhereTheLightCarriesIt) {
 TEST_F(FrameSun, ABallCastsNoShadowOnItsLitSide) {
   GltfBuilder b = empty_scene();
   add_node(b, {{"mesh", reference::test::add_sphere_mesh(b, 1, add_material(b, diffuse_material(0.8, 0.8, 0.8)), 24)}});
-  add_light(b, {{"type", "directional"}, {"intensity", 3.0}}, {{"rotation", turned({0, 0, -1}, shines)}});
+  add_light(b, {{"type", "directional"}, {"intensity", 3.0}}, {{"rotation", rotation_between({0, 0, -1}, shines)}});
   for (const int samples : {1, 4}) {
     Job job = job_for(write(b), width, height, samples);
     look(job, {0, 1, 4}, {0, 0, 0}, 30);
@@ -196,10 +189,10 @@ TEST_F(FrameSun, FarFromTheOriginNothingChanges) {
     GltfBuilder b = empty_scene();
     const int floor = add_square_mesh(b, 20, add_material(b, diffuse_material(0.8, 0.8, 0.8)));
     const int square = add_square_mesh(b, 0.5f, add_material(b, diffuse_material(0.5, 0.2, 0.1)));
-    const Json lying = turned({0, 0, 1}, {0, 1, 0});
+    const Json lying = rotation_between({0, 0, 1}, {0, 1, 0});
     add_node(b, {{"mesh", floor}, {"rotation", lying}, {"translation", {away, 0, -away}}});
     add_node(b, {{"mesh", square}, {"rotation", lying}, {"translation", {away, 1, -away}}});
-    add_light(b, {{"type", "directional"}}, {{"rotation", turned({0, 0, -1}, shines)}});
+    add_light(b, {{"type", "directional"}}, {{"rotation", rotation_between({0, 0, -1}, shines)}});
     Job job = looking_down(write(b));
     look(job, {away, 5, 6 - away}, {away, 0, -away}, 60);
     pictures.push_back(images_of(job));

@@ -10,14 +10,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-Json rotation_towards(glm::dvec3 direction) {
-  const glm::dvec3 from(0, 0, -1), to = glm::normalize(direction);
-  const double cosine = glm::dot(from, to);
-  if (cosine < -0.999999) return {0, 1, 0, 0};
-  const glm::dvec3 axis = glm::cross(from, to);
-  const glm::dquat q = glm::normalize(glm::dquat(1 + cosine, axis.x, axis.y, axis.z));
-  return {q.x, q.y, q.z, q.w};
-}
+Json rotation_towards(glm::dvec3 direction) { return rotation_between({0, 0, -1}, direction); }
 Json at(glm::dvec3 p) { return {{"translation", {p.x, p.y, p.z}}}; }
 
 void point(GltfBuilder& b, glm::dvec3 p, double range_m, double candela = 5) {

@@ -1,104 +1,16 @@
-// Shadows of point and spot lights against traced hard ones, at the pixels' centres: the share of their light that
-// arrives, each weighed by its illuminance and cosine. A map darkens what is lit (acne) or lights what is in shadow
-// (detachment). Both are counted, printed and kept in the test's XML.
+// Shadows of point and spot lights against traced hard ones (shadow_agreement.h).
 #include <fstream>
 
 #include "base/rng.h"
-#include "reference/bsdf.h"
-#include "reference/centre_surface.h"
-#include "reference/visibility.h"
-#include "reference_parity.h"
+#include "shadow_agreement.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::test {
-namespace {
 
-struct Agreement {
-  size_t facing = 0, acne = 0, detached = 0, in_shadow = 0;
-  double wrong() const { return double(acne + detached) / double(facing); }
-};
-
-}  // namespace
-
-class ReferenceLamps : public ReferenceParity {
+class ReferenceLamps : public ReferenceShadows {
  protected:
-  static std::filesystem::path folder() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    const std::filesystem::path made =
-        std::filesystem::path(::testing::TempDir()) / fmt::format("candela_lamps_{}", info->name());
-    std::error_code ignored;
-    std::filesystem::remove_all(made, ignored);
-    std::filesystem::create_directories(made);
-    return made;
-  }
-  // A copy of a scene whose only light is a point light.
-  static std::string under_lamp(const std::filesystem::path& scene_file, const std::vector<std::byte>& bytes,
-                                glm::dvec3 at) {
-    std::vector<std::byte> binary;
-    Json json = read_json(bytes, binary);
-    json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 500}}};
-    Json node = {{"translation", {at.x, at.y, at.z}}};
-    node["extensions"]["KHR_lights_punctual"]["light"] = 0;
-    json["nodes"].push_back(node);
-    json["scenes"][json.value("scene", size_t{0})]["nodes"].push_back(json["nodes"].size() - 1);
-    json["extensionsUsed"].push_back("KHR_lights_punctual");
-    const std::filesystem::path made = folder();
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(scene_file.parent_path()))
-      if (entry.path() != scene_file)
-        std::filesystem::copy(entry.path(), made / entry.path().filename(), std::filesystem::copy_options::recursive,
-                              ignored);
-    write_scene(made / scene_file.filename(), json, binary);
-    return made / scene_file.filename();
-  }
-
-  static Agreement compared(Job job) {
-    job.layers = {"shadow.lamps", "normal"};
-    const Images images = images_of(job);
-    auto frame = open_reference(job, 0, {});
-    EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
-    if (!frame) return {};
-    const reference::World& world = *(*frame)->world;
-    Agreement out;
-    for (int y = 0; y < job.height_px; ++y)
-      for (int x = 0; x < job.width_px; ++x) {
-        const reference::CameraRay camera = world.camera_ray(glm::dvec2(x, y) + 0.5, job.width_px, job.height_px);
-        std::optional<Hit> hit = reference::next_surface(world, reference::rounded(camera), true, nullptr, nullptr);
-        while (hit && world.is_blended(hit->item)) {
-          const Hit passed = *hit;
-          hit = reference::next_surface(world, reference::rounded(camera), true, &passed, nullptr);
-        }
-        if (!hit) continue;
-        const reference::Surface surface = world.surface(*hit, camera.origin, camera.direction);
-        if (surface.unlit) continue;
-        const SurfacePoint point = world.accel().surface(*hit);
-        // Both must see the shading normal face the light: one reads its map from level 0, the other a mip.
-        const glm::dvec3 mapped(images["normal"].at<glm::vec4>(x, y));
-        double all = 0, open = 0;
-        for (const uint32_t index : world.tree_punctual()) {
-          const reference::Arrival a = reference::arriving(world.punctual_lights()[index], surface.position);
-          const double weight = glm::dot(a.illuminance, glm::dvec3(0.2126, 0.7152, 0.0722)) *
-                                std::max(glm::dot(surface.normal, a.l), 0.0);
-          if (!(weight > 0) || !(glm::dot(mapped, a.l) > 0)) continue;
-          all += weight;
-          if (reference::is_open(surface, a.l) &&
-              reference::transmittance(world, point, a.l, a.distance_m, nullptr, true) > 0.5)
-            open += weight;
-        }
-        if (!(all > 0)) continue;
-        const double map = double(images["shadow.lamps"].at<float>(x, y)), truth = open / all;
-        ++out.facing;
-        out.in_shadow += truth < 0.5;
-        out.acne += map < truth - 0.5;
-        out.detached += map > truth + 0.5;
-      }
-    const std::string line =
-        fmt::format("{} points face a lamp, {} of them mostly in shadow: {:.3f} % wrongly dark, {:.3f} % wrongly lit",
-                    out.facing, out.in_shadow, 100.0 * double(out.acne) / double(out.facing),
-                    100.0 * double(out.detached) / double(out.facing));
-    fmt::print("{}\n", line);
-    RecordProperty("agreement", line);
-    return out;
+  static ShadowAgreement compared(const Job& job) {
+    return ReferenceShadows::compared(job, "shadow.lamps", &reference::World::tree_punctual);
   }
 };
 
@@ -106,13 +18,14 @@ TEST_F(ReferenceLamps, SponzaUnderALampAgreesWithTracedShadows) {
   const std::filesystem::path file = CANDELA_SOURCE_DIR "/../shared/assets/scenes/Sponza/Sponza.gltf";
   const auto bytes = read_file(file);
   if (!bytes) GTEST_SKIP() << "Sponza is not here";
-  Job job = job_for(under_lamp(file, *bytes, {-1, 2.5, 0.3}), 320, 180);
+  Job job = job_for(under(file, *bytes, {{"type", "point"}, {"intensity", 500}}, {{"translation", {-1, 2.5, 0.3}}}),
+                    320, 180);
   look(job, {-9, 1.5, 0}, {0, 2, 0}, 60);
   // The error is that of the texels: it falls with them.
   double before = 0.03;
   for (const char* size : {"512", "1024", "2048"}) {
     job.settings = {{"shadows", "size_px", size}, {"shadows", "budget_mb", "1024"}};
-    const Agreement agreement = compared(job);
+    const ShadowAgreement agreement = compared(job);
     EXPECT_GT(agreement.in_shadow, agreement.facing / 20);
     EXPECT_LT(agreement.wrong(), before) << size;
     before = agreement.wrong() * 0.8;
@@ -169,7 +82,7 @@ TEST_F(ReferenceLamps, ACaveWithThreeColouredLampsAgreesWithTracedShadows) {
   lamp({-3, 0.4, 0.8}, {1, 0.3, 0.2}), lamp({1, -0.8, -1}, {0.2, 1, 0.4}), lamp({6, 1, 0}, {0.3, 0.4, 1});
   Job job = job_for(write(b), 320, 180);
   look(job, {-8, 0.2, 0}, {0, -0.2, 0}, 60);
-  const Agreement agreement = compared(job);
+  const ShadowAgreement agreement = compared(job);
   EXPECT_GT(agreement.in_shadow, agreement.facing / 50);
   EXPECT_LT(agreement.wrong(), 0.02);
 }
@@ -182,7 +95,7 @@ TEST_F(ReferenceLamps, TheStreetByNightAgreesWithTracedShadows) {
       .write(reinterpret_cast<const char*>(bytes->data()), std::streamsize(bytes->size()));
   Job job = job_for(file, 320, 180);
   job.settings = {{"shadows", "lights", "64"}};
-  const Agreement agreement = compared(job);
+  const ShadowAgreement agreement = compared(job);
   EXPECT_GT(agreement.in_shadow, agreement.facing / 50);
   EXPECT_LT(agreement.wrong(), 0.02);
 }

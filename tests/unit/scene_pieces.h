@@ -1,4 +1,6 @@
 #pragma once
+#include <glm/gtc/quaternion.hpp>
+
 #include "gltf_builder.h"
 
 namespace candela::test {
@@ -15,6 +17,11 @@ inline GltfBuilder empty_scene() {
   b.json["nodes"] = Json::array();
   b.json["scenes"][0]["nodes"] = Json::array();
   return b;
+}
+// The "rotation" of a node that turns direction `from` (unit) to `to` (any length).
+inline Json rotation_between(glm::dvec3 from, glm::dvec3 to) {
+  const glm::dquat q(from, glm::normalize(to));
+  return {q.x, q.y, q.z, q.w};
 }
 // A square in the plane z = 0 that faces +Z, of half size `half`.
 inline int add_square_mesh(GltfBuilder& b, float half, int material) {

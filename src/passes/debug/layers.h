@@ -28,8 +28,7 @@ struct Layers {
   };
   struct Out {
     std::array<ImageHandle, layer_count> images;  // empty where not wanted
-    ImageHandle depth;                            // its own depth buffer
-    RunPipelines pipelines;
+    NearestSurface drawn;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

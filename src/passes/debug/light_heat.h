@@ -18,8 +18,7 @@ struct LightHeat {
   };
   struct Out {
     std::array<ImageHandle, 3> counts;
-    ImageHandle depth;  // its own depth buffer
-    RunPipelines pipelines;
+    NearestSurface drawn;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

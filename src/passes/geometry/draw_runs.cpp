@@ -60,6 +60,26 @@ std::vector<SpecConstant> light_constants(const CellLists& lists) {
   return constants;
 }
 
+NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
+                                       BufferHandle deformed, std::string_view pass, std::string fragment_shader,
+                                       std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants) {
+  RunPipelineChoice choice;
+  choice.desc.vertex_shader = "draw.vert";
+  choice.desc.fragment_shader = std::move(fragment_shader);
+  choice.desc.color_formats = std::move(color_formats);
+  choice.desc.depth_format = depth_format;
+  choice.desc.depth_test = choice.desc.depth_write = true;
+  choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+  choice.desc.constants = std::move(constants);
+  NearestSurface out;
+  out.pipelines = declare_runs(
+      builder, scene, draws, deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  out.depth =
+      builder.write(builder.create(ImageDesc{std::string(pass) + ".z", depth_format, scene.width_px, scene.height_px}),
+                    Access::depth_attachment);
+  return out;
+}
+
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {
   if (!color) {
     ImageDesc desc{"color", color_format, scene.width_px, scene.height_px, scene.samples};

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "gpu/command_list.h"
@@ -22,6 +23,16 @@ struct RunPipelineChoice {
 };
 RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                           const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice);
+
+// What layers beside beauty are drawn with: the nearest opaque or masked surface at the pixel's centre, one sample, in
+// a depth buffer of its own, `pass`.z.
+struct NearestSurface {
+  RunPipelines pipelines;
+  ImageHandle depth;
+};
+NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
+                                       BufferHandle deformed, std::string_view pass, std::string fragment_shader,
+                                       std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants = {});
 
 // The colour image of a shading pass: `color` written again, or a new one where there is none yet. It is not cleared:
 // sky or background cover what no surface does.

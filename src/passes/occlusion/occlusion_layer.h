@@ -18,8 +18,8 @@ struct OcclusionLayer {
     OcclusionTexels occlusion;  // optional: nothing is opaque or masked
   };
   struct Out {
-    ImageHandle layer, depth;  // depth: its own
-    RunPipelines pipelines;
+    ImageHandle layer;
+    NearestSurface drawn;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

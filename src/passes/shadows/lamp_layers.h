@@ -18,8 +18,7 @@ struct LampLayers {
   };
   struct Out {
     ImageHandle image;
-    ImageHandle depth;  // its own depth buffer
-    RunPipelines pipelines;
+    NearestSurface drawn;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -18,8 +18,7 @@ struct SunLayers {
   };
   struct Out {
     std::array<ImageHandle, 2> images;
-    ImageHandle depth;  // its own depth buffer
-    RunPipelines pipelines;
+    NearestSurface drawn;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -155,6 +155,25 @@ PixelCounts count_pixels(const Beauty& beauty, double pre_exposure) {
   return counts;
 }
 
+EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const Beauty& drawn, double pre_exposure) {
+  EffectCounts counts;
+  for (size_t i = 0; i < pixels_of(drawn); ++i) {
+    const glm::dvec4 with = pixel_of(drawn, pre_exposure, i);
+    const glm::dvec4 most =
+        bare ? pixel_of(*bare, bare_pre_exposure, i) : glm::dvec4(std::numeric_limits<double>::infinity());
+    bool finite = true, negative = false, brighter = false;
+    for (int c = 0; c < 4; ++c) finite = finite && std::isfinite(with[c]);
+    for (int c = 0; c < 3; ++c) {
+      negative = negative || with[c] < 0;
+      brighter = brighter || with[c] > most[c] * (1 + 1e-4) + 1e-30;
+    }
+    counts.nonfinite += !finite, counts.negative += negative, counts.brighter += brighter;
+    if ((!finite || negative || brighter) && counts.first_x < 0)
+      counts.first_x = int(i % size_t(drawn.width_px)), counts.first_y = int(i / size_t(drawn.width_px));
+  }
+  return counts;
+}
+
 double display_error(const DisplayImage& display, const Beauty& beauty, double pre_exposure, const Job& job) {
   CHECK(display.bits == 16);
   const DisplayLook look = display_look(job, {});

@@ -43,6 +43,14 @@ struct PixelCounts {
 };
 PixelCounts count_pixels(const Beauty& beauty, double pre_exposure);
 
+// Pixels of a picture with effects: not finite, with a negative colour, or brighter than the bare one by more than
+// rounding (bare may be null).
+struct EffectCounts {
+  uint64_t nonfinite = 0, negative = 0, brighter = 0;
+  int first_x = -1, first_y = -1;
+};
+EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const Beauty& drawn, double pre_exposure);
+
 // Largest difference between the 16-bit display picture and the curve in double from the same linear pixels, in parts
 // of one.
 double display_error(const DisplayImage& display, const Beauty& beauty, double pre_exposure, const Job& job);

@@ -41,7 +41,8 @@ class StabilityRun {
   Expected<void> check_scene(const StabilityRecipe& recipe);
   Expected<void> check_fog(const StabilityRecipe& recipe, const StabilityScene& scene, Job job);
   Expected<void> write_files(const StabilityScene& scene);
-  Expected<Shot> shot(Job job, double time_s, bool display);
+  Expected<Shot> shot(Job job, double time_s, bool display, const char* effects = "none");
+  void check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row);
   Expected<std::optional<TruePicture>> plain_truth(const StabilityScene& scene);
   void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain,
                StabilityRow& row) const;
@@ -85,8 +86,8 @@ Expected<void> StabilityRun::write_files(const StabilityScene& scene) {
   return {};
 }
 
-Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display) {
-  job.effects = "none";  // what the pictures are compared with is traced without shadows
+Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display, const char* effects) {
+  job.effects = effects;  // none: what the pictures are compared with is traced without shadows
   auto frame = renderer_->frame(job, {.linear = true, .display = display, .display_bits = 16}, time_s);
   if (!frame) return std::unexpected(frame.error());
   auto beauty = beauty_of(*frame);
@@ -159,6 +160,27 @@ std::string StabilityRun::without_folder(std::string text) const {
   return text;
 }
 
+// With the effects of quality high and of the look too every pixel is finite and no colour negative; and where there is
+// neither a sky image to reflect nor fog they only take light away from `bare`.
+void StabilityRun::check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row) {
+  const auto made = shot(job, scene.time_s, false, "auto");
+  if (!made) {
+    row.faults.push_back("with effects: no picture: " + without_folder(made.error().text()));
+    return;
+  }
+  const EffectCounts counts =
+      count_effects(bare ? &bare->beauty : nullptr, bare ? bare->pre_exposure : 1, made->beauty, made->pre_exposure);
+  row.effects_nonfinite = counts.nonfinite;
+  const auto fault = [&](uint64_t pixels, const char* what) {
+    if (pixels > 0)
+      row.faults.push_back(
+          fmt::format("with effects {} pixels {}, the first at {}, {}", pixels, what, counts.first_x, counts.first_y));
+  };
+  fault(counts.nonfinite, "are not finite");
+  fault(counts.negative, "are negative");
+  fault(counts.brighter, "are brighter");
+}
+
 void StabilityRun::judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const {
   for (const std::string& warning : shot.warnings) row.warnings.push_back(without_folder(warning));
   if (scene.refused) row.faults.push_back("is drawn, and should be refused");
@@ -179,7 +201,7 @@ void StabilityRun::refuse(const StabilityScene& scene, const Error& error, Stabi
 
 void StabilityRun::add(StabilityRow row) {
   report_.faulty_rows += !row.faults.empty();
-  report_.nonfinite += row.nonfinite;
+  report_.nonfinite += row.nonfinite + row.effects_nonfinite;
   for (const std::string& fault : row.faults)
     log::warning("{}/{}, {}: {}", row.family, row.scene, row.technique, fault);
   report_.rows.push_back(std::move(row));
@@ -249,6 +271,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
     if (first) row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);
+    if (!first) check_effects(scene, job, scene.sky ? nullptr : &*made, row);
     if (!first && keep)
       if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
     if (!first) first = std::move(*made);
@@ -286,6 +309,22 @@ Expected<void> StabilityRun::check_fog(const StabilityRecipe& recipe, const Stab
       if (auto kept = keep_picture(recipe, scene, made); !kept) return kept;
     add(std::move(row));
   }
+  if (scene.refused) {
+    ++report_.scenes;
+    return {};
+  }
+  // What the device draws of it is compared with the reference by tests; here it must be numbers.
+  StabilityRow drawn;
+  drawn.family = recipe.family, drawn.scene = recipe.name, drawn.what = recipe.what;
+  drawn.technique = job.technique = techniques_.front();
+  const auto start = Clock::now();
+  if (auto loaded = renderer_->load(job.scene, job.sky); !loaded)
+    refuse(scene, loaded.error(), drawn);
+  else
+    check_effects(scene, job, nullptr, drawn);
+  drawn.wall_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  drawn.pixels = uint64_t(job.width_px) * uint64_t(job.height_px);
+  add(std::move(drawn));
   ++report_.scenes;
   return {};
 }

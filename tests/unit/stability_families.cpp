@@ -57,6 +57,19 @@ TEST(Stability, CountsWhatIsNotFiniteAndWhatHalfCannotHold) {
   EXPECT_TRUE(count_pixels(picture({{0, 0, 0, 1}}), 1).black);
 }
 
+TEST(Stability, CountsWhatEffectsMakeWrong) {
+  const Beauty bare = picture({{1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 1, 1}});
+  const Beauty drawn = picture({{0.5f, 1, 1.00005f, 1}, {1, nan, 1, 1}, {1, 1, 1.001f, 1}, {1, -1e-6f, 1, 1}});
+  const EffectCounts counts = count_effects(&bare, 1, drawn, 1);
+  EXPECT_EQ(counts.nonfinite, 1u);
+  EXPECT_EQ(counts.negative, 1u);
+  EXPECT_EQ(counts.brighter, 1u);
+  EXPECT_EQ(counts.first_x, 1);
+  EXPECT_EQ(count_effects(nullptr, 1, drawn, 1).brighter, 0u);
+  EXPECT_EQ(count_effects(&bare, 0.5, drawn, 0.5).brighter, 1u) << "the exposures are taken out";
+  EXPECT_EQ(count_effects(&bare, 2, drawn, 1).brighter, 4u);
+}
+
 TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
   const Beauty right = picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}});
   TruePicture truth = picture_truth(right, 1);

@@ -113,15 +113,18 @@ TEST_F(FrameTerms, SumToBeautyAndChangeNoBitOfIt) {
 TEST_F(FrameTerms, SumToASupersampledBeauty) {
   Job job = job_of_everything(write(everything()), 0);
   job.background = "0.2,0.3,0.5";
-  for (const char* technique : {"clustered", "forward-plus"}) {
+  // Every pixel is lit but those in the shadow of all lamps.
+  for (const auto& [technique, lamps, least_lit] : {std::tuple("clustered", "0", width * height),
+                                                    {"clustered", "256", width * height * 9 / 10},
+                                                    {"forward-plus", "256", width * height * 9 / 10}}) {
     job.technique = technique;
-    job.settings = {{"supersample", "n", "2"}};
+    job.settings = {{"supersample", "n", "2"}, {"shadows", "lights", lamps}};
     job.layers.clear();
     const Images alone = images_of(job);
     job.layers = term_names();
     const Images divided = images_of(job);
     EXPECT_TRUE(alone["beauty"] == divided["beauty"]);
-    expect_sum(divided, 6 + 12 + 4 + 4, width * height * 9 / 10);
+    expect_sum(divided, 6 + 12 + 4 + 4, least_lit);
   }
 }
 

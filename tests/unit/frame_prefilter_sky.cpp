@@ -134,7 +134,8 @@ TEST(PrefilterSky, MeansALinearSkyByTheLobe) {
       }
     }
     for (const glm::dvec3 d : directions())
-      for (int k = 0; k < 3; ++k) EXPECT_NEAR(irradiance(sky, d)[k], 2 + 2.0 / 3 * d[k], 0.025);
+      for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(irradiance(sky, d)[k], 2 + 2.0 / 3 * d[k], d.x == 0 || d.y == 0 || d.z == 0 ? 0.025 : 0.004);
   }
   EXPECT_LT(at_folds[1], 0.35 * at_folds[0]);
 }

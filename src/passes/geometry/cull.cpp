@@ -32,6 +32,7 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
   ComputePipelineDesc pipeline{"cull.comp", {}};
   if (!in.views.is_camera()) {
     for (const BufferHandle b : {in.views.table, in.views.regions}) builder.read(b, Access::compute_read, "the views");
+    builder.read_optional(in.scene.materials, Access::compute_read);  // what glows casts no shadow of a lamp
     pipeline.constants = {{0, "HAS_VIEW_TABLE", 1}};
   }
   const uint64_t groups = uint64_t(in.scene.cull_group_count) * in.views.count;

@@ -23,12 +23,14 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   };
   for (uint32_t i = 0; i < n * n; ++i) {
     const std::string instance = fmt::format("s{:02}", i);
+    sample.subsample = i;
     sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(n, i) / glm::dvec2(scene.width_px, scene.height_px));
     const Surfaces seen = seen_again(frame, sample, surfaces, instance);
     Lighting lit = lighting;
     if (scene.light_grid.tiled) lit = light_surfaces(frame, sample, seen, instance);
     lit.lists.sun_maps = lighting.lists.sun_maps;
     lit.lists.fog = lighting.lists.fog;
+    lit.lists.rays = lighting.lists.rays;
     if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
@@ -58,6 +60,8 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   if (n == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
     occlusion = ambient_occlusion(frame, scene, surfaces.depth);
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
+  lighting.lists.rays = scene.rays;
+  lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   lighting.lists.fog = fog_view(frame, scene, lighting);
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);

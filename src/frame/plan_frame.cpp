@@ -163,9 +163,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
       make_view(context.scene, f.pose, job.camera, job.width_px, job.height_px, world_bounds(context.scene, f.pose));
   if (!view) return std::unexpected(view.error());
   f.view = std::move(*view);
-  f.data = make_frame_data(context.scene, f.pose, f.view);
   auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
+  f.data = make_frame_data(context.scene, f.pose, f.view, look->lights.radius_m);
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();

@@ -84,7 +84,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
                         world_bounds(frame->scene, frame->pose));
   if (!view) return std::unexpected(view.error());
   frame->view = std::move(*view);
-  frame->data = make_frame_data(frame->scene, frame->pose, frame->view);
+  frame->data = make_frame_data(frame->scene, frame->pose, frame->view, look->lights.radius_m);
   frame->notes = frame->view.notes;
   frame->notes.insert(frame->notes.end(), frame->pose.warnings.begin(), frame->pose.warnings.end());
 

@@ -157,11 +157,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   PlannedFrame f;
   const Expected<KnobValues> knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
-  auto posed = pose_scene(context.scene, job, time_s);
-  if (!posed) return std::unexpected(posed.error());
-  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
+  auto posed = pose_scene(context.scene, job, time_s, look->lights.radius_m);
+  if (!posed) return std::unexpected(posed.error());
+  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();

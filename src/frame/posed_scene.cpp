@@ -10,7 +10,7 @@ Expected<Scene> load_scene(const Job& job, LoadFor use) {
   return scene;
 }
 
-Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s) {
+Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m) {
   const auto animations = choose_animations(scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   PosedScene out;
@@ -20,7 +20,7 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
   if (!view) return std::unexpected(view.error());
   out.view = std::move(*view);
   place_probe(scene, out.pose, out.view, bounds);
-  out.data = make_frame_data(scene, out.pose, out.view);
+  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m);
   return out;
 }
 

@@ -14,6 +14,7 @@ struct PosedScene {
   View view;
   FrameData data;
 };
-Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s);
+// lamp_radius_m: of lamps that say nothing of their own size.
+Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0);
 
 }  // namespace candela

@@ -77,7 +77,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   const auto content = hash_files(frame->scene.files, *skies, job.look);
   if (!content) return std::unexpected(content.error());
   frame->scene_content = *content;
-  auto posed = pose_scene(frame->scene, job, time_s);
+  auto posed = pose_scene(frame->scene, job, time_s, look->lights.radius_m);
   if (!posed) return std::unexpected(posed.error());
   frame->pose = std::move(posed->pose), frame->view = std::move(posed->view), frame->data = std::move(posed->data);
   frame->notes = frame->view.notes;

@@ -20,6 +20,7 @@ struct SceneFacts {
   uint32_t deformed_vertices = 0;
   uint32_t triangles = 0, lines = 0, points = 0;  // drawn, instances counted each time
   uint32_t point_lights = 0, spot_lights = 0, directional_lights = 0;
+  uint32_t sized_lights = 0;  // point and spot lights with a radius
   uint32_t lights() const { return point_lights + spot_lights + directional_lights; }
   bool emissive = false;     // a visible material emits
   bool environment = false;  // a sky image is given

@@ -59,8 +59,8 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     occlusion = ambient_occlusion(frame, scene, surfaces.depth);
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
-  lighting.lists.fog = fog_view(frame, scene, lighting);
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
+  lighting.lists.fog = fog_view(frame, scene, lighting);
   ImageHandle radiance;
   TermImages terms;
   FogImages fog;

@@ -30,7 +30,8 @@ HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dve
                    metal = s.base_color * a.scale + a.bias;
   const double f0 = largest(s.dielectric_f0), left = 1 - (f0 + (s.dielectric_f90 - f0) * a.grazing);
   const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
-  return {diffuse, glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal))};
+  return {diffuse,
+          s.specular_gain * glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal))};
 }
 
 PixelSample Integrator::sample(int x, int y, uint64_t index, TermSample* terms) const {

@@ -194,6 +194,7 @@ Row<Look> bloom_row() {
       number_row<Bloom>("knee", from_zero(), &Bloom::knee, "half the width over which the threshold sets in"),
       flag_row<Bloom>("keeps", &Bloom::keeps, "what is scattered is taken from where it came; otherwise it is added"),
       flag_row<Bloom>("beauty", &Bloom::in_beauty, "in linear output too"),
+      flag_row<Bloom>("emission", &Bloom::of_emission, "what surfaces emit glows alone, not what is lit or behind"),
       weights_row(),
   };
   const auto done = [rows](const Json& j, const std::string& place, Bloom& bloom, Look& look) -> Expected<void> {

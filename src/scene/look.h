@@ -52,6 +52,8 @@ struct Bloom {
   std::vector<double> weights = {1, 1, 1, 1, 1};
   bool keeps = true;       // what is scattered is taken from where it came; otherwise it is added
   bool in_beauty = false;  // in linear output too, not only on display
+  // What surfaces emit glows, and nothing that is merely lit or lies behind them: a glow mask.
+  bool of_emission = false;
   static double variance_px2(size_t level) { return 1.5 * (double(uint64_t(1) << (2 * (level + 1))) - 1); }
 };
 

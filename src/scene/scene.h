@@ -235,6 +235,7 @@ struct Scene {
   std::vector<Animation> animations;
   std::vector<int> roots;  // root nodes of the default scene (scene 0 when none is named)
   std::vector<int> order;  // nodes reachable from roots, parents before children
+  int probe_node = -1;     // probe.h
   std::vector<ExtensionUse> extensions;
   std::vector<std::string> warnings;  // one line each, with place
 };

@@ -14,7 +14,7 @@ layout(constant_id = 10) const int HAS_AMBIENT = 0;
 layout(constant_id = 11) const int IS_MASKED = 0;
 layout(constant_id = 12) const int IS_UNLIT = 0;
 layout(constant_id = 14) const int IS_SUBSAMPLE = 0;       // one of several samples of a supersampled frame
-layout(constant_id = 15) const int HAS_SUN_SHADOWS = 0;    // of directional lights: 1 of some, from maps; 2 traced; + 4 soft
+layout(constant_id = 15) const int HAS_SUN_SHADOWS = 0;    // of suns: 1 of some, from maps; 2 traced; + 4 soft
 layout(constant_id = 16) const int HAS_OCCLUSION = 0;      // its texels' shape (shared/occlusion.h), or traced
 layout(constant_id = 13) const int HAS_TEXTURES = 0;       // any of the above: UVs are passed on
 layout(constant_id = 17) const int IBL_METHOD = 0;         // of reflections of a sky image; 0: spherical harmonics

@@ -15,8 +15,8 @@ float shadow_turn() {
 #include "lib/sun_shadow.glsl"
 #include "lib/lamp_shadow.glsl"
 
-// 1 for lights without a map. Traced lights: of the point that begin_rays was called for. Of lights with a size the part
-// that is seen. number: the light's, for its own places on it.
+// 1 for lights without a map. Traced lights: of the point that begin_rays was called for. Of lights with a size the
+// part that is seen. number: the light's, for its own places on it.
 float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) {
   if (SUNS_TRACED || LAMPS_TRACED) {
     const bool is_sun = floatBitsToUint(light_word(light, 3u).y) == light_directional;

@@ -5,8 +5,8 @@
 // in twice the precision where they are zero. Which candidates count is what src/reference/visibility.cpp says: holes
 // of masks never, backs always, what glows all over not on the way to a lamp (src/scene/glow.h).
 //
-// lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch. So numbers that
-// name nothing are 0 where they are looked up, and no table is empty.
+// lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch. So numbers
+// that name nothing are 0 where they are looked up, and no table is empty.
 //
 // The stack has one entry a level, a node and which of its children are still to be visited, so its size is the trees'
 // real depth, and no ray needs more. Needs lib/frame.glsl, lib/bindless.glsl, and before the include TRACE_ADDRESS (of
@@ -33,7 +33,8 @@ const TraceHit TRACE_NOTHING = TraceHit(0.0, 0.0, 0.0, 0u, 0u, 0u, 0u, no_trace)
 // all; what `passed` names and what lies before it counts no more.
 const uint TRACE_ANY = 1u, TRACE_TO_LAMP = 2u, TRACE_LOCATE = 4u, TRACE_PASSED = 8u;
 const float TRACE_FAR = 3.0e38;
-const float TRACE_SLACK = 1.000001;  // of slabs: what rounding does, and how far a triangle's t may lie before its box's
+// Of slabs: what rounding does, and how far a triangle's t may lie before its box's.
+const float TRACE_SLACK = 1.000001;
 const float TRACE_SMALLEST = 1e-20, TRACE_LARGEST = 1e30;  // edge functions in floats lose digits beyond
 // A direction's component below this is none: what lies in the slab's plane is in the slab.
 const float TRACE_NONE = 1e-30, TRACE_SLAB_SCALE = 1e36, TRACE_SLAB_MARGIN = 1e30;
@@ -306,7 +307,8 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
       for (uint i = 0u; i < 8u; ++i) {
         if (!met[i]) continue;
         uint before = 0u;
-        for (uint j = 0u; j < 8u; ++j) before += met[j] && (near[j] < near[i] || (near[j] == near[i] && j < i)) ? 1u : 0u;
+        for (uint j = 0u; j < 8u; ++j)
+          before += met[j] && (near[j] < near[i] || (near[j] == near[i] && j < i)) ? 1u : 0u;
         order |= i << (3u * before);
         ++count;
       }

@@ -1,9 +1,9 @@
-// Light that rays find open: the exact end of shadows and of ambient occlusion. Needs lib/scene.glsl, the push constants
-// of DrawPush, lib/light_data.glsl, and a fragment shader that calls begin_rays first. Only where HAS_RAYS. With
-// LIGHT_EVAL lib/light_eval.glsl too.
+// Light that rays find open: the exact end of shadows and of ambient occlusion. Needs lib/scene.glsl, the push
+// constants of DrawPush, lib/light_data.glsl, and a fragment shader that calls begin_rays first. Only where HAS_RAYS.
+// With LIGHT_EVAL lib/light_eval.glsl too.
 //
-// A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by the
-// bound of its roundings, as the reference's do (src/reference/accel.cpp), so that no surface darkens itself and no
+// A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by
+// the bound of its roundings, as the reference's do (src/reference/accel.cpp), so that no surface darkens itself and no
 // shadow comes off what casts it. An interpolated position knows its surface only to a share of the triangle's size.
 #define TRACE_ADDRESS pc.trees
 #define TRACE_STACK RAY_STACK
@@ -76,7 +76,8 @@ vec2 rays_place(uint i, uvec2 own) {
 uvec2 rays_own(uint dimension) {
   const RaySettings s = RaySettingsRef(pc.rays).s;
   const uvec2 pixel = uvec2(gl_FragCoord.xy);
-  return uvec2(rays_hash(uvec3(pixel, s.seed ^ (2u * dimension))), rays_hash(uvec3(pixel, s.seed ^ (2u * dimension + 1u))));
+  return uvec2(rays_hash(uvec3(pixel, s.seed ^ (2u * dimension))),
+      rays_hash(uvec3(pixel, s.seed ^ (2u * dimension + 1u))));
 }
 mat3 rays_axes(vec3 n) {  // Duff et al., "Building an Orthonormal Basis, Revisited", 2017
   const float handed = n.z < 0.0 ? -1.0 : 1.0, p = -1.0 / (handed + n.z), q = n.x * n.y * p;

@@ -63,8 +63,8 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   lighting.lists.rays = scene.rays;
   lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
-  lighting.lists.fog = fog_view(frame, scene, lighting);
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
+  lighting.lists.fog = fog_view(frame, scene, lighting);
   ImageHandle radiance;
   TermImages terms;
   FogImages fog;
@@ -78,9 +78,9 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     fog = fog_layers(frame, scene, surfaces, lighting);
   }
   describe(frame, scene, surfaces, lighting, occlusion);
-  publish_terms(frame, scene, terms);
+  terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
-  post(frame, scene, radiance);
+  post(frame, scene, radiance, terms[size_t(Term::emission)]);
 }
 
 }  // namespace candela

@@ -32,8 +32,9 @@ void main() {
   const TestRay r = RaysRef(push.rays).r[i];
   TraceHit hit;
   TestHit out_hit;
-  out_hit.any = trace(TraceRay(r.origin, r.t_min, r.direction, r.t_max), push.mode | TRACE_ANY, TRACE_NOTHING, hit) ? 1u : 0u;
-  const bool found = trace(TraceRay(r.origin, r.t_min, r.direction, r.t_max), push.mode, TRACE_NOTHING, hit);
+  const TraceRay ray = TraceRay(r.origin, r.t_min, r.direction, r.t_max);
+  out_hit.any = trace(ray, push.mode | TRACE_ANY, TRACE_NOTHING, hit) ? 1u : 0u;
+  const bool found = trace(ray, push.mode, TRACE_NOTHING, hit);
   out_hit.found = found ? 1u : 0u;
   out_hit.t = found ? hit.t : 0.0;
   out_hit.u = found ? hit.u : 0.0;

@@ -193,8 +193,10 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   if (f.request.neutral_light)
     f.notes.push_back(
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
-  if (const std::vector<std::string> missing = not_drawn(f.facts, f.pose); !missing.empty())
-    f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
+  std::vector<std::string> missing = not_drawn(f.facts, f.pose);
+  if (f.facts.sized_lights > 0 && f.facts.lit_items + f.facts.blend_lit_items > 0 && !f.traced.soft_lamps)
+    missing.push_back("sizes of point and spot lights (drawn as points: shadows.method, shadows.soft)");
+  if (!missing.empty()) f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
   if (f.facts.draw_items == 0)
     f.notes.push_back("nothing is visible at this time: the image holds the background alone");
 }

@@ -9,6 +9,7 @@ namespace candela::test {
 // (acne), or lights what is in shadow (detachment).
 struct ShadowAgreement {
   size_t facing = 0, acne = 0, detached = 0, in_shadow = 0;
+  size_t wrong_inside = 0;  // where both see the same surface, by its depth: not at outlines and holes of masks
   double wrong() const { return double(acne + detached) / double(facing); }
 };
 
@@ -52,7 +53,7 @@ class ReferenceShadows : public ReferenceParity {
   // half. Counted, printed and kept in the test's XML.
   static ShadowAgreement compared(Job job, const std::string& layer,
                                   const std::vector<uint32_t>& (reference::World::*lights)() const) {
-    job.layers = {layer, "normal"};
+    job.layers = {layer, "normal", "depth"};
     const Images images = images_of(job);
     auto frame = open_reference(job, 0, {});
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
@@ -92,6 +93,8 @@ class ReferenceShadows : public ReferenceParity {
         out.in_shadow += truth < 0.5;
         out.acne += map < truth - 0.5;
         out.detached += map > truth + 0.5;
+        const double depth = double(images["depth"].at<float>(x, y)), seen = double(hit->t);
+        out.wrong_inside += std::abs(map - truth) > 0.5 && std::abs(depth - seen) < 1e-4 * seen;
       }
     const std::string line =
         fmt::format("{} points face a light, {} of them mostly in shadow: {:.3f} % wrongly dark, {:.3f} % wrongly lit",

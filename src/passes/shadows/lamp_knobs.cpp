@@ -22,8 +22,10 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .member = &LampKnobs::soft,
        .lowest = 0,
        .highest = 1,
-       .ladder = {0, 1, 1, 1},
-       .trades = "from maps, for lights with a size: hard shadows, or penumbras by what blocks nearby",
+       .ladder = {0},
+       .trades =
+           "from maps, for lights with a size: hard shadows, or penumbras by what blocks nearby, which are not nearer "
+           "to the truth everywhere",
        .choices = {"hard", "pcss"},
        .walk = {0, 1},
        .passes = drawing,

@@ -9,7 +9,7 @@ namespace candela {
 
 // The fog of a frame's look in relative space, and the depths at which its light is kept. farthest_m: depth beyond
 // which nothing is drawn, infinity when unknown.
-shared::FogMedium frame_fog(const Fog& fog, const View& view, const FrameData& data, double farthest_m,
+shared::FogMedium frame_fog(const Look& look, const View& view, const FrameData& data, double farthest_m,
                             glm::uvec3 nodes, uint32_t sky_directions);
 
 }  // namespace candela

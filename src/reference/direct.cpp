@@ -99,7 +99,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     out.radiance += through * clear * glm::dvec3(background);
     if (terms) (*terms)[Term::background] += through * clear * glm::dvec3(background);
     out.fog_through += through * (clear - 1.0);
-    out.alpha += through * (world_.medium() ? 1 - luminance(clear) * (1 - background.w) : background.w);
+    out.alpha += through * (!world_.media().empty() ? 1 - luminance(clear) * (1 - background.w) : background.w);
   }
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;

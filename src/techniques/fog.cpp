@@ -5,15 +5,17 @@ namespace candela {
 FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lighting) {
   FogView fog;
   const bool ambient = frame.facts.environment || frame.request.neutral_light;
-  fog.grid = frame.add(FogGrid{}, {scene, lighting.lists, ambient}).light;
+  const Look& look = frame.request.look;
+  fog.media = int(summed_fog(look));
+  fog.grid = frame.add(FogGrid{}, {scene, lighting.lists, ambient, fog.media}).light;
   if (!frame.request.draws_fog()) return fog;
-  const bool scatters = frame.request.look.fog->scattering_per_m != glm::dvec3(0);
   fog.ambient = ambient;
   fog.last = frame.knobs.get<FogKnobs>().last != 0;
   fog.lamp_points = frame.knobs.get<FogKnobs>().lamp_shadows;
-  fog.light = fog.grid                                            ? FogLight::grid
-              : scatters && (frame.facts.lights() > 0 || ambient) ? FogLight::march
-                                                                  : FogLight::nothing;
+  // What several media emit is summed with what they scatter.
+  const bool sums_light =
+      (fog_scatters(look) && (frame.facts.lights() > 0 || ambient)) || (fog.media > 0 && fog_glows(look));
+  fog.light = fog.grid ? FogLight::grid : sums_light ? FogLight::march : FogLight::nothing;
   return fog;
 }
 

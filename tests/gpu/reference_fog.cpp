@@ -129,6 +129,16 @@ TEST_F(ReferenceFog, LayersOfEveryKind) {
       {R"({"extinction": 0.1, "anisotropy": 0.8, "falloff": 0.3, "height": 0.5, "emission": [0.01, 0.02, 0.0]})", 1},
       {R"({"extinction": 0.2, "anisotropy": -0.5, "bounds": {"x": [-3, 3], "y": [-1, 1.5], "z": [-7, -2]}})", 4},
       {R"({"extinction": 3, "albedo": [0.9, 0.5, 1], "falloff": 0.1, "height": -2})", 1},
+      // Several media: overlapping, one turned, one around the eye, one behind it, one seen edge-on.
+      {R"({"extinction": 0.03, "anisotropy": 0.5, "boxes": [
+           {"extinction": [0.3, 0.2, 0.1], "albedo": 0.8, "anisotropy": -0.4, "rotation_deg": 30,
+            "bounds": {"x": [-2, 1], "y": [-2, 1], "z": [-6, -3]}},
+           {"extinction": 0.4, "emission": [0, 0.02, 0.05], "falloff": 0.8, "height": -1,
+            "bounds": {"x": [-1, 3], "z": [-7, -4]}},
+           {"extinction": 0.1, "bounds": {"x": [-1, 1], "y": [0, 1], "z": [2, 4]}},
+           {"extinction": 5, "bounds": {"z": [4, 9]}},
+           {"extinction": 0.5, "bounds": {"y": [0.45, 0.5], "z": [-8, 1]}}]})",
+       8},
   };
   for (const auto& [fog, slack] : kinds) {
     Job job = in_fog(scene, fog);

@@ -102,8 +102,9 @@ glm::uvec3 FogKnobs::nodes(uint32_t width_px, uint32_t height_px) const {
 Need FogGrid::needed(const SceneFacts& facts, const FrameRequest& request) const {
   if (!request.look.fog) return {false, "the look has no fog (--look)"};
   if (!request.draws_fog()) return {false, "fog is not wanted (--effects)"};
-  if (request.look.fog->scattering_per_m == glm::dvec3(0)) return {false, "the fog scatters nothing"};
-  if (facts.lights() == 0 && !facts.environment && !request.neutral_light)
+  const bool glows = summed_fog(request.look) > 0 && fog_glows(request.look);
+  if (!fog_scatters(request.look) && !glows) return {false, "the fog scatters nothing"};
+  if (facts.lights() == 0 && !facts.environment && !request.neutral_light && !glows)
     return {false, "no light is there to be scattered"};
   return needed_if(!knobs.marches(), "fog.grid is march: each pixel follows its own ray");
 }
@@ -120,6 +121,7 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
                                        .depth_px = nodes.z});
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   std::string shader = "fog_light.comp";
+  if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
   if (in.ambient) shader += "#FOG_AMBIENT=1";
   const bool lamps = in.lists.lamp_maps && knobs.lamp_shadows > 0;
   shader += fog_shadows(bool(in.lists.sun_maps), lamps, knobs.lamp_shadows);

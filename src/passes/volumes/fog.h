@@ -38,6 +38,7 @@ struct FogGrid {
     SceneInputs scene;
     CellLists lists;
     bool ambient = false;
+    int media = 0;  // FogView::media
   };
   struct Out {
     ImageHandle light;

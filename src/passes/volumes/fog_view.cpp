@@ -17,6 +17,7 @@ std::string fog_shadows(bool sun, bool lamps, int lamp_points) {
 std::string with_fog(std::string shader, const CellLists& lists) {
   if (!lists.fog) return shader;
   shader += fmt::format("#FOG={}", int(lists.fog.light));
+  if (lists.fog.media > 0) shader += fmt::format("#FOG_MEDIA={}", lists.fog.media);
   if (!fog_walks(lists)) return shader;
   if (lists.fog.light == FogLight::grid) shader += "#FOG_LAST=1";
   if (lists.fog.ambient) shader += "#FOG_AMBIENT=1";

@@ -19,6 +19,7 @@ struct FogView {
   FogLight light = FogLight::no_fog;
   bool ambient = false;  // the sky's light is scattered too
   bool last = false;     // grid: the slice in which a surface stands is followed for itself
+  int media = 0;         // whose sum the air is; 0: one, in closed form
   int lamp_points = 0;   // of a slice, at least, at which a lamp's shadow maps are asked; 0: none
   ImageHandle grid;
   explicit operator bool() const { return light != FogLight::no_fog; }

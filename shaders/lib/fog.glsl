@@ -1,7 +1,7 @@
 #pragma once
 // Fog between the camera and what is shaded. Transmittance and the light that fog emits are closed forms. The light
-// that it scatters comes from the grid (FOG is 2) or is followed along the ray of the point itself (3); 1: there is
-// none.
+// that it scatters comes from the grid (FOG is 2), is followed along the ray of the point itself (3), or comes from
+// coarse texels that followed rays (4); 1: there is none.
 // Passes compile these lines only for frames with fog, by "#FOG=..." behind a shader's name (passes/volumes/fog_view.h):
 // shaders of other frames stay what they were, to the byte.
 #include "lib/image_kinds.glsl"
@@ -12,6 +12,10 @@
 #elif defined(FOG_LAST)
 #define FOG_RUN 1
 #include "lib/fog_light.glsl"
+#endif
+
+#if FOG == 4
+#include "lib/coarse_light.glsl"
 #endif
 
 struct FogSeen {
@@ -81,6 +85,10 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
     for (int j = 0; j < FOG_RUN; ++j) sum += gained[j];
   }
   return sum * frame.pre_exposure;
+#elif FOG == 4
+  const ivec2 texels = textureSize(pass_images[pc.fog_light], 0);
+  return coarse_light(pc.fog_light, (ndc * 0.5 + 0.5) * vec2(frame.size_px), frame.fog.nodes.x, texels,
+      min(end_m / ray.along, 1e18), true);
 #else
   return vec3(0.0);
 #endif

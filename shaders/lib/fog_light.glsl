@@ -32,6 +32,13 @@ const float FOG_ANGLE = 0.25;
 const int FOG_POINTS = 6;
 // A slice can lie in several slices of the lights' grid; in more than these it walks every light.
 const uint FOG_CELLS = 4u;
+// Where in a slice light is taken: in the middle, or, with FOG_JITTER, where fog_jitter says, which the shader sets.
+#ifdef FOG_JITTER
+float fog_jitter[FOG_RUN];
+#define FOG_PLACE(j) fog_jitter[j]
+#else
+#define FOG_PLACE(j) 0.5
+#endif
 // Of the distance between neighbouring rays, how much a ray keeps clear of every lamp. What it gives is interpolated
 // over its neighbourhood, and a lamp that a ray nearly meets would shine out of all of it, before the lamp's own
 // housing too. Measured on a street of 1,024 lamps: less leaves single pixels a thousand times too bright, more dulls
@@ -249,7 +256,7 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     const vec3 intensity = light_intensity(light);
     if (type == light_directional) {
       for (int j = 0; j < FOG_RUN; ++j) {
-        const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + 0.5 * slices[j].wide_m);
+        const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + FOG_PLACE(j) * slices[j].wide_m);
         vec3 arriving =
             intensity * fog_phase(slices[j], -dot(shines, ray.direction)) * fog_through(at, -shines, FOG_FAR);
 #ifdef FOG_SUN
@@ -282,12 +289,13 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
       vec3 arriving = vec3(0.0);
       for (int i = 0; i < points; ++i) {
         float y;
+#ifndef FOG_JITTER
         if (points == 1) {
           const float to_a = sqrt(h2 + a * a), to_b = sqrt(h2 + b * b);
           y = (a * to_b + b * to_a) / (to_a + to_b);  // in the middle of the angle
-        } else {
-          y = clamp(h * tan(atan(a / h) + angle * (float(i) + 0.5) / float(points)), a, b);
-        }
+        } else
+#endif
+          y = clamp(h * tan(atan(a / h) + angle * (float(i) + FOG_PLACE(j)) / float(points)), a, b);
         arriving += fog_lamp(slices[j], maps, type, ray, nearest, off, y, shines, cone, inverse_range2);
       }
       if (arriving == vec3(0.0)) continue;
@@ -301,7 +309,7 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     const float g = frame.fog.media[i].anisotropy;
     const vec3 sky = ambient_radiance(ray.direction, vec3(1.0, 1.5 * g, 4.0 * g * g));
     for (int j = 0; j < FOG_RUN; ++j) {
-      const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + 0.5 * slices[j].wide_m);
+      const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + FOG_PLACE(j) * slices[j].wide_m);
       if (slices[j].scattering[i] != vec3(0.0))
         sums[j] += slices[j].scattering[i] * sky * fog_sky_through(at, ray.direction, true, g);
     }
@@ -310,7 +318,7 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
   const float g = frame.fog.anisotropy;
   const vec3 sky = ambient_radiance(ray.direction, vec3(1.0, 1.5 * g, 4.0 * g * g));
   for (int j = 0; j < FOG_RUN; ++j) {
-    const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + 0.5 * slices[j].wide_m);
+    const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + FOG_PLACE(j) * slices[j].wide_m);
     if (slices[j].metres != vec3(0.0)) sums[j] += slices[j].metres * sky * fog_sky_through(at, ray.direction, true, g);
   }
 #endif

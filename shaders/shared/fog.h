@@ -46,6 +46,14 @@ struct FogLightPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
   uint sun_maps, lamp_maps, target;
 };
+struct FogMarchPush {
+  uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
+  uint sun_maps, lamp_maps, depth, target;
+  uvec2 texels;
+  uint texel_px, steps;
+  float loss;  // of the light that came so far, what a step may take
+  uint seed;
+};
 struct FogSumPush {
   uint image;
 };

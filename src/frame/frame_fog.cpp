@@ -129,4 +129,13 @@ shared::FogMedium frame_fog(const Look& look, const View& view, const FrameData&
   return out;
 }
 
+float volumetric_reach_m(const Volumetric& look, const FrameData& data) {
+  double reach = 0;
+  for (const LightItem& light : data.lights)
+    if (light.type != LightType::directional)
+      reach = std::max(reach, double(glm::length(glm::dvec3(light.position))) + double(light.range_m));
+  if (look.tau_per_m > 0) reach = std::min(reach, deepest / look.tau_per_m);
+  return float(std::min(reach, farthest_of_all_m));
+}
+
 }  // namespace candela

@@ -12,4 +12,7 @@ namespace candela {
 shared::FogMedium frame_fog(const Look& look, const View& view, const FrameData& data, double farthest_m,
                             glm::uvec3 nodes, uint32_t sky_directions);
 
+// How far a ray of the camera is followed through the light of lamps in the air.
+float volumetric_reach_m(const Volumetric& look, const FrameData& data);
+
 }  // namespace candela

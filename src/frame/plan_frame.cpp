@@ -129,6 +129,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.width_px = uint32_t(f.request.width_px);
   s.height_px = uint32_t(f.request.height_px);
   s.samples = uint32_t(f.request.samples);
+  if (f.request.draws_volumetric()) s.volumetric_reach_m = volumetric_reach_m(*f.request.look.volumetric, f.data);
   return s;
 }
 

@@ -106,6 +106,9 @@ class Integrator {
                           SampleStream& stream) const;
   glm::dvec3 fog_glow(size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span, double offset) const;
   glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, double g, SampleStream& stream) const;
+  // volumetric.cpp: the look's light of lamps in the air along a camera ray.
+  glm::dvec3 volumetric_light(glm::dvec3 origin, glm::dvec3 direction, double end_m, SampleStream& stream) const;
+  void add_volumetric(const CameraRay& camera, SampleStream& stream, PixelSample& out, TermSample* terms) const;
   // A point of an emissive triangle as `from` sees it; empty where it gives no light there.
   struct EmissivePoint {
     glm::dvec3 l{0};                 // unit, towards it

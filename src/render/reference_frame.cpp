@@ -94,6 +94,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.glass = path;
   input.fog = look->fog;
   input.more_fog = look->more_fog;
+  input.volumetric = look->volumetric;
   input.occlusion = look->occlusion;
   if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (const FrameSky sky = job_sky->at(*look, frame->data, frame->notes)) {

@@ -297,8 +297,8 @@ Row<Look> shadows_row() {
 }
 
 const Rows<Look>& look_table() {
-  static const Rows<Look> rows = {fog_row(),       sun_row(),      sky_row(),  bloom_row(),
-                                  occlusion_row(), exposure_row(), tone_row(), shadows_row()};
+  static const Rows<Look> rows = {fog_row(),      sun_row(),  sky_row(),     bloom_row(),     occlusion_row(),
+                                  exposure_row(), tone_row(), shadows_row(), volumetric_row()};
   return rows;
 }
 
@@ -330,6 +330,7 @@ std::vector<std::string> switched_on(const Look& look) {
   };
   const SkyLook& sky = look.sky;
   add(look.fog.has_value(), "fog");
+  add(look.volumetric.has_value(), "volumetric light");
   add(look.sun.has_value(), "the sun's disc");
   add(!sky.image.empty(), "sky image");
   add(sky.gradient.has_value(), "sky gradient");

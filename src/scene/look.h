@@ -128,6 +128,17 @@ struct ShadowLook {
   std::vector<std::string> lights;
 };
 
+// Light of point and spot lights in the air, over the picture: along each of the camera's rays up to the first opaque
+// surface, the integral of phi I(d) p(cosine) e^(-tau d) e^(-tau s) C ds, where I(d) is a lamp's illuminance at
+// distance d, s the distance from the camera, p the phase function, and C either tau, as in air that scatters all that
+// it takes, or the lamp's own attenuation over its range, (1 - (d/range)^4), a metre.
+struct Volumetric {
+  double phi = 1;
+  double tau_per_m = 0.02;
+  double anisotropy = 0;        // as Fog's
+  bool by_attenuation = false;  // C
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
@@ -139,6 +150,7 @@ struct Look {
   ExposureLook exposure;
   ToneMapping tone_mapping;
   ShadowLook shadows;
+  std::optional<Volumetric> volumetric;
 };
 // How many media there are to sum; 0 where the one that there is has closed forms, which know no turned box.
 inline size_t summed_fog(const Look& look) {

@@ -126,4 +126,30 @@ Row<Look> fog_row() {
       "fog", rows, [](Look&) { return FogKeys{}; }, set_fog, "air that absorbs, scatters and glows");
 }
 
+Row<Look> volumetric_row() {
+  struct Keys {
+    Volumetric light;
+    std::string formula;
+  };
+  return object_row<Look, Keys>(
+      "volumetric",
+      {number_row<Keys>(
+           "phi", from_zero(), [](Keys& k) -> double& { return k.light.phi; }, "times the lamps' light in the air"),
+       number_row<Keys>(
+           "tau", from_zero(), [](Keys& k) -> double& { return k.light.tau_per_m; },
+           "per metre: what the air takes on the way from lamp to camera"),
+       number_row<Keys>(
+           "anisotropy", between(-largest_anisotropy, largest_anisotropy),
+           [](Keys& k) -> double& { return k.light.anisotropy; }, "g of Henyey and Greenstein's phase function"),
+       text_row<Keys>("formula", {"extinction", "attenuation"}, &Keys::formula,
+                      "a metre of air scatters tau of the light, or the lamp's own attenuation over its range")},
+      [](Look&) { return Keys{}; },
+      [](const Json&, const std::string&, Keys& keys, Look& look) -> Expected<void> {
+        look.volumetric = keys.light;
+        look.volumetric->by_attenuation = keys.formula == "attenuation";
+        return {};
+      },
+      "light of point and spot lights in the air, over the picture");
+}
+
 }  // namespace candela::look_rows

@@ -64,6 +64,7 @@ struct FrameRequest {
   }
   bool names_effect(std::string_view effect) const;
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
+  bool draws_volumetric() const { return look.volumetric && wants_looked("volumetric", true); }
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)
       if (l == name) return true;

@@ -28,7 +28,7 @@ struct Lighting {
   }
 };
 // What is seen through fog: the grid of its light, or how points do without. Made once, for all samples of a picture.
-FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lighting);
+FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
 // For passes that walk no lights unless the fog does.
 CellLists fog_alone(const CellLists& lists);
 CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
@@ -69,7 +69,8 @@ void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images
 
 // From a frame's radiance to what the host gets: resolve, tone mapping, read-back of all outputs and layers that are
 // asked for.
-void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance);
+void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+          ImageHandle radiance);
 
 // Shades the opaque and masked surfaces: empty when there are none.
 using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,

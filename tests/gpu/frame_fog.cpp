@@ -111,9 +111,10 @@ TEST_F(FrameFog, AFrameWithoutItIsTheBareOne) {
 
 // Lists, techniques and the rest of what changes time alone change no bit of fog.
 TEST_F(FrameFog, ListsChangeNoBit) {
-  for (const char* grid : {"32x18x24", "march"}) {
+  for (const char* method : {"froxels", "march", "pixels"}) {
     Job job = seen(lamps(), R"({"extinction": 0.1, "falloff": 0.1, "anisotropy": 0.6})", 1);
-    job.settings = {{"fog", "grid", grid}, {"fog", "steps", "16"}, {"fog", "last", "1"}};
+    job.settings = {
+        {"fog", "method", method}, {"fog", "grid", "32x18x24"}, {"fog", "steps", "16"}, {"fog", "last", "1"}};
     job.layers = {"fog"};
     job.technique = "brute-force";
     const Images all = images_of(job);
@@ -128,8 +129,8 @@ TEST_F(FrameFog, ListsChangeNoBit) {
       listed.technique = technique;
       listed.settings.insert(listed.settings.end(), settings.begin(), settings.end());
       const Images images = images_of(listed);
-      EXPECT_TRUE(images["fog"] == all["fog"]) << grid << " " << technique;
-      EXPECT_TRUE(images["beauty"] == all["beauty"]) << grid << " " << technique;
+      EXPECT_TRUE(images["fog"] == all["fog"]) << method << " " << technique;
+      EXPECT_TRUE(images["beauty"] == all["beauty"]) << method << " " << technique;
     }
   }
 }
@@ -149,11 +150,11 @@ TEST_F(FrameFog, AnythingGoes) {
                       {"extinction": [3e38, 0, 1], "emission": [1e30, 0, 1], "falloff": 100, "height": 1e6},
                       {"extinction": 1e-30, "rotation_deg": 33, "bounds": {"x": [-1, 1], "z": [-4, 4]}}]})"})
     for (const auto& [scene, away] : {std::pair(near, 0.0), {far, 1e6}})
-      for (const char* grid : {"32x18x24", "march"}) {
-        SCOPED_TRACE(fmt::format("{} {} {}", fog, away, grid));
+      for (const char* method : {"froxels", "march", "pixels"}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", fog, away, method));
         Job job = seen(scene, fog, away > 0 ? 1 : 4);
         look(job, {away, 0.5, 3 - away}, {away, 0, -3 - away}, 50);
-        job.settings = {{"fog", "grid", grid}, {"fog", "steps", "16"}};
+        job.settings = {{"fog", "method", method}, {"fog", "grid", "32x18x24"}, {"fog", "steps", "16"}};
         job.layers = {"fog", "fog.transmittance"};
         expect_finite(images_of(job));
         job.width_px = job.height_px = 1;

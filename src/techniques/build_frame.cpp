@@ -74,9 +74,9 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     fog = fog_layers(frame, scene, surfaces, lighting);
   }
   describe(frame, scene, surfaces, lighting, occlusion);
-  publish_terms(frame, scene, terms);
+  terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
-  post(frame, scene, surfaces, lighting, radiance);
+  post(frame, scene, surfaces, lighting, radiance, terms[size_t(Term::emission)]);
 }
 
 }  // namespace candela

@@ -1,6 +1,6 @@
 #version 460
-// Light that fog scatters towards the camera, for coarse texels, along the ray of the pixel that each follows: the seed's
-// march (src/passes/volumes/fog_march.h).
+// Light that fog scatters towards the camera, for coarse texels, along the ray of the pixel that each follows: the
+// seed's march (src/passes/volumes/fog_march.h).
 #include "shared/fog.h"
 layout(push_constant, scalar) uniform Push { FogMarchPush pc; };
 #include "lib/frame.glsl"

@@ -1,7 +1,7 @@
 #pragma once
-// Depths of texels that stand for several pixels' side, and what a pixel takes of such texels. A texel's depth is one of
-// its pixels', chosen and never averaged; its ray is that pixel's. Needs lib/frame.glsl, lib/image_kinds.glsl, and the
-// constants DEPTH_SAMPLES (0: nothing is drawn) and pc.depth.
+// Depths of texels that are several pixels wide. A texel's depth is one of its pixels', chosen and never averaged; its
+// ray is that pixel's. Needs lib/frame.glsl, lib/image_kinds.glsl, pc.depth and the constant DEPTH_SAMPLES (0: nothing
+// is drawn).
 #include "shared/volumetric.h"
 
 const float COARSE_FAR = 1e18;  // where nothing is drawn

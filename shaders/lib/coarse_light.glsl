@@ -1,6 +1,6 @@
 #pragma once
-// What a point of the picture takes of coarse texels about it: bilinear, and less the farther their depth is from its own
-// (joint bilateral upsampling; Kopf, Cohen, Lischinski, Uyttendaele, 2007). Texels: radiance, and depth in metres.
+// What a point of the picture takes of coarse texels about it: bilinear, and less the farther their depth is from its
+// own (joint bilateral upsampling; Kopf, Cohen, Lischinski, Uyttendaele, 2007). Texels: radiance, and depth in metres.
 const float COARSE_SAME = 0.02;  // of a depth: two texels that differ by this share are half as much of one surface
 
 vec3 coarse_light(uint image, vec2 place_px, uint texel_px, ivec2 texels, float metres, bool aware) {

@@ -1,5 +1,7 @@
 #pragma once
-#include "passes/volumes/fog.h"
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+#include "passes/volumes/fog_knobs.h"
 
 namespace candela {
 

@@ -71,7 +71,7 @@ void main() {
       const vec3 aside = to_lamp - ray.direction * along;
       const float h2 = max(dot(aside, aside), MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M), h = sqrt(h2);
       const float a = begin - at - along, b = a + wide;
-      const float mean = wide > 0.0 ? atan(wide * h, h2 + a * b) / (h * wide) : 0.0;
+      const float mean = wide * h > 1e-30 ? atan(wide * h, h2 + a * b) / (h * wide) : 1.0 / (h2 + along * along);
       sum += light_intensity(light) * (factor * mean * arrives);
     }
   }

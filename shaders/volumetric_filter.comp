@@ -9,11 +9,12 @@ layout(local_size_x = 64, local_size_y = 1) in;
 void main() {
   const ivec2 p = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(gl_GlobalInvocationID.xy, pc.texels))) return;
+  const ivec2 axis = pc.down != 0u ? ivec2(0, 1) : ivec2(1, 0);
   const float metres = texelFetch(pass_images[pc.source], p, 0).a;
   vec3 sum = vec3(0.0);
   float all = 0.0;
-  for (int i = -pc.radius; i <= pc.radius; ++i) {
-    const ivec2 q = clamp(p + i * pc.axis, ivec2(0), ivec2(pc.texels) - 1);
+  for (int i = -int(pc.radius); i <= int(pc.radius); ++i) {
+    const ivec2 q = clamp(p + i * axis, ivec2(0), ivec2(pc.texels) - 1);
     const vec4 texel = texelFetch(pass_images[pc.source], q, 0);
     const float off = float(i) / pc.deviation;
     float weight = exp(-0.5 * off * off);

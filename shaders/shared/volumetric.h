@@ -26,8 +26,8 @@ struct VolumetricMarchPush {
 struct VolumetricFilterPush {
   uint source, target;
   uvec2 texels;
-  ivec2 axis;
-  int radius;
+  uint down;  // along columns; otherwise along rows
+  uint radius;
   float deviation, depth_share;  // depth_share: of a depth, beyond which texels are of another surface; 0: all count
 };
 struct VolumetricCompositePush {

@@ -171,9 +171,9 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     push.source = commands.sampled(out.coarse[from]);
     push.target = commands.storage(out.coarse[1 - from]);
     push.texels = texels;
-    push.axis = filter.down ? glm::ivec2(0, 1) : glm::ivec2(1, 0);
+    push.down = filter.down ? 1 : 0;
     // As wide as the matrix of offsets at least, or its pattern would show.
-    push.radius = std::max(knobs.bayer, 2);
+    push.radius = uint32_t(std::max(knobs.bayer, 2));
     push.deviation = 0.5f * float(push.radius);
     push.depth_share = filter.bilateral ? same_surface : 0;
     commands.push(push);

@@ -40,7 +40,7 @@ struct VolumetricLight {
   };
   struct Out {
     ImageHandle color, layer;
-    ImageHandle coarse[2];
+    std::array<ImageHandle, 2> coarse;
     std::vector<PipelineHandle> pipelines;  // by step
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

@@ -149,7 +149,8 @@ void divide_errors(std::span<BenchRow> rows, std::span<const Job> jobs, double t
 
 Expected<FloatImage> picture_with_parts(Job job, double time_s, const RunSettings& settings) {
   job.layers = gpu_part_layers();
-  if (!job.look.empty()) job.layers.emplace_back("fog");
+  if (!job.look.empty())
+    for (const char* layer : {"fog", "volumetric"}) job.layers.emplace_back(layer);
   job.exr_float = true;
   const auto session = Session::open(job, {.linear = true, .display = false}, settings);
   if (!session) return std::unexpected(session.error());

@@ -130,6 +130,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.width_px = uint32_t(f.request.width_px);
   s.height_px = uint32_t(f.request.height_px);
   s.samples = uint32_t(f.request.samples);
+  if (f.request.draws_volumetric()) s.volumetric_reach_m = volumetric_reach_m(*f.request.look.volumetric, f.data);
   return s;
 }
 
@@ -203,7 +204,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (f.request.draws_fog()) {
     const FogKnobs& fog = knobs->get<FogKnobs>();
     f.upload.constants.fog =
-        frame_fog(*f.request.look.fog, f.view, f.data, extent.farthest_m,
+        frame_fog(f.request.look, f.view, f.data, extent.farthest_m,
                   fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
   }
   auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),

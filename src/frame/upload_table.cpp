@@ -48,7 +48,8 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
     add("frame.weights", &Inputs::weights, frame.data.morph_weights);
   }
-  if (u.items.empty() && frame.request.draws_fog()) add_lights();  // fog is lit where there is nothing else
+  // The air is lit where there is nothing else.
+  if (u.items.empty() && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();
   rows.push_back({"frame.constants", &Inputs::constants, sizeof(Constants), std::as_bytes(std::span(&u.constants, 1))});
   return rows;
 }

@@ -46,7 +46,10 @@ PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index) const {
 
 PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream, TermSample* terms) const {
   const CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
-  return settings_.mode == Mode::direct ? sample_direct(ray, stream, terms) : sample_path(ray, stream, terms);
+  PixelSample out =
+      settings_.mode == Mode::direct ? sample_direct(ray, stream, terms) : sample_path(ray, stream, terms);
+  if (world_.volumetric()) add_volumetric(ray, stream, out, terms);
+  return out;
 }
 
 PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
@@ -102,7 +105,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     out.radiance += through * clear * glm::dvec3(background);
     if (terms) (*terms)[Term::background] += through * clear * glm::dvec3(background);
     out.fog_through += through * (clear - 1.0);
-    out.alpha += through * (world_.medium() ? 1 - luminance(clear) * (1 - background.w) : background.w);
+    out.alpha += through * (!world_.media().empty() ? 1 - luminance(clear) * (1 - background.w) : background.w);
   }
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;

@@ -107,7 +107,14 @@ class Integrator {
   glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
                         SampleStream& stream, PixelSample& out) const;
   glm::dvec3 fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer, SampleStream& stream) const;
-  glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, SampleStream& stream) const;
+  // Of one of the media, behind what the others take away.
+  glm::dvec3 fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer,
+                          SampleStream& stream) const;
+  glm::dvec3 fog_glow(size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span, double offset) const;
+  glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, double g, SampleStream& stream) const;
+  // volumetric.cpp: the look's light of lamps in the air along a camera ray.
+  glm::dvec3 volumetric_light(glm::dvec3 origin, glm::dvec3 direction, double end_m, SampleStream& stream) const;
+  void add_volumetric(const CameraRay& camera, SampleStream& stream, PixelSample& out, TermSample* terms) const;
   // A point of an emissive triangle as `from` sees it; empty where it gives no light there.
   struct EmissivePoint {
     glm::dvec3 l{0};                 // unit, towards it
@@ -143,7 +150,8 @@ class Integrator {
   };
   FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce,
                    uint32_t number, bool every, SampleStream& stream, PixelSample& out) const;
-  glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, bool every, double which, SampleStream& stream) const;
+  glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, double g, bool every, double which,
+                       SampleStream& stream) const;
   // Each light at a point a place of its own, as even as the first (the R2 sequence's steps).
   static glm::dvec2 own_place(glm::dvec2 first, size_t light);
 

@@ -233,7 +233,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     }
     if (first) out.alpha = hit ? 1 : world_.background(direction).w;
     // Bodies of glass hold no fog.
-    if (world_.medium() && !in_body) {
+    if (!world_.media().empty() && !in_body) {
       const glm::dvec3 light = out.radiance, of_surfaces = light - out.fog_light;
       const FogStep step = fog_step(origin - v * clear_m, -v, here_m - clear_m, through, bounce, fogged++,
                                     bounce < shadowed_bounces, stream, out);

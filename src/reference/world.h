@@ -32,6 +32,8 @@ struct WorldInput {
   bool glass =
       false;  // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
   std::optional<Fog> fog{};
+  std::vector<Fog> more_fog{};  // media beside the first
+  std::optional<Volumetric> volumetric{};
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
   double sun_radius_rad = 0;             // of every directional light's disc in the sky; 0: points, with hard shadows
 };
@@ -63,12 +65,15 @@ class World {
   const AmbientSh& ambient_sh() const { return input_.ambient_sh; }
   const std::vector<PunctualLight>& punctual_lights() const { return punctual_; }
   bool has_blend() const { return has_blend_; }
-  const Medium* medium() const { return medium_ ? &*medium_ : nullptr; }  // null: clear air
+  const std::vector<Medium>& media() const { return media_; }  // whose sum the air is; none: clear air
+  const std::optional<Volumetric>& volumetric() const { return input_.volumetric; }
   bool has_near_occlusion() const { return input_.occlusion.has_value(); }
   Occlusion occlusion() const { return input_.occlusion.value_or(Occlusion{}); }
   // What fog leaves of light over a distance in unit direction l, colour by colour; 1 in clear air.
   glm::dvec3 through_fog(glm::dvec3 from, glm::dvec3 l, double distance_m) const {
-    return medium_ ? medium_->transmittance(from, l, distance_m) : glm::dvec3(1);
+    glm::dvec3 through(1);
+    for (const Medium& medium : media_) through *= medium.transmittance(from, l, distance_m);
+    return through;
   }
 
   CameraRay camera_ray(glm::dvec2 pixel, int width_px, int height_px) const;
@@ -130,7 +135,7 @@ class World {
   static double coverage_of(const Material& m, double alpha);
 
   WorldInput input_;
-  std::optional<Medium> medium_;
+  std::vector<Medium> media_;
   Accel accel_;
   std::map<std::pair<int, bool>, std::unique_ptr<Texture>> textures_;  // by image and whether its colours are sRGB
   std::vector<TracedMaterial> materials_;                              // the last is the default material

@@ -75,6 +75,7 @@ struct FrameRequest {
     return has_layer(name) || (name == "emission" && look.bloom && look.bloom->of_emission && draws_bloom());
   }
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
+  bool draws_volumetric() const { return look.volumetric && wants_looked("volumetric", true); }
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)
       if (l == name) return true;

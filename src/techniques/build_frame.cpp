@@ -60,7 +60,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
-  lighting.lists.fog = fog_view(frame, scene, lighting);
+  lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);
   ImageHandle radiance;
   TermImages terms;
   FogImages fog;
@@ -76,7 +76,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   describe(frame, scene, surfaces, lighting, occlusion);
   terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
-  post(frame, scene, radiance, terms[size_t(Term::emission)]);
+  post(frame, scene, surfaces, lighting, radiance, terms[size_t(Term::emission)]);
 }
 
 }  // namespace candela

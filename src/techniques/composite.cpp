@@ -9,8 +9,9 @@ ImageHandle composite(Frame& frame, const SceneInputs& scene, const Surfaces& su
       newest(frame.add(Sky{}, {scene, depth, shaded, fog_to_infinity(lighting.lists)}, instance).color, shaded);
   color =
       newest(frame.add(Background{}, {scene, depth, color, fog_to_infinity(lighting.lists)}, instance).color, color);
-  return newest(frame.add(Transparent{}, {scene, draws, deformed, lighting.lists, depth, color}, instance).color,
-                color);
+  return newest(
+      frame.add(Transparent{}, {scene, draws, deformed, of_blended(lighting.lists), depth, color}, instance).color,
+      color);
 }
 
 }  // namespace candela

@@ -28,7 +28,7 @@ struct Lighting {
   }
 };
 // What is seen through fog: the grid of its light, or how points do without. Made once, for all samples of a picture.
-FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lighting);
+FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
 // For passes that walk no lights unless the fog does.
 CellLists fog_alone(const CellLists& lists);
 CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
@@ -67,9 +67,10 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                      std::string_view instance = {});
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
-// From a frame's radiance to what the host gets: resolve, bloom, tone mapping, read-back of all outputs and layers that
-// are asked for. emission: resolved, where the look's bloom is of that alone.
-void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance, ImageHandle emission);
+// From a frame's radiance to what the host gets: resolve, light in the air, bloom, tone mapping, read-back of all
+// outputs and layers that are asked for. emission: resolved, where the look's bloom is of that alone.
+void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+          ImageHandle radiance, ImageHandle emission);
 
 // Shades the opaque and masked surfaces: empty when there are none.
 using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,

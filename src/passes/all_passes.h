@@ -22,6 +22,7 @@
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
+#include "passes/reflections/reflections.h"
 #include "passes/shadows/lamp_layers.h"
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
@@ -47,7 +48,7 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
                            LightFill, LightSort, AmbientOcclusion, FogGrid, ShadeForward, ShadeUnlit, Sky, Background,
-                           Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+                           Reflections, ReflectionsOver, Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
                            Supersample, Resolve, Exposure, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {

@@ -5,7 +5,7 @@ namespace candela::reference {
 std::string_view name_of(Term term) {
   static constexpr std::string_view names[term_count] = {"direct.sun",      "direct.point",     "direct.spot",
                                                          "ambient.diffuse", "ambient.specular", "emission",
-                                                         "background",      "indirect"};
+                                                         "background",      "reflections",      "indirect"};
   return names[size_t(term)];
 }
 

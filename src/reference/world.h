@@ -33,6 +33,7 @@ struct WorldInput {
       false;  // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
   std::optional<Fog> fog{};
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
+  bool reflections = false;              // in direct, opaque surfaces reflect each other; path knows nothing else
   double sun_radius_rad = 0;             // of every directional light's disc in the sky; 0: points, with hard shadows
 };
 
@@ -64,6 +65,7 @@ class World {
   const std::vector<PunctualLight>& punctual_lights() const { return punctual_; }
   bool has_blend() const { return has_blend_; }
   const Medium* medium() const { return medium_ ? &*medium_ : nullptr; }  // null: clear air
+  bool has_reflections() const { return input_.reflections; }
   bool has_near_occlusion() const { return input_.occlusion.has_value(); }
   Occlusion occlusion() const { return input_.occlusion.value_or(Occlusion{}); }
   // What fog leaves of light over a distance in unit direction l, colour by colour; 1 in clear air.

@@ -125,6 +125,10 @@ struct ShadowLook {
   std::vector<std::string> lights;
 };
 
+// Opaque and masked surfaces reflect each other: where a direction of the specular lobe meets one, its own light comes
+// from there, that of lamps and sky alone, in the place of the sky's. One reflection.
+struct ReflectionLook {};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
@@ -132,6 +136,7 @@ struct Look {
   std::optional<Sun> sun;
   SkyLook sky;
   std::optional<Occlusion> occlusion;
+  std::optional<ReflectionLook> reflections;  // absent: surfaces reflect the sky alone
   ExposureLook exposure;
   ToneMapping tone_mapping;
   ShadowLook shadows;

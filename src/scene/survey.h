@@ -63,6 +63,7 @@ struct FrameRequest {
     return effects == "auto" ? in_look : names_effect(effect);
   }
   bool names_effect(std::string_view effect) const;
+  bool draws_reflections() const { return wants_looked("ssr", look.reflections.has_value()); }
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)

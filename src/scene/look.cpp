@@ -394,8 +394,8 @@ Row<Look> shadows_row() {
 }
 
 const Rows<Look>& look_table() {
-  static const Rows<Look> rows = {fog_row(),       sun_row(),         sky_row(),      bloom_row(),  occlusion_row(),
-                                  exposure_row(),  tone_row(),        shadows_row(),  reflections_row()};
+  static const Rows<Look> rows = {fog_row(),      sun_row(),  sky_row(),     bloom_row(),      occlusion_row(),
+                                  exposure_row(), tone_row(), shadows_row(), reflections_row()};
   return rows;
 }
 

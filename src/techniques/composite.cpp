@@ -11,8 +11,8 @@ Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& su
   const std::string resolved = instance.empty() ? "opaque" : fmt::format("{}.opaque", instance);
   Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.lists)};
   in.lists.occlusion = lighting.occlusion;
-  in.picture = newest(
-      frame.add(Resolve{}, {color, scene.width_px, scene.height_px, scene.samples}, resolved).resolved, color);
+  in.picture =
+      newest(frame.add(Resolve{}, {color, scene.width_px, scene.height_px, scene.samples}, resolved).resolved, color);
   in.has_sky = frame.facts.environment || request.neutral_light;
   in.seed = request.still_seed;
   in.subsample = scene.subsample, in.subsamples = scene.subsamples;
@@ -31,8 +31,8 @@ Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surf
       newest(frame.add(Background{}, {scene, depth, color, fog_to_infinity(lighting.lists)}, instance).color, color);
   out.reflected = reflections(frame, scene, surfaces, lighting, color, instance);
   color = newest(frame.add(ReflectionsOver{}, {scene, out.reflected, depth, color}, instance).color, color);
-  out.radiance = newest(
-      frame.add(Transparent{}, {scene, draws, deformed, lighting.lists, depth, color}, instance).color, color);
+  out.radiance =
+      newest(frame.add(Transparent{}, {scene, draws, deformed, lighting.lists, depth, color}, instance).color, color);
   return out;
 }
 

@@ -55,8 +55,9 @@ std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
        .lowest = 0,
        .highest = 1,
        .ladder = {0.05, 0.02, 0.02, 0},
-       .trades = "how far behind a seen surface a ray still meets it, in parts of its distance; more finds what is hidden "
-                 "and invents what is not; 0: seen surfaces alone",
+       .trades =
+           "how far behind a seen surface a ray still meets it, in parts of its distance; more finds what is hidden "
+           "and invents what is not; 0: seen surfaces alone",
        .walk = {0.2, 0.05, 0.02, 0.01, 0},
        .passes = {"reflections"}},
       {.name = "fade",
@@ -72,7 +73,8 @@ std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
        .lowest = 0,
        .highest = 1,
        .ladder = {0.4, 0.6, 0.7, 1},
-       .trades = "roughness from which surfaces reflect the sky alone, fading from three quarters of it on; 1: none does",
+       .trades =
+           "roughness from which surfaces reflect the sky alone, fading from three quarters of it on; 1: none does",
        .walk = {0.3, 0.5, 0.7, 0.85, 1},
        .passes = {"reflections"}},
   };
@@ -125,9 +127,9 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
                                         .width_px = size.x,
                                         .height_px = size.y,
                                         .mips = levels(scene)});
-  out.color = builder.pipeline(ComputePipelineDesc{
-      "reflections_color.comp",
-      in.lists.fog ? std::vector<SpecConstant>{{0, "HAS_FOG", 1}} : std::vector<SpecConstant>{}});
+  out.color = builder.pipeline(
+      ComputePipelineDesc{"reflections_color.comp",
+                          in.lists.fog ? std::vector<SpecConstant>{{0, "HAS_FOG", 1}} : std::vector<SpecConstant>{}});
   builder.begin_step();
   builder.read(in.picture, Access::sampled_compute, "the picture");
   builder.read(out.reflected.z, Access::sampled_compute, "depth");
@@ -151,11 +153,10 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
        {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.colors})
     builder.read(read, Access::sampled_compute, "surfaces");
   const glm::uvec2 texels = texels_of(knobs, scene);
-  out.reflected.light = builder.write(builder.create(ImageDesc{.name = "reflections.light",
-                                                               .format = color_format,
-                                                               .width_px = texels.x,
-                                                               .height_px = texels.y}),
-                                      Access::storage_image_write);
+  out.reflected.light = builder.write(
+      builder.create(
+          ImageDesc{.name = "reflections.light", .format = color_format, .width_px = texels.x, .height_px = texels.y}),
+      Access::storage_image_write);
   return out;
 }
 

@@ -9,11 +9,12 @@ namespace candela {
 
 // What opaque and masked surfaces reflect of each other, as far as the picture shows it: of directions that the GGX
 // lobe takes, those that meet a surface on the picture, with the light that it sends to the camera. Rays through the
-// depth of the pixels' middles (McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing", 2014) in directions that are
-// sampled by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018); each
-// takes the picture's mean over its share of the lobe from a pyramid (Krivanek and Colbert, "Real-time Shading with
-// Filtered Importance Sampling", 2008). The sum over the samples' own weights times the lobe's tabulated reflectance is
-// the light, so that even light gives what an even sky gives (Stachowiak, "Stochastic Screen-Space Reflections", 2015).
+// depth of the pixels' middles (McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing", 2014) in directions that
+// are sampled by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018);
+// each takes the picture's mean over its share of the lobe from a pyramid (Krivanek and Colbert, "Real-time Shading
+// with Filtered Importance Sampling", 2008). The sum over the samples' own weights times the lobe's tabulated
+// reflectance is the light, so that even light gives what an even sky gives (Stachowiak, "Stochastic Screen-Space
+// Reflections", 2015).
 //
 // Steps: the surfaces at the pixels' middles, drawn again; the picture's pyramid, of surfaces alone; rays.
 // Picture: linear, pre-exposed, resolved, with all that lies behind blended surfaces. Its fog's own light is taken from
@@ -60,8 +61,8 @@ struct Reflections {
   Knobs knobs;
 };
 
-// Adds them to the picture, in the place of what the surfaces had from the sky. Edges: a pixel's samples that are of the
-// surface at its middle get the reflection of that middle, the others keep the sky.
+// Adds them to the picture, in the place of what the surfaces had from the sky. Edges: a pixel's samples that are of
+// the surface at its middle get the reflection of that middle, the others keep the sky.
 struct ReflectionsOver {
   static constexpr std::string_view name = "reflections_over";
   static constexpr std::string_view effect = "ssr";
@@ -75,7 +76,9 @@ struct ReflectionsOver {
     ImageHandle color;
     PipelineHandle pipeline;
   };
-  Need needed(const SceneFacts& facts, const FrameRequest& request) const { return Reflections{}.needed(facts, request); }
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const {
+    return Reflections{}.needed(facts, request);
+  }
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
 };

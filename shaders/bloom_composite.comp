@@ -5,7 +5,8 @@ layout(push_constant, scalar) uniform Push { BloomCompositePush pc; };
 #include "lib/bindless.glsl"
 #include "lib/bloom.glsl"
 layout(local_size_x = bloom_group, local_size_y = 1) in;
-layout(constant_id = 0) const int HAS_GLOW = 0;  // the glow is wanted as a layer
+layout(constant_id = 0) const int HAS_GLOW = 0;    // the glow is wanted as a layer
+layout(constant_id = 1) const int HAS_SOURCE = 0;  // what glows is an image of its own
 
 shared vec2 energies[bloom_group];
 
@@ -16,7 +17,10 @@ void main() {
     const vec4 color = texelFetch(pass_images[pc.color], ivec2(p), 0);
     const vec3 glow = texelFetch(pass_images[pc.bloom], ivec2(p), 0).rgb * pc.scale;
     vec3 composed = color.rgb + pc.strength * glow;
-    if (pc.keeps != 0u) composed -= pc.strength * bloom_bright(color.rgb, pc.threshold, pc.knee);
+    if (pc.keeps != 0u) {
+      const vec3 source = HAS_SOURCE != 0 ? texelFetch(pass_images[pc.source], ivec2(p), 0).rgb : color.rgb;
+      composed -= pc.strength * bloom_bright(source, pc.threshold, pc.knee);
+    }
     imageStore(storage_images[pc.composed], ivec2(p), vec4(composed, color.a));
     if (HAS_GLOW != 0) imageStore(storage_images[pc.glow], ivec2(p), vec4(glow, 1.0));
     energy = vec2(bloom_luminance(bloom_clean(color.rgb)), bloom_luminance(bloom_clean(composed)));

@@ -47,13 +47,14 @@ void main() {
   out_fog = vec4(fog.light, 1.0);
 #endif
   if (IS_UNLIT == 0) {
+    const BrdfTerms brdf = brdf_terms(s, to_viewer);
     r.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
     r.f90 = mix(s.dielectric_f90, 1.0, s.metallic);
     // What the material says of its own hollows hides the scene as it hides the sky.
     const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
-    share = (r.f0 * albedo.x + r.f90 * albedo.y) * s.occlusion * through;
+    share = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
     if (HAS_AMBIENT != 0) {
-      sky = ambient_lobes(s, to_viewer).specular * (s.occlusion * frame.pre_exposure) * through;
+      sky = ambient_lobes(s, brdf).specular * (s.occlusion * frame.pre_exposure) * through;
       if (HAS_OCCLUSION != 0)
         open = specular_open(occlusion_open(v.relative_position, plane_normal), dot(s.normal, to_viewer), s.roughness);
 #ifdef FOG

@@ -33,18 +33,18 @@ void main() {
   const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
                                       : v.relative_position;
+  const BrdfTerms brdf = brdf_terms(s, to_viewer);
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) {
     vec3 ambient = HAS_OCCLUSION != 0
-        ? occluded_ambient_light(s, to_viewer, occlusion_open(surface_point, plane_normal))
-        : ambient_light(s, to_viewer);
+        ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal))
+        : ambient_light(s, brdf);
 #ifdef FOG
     ambient *= fog_sky_through_surface(v.relative_position, s.normal);
 #endif
     radiance += ambient;
   }
   if (HAS_LIGHTS != 0) {
-    const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);

@@ -72,13 +72,15 @@ void main() {
   const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
                                       : v.relative_position;
+  BrdfTerms brdf;
+  if (IS_UNLIT == 0) brdf = brdf_terms(s, to_viewer);
   // What unlit surfaces show counts as emission.
 #ifdef EMISSION
   out_emission = covering(IS_UNLIT != 0 ? s.base_color : s.emission, coverage);
 #endif
 #if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
   AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
-  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) ambient = ambient_lobes(s, to_viewer);
+  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) ambient = ambient_lobes(s, brdf);
   if (HAS_AMBIENT != 0 && HAS_OCCLUSION != 0 && IS_UNLIT == 0)
     ambient = occluded_lobes(ambient, s, to_viewer, occlusion_open(surface_point, plane_normal));
 #ifdef FOG
@@ -99,7 +101,6 @@ void main() {
   // Each sum takes its lights in the order of the whole.
   precise vec3 sun = vec3(0.0), point = vec3(0.0), spot = vec3(0.0);
   if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
-    const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
       vec3 reaching = light_contribution(light, brdf, v.relative_position);

@@ -89,7 +89,7 @@ def build_material(material, gltf, folder, images, prefix):
     if is_metal:
         assert factor[:3] == [1, 1, 1] and not texture
         surface = tree.nodes.new("ShaderNodeBsdfGlossy")
-        surface.distribution = "GGX"
+        surface.distribution = "MULTI_GGX"  # keeps what bounces on between facets, as candela does
         surface.inputs["Roughness"].default_value = pbr["roughnessFactor"]  # alpha is its square, as in glTF
     else:
         surface = tree.nodes.new("ShaderNodeBsdfDiffuse")  # roughness 0: Lambert

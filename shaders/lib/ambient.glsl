@@ -1,6 +1,6 @@
 // Ambient light: of a sky image, filtered (lib/image_light.glsl), or else of the spherical harmonics up to l = 2
 // (Ramamoorthi and Hanrahan 2001) of the environment or of the neutral default, whose reflections are as blurred as
-// diffuse light is.
+// diffuse light is. Needs lib/brdf.glsl.
 #include "lib/image_light.glsl"
 vec3 ambient_radiance(vec3 n) {
   const vec4 sh[9] = frame.ambient_sh;
@@ -10,8 +10,7 @@ vec3 ambient_radiance(vec3 n) {
            sh[7].rgb * (1.092548 * n.x * n.z) + sh[8].rgb * (0.546274 * (n.x * n.x - n.y * n.y));
   return max(e, vec3(0.0));
 }
-// Scale of f0, bias of f90, and what the half vectors' Schlick term takes of a diffuse lobe (frame/split_sum.h). Needs
-// lib/brdf.glsl.
+// Scale of f0, bias of f90, and what the half vectors' Schlick term takes of a diffuse lobe (frame/split_sum.h).
 vec3 split_sum(float roughness, float n_v) {
   const vec2 size = vec2(split_sum_columns, split_sum_rows);
   const float low = sqrt(least_roughness);
@@ -19,41 +18,40 @@ vec3 split_sum(float roughness, float n_v) {
   return textureLod(sampler2D(textures[frame.split_sum_texture], samplers[frame.split_sum_sampler]),
       (at * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
+
 // By the lobes that reflect it, without the material's occlusion.
 struct AmbientLobes {
   vec3 diffuse, specular;
 };
-AmbientLobes ambient_lobes(Surface s, vec3 v) {
-  Surface in_image = s;
-  in_image.normal = in_sky(s.normal);
+AmbientLobes ambient_lobes(Surface s, BrdfTerms b) {
+  BrdfTerms in_image = b;
+  in_image.normal = in_sky(b.normal);
+  in_image.to_viewer = in_sky(b.to_viewer);
   if (IBL_METHOD == ibl_sampled) {
-    const SkyLobes sampled = sampled_sky(brdf_terms(in_image, in_sky(v)), s.roughness);
+    const SkyLobes sampled = sampled_sky(in_image, s.roughness);
     return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity);
   }
-  const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
-  const vec3 f_dielectric = s.dielectric_f0 * albedo.x + s.dielectric_f90 * albedo.y;
-  const vec3 f_metal = s.base_color * albedo.x + albedo.y;
-  const float f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
-  const float diffuse_left = 1.0 - (f0_max + (s.dielectric_f90 - f0_max) * albedo.z);
+  const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
+  const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * albedo.z);
   const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_image.normal)
                                               : ambient_radiance(s.normal);
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * around;
-  vec3 specular = mix(f_dielectric, f_metal, s.metallic);
-  const vec3 mirrored = reflect(-v, s.normal);
+  vec3 specular = b.f0 * albedo.x + b.f90 * albedo.y;
+  const vec3 mirrored = reflect(-b.to_viewer, s.normal);
   if (IBL_METHOD == ibl_split) {
     specular *= frame.sky_intensity * filtered_sky(in_sky(mirrored), slice_of_roughness(s.roughness));
   } else if (IBL_METHOD == ibl_lobe) {
-    const vec2 lobe = lobe_shape(s.roughness, clamp(dot(s.normal, v), 1e-4, 1.0));
+    const vec2 lobe = lobe_shape(s.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
     specular *= filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
-    specular += sky_lights(brdf_terms(in_image, in_sky(v)), lobe.y);
+    specular += sky_lights(in_image, lobe.y);
     specular *= frame.sky_intensity;
   } else {
     specular *= ambient_radiance(mirrored);
   }
   return AmbientLobes(diffuse, specular);
 }
-vec3 ambient_light(Surface s, vec3 v) {
-  const AmbientLobes lobes = ambient_lobes(s, v);
+vec3 ambient_light(Surface s, BrdfTerms b) {
+  const AmbientLobes lobes = ambient_lobes(s, b);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }
 // What is left of the lobes where a share `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
@@ -65,7 +63,7 @@ float specular_open(float open, float n_v, float roughness) {
 AmbientLobes occluded_lobes(AmbientLobes lobes, Surface s, vec3 v, float open) {
   return AmbientLobes(lobes.diffuse * open, lobes.specular * specular_open(open, dot(s.normal, v), s.roughness));
 }
-vec3 occluded_ambient_light(Surface s, vec3 v, float open) {
-  const AmbientLobes lobes = occluded_lobes(ambient_lobes(s, v), s, v, open);
+vec3 occluded_ambient_light(Surface s, BrdfTerms b, float open) {
+  const AmbientLobes lobes = occluded_lobes(ambient_lobes(s, b), s, b.to_viewer, open);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }

@@ -7,7 +7,8 @@
 // than it. Where a slice is opaque the mean is over as much of it as is seen.
 //
 // Needs lib/frame.glsl, lib/fog_ray.glsl, and pc.lights, pc.light_cells, pc.light_entries, pc.light_tiles. With FOG_SUN
-// pc.suns and pc.sun_maps as well.
+// pc.suns and pc.sun_maps as well, with FOG_LAMP_SHADOWS (points of a slice, at least, at which a lamp's maps are asked)
+// pc.lamps and pc.lamp_maps.
 #include "lib/light_cells.glsl"
 #include "lib/light_data.glsl"
 #include "lib/light_list.glsl"
@@ -16,6 +17,9 @@
 #endif
 #ifdef FOG_AMBIENT
 #include "lib/ambient_sh.glsl"
+#endif
+#ifdef FOG_LAMP_SHADOWS
+#include "lib/fog_lamp_shadow.glsl"
 #endif
 
 // Slices that one walk through the lists serves: a light's words are loaded once for all of them.
@@ -147,8 +151,8 @@ struct FogSlice {
 };
 
 // Of a lamp's intensity, what fog scatters into the ray at a point `y` beyond where the ray passes it, but for the
-// inverse square. Exactly 0 outside range and cone.
-vec3 fog_lamp(LightRef light, uint type, FogRay ray, float nearest, vec3 off, float y, vec3 shines, vec2 cone,
+// inverse square. Exactly 0 outside range and cone. maps: fog_lamp_maps().
+vec3 fog_lamp(uint maps, uint type, FogRay ray, float nearest, vec3 off, float y, vec3 shines, vec2 cone,
               float inverse_range2) {
   const float d2 = dot(off, off) + y * y, x2 = d2 * inverse_range2;
   if (x2 >= 1.0) return vec3(0.0);
@@ -163,6 +167,10 @@ vec3 fog_lamp(LightRef light, uint type, FogRay ray, float nearest, vec3 off, fl
   }
   if (factor == 0.0) return vec3(0.0);
   const vec3 at = ray.origin + ray.direction * (nearest + y);
+#ifdef FOG_LAMP_SHADOWS
+  factor *= fog_lamp_visibility(maps, at);
+  if (factor == 0.0) return vec3(0.0);
+#endif
   return factor * henyey_greenstein(dot(l, ray.direction)) * fog_through(at, l, d);
 }
 
@@ -214,11 +222,17 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     const float spread = FOG_SPREAD * cell * (frame.perspective != 0u ? max(nearest / ray.along, 0.0) : 1.0);
     const float h2 = max(off2 + spread * spread, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M), h = sqrt(h2);
     const vec2 cone = light_word(light, 4u);
+    uint maps = no_light;
+    int least_points = 1;
+#ifdef FOG_LAMP_SHADOWS
+    maps = fog_lamp_maps(light);
+    if (maps != no_light) least_points = FOG_LAMP_SHADOWS;
+#endif
     for (int j = 0; j < FOG_RUN; ++j) {
       const float wide = slices[j].wide_m, a = slices[j].begin_m - nearest, b = a + wide;
       if (!(wide > 0.0)) continue;
       const float angle = atan(wide * h, h2 + a * b), mean = angle / (h * wide);
-      const int points = angle > FOG_ANGLE ? FOG_POINTS : 1;
+      const int points = max(angle > FOG_ANGLE ? FOG_POINTS : 1, least_points);
       vec3 arriving = vec3(0.0);
       for (int i = 0; i < points; ++i) {
         float y;
@@ -226,9 +240,9 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
           const float to_a = sqrt(h2 + a * a), to_b = sqrt(h2 + b * b);
           y = (a * to_b + b * to_a) / (to_a + to_b);  // in the middle of the angle
         } else {
-          y = clamp(h * tan(atan(a / h) + angle * (float(i) + 0.5) / float(FOG_POINTS)), a, b);
+          y = clamp(h * tan(atan(a / h) + angle * (float(i) + 0.5) / float(points)), a, b);
         }
-        arriving += fog_lamp(light, type, ray, nearest, off, y, shines, cone, inverse_range2);
+        arriving += fog_lamp(maps, type, ray, nearest, off, y, shines, cone, inverse_range2);
       }
       if (arriving == vec3(0.0)) continue;
       sums[j] += slices[j].metres * intensity * (arriving * (mean / float(points)));

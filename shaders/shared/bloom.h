@@ -21,7 +21,7 @@ struct BloomConvolvePush {
   uint64_t report;
 };
 struct BloomCompositePush {
-  uint color, bloom, composed, glow;
+  uint color, source, bloom, composed, glow;
   uvec2 size_px;
   float scale;  // of the blurred levels: 1 over the sum of their weights
   float strength;

@@ -22,9 +22,9 @@ struct DepthViewPush {  // depth as a view sees it
 };
 // Of what lies behind everything: the members that DrawPush has too are used where it is seen through fog.
 struct SkyPush {
-  uint64_t lights, light_cells, light_entries, light_tiles, suns;
+  uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
   vec2 subsample_ndc;  // by which this sample lies off the pixel's middle (passes/post/supersample.h)
-  uint sun_maps, fog_light;
+  uint sun_maps, lamp_maps, fog_light;
 };
 struct SupersamplePush {
   uint source, before, target;
@@ -32,10 +32,10 @@ struct SupersamplePush {
   uvec2 size_px;
 };
 struct BackgroundPush {
-  uint64_t lights, light_cells, light_entries, light_tiles, suns;  // as in SkyPush
-  vec4 color;                                                      // premultiplied, pre-exposed
+  uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;  // as in SkyPush
+  vec4 color;                                                             // premultiplied, pre-exposed
   vec2 subsample_ndc;
-  uint sun_maps, fog_light;
+  uint sun_maps, lamp_maps, fog_light;
 };
 struct TonemapPush {
   uint64_t automatic;   // an ExposureResult, with automatic exposure

@@ -22,8 +22,8 @@ struct FogMedium {
 };
 
 struct FogLightPush {
-  uint64_t lights, light_cells, light_entries, light_tiles, suns;
-  uint sun_maps, target;
+  uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
+  uint sun_maps, lamp_maps, target;
 };
 struct FogSumPush {
   uint image;

@@ -6,7 +6,7 @@
 #include "frame/content_hash.h"
 #include "frame/job_look.h"
 #include "frame/job_sky.h"
-#include "gltf/gltf.h"
+#include "frame/posed_scene.h"
 #include "gpu/device_select.h"
 #include "report/bench_rows.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 Expected<BudgetPlace> place_of(const Job& job, const std::string& device) {
   BudgetPlace place{.scene = job.scene, .width_px = job.width_px, .height_px = job.height_px};
-  const auto scene = load_gltf(job.scene);
+  const auto scene = load_scene(job);
   if (!scene) return std::unexpected(scene.error());
   const auto look = look_of(job);
   if (!look) return std::unexpected(look.error());

@@ -75,6 +75,10 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       .add_option("--look", o.look,
                   "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
       ->type_name("FILE");
+  command
+      .add_option("--probe", o.probe,
+                  "A sphere in the middle of the view, a quarter of the picture's height: white, grey (18 %) or chrome")
+      ->type_name("NAME");
   command.add_option("--exposure", o.exposure_ev, "Stops, over the look's; 0 where neither says")->type_name("EV");
   command
       .add_option("--tonemap", o.tonemap,
@@ -259,6 +263,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.effects = o.effects;
   job.sky = o.sky;
   job.look = o.look == "none" ? "" : o.look.empty() ? look_beside(o.scene).string() : o.look;
+  job.probe = o.probe;
   job.exposure_ev = o.exposure_ev;
   job.tonemap = o.tonemap;
   job.view = o.view;

@@ -9,7 +9,7 @@
 #include "cli/scene_notes.h"
 #include "frame/job_look.h"
 #include "frame/plan_frame.h"
-#include "gltf/gltf.h"
+#include "frame/posed_scene.h"
 #include "render/frame_names.h"
 
 namespace candela::cli {
@@ -37,7 +37,7 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
     if (!format) return std::unexpected(format.error());
     (*format == OutputFormat::exr ? wanted.linear : wanted.display) = true;
   }
-  const auto scene = load_gltf(job.scene);
+  const auto scene = load_scene(job);
   if (!scene) return std::unexpected(scene.error());
   if (auto noted = note_scene(*scene, o.job.strict); !noted) return std::unexpected(noted.error());
   const auto look = look_of(job);

@@ -4,8 +4,8 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "frame/posed_scene.h"
 #include "math/bounds.h"
-#include "scene/frame_data.h"
 
 namespace candela::cli {
 namespace {
@@ -93,11 +93,10 @@ std::optional<bool> is_transparent(const FrameResult& frame) {
 
 // Nothing's bounds reach into the view. Sky and background cover what no surface does, so alpha does not tell.
 bool nothing_in_view(const FrameResult& frame, const Job& job, const Scene& scene) {
-  const auto animations = choose_animations(scene, job.animation);
-  if (!animations) return false;
-  const FrameData data = make_frame_data(scene, evaluate_pose(scene, *animations, frame.time_s), frame.view);
+  const auto posed = pose_scene(scene, job, frame.time_s);
+  if (!posed) return false;
   const FrustumPlanes planes = frustum_planes(frame.view.clip_from_relative);
-  return std::none_of(data.items.begin(), data.items.end(), [&](const DrawItem& item) {
+  return std::none_of(posed->data.items.begin(), posed->data.items.end(), [&](const DrawItem& item) {
     const glm::dvec3 centre(item.bounds_relative.centre()), extent(item.bounds_relative.extent());
     return std::all_of(planes.begin(), planes.end(), [&](const glm::dvec4& plane) {
       const glm::dvec3 normal(plane);

@@ -35,8 +35,9 @@ struct Job {
   std::string quality = "high";       // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings;  // --set PASS.KNOB=VALUE, over the quality
   std::string effects = "auto";       // auto (by quality and look), none, or names separated by commas
-  std::string sky;   // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
-  std::string look;  // look file
+  std::string sky;    // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
+  std::string look;   // look file
+  std::string probe;  // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;  // absent: as the look says, else 0
   std::string tonemap;               // agx, none, reinhard, aces, neutral, rec709; empty: as the look says, else agx
   std::vector<std::string> layers;   // beside beauty

@@ -1,6 +1,7 @@
 #include "base/text.h"
 #include "frame/job.h"
 #include "frame/plan_frame.h"
+#include "scene/probe.h"
 
 namespace candela {
 namespace {
@@ -67,6 +68,8 @@ Expected<void> check_job(const Job& job) {
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
   if (!job.tonemap.empty())
     if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;
+  if (!job.probe.empty())
+    if (auto known = check_name("--probe", "probe", job.probe, probe_names()); !known) return known;
   if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
   if (job.effects != "auto" && job.effects != "none")
     for (const std::string& effect : split(job.effects, ','))

@@ -12,6 +12,7 @@
 #include "frame/frame_knobs.h"
 #include "frame/job_look.h"
 #include "frame/not_drawn.h"
+#include "frame/posed_scene.h"
 #include "frame/upload_table.h"
 #include "passes/geometry/features.h"
 #include "scene/neutral_light.h"
@@ -156,16 +157,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   PlannedFrame f;
   const Expected<KnobValues> knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
-  const auto animations = choose_animations(context.scene, job.animation);
-  if (!animations) return std::unexpected(animations.error());
-  f.pose = evaluate_pose(context.scene, *animations, time_s);
-  auto view =
-      make_view(context.scene, f.pose, job.camera, job.width_px, job.height_px, world_bounds(context.scene, f.pose));
-  if (!view) return std::unexpected(view.error());
-  f.view = std::move(*view);
-  f.data = make_frame_data(context.scene, f.pose, f.view);
   auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
+  auto posed = pose_scene(context.scene, job, time_s, look->lights.radius_m);
+  if (!posed) return std::unexpected(posed.error());
+  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();

@@ -11,8 +11,8 @@
 #include "frame/gpu_scene.h"
 #include "frame/gpu_sky.h"
 #include "frame/job_look.h"
+#include "frame/posed_scene.h"
 #include "frame/timings.h"
-#include "gltf/gltf.h"
 #include "gpu/kept_image.h"
 
 namespace candela {
@@ -76,7 +76,7 @@ class DeviceSession : public Session {
 
 Expected<void> DeviceSession::load() {
   const StageTimer timer(opening_, "load");
-  auto scene = load_gltf(job_.scene);
+  auto scene = load_scene(job_);
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
   auto layout = layout_geometry(scene_);

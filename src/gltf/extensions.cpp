@@ -17,6 +17,7 @@ struct Known {
 constexpr Known known_extensions[] = {
     {"KHR_lights_punctual", supported, ""},
     {"CANDELA_light_instances", supported, ""},
+    {"CANDELA_light_size", supported, ""},
     {"KHR_mesh_quantization", supported, ""},
     {"KHR_draco_mesh_compression", supported, ""},
     {"EXT_meshopt_compression", supported, ""},

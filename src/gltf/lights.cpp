@@ -23,6 +23,20 @@ void read_cone(Document& document, const Json& json, const std::string& path, Li
   light.outer_cone_rad = float(std::min(outer, std::numbers::pi / 2));
 }
 
+// CANDELA_light_size.
+void read_size(Document& document, const Json& json, const std::string& path, Light& light) {
+  const Json* size = extension(json, "CANDELA_light_size");
+  if (!size) return;
+  const std::string at = named(path, json) + "/extensions/CANDELA_light_size";
+  if (light.type == LightType::directional)
+    document.refuse(at, "a directional light has no radius in metres (VALUE_NOT_IN_LIST)");
+  if (!size->contains("radius")) document.refuse(at, "'radius' is required (UNDEFINED_PROPERTY)");
+  const double radius = number(document, *size, "radius", 0, at);
+  if (!(radius >= 0) || !std::isfinite(float(radius)))
+    document.refuse(at + "/radius", "{} is no radius; it must be 0 or more, and finite (VALUE_NOT_IN_RANGE)", radius);
+  light.radius_m = float(radius);
+}
+
 Light read_light(Document& document, const Json& json, const std::string& path) {
   Light light;
   light.name = text(document, json, "name", "", path);
@@ -51,6 +65,7 @@ Light read_light(Document& document, const Json& json, const std::string& path) 
     light.range_m = float(range);
   }
   if (light.type == LightType::spot) read_cone(document, json, path, light);
+  read_size(document, json, path, light);
   return light;
 }
 

@@ -99,4 +99,19 @@ DirectionalAlbedo directional_albedo(double roughness, double n_v) {
   return out;
 }
 
+glm::dvec3 specular_gain(glm::dvec3 f0, double roughness, double n_v) {
+  // Rows by powers of alpha from 0, columns by powers of the share from 1.
+  static constexpr double fit[4][6] = {{0.25913, -0.826616, 3.97086, -8.91993, 9.34809, -3.83096},
+                                       {0.000180769, 1.85641, -5.33695, 5.53192, -1.18695, -0.926116},
+                                       {4.20931, -18.1444, 36.7748, -29.5164, -0.449344, 8.6848},
+                                       {-0.24951, 3.01914, 13.3698, -53.0425, 65.411, -27.7572}};
+  const double r = std::max(roughness, least_roughness), alpha = r * r, view = std::max(n_v, least_view);
+  const double share = view / std::sqrt(view * view * (1 - alpha * alpha) + alpha * alpha);
+  double sum = 0;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 6; ++column)
+      sum += fit[row][column] * std::pow(alpha, row) * std::pow(share, column + 1);
+  return 1.0 + f0 * sum;
+}
+
 }  // namespace candela::reference

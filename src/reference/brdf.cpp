@@ -51,7 +51,7 @@ glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   const double length = glm::length(sum);
   const glm::dvec3 h = length > 1e-6 ? sum / length : s.normal;
   const double alpha = alpha_of(s);
-  const double specular = ggx_d(glm::dot(s.normal, h), alpha) * smith_v(n_l, n_v, alpha);
+  const glm::dvec3 specular = s.specular_gain * (ggx_d(glm::dot(s.normal, h), alpha) * smith_v(n_l, n_v, alpha));
   const double grazing = std::pow(std::clamp(1 - glm::dot(v, h), 0.0, 1.0), 5);
   const glm::dvec3 f_dielectric = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * grazing;
   const glm::dvec3 f_metal = s.base_color + (1.0 - s.base_color) * grazing;

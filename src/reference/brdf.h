@@ -2,7 +2,8 @@
 #include <glm/glm.hpp>
 
 // The metallic-roughness BRDF of glTF 2.0, appendix B, in double, written from the specification (TECHNIQUES 9.1) and
-// not from the shaders: an error in either shows as a difference.
+// not from the shaders: an error in either shows as a difference. Beyond the specification it keeps the light that
+// bounces more than once between facets: Surface::specular_gain.
 namespace candela::reference {
 
 // Perceptual roughness below this counts as this, in every path: 32-bit floats overflow otherwise (TECHNIQUES 9.1).
@@ -21,8 +22,9 @@ struct Surface {
   glm::dvec3 emission{0};
   glm::dvec3 dielectric_f0{0.04};
   double dielectric_f90 = 1;
-  double coverage = 1;  // 1 opaque, 0 a hole (glTF 3.9.4)
-  bool unlit = false;   // base_color is what it shows
+  glm::dvec3 specular_gain{1};  // of the opaque specular lobe, by light that bounces on between facets (albedo.h)
+  double coverage = 1;          // 1 opaque, 0 a hole (glTF 3.9.4)
+  bool unlit = false;           // base_color is what it shows
   // Where light goes through (paths alone; the functions below know nothing of it).
   const Glass* glass = nullptr;  // null: opaque
   double transmission = 0;       // share of the base's light

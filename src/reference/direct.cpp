@@ -16,6 +16,7 @@ constexpr uint32_t dimensions_a_layer = 8;
 constexpr int most_layers = 256;
 // Those of a surface's reflections lie behind all of them.
 constexpr uint32_t reflection_dimensions = 4 + uint32_t(most_layers) * dimensions_a_layer;
+constexpr uint32_t first_size_dimension = 1u << 23;  // of lights with a size, apart from the rest
 
 }  // namespace
 
@@ -32,7 +33,8 @@ HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dve
                    metal = s.base_color * a.scale + a.bias;
   const double f0 = largest(s.dielectric_f0), left = 1 - (f0 + (s.dielectric_f90 - f0) * a.grazing);
   const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
-  return {diffuse, glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal))};
+  return {diffuse,
+          s.specular_gain * glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal))};
 }
 
 PixelSample Integrator::sample(int x, int y, uint64_t index, TermSample* terms) const {
@@ -92,7 +94,8 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
         terms->add(own, through * s.coverage * clear);
         if (!s.unlit) terms->shadow -= through * s.coverage * (1 - sun_visibility(s, point, stream.next2()));
         if (!s.unlit && terms->wants_lamp_shadow)
-          terms->lamp_shadow -= through * s.coverage * (1 - lamp_visibility(s, point));
+          terms->lamp_shadow -=
+              through * s.coverage * (1 - lamp_visibility(s, point, stream.apart(first_size_dimension).next2()));
         if (!opaque_met && !world_.is_blended(hit->item)) {
           opaque_met = true;
           if (!s.unlit) terms->occlusion = near_occlusion(s, point, stream.next2());
@@ -171,14 +174,18 @@ glm::dvec3 Integrator::surface_light(const Surface& s, const SurfacePoint& point
                                                             : occluded_ambient(s, point, v, stream, wanted, lobe));
     if (terms) terms->add(parts, glm::dvec3(s.occlusion));
   }
-  return punctual(s, point, v, stream.next2(), terms) + ambient;
+  return punctual(s, point, v, stream, terms) + ambient;
 }
 
 Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v,
-                                             glm::dvec2 on_disc) const {
+                                             glm::dvec2 on_disc, double probability) const {
   const Arrival a = arriving(light, s.position, on_disc);
   if (a.illuminance == glm::dvec3(0)) return {};
-  return {a.illuminance * evaluate_bsdf(s, a.l, v, true), a.l, a.distance_m, {}};
+  const bool sized = a.pdf > 0;  // then mirrors find it by themselves
+  const glm::dvec3 f = evaluate_bsdf(s, a.l, v, !sized);
+  if (!sized || f == glm::dvec3(0)) return {a.illuminance * f, a.l, a.distance_m, {}};
+  const double w = weight(probability * a.pdf, bsdf_pdf(s, a.l, v), Strategy::light);
+  return {a.illuminance * f * w, a.l, a.distance_m, {}};
 }
 
 glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const {
@@ -191,12 +198,34 @@ glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const Surface
                                   offer.end ? &*offer.end : nullptr, offer.is_lamp());
 }
 
-glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc,
+glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                                 TermSample* terms) const {
+  const glm::dvec2 on_disc = stream.next2();
   glm::dvec3 sum(0);
+  if (world_.has_sized_lights()) sum = sized_by_brdf(s, point, v, stream.apart(first_size_dimension), terms);
   for (size_t i = 0; i < world_.punctual_lights().size(); ++i) {
     const PunctualLight& light = world_.punctual_lights()[i];
     const glm::dvec3 radiance = taken(punctual_offer(light, s, v, own_place(on_disc, i)), s, point);
+    sum += radiance;
+    if (terms) (*terms)[direct_term(light.type)] += radiance;
+  }
+  return sum;
+}
+
+// Near mirrors show the light's shape, which its own directions seldom hit.
+glm::dvec3 Integrator::sized_by_brdf(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream stream,
+                                     TermSample* terms) const {
+  glm::dvec3 sum(0);
+  const glm::dvec2 for_lobe = stream.next2();
+  const glm::dvec3 l = sample_brdf(s, v, stream.next(), for_lobe);
+  const double pdf = brdf_pdf(s, l, v);
+  const glm::dvec3 f = pdf > 0 ? evaluate_brdf(s, l, v) / pdf : glm::dvec3(0);
+  if (f == glm::dvec3(0)) return sum;
+  for (const PunctualLight& light : world_.punctual_lights()) {
+    const std::optional<Arrival> a = light_in(light, s.position, l);
+    if (!a) continue;
+    const double w = weight(pdf, a->pdf, Strategy::brdf);
+    const glm::dvec3 radiance = taken({a->illuminance * a->pdf * f * w, l, a->distance_m, {}}, s, point);
     sum += radiance;
     if (terms) (*terms)[direct_term(light.type)] += radiance;
   }
@@ -208,8 +237,8 @@ double Integrator::sun_visibility(const Surface& s, const SurfacePoint& point, g
   return open_share(world_.directional(), s, point, on_disc);
 }
 
-double Integrator::lamp_visibility(const Surface& s, const SurfacePoint& point) const {
-  return open_share(world_.tree_punctual(), s, point, glm::dvec2(0));
+double Integrator::lamp_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const {
+  return open_share(world_.tree_punctual(), s, point, on_disc);
 }
 
 double Integrator::open_share(const std::vector<uint32_t>& lights, const Surface& s, const SurfacePoint& point,

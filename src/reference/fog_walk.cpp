@@ -154,13 +154,16 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
   const glm::dvec2 for_sky = stream.next2(), on_light = stream.next2();
   double pick = stream.next();
   const glm::dvec2 on_disc = stream.next2();
-  const auto punctual_offer_of = [&](const PunctualLight& light, size_t number) -> Offer {
+  const auto punctual_offer_of = [&](const PunctualLight& light, size_t number, double probability) -> Offer {
     const Arrival a = arriving(light, position, own_place(on_disc, number));
-    return {a.illuminance * phase(a.l), a.l, a.distance_m, {}};
+    const double p = phase(a.l);
+    // A light of a size is met by the phase function's direction as well.
+    const double w = a.pdf > 0 ? weight(probability * a.pdf, p, Strategy::light) : 1;
+    return {a.illuminance * (p * w), a.l, a.distance_m, {}};
   };
   glm::dvec3 sum(0);
   for (const uint32_t index : world_.directional())
-    sum += arrives(punctual_offer_of(world_.punctual_lights()[index], index));
+    sum += arrives(punctual_offer_of(world_.punctual_lights()[index], index, 1));
   if (world_.sky() && settings_.strategy != Strategy::brdf)
     if (const Sky::Choice choice = world_.sky().sample(for_sky); choice.pdf > 0) {
       const double p = phase(choice.direction);
@@ -175,7 +178,7 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool
     const LightTree::Choice& choice = chosen[i];
     Offer offer;
     if (choice.light < points) {
-      offer = punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]], 0);
+      offer = punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]], i, choice.probability);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
       const auto p =

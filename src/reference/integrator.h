@@ -59,7 +59,7 @@ class Integrator {
   PixelSample sample_direct(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
   PixelSample sample_path(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
   // `terms` may be null in all of these.
-  glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 on_disc,
+  glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                       TermSample* terms) const;
   // A direction of a surface's specular lobe, by the normals that the viewer sees, and what it meets.
   struct Lobe {
@@ -74,6 +74,9 @@ class Integrator {
   // lobe: of surfaces that reflect others: where something is met there, no light of the sky comes from.
   glm::dvec3 surface_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                            TermSample* terms, const Lobe* lobe) const;
+  // Lights of a size by way of a direction that the BRDF chose.
+  glm::dvec3 sized_by_brdf(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream stream,
+                           TermSample* terms) const;
   glm::dvec3 traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                             TermSample* terms, const Lobe* lobe) const;
   glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
@@ -82,7 +85,8 @@ class Integrator {
   double sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
   // TermSample::occlusion of one surface.
   double near_occlusion(const Surface& s, const SurfacePoint& point, glm::dvec2 u) const;
-  double lamp_visibility(const Surface& s, const SurfacePoint& point) const;  // TermSample::lamp_shadow
+  // TermSample::lamp_shadow
+  double lamp_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
   double open_share(const std::vector<uint32_t>& lights, const Surface& s, const SurfacePoint& point,
                     glm::dvec2 on_disc) const;
   glm::dvec3 sky_visibility(const Surface& s, const SurfacePoint& point, glm::dvec3 l) const;
@@ -103,7 +107,9 @@ class Integrator {
    private:
     double weight_ = 0, total_ = 0;
   };
-  Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc = {}) const;
+  // probability: with which the light was chosen, for the weight against the BRDF; the offer is not divided by it.
+  Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc,
+                       double probability = 1) const;
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   // terms: only with `every`.
@@ -127,6 +133,16 @@ class Integrator {
   glm::dvec3 radiance_of(const EmissivePoint& p) const;
   SurfacePoint surface_of(const EmissivePoint& p) const;
   double weight(double this_pdf, double other_pdf, Strategy own) const;
+  // The last place of a path where light was gathered, and the density of the direction that it went on in, 1/sr; 0:
+  // nothing else could have chosen it.
+  struct Departure {
+    glm::dvec3 position{0}, normal{0};
+    double density = 0;
+  };
+  // path: what the lamps with a radius that the ray meets between two distances give. `left`: of their light, at a
+  // distance.
+  template <class Left, class Gain>
+  void meet_lamps(const Departure& from, glm::dvec3 direction, Span between, Left&& left, Gain&& gain) const;
   static bool survives(double u, int bounce, glm::dvec3& through, double compressed = 1);  // Russian roulette
 
   // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and

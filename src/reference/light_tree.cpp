@@ -30,6 +30,7 @@ LightExtent merged(const LightExtent& a, const LightExtent& b) {
   merge_cones(a.axis, a.theta_o, b.axis, b.theta_o, m.axis, m.theta_o);
   m.theta_e = std::max(a.theta_e, b.theta_e);
   m.range_m = std::max(a.range_m, b.range_m);
+  m.is_sphere = a.is_sphere || b.is_sphere;
   return m;
 }
 
@@ -198,6 +199,26 @@ void LightTree::choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split
       }
     }
     if (node) chosen.push_back({node->light, probability});
+  }
+}
+
+void LightTree::met(glm::dvec3 origin, glm::dvec3 direction, std::vector<uint32_t>& lights) const {
+  lights.clear();
+  if (!has_spheres()) return;
+  static thread_local std::vector<int> open;
+  open.assign(1, 0);
+  while (!open.empty()) {
+    const Node& node = nodes_[size_t(open.back())];
+    open.pop_back();
+    if (!node.extent.is_sphere) continue;
+    const glm::dvec3 to_centre = node.centre - origin;
+    const double along = glm::dot(to_centre, direction), radius = node.radius * (1 + 1e-9);
+    const glm::dvec3 aside = to_centre - along * direction;
+    if (along < -radius || glm::dot(aside, aside) > radius * radius) continue;
+    if (node.left < 0)
+      lights.push_back(node.light);
+    else
+      open.insert(open.end(), {node.right, node.left});
   }
 }
 

@@ -16,6 +16,7 @@ struct LightExtent {
   glm::dvec3 axis{0, 0, 1};
   double theta_o = 0, theta_e = 0;  // radians
   double range_m = std::numeric_limits<double>::infinity();
+  bool is_sphere = false;  // a ray may meet it (LightTree::met())
 };
 
 // Picks a few of many lights for a point, with probabilities near to their shares of what arrives there (Conty Estévez
@@ -37,6 +38,9 @@ class LightTree {
   void choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split, std::vector<Choice>& chosen) const;
   double probability(uint32_t light, glm::dvec3 point, glm::dvec3 normal, bool split) const;
   bool empty() const { return nodes_.empty(); }
+  // The spheres among the lights whose boxes' spheres a ray meets, in the order of the tree.
+  void met(glm::dvec3 origin, glm::dvec3 direction, std::vector<uint32_t>& lights) const;
+  bool has_spheres() const { return !nodes_.empty() && nodes_[0].extent.is_sphere; }
 
  private:
   struct Node {

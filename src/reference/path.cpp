@@ -11,6 +11,7 @@ namespace {
 constexpr int roulette_after = 4;
 constexpr int shadowed_bounces =
     1;  // surfaces at which each light that is chosen gets a shadow ray: what the camera sees
+constexpr uint32_t first_size_dimension = 1u << 23;  // of lights with a size, apart from the rest
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic
 
@@ -64,6 +65,24 @@ Integrator::Offer Integrator::emissive_offer(uint32_t light, double probability,
   const glm::dvec3 radiance = radiance_of(*p) * f * (weight(p->pdf, bsdf_pdf(s, p->l, v), Strategy::light) / p->pdf);
   if (radiance == glm::dvec3(0)) return {};
   return {radiance, p->l, p->distance_m, surface_of(*p)};
+}
+
+template <class Left, class Gain>
+void Integrator::meet_lamps(const Departure& from, glm::dvec3 direction, Span between, Left&& left, Gain&& gain) const {
+  static thread_local std::vector<uint32_t> lamps;
+  world_.light_tree().met(from.position, direction, lamps);
+  for (const uint32_t lamp : lamps) {
+    const PunctualLight& light = world_.punctual_lights()[world_.tree_punctual()[lamp]];
+    const std::optional<Arrival> a = light_in(light, from.position, direction);
+    if (!a || !(a->distance_m >= between.begin_m && a->distance_m < between.end_m)) continue;
+    double w = 1;
+    if (from.density > 0) {
+      const double probability = world_.light_tree().probability(lamp, from.position, from.normal, true);
+      w = weight(from.density, probability * a->pdf, Strategy::brdf);
+    }
+    const glm::dvec3 light_here = a->illuminance * (a->pdf * w);
+    if (light_here != glm::dvec3(0)) gain(direct_term(light.type), light_here * left(a->distance_m));
+  }
 }
 
 void Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
@@ -132,7 +151,7 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
     if (choice.light < points) {
       const PunctualLight& light = world_.punctual_lights()[world_.tree_punctual()[choice.light]];
       term = direct_term(light.type);
-      offer = punctual_offer(light, s, v);
+      offer = punctual_offer(light, s, v, own_place(on_light, i), choice.probability);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
       offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, own_place(on_light, i));
@@ -157,15 +176,15 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   std::optional<Hit> passed;
   // Of the bounce that the ray comes from; the camera's first ray meets lights by itself alone, and so does one from a
   // mirror.
-  double brdf_density = 0;
+  Departure left;
   bool from_mirror = false;
-  glm::dvec3 last_normal(0), last_position(0);
   uint32_t alpha_dimension = first_alpha_dimension;
   int bounce = 0;
   uint32_t shaded = 0, fogged = 0;  // surfaces, among them those that the ray goes straight through, and spans of fog
   GlassWay way;
   double compressed = 1;     // what refraction has made of radiance alone, not of its share
   double clear_m = 0;        // fog up to here is behind the ray already
+  double lamps_m = 0;        // and lamps with a radius
   glm::dvec3 seen(1);        // what fog leaves of what the camera sees
   bool in_fog = false;       // the camera's ray ended there
   glm::dvec3 before_fog(0);  // light of surfaces that it went straight through before
@@ -182,6 +201,17 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     const glm::dvec3 v = -glm::normalize(direction);
     const double here_m = hit ? glm::dot(s.position - origin, -v) : endless;
     const bool in_body = way.in_body();
+    if (!first && world_.light_tree().has_spheres()) {
+      const glm::dvec3 before = through;
+      meet_lamps(
+          left, direction, {lamps_m, here_m},
+          [&](double at_m) {
+            const double in_fog_m = in_body ? 0 : std::max(at_m - clear_m, 0.0);
+            return before * way.end(at_m) * world_.through_fog(origin - v * clear_m, -v, in_fog_m);
+          },
+          [&](Term term, glm::dvec3 light) { gain(bounce > 1 ? Term::indirect : term, light); });
+      lamps_m = here_m;
+    }
     if (!hit) {
       through *= way.end(endless);
     } else if (world_.has_glass()) {
@@ -219,10 +249,10 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       if (step.scattered) {
         ++bounce;
         from_mirror = false;
-        brdf_density = step.density, last_normal = glm::dvec3(0), last_position = step.position;
+        left = {step.position, glm::dvec3(0), step.density};
         passed.reset();
         ray = leaving_ray({step.position, {}, 0}, step.direction);
-        origin = step.position, direction = step.direction, clear_m = 0;
+        origin = step.position, direction = step.direction, clear_m = lamps_m = 0;
         way.start_ray();
         continue;
       }
@@ -231,7 +261,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       if (first) {
         gain(Term::background, through * glm::dvec3(world_.background(direction)));
       } else if (world_.sky()) {
-        const double w = from_mirror ? 1 : weight(brdf_density, world_.sky().pdf(direction), Strategy::brdf);
+        const double w = from_mirror ? 1 : weight(left.density, world_.sky().pdf(direction), Strategy::brdf);
         const glm::dvec3 light = through * world_.sky().radiance(direction) * w;
         if (bounce > 1) {
           gain(Term::indirect, light);
@@ -240,6 +270,12 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
           if (terms && !in_fog) terms->add_ambient(light * diffuse, light);
         }
       }
+      if (!first && world_.has_sized_lights())
+        for (const uint32_t index : world_.directional())
+          if (const auto a = light_in(world_.punctual_lights()[index], left.position, -v)) {
+            const double w = from_mirror ? 1 : weight(left.density, a->pdf, Strategy::brdf);
+            gain(bounce > 1 ? Term::indirect : Term::direct_sun, through * a->illuminance * (a->pdf * w));
+          }
       break;
     }
     if (s.unlit) {
@@ -252,11 +288,11 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       const int light = first || from_mirror ? -1 : world_.emissive_of(hit->item, hit->primitive);
       if (light >= 0) {
         const EmissiveTriangle& t = world_.emissive()[size_t(light)];
-        const glm::dvec3 d = s.position - last_position;
+        const glm::dvec3 d = s.position - left.position;
         const double probability = world_.light_tree().probability(
-            uint32_t(world_.tree_punctual().size()) + uint32_t(light), last_position, last_normal, true);
+            uint32_t(world_.tree_punctual().size()) + uint32_t(light), left.position, left.normal, true);
         const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
-        w = weight(brdf_density, pdf, Strategy::brdf);
+        w = weight(left.density, pdf, Strategy::brdf);
       }
       gain(first ? Term::emission : Term::indirect, through * s.emission * w);
     }
@@ -279,7 +315,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     }
     if (divided) {
       terms->shadow = sun_visibility(s, point, stream.next2());
-      if (terms->wants_lamp_shadow) terms->lamp_shadow = lamp_visibility(s, point);
+      if (terms->wants_lamp_shadow)
+        terms->lamp_shadow = lamp_visibility(s, point, stream.apart(first_size_dimension).next2());
       if (!world_.is_blended(hit->item)) terms->occlusion = near_occlusion(s, point, stream.next2());
     }
 
@@ -298,9 +335,9 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     ++bounce;
     if (!survives(roulette, bounce, through, compressed) || through == glm::dvec3(0)) break;
     from_mirror = !(next->pdf > 0);
-    brdf_density = next->pdf, last_normal = lit_side(s), last_position = s.position;
+    left = {s.position, lit_side(s), next->pdf};
     ray = leaving_ray(point, next->l);
-    origin = ray.origin, direction = next->l, clear_m = 0;
+    origin = ray.origin, direction = next->l, clear_m = lamps_m = 0;
     way.start_ray();
   }
   if (in_fog) out.fog_light = out.radiance - before_fog;

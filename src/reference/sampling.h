@@ -39,6 +39,12 @@ class SampleStream {
   void start(uint32_t dimension) { dimension_ = dimension; }
   double next();
   glm::dvec2 next2();
+  // Numbers of dimensions that lie that much further on, for what is not in every picture: it takes none of the others.
+  SampleStream apart(uint32_t dimensions) const {
+    SampleStream s = *this;
+    s.dimension_ += dimensions;
+    return s;
+  }
 
  private:
   double value(uint32_t dimension) const;

@@ -1,6 +1,7 @@
 // What the material says of a point (glTF 2.0, 3.9 and appendix B), from the vertices and textures in double.
 #include <cmath>
 
+#include "reference/albedo.h"
 #include "reference/world.h"
 
 namespace candela::reference {
@@ -147,6 +148,8 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   const double ratio = m.ior == 0 ? 1 : (double(m.ior) - 1) / (double(m.ior) + 1);
   s.dielectric_f0 = glm::min(ratio * ratio * specular_color, glm::dvec3(1)) * specular;
   s.dielectric_f90 = specular;
+  s.specular_gain = specular_gain(glm::mix(s.dielectric_f0, s.base_color, s.metallic), s.roughness,
+                                  std::min(std::abs(glm::dot(s.normal, to_viewer)), 1.0));
   if (t.glass) {
     s.specular_tint = specular_color;
     s.transmission = m.transmission;

@@ -95,6 +95,7 @@ class World {
   const LightTree& light_tree() const { return tree_; }
   const std::vector<uint32_t>& tree_punctual() const { return tree_punctual_; }
   const std::vector<uint32_t>& directional() const { return directional_; }
+  bool has_sized_lights() const { return has_sized_lights_; }  // suns with a disc, lamps with a radius
 
  private:
   struct TracedMaterial {
@@ -141,7 +142,7 @@ class World {
   std::vector<EmissiveTriangle> emissive_;
   std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle
   LightTree tree_;
-  bool has_blend_ = false, has_glass_ = false;
+  bool has_blend_ = false, has_glass_ = false, has_sized_lights_ = false;
 };
 
 }  // namespace candela::reference

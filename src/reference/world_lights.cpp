@@ -11,7 +11,9 @@ constexpr double pi = std::numbers::pi;
 
 LightExtent extent_of(const PunctualLight& light) {
   LightExtent e;
-  e.box.add(light.position);
+  e.box.add(light.position - light.radius_m);
+  e.box.add(light.position + light.radius_m);
+  e.is_sphere = light.radius_m > 0;
   e.range_m = light.range_m;
   e.axis = light.direction;
   // Candela times pi, to be of the same kind as a triangle's radiance times area times pi.
@@ -31,8 +33,9 @@ void World::add_lights() {
   for (const LightItem& item : input_.frame.lights) {
     const uint32_t index = uint32_t(punctual_.size());
     punctual_.push_back(punctual_light(item));
+    if (item.type == LightType::directional) punctual_.back().radius_rad = input_.sun_radius_rad;
+    has_sized_lights_ |= punctual_.back().has_size();
     if (item.type == LightType::directional) {
-      punctual_.back().radius_rad = input_.sun_radius_rad;
       directional_.push_back(index);
       continue;
     }

@@ -8,7 +8,7 @@
 #include "frame/content_hash.h"
 #include "frame/job_look.h"
 #include "frame/job_sky.h"
-#include "gltf/gltf.h"
+#include "frame/posed_scene.h"
 #include "reference/leaf_view.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
@@ -63,7 +63,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
   auto frame = std::make_unique<ReferenceFrame>();
   const bool path = mode == reference::Mode::path;
-  auto scene = load_gltf(job.scene, path ? LoadFor::path_tracing : LoadFor::raster);
+  auto scene = load_scene(job, path ? LoadFor::path_tracing : LoadFor::raster);
   if (!scene) return std::unexpected(scene.error());
   frame->scene = std::move(*scene);
   frame->time_s = time_s;
@@ -77,14 +77,9 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   const auto content = hash_files(frame->scene.files, *skies, job.look);
   if (!content) return std::unexpected(content.error());
   frame->scene_content = *content;
-  const auto animations = choose_animations(frame->scene, job.animation);
-  if (!animations) return std::unexpected(animations.error());
-  frame->pose = evaluate_pose(frame->scene, *animations, time_s);
-  auto view = make_view(frame->scene, frame->pose, job.camera, job.width_px, job.height_px,
-                        world_bounds(frame->scene, frame->pose));
-  if (!view) return std::unexpected(view.error());
-  frame->view = std::move(*view);
-  frame->data = make_frame_data(frame->scene, frame->pose, frame->view);
+  auto posed = pose_scene(frame->scene, job, time_s, look->lights.radius_m);
+  if (!posed) return std::unexpected(posed.error());
+  frame->pose = std::move(posed->pose), frame->view = std::move(posed->view), frame->data = std::move(posed->data);
   frame->notes = frame->view.notes;
   frame->notes.insert(frame->notes.end(), frame->pose.warnings.begin(), frame->pose.warnings.end());
 

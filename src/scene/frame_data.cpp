@@ -20,8 +20,12 @@ Aabb to_float(const DAabb& box) {
 
 class FrameBuilder {
  public:
-  FrameBuilder(const Scene& scene, const Pose& pose, const View& view)
-      : scene_(scene), pose_(pose), view_(view), drawn_(scene, pose, relative_from_world(view.position)) {
+  FrameBuilder(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m)
+      : scene_(scene),
+        pose_(pose),
+        view_(view),
+        drawn_(scene, pose, relative_from_world(view.position)),
+        lamp_radius_m_(float(lamp_radius_m)) {
     frame_.perspective = view.perspective;
     reserve();
   }
@@ -155,6 +159,7 @@ class FrameBuilder {
     item.inner_cone_rad = light.inner_cone_rad;
     item.outer_cone_rad = light.outer_cone_rad;
     item.node = uint32_t(n);
+    if (light.type != LightType::directional) item.radius_m = light.radius_m.value_or(lamp_radius_m_);
     return item;
   }
 
@@ -204,6 +209,7 @@ class FrameBuilder {
   const Pose& pose_;
   const View& view_;
   DrawnSections drawn_;
+  float lamp_radius_m_;
   FrameData frame_;
   // Of the node at hand, kept to save allocations.
   std::vector<SectionDeformation> deformations_;
@@ -233,8 +239,8 @@ DAabb world_bounds(const Scene& scene, const Pose& pose) {
   return result;
 }
 
-FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view) {
-  return FrameBuilder(scene, pose, view).build();
+FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m) {
+  return FrameBuilder(scene, pose, view, lamp_radius_m).build();
 }
 
 }  // namespace candela

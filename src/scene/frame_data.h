@@ -35,6 +35,7 @@ struct LightItem {  // a light in relative space
   float range_m;           // infinity: none
   float inner_cone_rad, outer_cone_rad;
   uint32_t node = 0;
+  float radius_m = 0;  // of a point or spot light's sphere; 0: a point
 };
 
 struct FrameData {
@@ -50,7 +51,8 @@ struct FrameData {
 // World bounds of everything visible at this pose.
 DAabb world_bounds(const Scene& scene, const Pose& pose);
 
-// Flattens a posed scene for one view. Pure; the same input gives the same bytes.
-FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view);
+// Flattens a posed scene for one view. Pure; the same input gives the same bytes. lamp_radius_m: of point and spot
+// lights that say nothing of it.
+FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m = 0);
 
 }  // namespace candela

@@ -134,6 +134,19 @@ Row<Look> sun_row() {
       "the directional lights' disc in the sky");
 }
 
+Row<Look> lights_row() {
+  return object_row<Look, LampLook>(
+      "lights",
+      {number_row<LampLook>("radius_m", from_zero(), &LampLook::radius_m,
+                            "metres: of point and spot lights that have no CANDELA_light_size; 0 is a point")},
+      [](Look&) { return LampLook{}; },
+      [](const Json&, const std::string&, LampLook& lights, Look& look) -> Expected<void> {
+        look.lights = lights;
+        return {};
+      },
+      "the size of point and spot lights");
+}
+
 Row<Look> occlusion_row() {
   return object_row<Look, Occlusion>(
       "occlusion",
@@ -198,6 +211,7 @@ Row<Look> bloom_row() {
       number_row<Bloom>("knee", from_zero(), &Bloom::knee, "half the width over which the threshold sets in"),
       flag_row<Bloom>("keeps", &Bloom::keeps, "what is scattered is taken from where it came; otherwise it is added"),
       flag_row<Bloom>("beauty", &Bloom::in_beauty, "in linear output too"),
+      flag_row<Bloom>("emission", &Bloom::of_emission, "what surfaces emit glows alone, not what is lit or behind"),
       weights_row(),
   };
   const auto done = [rows](const Json& j, const std::string& place, Bloom& bloom, Look& look) -> Expected<void> {
@@ -394,8 +408,8 @@ Row<Look> shadows_row() {
 }
 
 const Rows<Look>& look_table() {
-  static const Rows<Look> rows = {fog_row(),      sun_row(),  sky_row(),     bloom_row(),      occlusion_row(),
-                                  exposure_row(), tone_row(), shadows_row(), reflections_row()};
+  static const Rows<Look> rows = {fog_row(),       sun_row(),      lights_row(), sky_row(),     bloom_row(),
+                                  occlusion_row(), exposure_row(), tone_row(),   shadows_row(), reflections_row()};
   return rows;
 }
 
@@ -428,6 +442,7 @@ std::vector<std::string> switched_on(const Look& look) {
   const SkyLook& sky = look.sky;
   add(look.fog.has_value(), "fog");
   add(look.sun.has_value(), "the sun's disc");
+  add(look.lights.radius_m > 0, "lamps of a size");
   add(!sky.image.empty(), "sky image");
   add(sky.gradient.has_value(), "sky gradient");
   add(sky.atmosphere.has_value(), "sky atmosphere");

@@ -38,6 +38,11 @@ struct Sun {
   double angular_radius_deg = 0.2666;  // 0: a point, with hard shadows
 };
 
+// Point and spot lights that say nothing of their size (CANDELA_light_size).
+struct LampLook {
+  double radius_m = 0;  // of a sphere; 0: points, with hard shadows
+};
+
 // Light that lens and eye scatter round bright things: a sum of Gaussians of what is above the threshold. Level k (from
 // 0) has a weight and the variance 1.5 (4^(k+1) - 1) square pixels of the picture.
 struct Bloom {
@@ -47,6 +52,8 @@ struct Bloom {
   std::vector<double> weights = {1, 1, 1, 1, 1};
   bool keeps = true;       // what is scattered is taken from where it came; otherwise it is added
   bool in_beauty = false;  // in linear output too, not only on display
+  // What surfaces emit glows, and nothing that is merely lit or lies behind them: a glow mask.
+  bool of_emission = false;
   static double variance_px2(size_t level) { return 1.5 * (double(uint64_t(1) << (2 * (level + 1))) - 1); }
 };
 
@@ -134,6 +141,7 @@ struct Look {
   std::optional<Fog> fog;
   std::optional<Bloom> bloom;
   std::optional<Sun> sun;
+  LampLook lights;
   SkyLook sky;
   std::optional<Occlusion> occlusion;
   std::optional<ReflectionLook> reflections;  // absent: surfaces reflect the sky alone

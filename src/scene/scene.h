@@ -127,6 +127,8 @@ struct Light {  // KHR_lights_punctual
   float intensity = 1;                                     // cd, or lux for directional
   float range_m = std::numeric_limits<float>::infinity();  // infinity: not given
   float inner_cone_rad = 0, outer_cone_rad = 0.78539816f;
+  // CANDELA_light_size: of the sphere that a point or spot light is. 0: a point; nothing: what the look says, else 0.
+  std::optional<float> radius_m;
 };
 
 struct Instances {  // EXT_mesh_gpu_instancing; each array is empty or count long
@@ -233,6 +235,7 @@ struct Scene {
   std::vector<Animation> animations;
   std::vector<int> roots;  // root nodes of the default scene (scene 0 when none is named)
   std::vector<int> order;  // nodes reachable from roots, parents before children
+  int probe_node = -1;     // probe.h
   std::vector<ExtensionUse> extensions;
   std::vector<std::string> warnings;  // one line each, with place
 };

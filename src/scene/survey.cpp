@@ -80,6 +80,7 @@ void count_item(SceneFacts& facts, const DrawItem& item, const MeshSection& sect
 
 void count_lights(SceneFacts& facts, const FrameData& frame) {
   for (const LightItem& light : frame.lights) {
+    add(facts.sized_lights, light.radius_m > 0);
     switch (light.type) {
       case LightType::point:
         add(facts.point_lights, 1);
@@ -146,6 +147,7 @@ std::string facts_json(const SceneFacts& f) {
       {"point_lights", f.point_lights},
       {"spot_lights", f.spot_lights},
       {"directional_lights", f.directional_lights},
+      {"sized_lights", f.sized_lights},
       {"emissive", f.emissive},
       {"environment", f.environment},
       {"perspective", f.perspective},

@@ -20,6 +20,7 @@ struct SceneFacts {
   uint32_t deformed_vertices = 0;
   uint32_t triangles = 0, lines = 0, points = 0;  // drawn, instances counted each time
   uint32_t point_lights = 0, spot_lights = 0, directional_lights = 0;
+  uint32_t sized_lights = 0;  // point and spot lights with a radius
   uint32_t lights() const { return point_lights + spot_lights + directional_lights; }
   bool emissive = false;     // a visible material emits
   bool environment = false;  // a sky image is given
@@ -64,6 +65,16 @@ struct FrameRequest {
   }
   bool names_effect(std::string_view effect) const;
   bool draws_reflections() const { return wants_looked("ssr", look.reflections.has_value()); }
+  // Bloom is wanted, and something that shows it.
+  bool draws_bloom() const {
+    const bool in_look = look.bloom.has_value(), shown = want_display && view == "beauty";
+    return wants_looked("bloom", in_look) &&
+           (shown || (in_look && look.bloom->in_beauty && want_linear) || has_layer("bloom"));
+  }
+  // A term of beauty (passes/surfaces/terms.h) is asked for as a layer, or something is made of it.
+  bool wants_term(std::string_view name) const {
+    return has_layer(name) || (name == "emission" && look.bloom && look.bloom->of_emission && draws_bloom());
+  }
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)

@@ -60,8 +60,8 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     occlusion = ambient_occlusion(frame, scene, surfaces.depth);
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
-  lighting.lists.fog = fog_view(frame, scene, lighting);
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
+  lighting.lists.fog = fog_view(frame, scene, lighting);
   ImageHandle radiance;
   TermImages terms;
   FogImages fog;
@@ -76,9 +76,9 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     fog = fog_layers(frame, scene, surfaces, lighting);
   }
   describe(frame, scene, surfaces, lighting, occlusion);
-  publish_terms(frame, scene, terms);
+  terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
-  post(frame, scene, radiance);
+  post(frame, scene, radiance, terms[size_t(Term::emission)]);
 }
 
 }  // namespace candela

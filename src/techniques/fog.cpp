@@ -10,6 +10,7 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lightin
   const bool scatters = frame.request.look.fog->scattering_per_m != glm::dvec3(0);
   fog.ambient = ambient;
   fog.last = frame.knobs.get<FogKnobs>().last != 0;
+  fog.lamp_points = frame.knobs.get<FogKnobs>().lamp_shadows;
   fog.light = fog.grid                                            ? FogLight::grid
               : scatters && (frame.facts.lights() > 0 || ambient) ? FogLight::march
                                                                   : FogLight::nothing;
@@ -19,6 +20,7 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lightin
 CellLists fog_alone(const CellLists& lists) {
   CellLists alone;
   if (fog_walks(lists)) alone = lists;
+  if (lists.fog.lamp_points == 0) alone.lamp_maps = {};
   alone.fog = lists.fog;
   return alone;
 }

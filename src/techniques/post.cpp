@@ -25,21 +25,22 @@ Tonemap::In tonemap_in(const Frame& frame, const SceneInputs& scene, ImageHandle
   return in;
 }
 
-BloomPass::In bloom_in(const Frame& frame, const SceneInputs& scene, ImageHandle linear) {
+BloomPass::In bloom_in(const Frame& frame, const SceneInputs& scene, ImageHandle linear, ImageHandle emission) {
   const FrameRequest& request = frame.request;
   BloomPass::In in{linear, scene.width_px, scene.height_px};
   if (request.look.bloom) in.look = *request.look.bloom;
   in.exposure = std::exp2(request.exposure_ev - request.pre_exposure_ev);
   in.glow_wanted = request.has_layer("bloom");
+  in.source = emission;
   return in;
 }
 
 }  // namespace
 
-void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance) {
+void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance, ImageHandle emission) {
   const uint32_t width = scene.width_px, height = scene.height_px;
   const ImageHandle linear = newest(frame.add(Resolve{}, {radiance, width, height, scene.samples}).resolved, radiance);
-  const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear)).color, linear);
+  const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear, emission)).color, linear);
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);
   shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;
   const ImageHandle display = frame.add(Tonemap{}, shown).display;

@@ -62,8 +62,8 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
 using TermImages = std::array<ImageHandle, term_count>;
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   const Reflected& reflected, std::string_view instance = {});
-// Resolves them like beauty and publishes them.
-void publish_terms(Frame& frame, const SceneInputs& scene, const TermImages& terms);
+// Resolves them like beauty, publishes and returns them.
+TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms);
 
 // The layers of fog, in the same way.
 using FogImages = std::array<ImageHandle, 2>;
@@ -71,9 +71,9 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                      std::string_view instance = {});
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
-// From a frame's radiance to what the host gets: resolve, tone mapping, read-back of all outputs and layers that are
-// asked for.
-void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance);
+// From a frame's radiance to what the host gets: resolve, bloom, tone mapping, read-back of all outputs and layers that
+// are asked for. emission: resolved, where the look's bloom is of that alone.
+void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance, ImageHandle emission);
 
 // Shades the opaque and masked surfaces: empty when there are none.
 using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,

@@ -6,7 +6,7 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
                   const Reflected& reflected, std::string_view instance) {
   const auto& [draws, deformed, depth] = surfaces;
   Terms::In in{scene, draws, deformed, lighting.of_opaque(), depth, {}, reflected, {}};
-  for (uint32_t i = 0; i < term_count; ++i) in.wanted[i] = frame.request.has_layer(Terms::layers[i].name);
+  for (uint32_t i = 0; i < term_count; ++i) in.wanted[i] = frame.request.wants_term(Terms::layers[i].name);
   constexpr size_t background = size_t(Term::background);
   if (in.wanted[background]) {
     const std::string behind = instance.empty() ? "term" : fmt::format("{}.term", instance);
@@ -23,13 +23,15 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
   return images;
 }
 
-void publish_terms(Frame& frame, const SceneInputs& scene, const TermImages& terms) {
+TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms) {
   for (uint32_t i = 0; i < term_count; ++i) {
     if (!terms[i]) continue;
     const std::string layer(Terms::layers[i].name);
     const Resolve::In in{terms[i], scene.width_px, scene.height_px, scene.samples};
-    frame.builder.publish(layer, newest(frame.add(Resolve{}, in, layer).resolved, terms[i]));
+    terms[i] = newest(frame.add(Resolve{}, in, layer).resolved, terms[i]);
+    frame.builder.publish(layer, terms[i]);
   }
+  return terms;
 }
 
 }  // namespace candela

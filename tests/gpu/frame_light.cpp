@@ -1,6 +1,7 @@
 #include <numbers>
 
 #include "frame_fixture.h"
+#include "reference/albedo.h"
 
 namespace candela::test {
 namespace {
@@ -172,8 +173,10 @@ TEST_P(FrameBrdf, AgreesWithDoublePrecision) {
       const glm::vec4 p = images["beauty"].at<glm::vec4>(x, y);
       for (int c = 0; c < 3; ++c) {
         const double fresnel = 0.04 + 0.96 * grazing, metal = albedo[c] + (1 - albedo[c]) * grazing;
-        const double dielectric = (1 - fresnel) * albedo[c] / pi + fresnel * d * visibility;
-        const double brdf = (1 - metallic) * dielectric + metallic * metal * d * visibility;
+        const double f0 = metallic * albedo[c] + (1 - metallic) * 0.04;
+        const double specular = reference::specular_gain(glm::dvec3(f0), roughness, nv).x * d * visibility;
+        const double dielectric = (1 - fresnel) * albedo[c] / pi + fresnel * specular;
+        const double brdf = (1 - metallic) * dielectric + metallic * metal * specular;
         const double expected = 20 / glm::dot(to_light, to_light) * nl * brdf;
         EXPECT_NEAR(p[c], expected, 2e-5 * expected) << x << " " << y;
       }

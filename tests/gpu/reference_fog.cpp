@@ -80,9 +80,10 @@ class ReferenceFog : public ReferenceParity {
     return out;
   }
   // Both at side * side samples a pixel, on a grid.
-  static FogPair pair_of(Job job, int fog_steps = 256, int side = 1) {
+  static FogPair pair_of(Job job, int fog_steps = 256, int side = 1, bool lamp_shadows = false) {
     job.settings.push_back({"lights", "floor_lux", "0"});
     job.settings.push_back({"sun", "mode", "off"});
+    if (!lamp_shadows) job.settings.push_back({"shadows", "lights", "0"});
     job.samples = 1;
     job.layers = {"fog", "fog.transmittance"};
     FogPair out;
@@ -97,7 +98,7 @@ class ReferenceFog : public ReferenceParity {
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
     if (!frame) return out;
     reference::TraceSettings settings;
-    settings.visibility = false;
+    settings.visibility = lamp_shadows;
     settings.ambient = reference::Ambient::occlusion;
     settings.fog_steps = fog_steps;
     settings.sampler = {reference::SamplerKind::uniform, side * side, 0};
@@ -144,6 +145,46 @@ TEST_F(ReferenceFog, LayersOfEveryKind) {
     EXPECT_LT(grid.worst_transmittance(), 2e-5) << fog;
     EXPECT_LT(marched.beauty_relmse(), 2e-4) << fog;
   }
+}
+
+// Lamps behind pillars, one inside a wall, and a spot through a gate: shafts of light and of dark in the air. The more
+// points, the nearer to traced light; without maps the lamps shine through.
+TEST_F(ReferenceFog, ShadowsOfLamps) {
+  GltfBuilder b = empty_scene();
+  const int stone = add_material(b, diffuse_material(0.3, 0.3, 0.3));
+  const auto wall = [&](double half, double x, double y, double z, bool across) {
+    Json node = {{"mesh", add_square_mesh(b, float(half), stone)}, {"translation", {x, y, z}}};
+    if (across) node["rotation"] = {0, 0.7071068, 0, 0.7071068};
+    add_node(b, node);
+  };
+  wall(8, 0, 0, -9, false);
+  for (const double x : {-1.6, 0.0, 1.6}) wall(0.4, x, 0.2, -5.5, false);
+  wall(0.8, -1, 0.5, -3, true);
+  wall(0.5, 2.2, -1, -4, false);
+  add_light(b, {{"type", "point"}, {"intensity", 40.0}, {"color", {1, 0.7, 0.3}}}, {{"translation", {0.6, 0.3, -7}}});
+  add_light(b, {{"type", "point"}, {"intensity", 20.0}, {"range", 9.0}}, {{"translation", {-2, 0.6, -3.1}}});
+  add_light(b, {{"type", "point"}, {"intensity", 20.0}}, {{"translation", {3, 2, -9}}});  // within the wall
+  add_light(b,
+            {{"type", "spot"},
+             {"intensity", 150.0},
+             {"range", 12.0},
+             {"color", {0.3, 0.6, 1}},
+             {"spot", {{"innerConeAngle", 0.3}, {"outerConeAngle", 0.4}}}},
+            {{"translation", {2.2, 2.5, -4}}, {"rotation", {-0.7071068, 0, 0, 0.7071068}}});
+  Job job = in_fog(write(b), R"({"extinction": [0.05, 0.06, 0.07], "anisotropy": 0.3})");
+  const auto error = [&](const char* grid, const char* points) {
+    job.settings = {{"fog", "grid", grid}, {"fog", "steps", "256"}, {"fog", "lamp_shadows", points}};
+    const FogPair pair = pair_of(job, 256, 2, true);
+    fmt::print("{}, {} points: relMSE {:.2e}\n", grid, points, pair.relmse());
+    return pair.relmse();
+  };
+  const double shining_through = error("march", "0"), marched = error("march", "1"), coarse = error("32x18x24", "1"),
+               usual = error("128x72x64", "1"), more = error("128x72x64", "4");
+  EXPECT_LT(usual, 0.01);
+  EXPECT_LT(usual, coarse);
+  EXPECT_LT(more, usual * 1.01);
+  EXPECT_LT(marched, 2e-3);
+  EXPECT_GT(shining_through, 20 * usual);
 }
 
 // The goal of the default: a night street of 1,024 lamps in fog, each value of the grid nearer to the truth.

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "gltf_builder.h"
+#include "scene/frame_data.h"
 
 namespace candela::test {
 namespace {
@@ -146,6 +147,51 @@ TEST(GltfScene, LightsBeyondAFloatAreRefused) {
     const Json light = Json::parse(std::string(R"({"name":"Torch","type":"point",)") + member + "}");
     const Expected<Scene> scene = with_light(light).load();
     ASSERT_FALSE(scene) << light;
+    EXPECT_NE(scene.error().text().find("Torch"), std::string::npos) << scene.error().text();
+  }
+}
+
+TEST(GltfScene, LampsHaveASize) {
+  const auto with_size = [](Json light, Json size) {
+    light["name"] = "Torch";
+    light["extensions"]["CANDELA_light_size"] = std::move(size);
+    GltfBuilder b = with_light(light);
+    b.use("CANDELA_light_size", true);
+    return b.load();
+  };
+  const Expected<Scene> point = with_size({{"type", "point"}}, {{"radius", 0.25}}),
+                        spot = with_size({{"type", "spot"}, {"spot", Json::object()}}, {{"radius", 0}}),
+                        without = with_light({{"type", "point"}}).load();
+  ASSERT_TRUE(point && spot && without) << point.error().text();
+  EXPECT_TRUE(point->warnings.empty());
+  EXPECT_EQ(point->extensions[1].support, Support::supported);
+  EXPECT_EQ(point->lights[0].radius_m, 0.25f);
+  EXPECT_EQ(spot->lights[0].radius_m, 0.0f);
+  EXPECT_FALSE(without->lights[0].radius_m);
+  // What says nothing has the radius that the look gives; 0 is said.
+  const auto radius = [](const Scene& scene) {
+    return make_frame_data(scene, evaluate_pose(scene, {}, 0), View{}, 0.5).lights.at(0).radius_m;
+  };
+  EXPECT_EQ(radius(*point), 0.25f);
+  EXPECT_EQ(radius(*spot), 0);
+  EXPECT_EQ(radius(*without), 0.5f);
+  EXPECT_EQ(radius(*with_light({{"type", "directional"}}).load()), 0);
+  struct Wrong {
+    Json light, size;
+    const char* place;
+  };
+  const std::string at = "/extensions/KHR_lights_punctual/lights/0";
+  for (const Wrong& wrong : {Wrong{{{"type", "point"}}, {{"radius", -0.1}}, "/radius"},
+                             {{{"type", "point"}}, {{"radius", 1e39}}, "/radius"},
+                             {{{"type", "point"}}, {{"radius", "1"}}, "/radius"},
+                             {{{"type", "point"}}, Json::object(), ""},
+                             {{{"type", "directional"}}, {{"radius", 1}}, ""}}) {
+    const Expected<Scene> scene = with_size(wrong.light, wrong.size);
+    ASSERT_FALSE(scene) << wrong.light << wrong.size;
+    EXPECT_EQ(scene.error().kind, ErrorKind::input);
+    EXPECT_NE(scene.error().text().find("CANDELA_light_size" + std::string(wrong.place)), std::string::npos)
+        << scene.error().text();
+    EXPECT_NE(scene.error().text().find(at), std::string::npos) << scene.error().text();
     EXPECT_NE(scene.error().text().find("Torch"), std::string::npos) << scene.error().text();
   }
 }

@@ -54,6 +54,26 @@ TEST(Albedo, TheAmbientTermIsTheIntegralOfTheBrdf) {
       }
 }
 
+// With what bounces on between facets a white metal keeps all light, seen from anywhere, and a coloured one is darker
+// than its colour by no more than further bounces take: each multiplies by it once more.
+TEST(Albedo, AMetalKeepsItsLight) {
+  for (const double roughness : {0.3, 0.5, 0.8, 1.0})
+    for (const double degrees : {0.0, 40.0, 70.0, 86.0}) {
+      Surface s;
+      s.normal = s.geometric = {0, 0, 1};
+      s.base_color = {1, 0.5, 0};
+      s.roughness = roughness, s.metallic = 1;
+      const glm::dvec3 v(std::sin(degrees * pi / 180), 0, std::cos(degrees * pi / 180));
+      const glm::dvec3 once = hemisphere_integral(s, v);
+      s.specular_gain = specular_gain(s.base_color, roughness, v.z);
+      const glm::dvec3 all = hemisphere_integral(s, v);
+      EXPECT_NEAR(all.x, 1, 6e-3) << roughness << " " << degrees;
+      EXPECT_GE(all.y, once.y);
+      EXPECT_LE(all.y, once.y + 0.5 * (1 - once.x) + 4e-3) << roughness << " " << degrees;
+      EXPECT_EQ(all.z, once.z);
+    }
+}
+
 // The table against facets integrated in another way, smooth surfaces and grazing angles with them.
 TEST(Albedo, TheTableIsTheIntegralOverFacets) {
   const test::GaussRule rule(32);
@@ -67,6 +87,9 @@ TEST(Albedo, TheTableIsTheIntegralOverFacets) {
       EXPECT_GT(a.scale, 0);
       EXPECT_GE(a.bias, 0);
       EXPECT_LE(a.scale + a.bias, 1 + 1e-4) << roughness << " " << n_v;
+      EXPECT_NEAR(specular_gain(glm::dvec3(1), roughness, n_v).x * (exact.scale + exact.bias), 1,
+                  n_v < 0.02 ? 0.008 : 0.006)
+          << roughness << " " << n_v;
     }
 }
 

@@ -56,6 +56,23 @@ TEST(Look, SaysHowLargeTheSunIs) {
   }
 }
 
+TEST(Look, SaysHowLargeLampsAre) {
+  const auto look = look_from_json(R"({"lights": {"radius_m": 0.05}})", "l.json");
+  ASSERT_TRUE(look) << look.error().text();
+  EXPECT_EQ(look->lights.radius_m, 0.05);
+  EXPECT_EQ(switched_on(*look), std::vector<std::string>{"lamps of a size"});
+  EXPECT_EQ(look_from_json("{}", "l.json")->lights.radius_m, 0);
+  EXPECT_EQ(look_from_json(R"({"lights": {"radius_m": {"keys": [[0, 0], [2, 1]]}}})", "l.json", 1)->lights.radius_m,
+            0.5);
+  for (const char* wrong : {R"({"lights": {"radius_m": -1}})", R"({"lights": {"radius_m": 1e39}})",
+                            R"({"lights": {"radius": 1}})", R"({"lights": 1})"}) {
+    const auto refused = look_from_json(wrong, "l.json");
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().kind, ErrorKind::input);
+    EXPECT_NE(refused.error().text().find("l.json: /lights"), std::string::npos) << refused.error().text();
+  }
+}
+
 TEST(Look, MarksLightsForShadows) {
   const auto marks = look_from_json(R"({"shadows": {"lights": ["a", "b"]}})", "l.json");
   ASSERT_TRUE(marks) << marks.error().text();

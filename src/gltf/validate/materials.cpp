@@ -159,6 +159,9 @@ void check_camera(Document& d, size_t i) {
 
 void check_light(Document& d, const Json& light, size_t i) {
   const std::string path = fmt::format("/extensions/KHR_lights_punctual/lights/{}", i);
+  if (text(light, "type") == "directional" && extension(light, "CANDELA_light_size").is_object())
+    d.findings.fatal("VALUE_NOT_IN_LIST", path + "/extensions/CANDELA_light_size",
+                     "a directional light has no radius in metres; only point and spot lights do");
   if (text(light, "type") != "spot") return;
   const Json& spot = member(light, "spot");
   if (!spot.is_object()) return d.findings.fatal("UNDEFINED_PROPERTY", path, "property 'spot' must be defined");

@@ -50,6 +50,12 @@ const ObjectSchema& light_instances_schema() {
   return schema;
 }
 
+const ObjectSchema& light_size_schema() {
+  static const ObjectSchema schema{"lightSize",
+                                   {{.name = "radius", .shape = Shape::number, .required = true, .lowest = 0}}};
+  return schema;
+}
+
 const ObjectSchema& texture_transform_schema() {
   static const ObjectSchema schema{"textureTransform",
                                    {{.name = "offset", .shape = Shape::numbers, .lengths = {2}},
@@ -184,6 +190,7 @@ const std::vector<ExtensionSchema>& extension_schemas() {
       {"KHR_lights_punctual", "root", &lights_schema()},
       {"KHR_lights_punctual", "node", &node_light_schema()},
       {"CANDELA_light_instances", "node", &light_instances_schema()},
+      {"CANDELA_light_size", "light", &light_size_schema()},
       {"KHR_texture_transform", "textureInfo", &texture_transform_schema()},
       {"KHR_materials_emissive_strength", "material", &emissive_strength_schema()},
       {"KHR_materials_ior", "material", &ior_schema()},

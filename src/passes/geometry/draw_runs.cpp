@@ -107,6 +107,10 @@ void push_lights(CommandList& commands, const SceneInputs& scene, const CellList
     push.suns = commands.address(scene.suns);
     push.sun_maps = commands.sampled(lists->sun_maps);
   }
+  if (lists->lamp_maps) {
+    push.lamps = commands.address(scene.lamps);
+    push.lamp_maps = commands.sampled(lists->lamp_maps);
+  }
 }
 }  // namespace
 
@@ -125,10 +129,6 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
   push_lights(commands, scene, lists, fog, push);
-  if (lists && scene.lights && lists->lamp_maps) {
-    push.lamps = commands.address(scene.lamps);
-    push.lamp_maps = commands.sampled(lists->lamp_maps);
-  }
   if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;

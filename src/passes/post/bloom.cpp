@@ -28,6 +28,8 @@ std::vector<float> weights_of(const Steps& steps, const Bloom& look) {
   return weights;
 }
 
+ImageHandle source_of(const BloomPass::In& in) { return in.look.of_emission ? in.source : in.color; }
+
 double sum_of(const std::vector<double>& weights) {
   double sum = 0;
   for (const double w : weights) sum += w;
@@ -76,10 +78,7 @@ std::vector<std::string> BloomPass::notes(const Report& report) const {
 Need BloomPass::needed(const SceneFacts&, const FrameRequest& request) const {
   if (!request.wants_looked("bloom", request.look.bloom.has_value()))
     return {false, "the look has no bloom (--look, --effects)"};
-  const bool shown = request.want_display && request.view == "beauty";
-  const bool in_beauty = request.look.bloom && request.look.bloom->in_beauty && request.want_linear;
-  return needed_if(shown || in_beauty || request.has_layer("bloom"),
-                   "only display output shows bloom, and none is wanted");
+  return needed_if(request.draws_bloom(), "only display output shows bloom, and none is wanted");
 }
 
 BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
@@ -112,7 +111,7 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
                      : std::vector<SpecConstant>{{0, "IS_FIRST", 1}, {1, "KARIS", uint32_t(knobs.karis)}});
       builder.begin_step();
       if (k == 0) {
-        builder.read(in.color, Access::sampled_compute, "color");
+        builder.read(source_of(in), Access::sampled_compute, "what glows");
         out.report = builder.write(out.report, Access::compute_write);
       } else {
         builder.read(out.down, Access::sampled_compute, "the level before", ImageRange::mip(k - 1));
@@ -143,7 +142,7 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
       pipeline("bloom_convolve.comp",
                k == 0 ? std::vector<SpecConstant>{{2, "COUNTS", 1}} : std::vector<SpecConstant>{});
       builder.begin_step();
-      builder.read(in.color, Access::sampled_compute, "color");
+      builder.read(source_of(in), Access::sampled_compute, "what glows");
       if (k == 0) out.report = builder.write(out.report, Access::compute_write);
       out.down = builder.write(out.down, Access::storage_image_write);
       pipeline("bloom_convolve.comp", k == 0 ? std::vector<SpecConstant>{{0, "ALONG_Y", 1}}
@@ -156,10 +155,13 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
       target = builder.write(target, Access::storage_image_write);
     }
   }
-  pipeline("bloom_composite.comp",
-           in.glow_wanted ? std::vector<SpecConstant>{{0, "HAS_GLOW", 1}} : std::vector<SpecConstant>{});
+  std::vector<SpecConstant> composed;
+  if (in.glow_wanted) composed.push_back({0, "HAS_GLOW", 1});
+  if (in.look.of_emission) composed.push_back({1, "HAS_SOURCE", 1});
+  pipeline("bloom_composite.comp", composed);
   builder.begin_step();
   builder.read(in.color, Access::sampled_compute, "color");
+  if (in.look.of_emission) builder.read(in.source, Access::sampled_compute, "what glows");
   builder.read(out.blurred, Access::sampled_compute, "the blurred levels");
   out.color = builder.write(full("bloomed"), Access::storage_image_write);
   if (in.glow_wanted) {
@@ -191,6 +193,7 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
   } else if (step == composite) {
     shared::BloomCompositePush push{};
     push.color = commands.sampled(in.color);
+    push.source = in.look.of_emission ? commands.sampled(in.source) : 0;
     push.bloom = commands.sampled(out.blurred);
     push.composed = commands.storage(out.color);
     push.glow = out.glow ? commands.storage(out.glow) : 0;
@@ -206,7 +209,7 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     const uint32_t k = step / 2;
     const bool along_y = step % 2 != 0, to_blurred = (steps.convolutions - 1 - k) % 2 == 0;
     shared::BloomConvolvePush push{};
-    push.source = along_y ? commands.sampled(out.down) : commands.sampled(in.color);
+    push.source = along_y ? commands.sampled(out.down) : commands.sampled(source_of(in));
     push.target = commands.storage(!along_y ? out.down : to_blurred ? out.blurred : out.up);
     if (along_y && k > 0) push.sum = commands.sampled(to_blurred ? out.up : out.blurred);
     push.size_px = full;
@@ -218,7 +221,7 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     commands.dispatch(full.x, full.y);
   } else if (step < steps.levels) {
     shared::BloomDownPush push{};
-    push.source = step == 0 ? commands.sampled(in.color) : commands.sampled(out.down);
+    push.source = step == 0 ? commands.sampled(source_of(in)) : commands.sampled(out.down);
     push.target = commands.storage(out.down);
     push.source_px = step == 0 ? full : commands.size(out.down, step - 1);
     push.target_px = commands.size(out.down, step);

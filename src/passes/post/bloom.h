@@ -29,6 +29,7 @@ struct BloomPass {
     Bloom look;
     float exposure = 1;  // from the picture's units to those of the look's threshold
     bool glow_wanted = false;
+    ImageHandle source = {};  // what glows, resolved, where the look says that emission alone does
   };
   struct Out {
     ImageHandle color;

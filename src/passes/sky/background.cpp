@@ -44,9 +44,11 @@ void Background::record(CommandList& commands, const In& in, const Out& out) con
                                          sky.light_entries,
                                          sky.light_tiles,
                                          sky.suns,
+                                         sky.lamps,
                                          {r, g, b, a},
                                          sky.subsample_ndc,
                                          sky.sun_maps,
+                                         sky.lamp_maps,
                                          sky.fog_light});
     commands.set_cull(false, false);
     commands.draw(3);

@@ -11,9 +11,9 @@ namespace candela {
 //   shade_forward (lit): glTF 2.0 metallic-roughness under every punctual light that reaches the point (each pixel
 //   walks its cell's list, or all lights, in light order), plus ambient light and emission. Ambient light of a
 //   sky image is its filtered reflection and irradiance (effect ibl), else spherical harmonics, whose reflections are
-//   as blurred as diffuse light. Leaves wrong: shadows of other lights than those with maps, and light that bounces
-//   more than once between a rough surface's own facets. shade_unlit: KHR_materials_unlit, and lines and points without
-//   normals: base colour goes out as radiance.
+//   as blurred as diffuse light. Light that bounces on between a rough surface's own facets is kept by a factor on its
+//   specular lobe. Leaves wrong: shadows of other lights than those with maps. shade_unlit: KHR_materials_unlit, and
+//   lines and points without normals: base colour goes out as radiance.
 template <bool lit>
 struct SurfacePass {
   static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";

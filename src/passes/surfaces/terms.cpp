@@ -33,7 +33,7 @@ std::string define_of(std::string_view layer) {
 
 Need Terms::needed(const SceneFacts&, const FrameRequest& request) const {
   for (const LayerName& layer : layers)
-    if (request.has_layer(layer.name)) return {};
+    if (request.wants_term(layer.name)) return {};
   return {false, "no term of beauty is wanted (--layers)"};
 }
 

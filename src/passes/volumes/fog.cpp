@@ -64,6 +64,19 @@ std::span<const Knob<FogKnobs>> FogKnobs::table() {
        seen_by,
        {},
        "fog.grid=march"},
+      {"lamp_shadows",
+       &FogKnobs::lamp_shadows,
+       "",
+       0,
+       64,
+       {0, 1, 1, 4},
+       "points of a slice, at least, at which the shadow maps of a lamp are asked; 0: lamps shine through everything "
+       "in "
+       "the air",
+       {},
+       Trades::error,
+       {0, 1, 2, 4},
+       seen_by},
       {"sky_directions",
        &FogKnobs::sky_directions,
        "",
@@ -108,7 +121,8 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   std::string shader = "fog_light.comp";
   if (in.ambient) shader += "#FOG_AMBIENT=1";
-  if (in.lists.sun_maps) shader += "#FOG_SUN=1";
+  const bool lamps = in.lists.lamp_maps && knobs.lamp_shadows > 0;
+  shader += fog_shadows(bool(in.lists.sun_maps), lamps, knobs.lamp_shadows);
   out.scatter = builder.pipeline(ComputePipelineDesc{shader, {}});
   out.sum = builder.pipeline(ComputePipelineDesc{"fog_sum.comp", {}});
   builder.begin_step();
@@ -117,6 +131,10 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
   if (in.lists.sun_maps) {
     builder.read(in.lists.sun_maps, Access::sampled_compute, "the suns' maps");
     builder.read(in.scene.suns, Access::compute_read, "the suns' cascades");
+  }
+  if (lamps) {
+    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the lamps' maps");
+    builder.read(in.scene.lamps, Access::compute_read, "the lamps' tiles");
   }
   out.light = builder.write(out.light, Access::storage_image_write);
   builder.begin_step();
@@ -144,6 +162,10 @@ void FogGrid::record(CommandList& commands, const In& in, const Out& out) const 
   if (in.lists.sun_maps) {
     push.suns = commands.address(in.scene.suns);
     push.sun_maps = commands.sampled(in.lists.sun_maps);
+  }
+  if (in.lists.lamp_maps && knobs.lamp_shadows > 0) {
+    push.lamps = commands.address(in.scene.lamps);
+    push.lamp_maps = commands.sampled(in.lists.lamp_maps);
   }
   push.target = commands.storage(out.light);
   commands.bind(out.scatter);

@@ -10,6 +10,7 @@ struct FogKnobs {
   int grid = 3;             // into fog_grids, or the march
   int last = 0;             // the slice in which a surface stands is followed for itself
   int steps = 128;          // of a march
+  int lamp_shadows = 1;     // points of a slice at which a lamp's maps are asked
   int sky_directions = 16;  // of the transmittance before the sky
   static std::span<const Knob<FogKnobs>> table();
   bool marches() const;
@@ -26,8 +27,8 @@ struct FogKnobs {
 //
 // Transmittance is no part of the grid: it has a closed form (shaders/lib/fog_medium.glsl). Leaves wrong: what lies
 // between rays is interpolated, so that a lamp's glow is as wide as they lie apart; in a slice the cone of a spot, the
-// phase and a lamp's own fog are taken at one point; shadows are those of maps, which lamps do not have; light
-// scattered more than once is lost.
+// phase and a lamp's own fog are taken at one point; shadows are those of maps, asked at few points
+// of a slice, and lamps without maps cast none; light scattered more than once is lost.
 struct FogGrid {
   static constexpr std::string_view name = "fog";
   static constexpr std::string_view effect = "fog";

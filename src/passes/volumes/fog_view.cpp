@@ -8,14 +8,19 @@ bool fog_walks(const CellLists& lists) {
   return lists.fog.light == FogLight::march || (lists.fog.light == FogLight::grid && lists.fog.last);
 }
 
+std::string fog_shadows(bool sun, bool lamps, int lamp_points) {
+  std::string defined = sun ? "#FOG_SUN=1" : "";
+  if (lamps && lamp_points > 0) defined += fmt::format("#FOG_LAMP_SHADOWS={}", lamp_points);
+  return defined;
+}
+
 std::string with_fog(std::string shader, const CellLists& lists) {
   if (!lists.fog) return shader;
   shader += fmt::format("#FOG={}", int(lists.fog.light));
   if (!fog_walks(lists)) return shader;
   if (lists.fog.light == FogLight::grid) shader += "#FOG_LAST=1";
   if (lists.fog.ambient) shader += "#FOG_AMBIENT=1";
-  if (lists.sun_maps) shader += "#FOG_SUN=1";
-  return shader;
+  return shader + fog_shadows(bool(lists.sun_maps), bool(lists.lamp_maps), lists.fog.lamp_points);
 }
 
 void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared) {

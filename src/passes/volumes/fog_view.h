@@ -19,6 +19,7 @@ struct FogView {
   FogLight light = FogLight::no_fog;
   bool ambient = false;  // the sky's light is scattered too
   bool last = false;     // grid: the slice in which a surface stands is followed for itself
+  int lamp_points = 0;   // of a slice, at least, at which a lamp's shadow maps are asked; 0: none
   ImageHandle grid;
   explicit operator bool() const { return light != FogLight::no_fog; }
 };
@@ -26,6 +27,8 @@ struct FogView {
 // A shader's name with the definitions that have it seen through the fog; the name alone in clear air. Definitions and
 // not specialization constants: a frame without fog compiles the source that it would have without this effect.
 std::string with_fog(std::string shader, const CellLists& lists);
+// The same for the maps of suns and lamps that the light in fog is shadowed by.
+std::string fog_shadows(bool sun, bool lamps, int lamp_points);
 // What such a shader reads besides the frame's constants: the grid, and, to walk, lights and shadow maps.
 void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared = false);
 // Whether such a shader walks the lists of lights itself.

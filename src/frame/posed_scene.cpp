@@ -1,0 +1,27 @@
+#include "frame/posed_scene.h"
+
+#include "scene/probe.h"
+
+namespace candela {
+
+Expected<Scene> load_scene(const Job& job, LoadFor use) {
+  auto scene = load_gltf(job.scene, use);
+  if (scene) add_probe(*scene, probe_from_name(job.probe));
+  return scene;
+}
+
+Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m) {
+  const auto animations = choose_animations(scene, job.animation);
+  if (!animations) return std::unexpected(animations.error());
+  PosedScene out;
+  out.pose = evaluate_pose(scene, *animations, time_s);
+  const DAabb bounds = world_bounds(scene, out.pose);
+  auto view = make_view(scene, out.pose, job.camera, job.width_px, job.height_px, bounds);
+  if (!view) return std::unexpected(view.error());
+  out.view = std::move(*view);
+  place_probe(scene, out.pose, out.view, bounds);
+  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m);
+  return out;
+}
+
+}  // namespace candela

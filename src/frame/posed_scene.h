@@ -1,0 +1,20 @@
+#pragma once
+#include "frame/job.h"
+#include "gltf/gltf.h"
+#include "scene/frame_data.h"
+
+namespace candela {
+
+// The job's scene, with its probe.
+Expected<Scene> load_scene(const Job& job, LoadFor use = LoadFor::raster);
+
+// A scene at one time, seen as the job asks.
+struct PosedScene {
+  Pose pose;
+  View view;
+  FrameData data;
+};
+// lamp_radius_m: of lamps that say nothing of their own size.
+Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0);
+
+}  // namespace candela

@@ -19,16 +19,16 @@ struct ReflectionsDownPush {
 struct ReflectionsTracePush {
   ReflectedSurfaces at;
   uint colors, light;
-  uvec2 texels;         // size of the picture in texels
-  vec2 subsample_ndc;   // by which this sample lies off the pixel's middle
-  vec2 colors_px;       // of the pyramid's first level
+  uvec2 texels;        // size of the picture in texels
+  vec2 subsample_ndc;  // by which this sample lies off the pixel's middle
+  vec2 colors_px;      // of the pyramid's first level
   float last_level;
-  int samples, steps;   // steps: 0 every pixel
-  float thickness;      // parts of the distance
-  float fade;           // parts of the picture's size
+  int samples, steps;  // steps: 0 every pixel
+  float thickness;     // parts of the distance
+  float fade;          // parts of the picture's size
   float roughest;
-  uint first, of;       // of a supersampled frame: which samples are its own
-  uvec2 pattern;        // by which the pattern of 4 by 4 texels is moved
+  uint first, of;  // of a supersampled frame: which samples are its own
+  uvec2 pattern;   // by which the pattern of 4 by 4 texels is moved
 };
 struct ReflectionsSmoothPush {
   ReflectedSurfaces at;

@@ -33,7 +33,7 @@ struct SceneInputs {
   bool is_subsample = false;
   glm::vec2 subsample_ndc{0};
   float subsample_footprint = 1;
-  uint32_t subsample = 0, subsamples = 1;  // which of how many
+  uint32_t subsample = 0, subsamples = 1;       // which of how many
   std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed
 };
 

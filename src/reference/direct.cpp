@@ -169,9 +169,9 @@ glm::dvec3 Integrator::surface_light(const Surface& s, const SurfacePoint& point
   TermSample* const wanted = terms ? &parts : nullptr;
   glm::dvec3 ambient(0);
   if (world_.sky() && settings_.ambient != Ambient::off) {
-    ambient =
-        s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream, wanted, lobe)
-                                                            : occluded_ambient(s, point, v, stream, wanted, lobe));
+    const glm::dvec3 sky = settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream, wanted, lobe)
+                                                                : occluded_ambient(s, point, v, stream, wanted, lobe);
+    ambient = s.occlusion * sky;
     if (terms) terms->add(parts, glm::dvec3(s.occlusion));
   }
   return punctual(s, point, v, stream, terms) + ambient;

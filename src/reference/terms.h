@@ -14,8 +14,8 @@ namespace candela::reference {
 // direct: light of the punctual lights, by their kind, with visibility. ambient: the sky's light, by the lobe that
 // reflects it. emission: what surfaces give off that the camera sees, unlit ones their colour. background: sky or
 // background behind everything. reflections: of direct with a look that has them, the light of opaque surfaces that
-// others mirror; the sky's specular light is then that of the directions where there is none. indirect: what path adds to direct: light that met another surface or fog on its way,
-// and light of emissive surfaces.
+// others mirror; the sky's specular light is then that of the directions where there is none. indirect: what path adds
+// to direct: light that met another surface or fog on its way, and light of emissive surfaces.
 enum class Term : uint8_t {
   direct_sun,
   direct_point,

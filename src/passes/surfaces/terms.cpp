@@ -63,7 +63,8 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
       if (in.wanted[size_t(term)])
         terms += fmt::format("#{}={}", define_of(layers[size_t(term)].name),
                              std::count(in.wanted.begin(), in.wanted.begin() + size_t(term), true));
-    out.reflected = declare_reflected(builder, in.scene, in.reflected, in.depth, choice.desc.color_formats, tested, terms);
+    out.reflected =
+        declare_reflected(builder, in.scene, in.reflected, in.depth, choice.desc.color_formats, tested, terms);
   }
   out.opaque = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);

@@ -24,16 +24,16 @@ inline constexpr uint32_t term_count = 8;
 static_assert(term_count <= 8, "lavapipe 25.0.7 ends the program at more than eight colour attachments");
 
 // Beauty by its terms: the light of directional, point and spot lights, ambient light by the lobe that reflects it,
-// emission (of unlit surfaces their colour), what lies behind everything, and what surfaces reflect of each other, which
-// is taken from the sky's specular light. Surfaces are shaded again, at the samples
-// of beauty and against its depth (EQUAL), into images of their own, and blended surfaces composite over each term as
-// they do over beauty: premultiplied, in the same order. So no bit of beauty changes, and the terms sum to it up to the
-// rounding of 32-bit sums. Units: as beauty. Costs about another frame; leaves wrong what beauty does.
+// emission (of unlit surfaces their colour), what lies behind everything, and what surfaces reflect of each other,
+// which is taken from the sky's specular light. Surfaces are shaded again, at the samples of beauty and against its
+// depth (EQUAL), into images of their own, and blended surfaces composite over each term as they do over beauty:
+// premultiplied, in the same order. So no bit of beauty changes, and the terms sum to it up to the rounding of 32-bit
+// sums. Units: as beauty. Costs about another frame; leaves wrong what beauty does.
 struct Terms {
   static constexpr std::string_view name = "terms";
   static constexpr LayerName layers[term_count] = {{"direct.sun"},      {"direct.point"},     {"direct.spot"},
                                                    {"ambient.diffuse"}, {"ambient.specular"}, {"emission"},
-                                                   {"background"},       {"reflections"}};
+                                                   {"background"},      {"reflections"}};
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>;
   struct In {
     SceneInputs scene;

@@ -22,6 +22,7 @@
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
+#include "passes/reflections/reflections.h"
 #include "passes/shadows/lamp_layers.h"
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
@@ -49,9 +50,9 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses =
     PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
-             LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Transparent,
-             Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, Supersample, Resolve,
-             VolumetricLight, Exposure, BloomPass, Tonemap, Readback, Dump>;
+             LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
+             ReflectionsOver, Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -61,13 +61,26 @@ class Integrator {
   // `terms` may be null in all of these.
   glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                       TermSample* terms) const;
+  // A direction of a surface's specular lobe, by the normals that the viewer sees, and what it meets.
+  struct Lobe {
+    glm::dvec3 l{0}, weight{0};  // BRDF times cosine over density
+    std::optional<Hit> hit;
+  };
+  Lobe specular_lobe(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 u) const;
+  // The light of what it meets, as that looks under lights and sky.
+  glm::dvec3 reflected(const Lobe& lobe, const Surface& s, const SurfacePoint& point, SampleStream& stream) const;
+  // The nearest opaque or masked surface; blended ones are not there for reflections.
+  std::optional<Hit> reflecting_hit(const SurfacePoint& from, glm::dvec3 l) const;
+  // lobe: of surfaces that reflect others: where something is met there, no light of the sky comes from.
+  glm::dvec3 surface_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                           TermSample* terms, const Lobe* lobe) const;
   // Lights of a size by way of a direction that the BRDF chose.
   glm::dvec3 sized_by_brdf(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream stream,
                            TermSample* terms) const;
   glm::dvec3 traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
-                            TermSample* terms) const;
+                            TermSample* terms, const Lobe* lobe) const;
   glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
-                              TermSample* terms) const;
+                              TermSample* terms, const Lobe* lobe) const;
   // TermSample::shadow of one surface.
   double sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
   // TermSample::occlusion of one surface.

@@ -35,6 +35,7 @@ struct WorldInput {
   std::vector<Fog> more_fog{};  // media beside the first
   std::optional<Volumetric> volumetric{};
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
+  bool reflections = false;              // in direct, opaque surfaces reflect each other; path knows nothing else
   double sun_radius_rad = 0;             // of every directional light's disc in the sky; 0: points, with hard shadows
 };
 
@@ -67,6 +68,7 @@ class World {
   bool has_blend() const { return has_blend_; }
   const std::vector<Medium>& media() const { return media_; }  // whose sum the air is; none: clear air
   const std::optional<Volumetric>& volumetric() const { return input_.volumetric; }
+  bool has_reflections() const { return input_.reflections; }
   bool has_near_occlusion() const { return input_.occlusion.has_value(); }
   Occlusion occlusion() const { return input_.occlusion.value_or(Occlusion{}); }
   // What fog leaves of light over a distance in unit direction l, colour by colour; 1 in clear air.

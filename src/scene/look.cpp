@@ -83,6 +83,23 @@ Row<Look> occlusion_row() {
       "how surfaces near a point hide the sky from it");
 }
 
+// An empty object, or one with nothing but "scene": whether they are there.
+struct ReflectionKeys {
+  bool scene = true;
+};
+Row<Look> reflections_row() {
+  return object_row<Look, ReflectionKeys>(
+      "reflections",
+      {flag_row<ReflectionKeys>("scene", &ReflectionKeys::scene,
+                                "whether surfaces reflect each other; true where it is not said")},
+      [](Look&) { return ReflectionKeys{}; },
+      [](const Json&, const std::string&, ReflectionKeys& keys, Look& look) -> Expected<void> {
+        if (keys.scene) look.reflections = ReflectionLook{};
+        return {};
+      },
+      "what surfaces reflect beside the sky");
+}
+
 Row<Bloom> weights_row() {
   static constexpr size_t most_levels = 12;
   LookKey key = key_of("weights", LookKey::Kind::numbers, from_zero(), "of the levels, finest first");
@@ -311,8 +328,9 @@ Row<Look> shadows_row() {
 }
 
 const Rows<Look>& look_table() {
-  static const Rows<Look> rows = {fog_row(),       sun_row(),      lights_row(), sky_row(),     bloom_row(),
-                                  occlusion_row(), exposure_row(), tone_row(),   shadows_row(), volumetric_row()};
+  static const Rows<Look> rows = {fog_row(),     sun_row(),        lights_row(),     sky_row(),
+                                  bloom_row(),   occlusion_row(),  exposure_row(),   tone_row(),
+                                  shadows_row(), volumetric_row(), reflections_row()};
   return rows;
 }
 
@@ -355,6 +373,7 @@ std::vector<std::string> switched_on(const Look& look) {
   add(sky.extract_sun, "the sky image's sun as a light");
   add(look.bloom.has_value(), "bloom");
   add(look.occlusion.has_value(), "occlusion");
+  add(look.reflections.has_value(), "reflections");
   add(!look.shadows.lights.empty(), "lights marked for shadows");
   add(look.exposure.ev.has_value(), "exposure");
   add(look.exposure.automatic.has_value(), "automatic exposure");

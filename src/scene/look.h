@@ -146,6 +146,10 @@ struct Volumetric {
   bool by_attenuation = false;  // C
 };
 
+// Opaque and masked surfaces reflect each other: where a direction of the specular lobe meets one, its own light comes
+// from there, that of lamps and sky alone, in the place of the sky's. One reflection.
+struct ReflectionLook {};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
@@ -155,6 +159,7 @@ struct Look {
   LampLook lights;
   SkyLook sky;
   std::optional<Occlusion> occlusion;
+  std::optional<ReflectionLook> reflections;  // absent: surfaces reflect the sky alone
   ExposureLook exposure;
   ToneMapping tone_mapping;
   ShadowLook shadows;

@@ -64,6 +64,7 @@ struct FrameRequest {
     return effects == "auto" ? in_look : names_effect(effect);
   }
   bool names_effect(std::string_view effect) const;
+  bool draws_reflections() const { return wants_looked("ssr", look.reflections.has_value()); }
   // Bloom is wanted, and something that shows it.
   bool draws_bloom() const {
     const bool in_look = look.bloom.has_value(), shown = want_display && view == "beauty";

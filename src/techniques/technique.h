@@ -45,10 +45,14 @@ OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageH
 // Whether shading takes it; it may be made for its layer alone.
 bool shades_occluded(const Frame& frame);
 
-// Everything that is not an opaque or masked surface, over and behind them, in order. `shaded` may be empty. Returns
-// linear radiance with premultiplied alpha, multisampled where the request is.
-ImageHandle composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                      ImageHandle shaded, std::string_view instance = {});
+// Everything that is not an opaque or masked surface, over and behind them, in order, and what the surfaces reflect of
+// each other. `shaded` may be empty.
+struct Composite {
+  ImageHandle radiance;  // linear, with premultiplied alpha, multisampled where the request is
+  Reflected reflected;   // empty: surfaces reflect the sky alone
+};
+Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                    ImageHandle shaded, std::string_view instance = {});
 
 // Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
@@ -57,7 +61,7 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
 // Beauty's terms (passes/surfaces/terms.h) as composite() would have them, as far as layers ask for them.
 using TermImages = std::array<ImageHandle, term_count>;
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                  std::string_view instance = {});
+                  const Reflected& reflected, std::string_view instance = {});
 // Resolves them like beauty, publishes and returns them.
 TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms);
 

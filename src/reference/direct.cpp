@@ -181,13 +181,20 @@ glm::dvec3 Integrator::surface_light(const Surface& s, const SurfacePoint& point
 }
 
 Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v,
-                                             glm::dvec2 on_disc, double probability) const {
+                                             glm::dvec2 on_disc, double probability, const LampRays* rays) const {
   const Arrival a = arriving(light, s.position, on_disc);
   if (a.illuminance == glm::dvec3(0)) return {};
   const bool sized = a.pdf > 0;  // then mirrors find it by themselves
   const glm::dvec3 f = evaluate_bsdf(s, a.l, v, !sized);
-  if (!sized || f == glm::dvec3(0)) return {a.illuminance * f, a.l, a.distance_m, {}};
-  const double w = weight(probability * a.pdf, bsdf_pdf(s, a.l, v), Strategy::light);
+  if (f == glm::dvec3(0)) return {};
+  const double by_rays = rays ? lamp_rays(*rays->from, s.position, s.geometric, rays->lamp, a.l) : 0;
+  double w = 1;
+  if (by_rays > 0) {
+    const double own = probability * (sized ? a.pdf : 1), other = sized ? bsdf_pdf(s, a.l, v) : 0;
+    w = 1 / (1 + (by_rays / own) * (by_rays / own) + (other / own) * (other / own));
+  } else if (sized) {
+    w = weight(probability * a.pdf, bsdf_pdf(s, a.l, v), Strategy::light);
+  }
   return {a.illuminance * f * w, a.l, a.distance_m, {}};
 }
 

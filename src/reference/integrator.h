@@ -25,8 +25,9 @@ struct TraceSettings {
   Ambient ambient = Ambient::traced;
   double ambient_distance_m =
       std::numeric_limits<double>::infinity();  // direct: what is farther off does not occlude the sky
-  double lifted = 0;     // direct: points are lit as if they stood this part of their distance above their surface
-  int most_bounces = 0;  // path: 0 as many as Russian roulette leaves
+  double lifted = 0;      // direct: points are lit as if they stood this part of their distance above their surface
+  int most_bounces = 0;   // path: 0 as many as Russian roulette leaves
+  bool lamp_rays = true;  // path: bounces are made from lamps as well (lamp_paths.cpp); else for tests
   Strategy strategy = Strategy::both;
   int fog_steps = 16;  // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
 };
@@ -107,14 +108,27 @@ class Integrator {
    private:
     double weight_ = 0, total_ = 0;
   };
-  // probability: with which the light was chosen, for the weight against the BRDF; the offer is not divided by it.
+  // Where a path left for its next surface, and the density of the direction that it went on in, 1/sr; 0: nothing else
+  // could have chosen it. joined: bounces from there are made from lamps as well.
+  struct Departure {
+    glm::dvec3 position{0}, normal{0};
+    double density = 0;
+    bool joined = false;
+  };
+  struct LampRays {
+    const Departure* from;
+    uint32_t lamp;  // into World::tree_punctual()
+  };
+  // probability: with which the light was chosen, for the weight against the other ways to meet it: the BRDF's where it
+  // has a size, and rays that leave it (null: there are none). The offer is not divided by the probability.
   Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc,
-                       double probability = 1) const;
+                       double probability = 1, const LampRays* rays = nullptr) const;
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   // terms: only with `every`.
+  // from: where the path came from; null: bounces from there are not made from lamps as well.
   glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream,
-                        TermSample* terms) const;
+                        TermSample* terms, const Departure* from) const;
   // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces
   // in front leave `share`, and returns the transmittance from the camera to the span's end.
   glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
@@ -140,16 +154,18 @@ class Integrator {
   glm::dvec3 radiance_of(const EmissivePoint& p) const;
   SurfacePoint surface_of(const EmissivePoint& p) const;
   double weight(double this_pdf, double other_pdf, Strategy own) const;
-  // The last place of a path where light was gathered, and the density of the direction that it went on in, 1/sr; 0:
-  // nothing else could have chosen it.
-  struct Departure {
-    glm::dvec3 position{0}, normal{0};
-    double density = 0;
-  };
   // path: what the lamps with a radius that the ray meets between two distances give. `left`: of their light, at a
   // distance.
+  // `came`: how the path came to the surface that it left; geometric: of that surface.
   template <class Left, class Gain>
-  void meet_lamps(const Departure& from, glm::dvec3 direction, Span between, Left&& left, Gain&& gain) const;
+  void meet_lamps(const Departure& from, const Departure& came, glm::dvec3 geometric, glm::dvec3 direction,
+                  Span between, Left&& left, Gain&& gain) const;
+  bool joins_lamps(int bounce) const;  // whether bounces from a surface are made from lamps as well
+  // lamp_paths.cpp: light of a lamp by way of another surface, which a ray from the lamp finds.
+  glm::dvec3 by_lamp_rays(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream stream) const;
+  // How often that makes the path from `from` by way of this surface to the lamp, its light coming from l, over how
+  // often the path's own bounce came to the surface.
+  double lamp_rays(const Departure& from, glm::dvec3 position, glm::dvec3 geometric, uint32_t lamp, glm::dvec3 l) const;
   static bool survives(double u, int bounce, glm::dvec3& through, double compressed = 1);  // Russian roulette
 
   // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and
@@ -172,6 +188,9 @@ class Integrator {
   TraceSettings settings_;
   int width_px_, height_px_;
 };
+
+// The normal by which lights are chosen: glass is lit from either side.
+inline glm::dvec3 lit_side(const Surface& s) { return s.glass ? glm::dvec3(0) : s.normal; }
 
 // A sky of spherical harmonics, as they are for diffuse light, in direction n; every band times its factor.
 glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band = glm::dvec3(1));

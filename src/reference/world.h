@@ -84,6 +84,8 @@ class World {
   // The surface at a hit of the ray (origin, direction), seen along it. The barycentrics are made anew in double from
   // the corners.
   Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
+  // The same seen from a point on either side.
+  Surface surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const;
   // The same at given barycentrics (weights of the second and third corner), seen from `to_viewer` (unit).
   Surface surface_at(uint32_t item, uint32_t primitive, glm::dvec2 barycentrics, bool back, glm::dvec3 to_viewer) const;
   double coverage(const Hit& hit) const;  // 1 opaque, 0 a hole
@@ -98,6 +100,7 @@ class World {
   int emissive_of(uint32_t item, uint32_t primitive) const;  // into emissive(), -1: not chosen as a light
   // Lights of the tree: point and spot lights first (indices into tree_punctual()), then emissive triangles.
   const LightTree& light_tree() const { return tree_; }
+  const LightTree& lamp_tree() const { return lamp_tree_; }  // the same without the triangles
   const std::vector<uint32_t>& tree_punctual() const { return tree_punctual_; }
   const std::vector<uint32_t>& directional() const { return directional_; }
   bool has_sized_lights() const { return has_sized_lights_; }  // suns with a disc, lamps with a radius
@@ -146,7 +149,7 @@ class World {
   std::vector<uint32_t> tree_punctual_, directional_;
   std::vector<EmissiveTriangle> emissive_;
   std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle
-  LightTree tree_;
+  LightTree tree_, lamp_tree_;
   bool has_blend_ = false, has_glass_ = false, has_sized_lights_ = false;
 };
 

@@ -12,6 +12,7 @@ import math
 import pathlib
 import shutil
 import struct
+import subprocess
 
 NITS = [18.4, 15.6, 8.0]
 WHITE, RED, GREEN = [0.74, 0.73, 0.70], [0.61, 0.06, 0.05], [0.12, 0.45, 0.10]
@@ -145,7 +146,113 @@ def truck(file, assets, lights):
     file.write_text(json.dumps(gltf, indent=1))
 
 
-def write_scenes(folder, assets):
+def rotated(q, p):
+    x, y, z, w = q
+    tx, ty, tz = 2 * (y * p[2] - z * p[1]), 2 * (z * p[0] - x * p[2]), 2 * (x * p[1] - y * p[0])
+    return [p[0] + w * tx + y * tz - z * ty, p[1] + w * ty + z * tx - x * tz, p[2] + w * tz + x * ty - y * tx]
+
+
+def multiplied(a, b):
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return [aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx, aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz]
+
+
+class Place:
+    """Scale, then rotation, then translation; scales are alike along all axes wherever something is turned below them."""
+
+    def __init__(self, t=(0, 0, 0), r=(0, 0, 0, 1), s=(1, 1, 1)):
+        self.t, self.r, self.s = list(t), list(r), list(s)
+
+    def point(self, p):
+        return [a + b for a, b in zip(rotated(self.r, [x * y for x, y in zip(p, self.s)]), self.t)]
+
+    def within(self, t, r, s):
+        return Place(self.point(t), multiplied(self.r, r), [a * b for a, b in zip(self.s, s)])
+
+
+class Glb:
+    def __init__(self, file):
+        data = file.read_bytes()
+        length = struct.unpack("<I", data[12:16])[0]
+        self.json = json.loads(data[20:20 + length])
+        self.binary = data[20 + length + 8:]
+
+    def read(self, accessor):
+        a = self.json["accessors"][accessor]
+        view = self.json["bufferViews"][a["bufferView"]]
+        kind, size = {5121: ("B", 1), 5123: ("H", 2), 5125: ("I", 4), 5126: ("f", 4)}[a["componentType"]]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[a["type"]]
+        stride = view.get("byteStride", width * size)
+        start = view.get("byteOffset", 0) + a.get("byteOffset", 0)
+        scale = {5121: 255, 5123: 65535}.get(a["componentType"], 1) if a.get("normalized") else 1
+        return [[x / scale if scale != 1 else x for x in struct.unpack_from(f"<{width}{kind}", self.binary, start + i * stride)]
+                for i in range(a["count"])]
+
+
+def city(file, candela, lights):
+    """`make-scene street` as both can read it: instances made triangles, vertex colours materials, windows dark, every lamp a point without
+    range - a spot one of the same flux, about - so that nothing but the transport differs."""
+    glb_file = file.with_suffix(".glb")
+    subprocess.run([candela, "make-scene", "street", "--lights", str(lights), "-o", str(glb_file), "--quiet"], check=True)
+    source = Glb(glb_file)
+    j = source.json
+    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{}], "materials": []}
+    triangles, lamps = {}, []
+
+    def add_mesh(mesh, place):
+        for primitive in j["meshes"][mesh]["primitives"]:
+            attributes = primitive["attributes"]
+            points = [place.point(p) for p in source.read(attributes["POSITION"])]
+            colors = source.read(attributes["COLOR_0"])
+            index = [i[0] for i in source.read(primitive["indices"])]
+            for k in range(0, len(index), 3):
+                color = tuple(round(min(x, 0.8), 1) for x in colors[index[k]][:3])
+                triangles.setdefault(color, []).append([points[i] for i in index[k:k + 3]])
+
+    def add_lamps(use, place):
+        light = j["extensions"]["KHR_lights_punctual"]["lights"][use["light"]]
+        attributes = {name: source.read(accessor) for name, accessor in use["attributes"].items()}
+        share = (1 - math.cos(light["spot"]["outerConeAngle"])) / 2 if light["type"] == "spot" else 1
+        for i, at in enumerate(attributes["TRANSLATION"]):
+            color = [a * b for a, b in zip(light.get("color", [1, 1, 1]), attributes["COLOR"][i] if "COLOR" in attributes else [1, 1, 1])]
+            lamps.append((place.point(at), color, light.get("intensity", 1) * attributes["INTENSITY"][i][0] * share))
+
+    def visit(index, parent):
+        node = j["nodes"][index]
+        place = parent.within(node.get("translation", [0, 0, 0]), node.get("rotation", [0, 0, 0, 1]), node.get("scale", [1, 1, 1]))
+        extensions = node.get("extensions", {})
+        if "CANDELA_light_instances" in extensions:
+            add_lamps(extensions["CANDELA_light_instances"], place)
+        if "camera" in node:
+            add_camera(gltf, j["cameras"][node["camera"]]["perspective"]["yfov"], translation=place.t, rotation=place.r)
+        if "mesh" in node:
+            instances = extensions.get("EXT_mesh_gpu_instancing")
+            if not instances:
+                add_mesh(node["mesh"], place)
+            else:
+                a = {name: source.read(accessor) for name, accessor in instances["attributes"].items()}
+                for i in range(len(next(iter(a.values())))):
+                    add_mesh(node["mesh"], place.within(*(a[k][i] if k in a else d for k, d in (
+                        ("TRANSLATION", [0, 0, 0]), ("ROTATION", [0, 0, 0, 1]), ("SCALE", [1, 1, 1])))))
+        for child in node.get("children", []):
+            visit(child, place)
+
+    for root in j["scenes"][0]["nodes"]:
+        visit(root, Place())
+    for color, group in sorted(triangles.items()):
+        gltf["materials"].append({**diffuse(f"paint {len(gltf['materials'])}", color), "doubleSided": True})
+        add_triangles(gltf, gltf["materials"][-1]["name"], group, len(gltf["materials"]) - 1)
+    gltf["extensions"] = {"KHR_lights_punctual": {"lights": [
+        {"type": "point", "color": c, "intensity": i} for _, c, i in lamps]}}
+    for i, (at, _, _) in enumerate(lamps):
+        add_node(gltf, {"name": f"lamp {i}", "translation": at, "extensions": {"KHR_lights_punctual": {"light": i}}})
+    uses(gltf, "KHR_materials_specular", "KHR_lights_punctual")
+    file.write_text(json.dumps(gltf))
+
+
+def write_scenes(folder, assets, candela=None):
     """Writes all; {name: {file, size, sky, text}}. Without the assets' folder only those that need none of it."""
     folder.mkdir(parents=True, exist_ok=True)
     assets = pathlib.Path(assets)
@@ -160,6 +267,9 @@ def write_scenes(folder, assets):
         truck(folder / "truck-sky.gltf", assets, False)
         scenes["truck-lights"] = {"size": "192x144", "text": "CesiumMilkTruck made diffuse, on a ground, under a sun and two points"}
         scenes["truck-sky"] = {"size": "192x144", "sky": str(assets / "env/city.exr"), "text": "the same under an HDR environment alone"}
+    for lights in (64, 1024) if candela else ():
+        city(folder / f"city-{lights}.gltf", candela, lights)
+        scenes[f"city-{lights}"] = {"size": "192x108", "text": f"make-scene street, {lights} lights, all points, diffuse, no emission"}
     for name, scene in scenes.items():
         scene["file"] = str(folder / f"{name}.gltf")
     return scenes

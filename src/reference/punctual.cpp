@@ -99,7 +99,7 @@ std::optional<Arrival> light_in(const PunctualLight& light, glm::dvec3 position,
   // By the difference of the unit vectors: 1 - cos without its cancellation.
   const glm::dvec3 aside = l - cap.axis;
   const double down = glm::dot(aside, aside) / 2;
-  if (!(down < cap.height)) return std::nullopt;
+  if (cap.height < 2 && !(down < cap.height)) return std::nullopt;
   Arrival a{cap.illuminance, l, cap.centre_m, cap.pdf()};
   if (light.radius_m > 0) a.distance_m = surface_distance(light, cap, 1 - down, down * (2 - down));
   return a;

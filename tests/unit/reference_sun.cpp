@@ -78,9 +78,10 @@ TEST(Sun, ADiscKeepsTheEnergyOfAPoint) {
     for (const double degrees : {0.0, 0.2666, 5.0, 30.0}) {
       const auto t = world_with(floor_under_the_sun(tilt), camera, degrees * pi / 180);
       for (const Mode mode : {Mode::direct, Mode::path}) {
-        const Film film = traced(*t, mode == Mode::path ? path_settings(1) : TraceSettings{}, camera, 64);
+        const Film film = traced(*t, mode == Mode::path ? path_settings(1) : TraceSettings{}, camera, 256);
         const double expected = lux * std::cos(tilt) / pi;
-        EXPECT_NEAR(mean_of(film).mean, expected, 3e-4 * expected) << tilt << " " << degrees;
+        // Two ways to find a disc that is large: not as even as one.
+        EXPECT_NEAR(mean_of(film).mean, expected, (degrees > 10 ? 6e-4 : 3e-4) * expected) << tilt << " " << degrees;
       }
     }
 }

@@ -17,9 +17,9 @@ struct VolumetricMarchPush {
   uint64_t lights, light_cells, light_entries, light_tiles, lamps;
   uint lamp_maps, depth, target;
   uvec2 texels;
-  uint texel_px, rule;       // rule: which of a texel's depths it follows
-  uint samples, bayer;       // bayer: side of the matrix of offsets
-  float farthest_m;          // of a ray: no lamp reaches beyond
+  uint texel_px, rule;  // rule: which of a texel's depths it follows
+  uint samples, bayer;  // bayer: side of the matrix of offsets
+  float farthest_m;     // of a ray: no lamp reaches beyond
   float phi, tau, anisotropy;
   uint formula;
 };

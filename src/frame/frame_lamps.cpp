@@ -15,7 +15,8 @@ constexpr uint32_t usual_layer_px = 2048;
 
 std::string why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs) {
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
-  if (facts.lit_items + facts.blend_lit_items == 0 && !request.draws_fog() && !request.draws_volumetric()) return "nothing that is drawn takes light";
+  if (facts.lit_items + facts.blend_lit_items == 0 && !request.draws_fog() && !request.draws_volumetric())
+    return "nothing that is drawn takes light";
   if (facts.opaque_items + facts.mask_items == 0) return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
   if (request.neutral_light) return "the neutral light casts no shadows";

@@ -61,10 +61,14 @@ void make_cave(GlbWriter& out, SceneOptions& options) {
   const Paint rock{out.material("rock", stone)};
   MeshKit kit;
   add_walls(kit, rock);
-  // Columns from floor to ceiling, before the lamps as the camera sees them.
-  const glm::dvec3 columns[] = {{-0.75, 0, -7.2}, {0.95, 0, -8.2}, {0.2, 0, -9.4}, {-1.75, 0, -5.0}, {1.9, 0, -4.1}};
-  for (const glm::dvec3& c : columns)
-    add_stone(kit, rock, {c.x, -4, c.z}, 8, 0.2 + 0.08 * options.rng.uniform(0, 1), true);
+  // Columns from floor to ceiling: two near, and a fan about the farthest lamp, through whose gaps its light falls.
+  for (const glm::dvec3& at : {glm::dvec3(-1.75, 0, -5.0), glm::dvec3(1.9, 0, -4.1)})
+    add_stone(kit, rock, {at.x, -4, at.z}, 8, 0.22 + 0.08 * options.rng.uniform(0, 1), true);
+  for (int i = 0; i < 7; ++i) {
+    const double turn = (i - 3) * 0.42 + 0.1, away_m = 1.15 + 0.3 * options.rng.uniform(0, 1);
+    add_stone(kit, rock, {0.1 + away_m * std::sin(turn), -4, -9.6 + away_m * std::cos(turn)}, 8,
+              0.16 + 0.1 * options.rng.uniform(0, 1), true);
+  }
   // Hanging and standing stones along the walls.
   for (int i = 0; i < 56; ++i) {
     const double z = options.rng.uniform(end_m + 3, begin_m - 4.5), x = options.rng.uniform(-2.5, 2.5);
@@ -80,11 +84,11 @@ void make_cave(GlbWriter& out, SceneOptions& options) {
   const struct {
     glm::dvec3 at, color;
     double candela;
-  } lamps[] = {{{0.1, 0.35, -11.2}, {1.0, 0.58, 0.22}, 150},
-               {{-2.2, 0.7, -5.9}, {0.15, 0.75, 1.0}, 60},
-               {{2.25, -0.35, -5.2}, {0.95, 0.2, 0.65}, 48}};
+  } lamps[] = {{{0.1, 0.35, -9.6}, {1.0, 0.58, 0.22}, 220},
+               {{-2.2, 0.7, -5.9}, {0.1, 0.6, 1.0}, 40},
+               {{2.25, -0.35, -5.2}, {0.95, 0.15, 0.5}, 30}};
   for (const auto& lamp : lamps) add_point_light(out, lamp.at, lamp.color, lamp.candela);
-  out.camera_node({0, -0.35, 2.6}, {0, -0.05, -6}, 0.95);
+  out.camera_node({0.5, -0.6, 1.2}, {-0.05, 0.15, -7}, 1.0);
 }
 
 }  // namespace candela

@@ -45,7 +45,7 @@ TEST_F(ReferenceVolumetric, TheCaveUpTheLadders) {
   const std::string path = ::testing::TempDir() + "candela_volumetric_cave.glb";
   ASSERT_TRUE(make_scene("cave", 1, 0, path));
   for (const char* formula : {"extinction", "attenuation"}) {
-    Job job = job_for(path, 96, 54);
+    Job job = job_for(path, 128, 72);
     job.settings = {{"lights", "floor_lux", "0"}, {"shadows", "size_px", "2048"}};
     job.look =
         look_file(fmt::format(R"({{"volumetric": {{"tau": 0.04, "anisotropy": 0.2, "formula": "{}"}}}})", formula));
@@ -62,15 +62,18 @@ TEST_F(ReferenceVolumetric, TheCaveUpTheLadders) {
     const double exact = error("exact", {full, many, raw, even}), few = error("8 samples", {full, raw, samples("8")}),
                  some = error("50 samples", {full, raw, samples("50")}), half = error("half", {many, raw, even}),
                  usual = error("default", {}), gauss = error("gauss", {{"volumetric", "filter", "gauss"}}),
+                 bilateral = error("bilateral", {{"volumetric", "filter", "bilateral"}}),
                  flat = error("nearest, bilinear",
                               {{"volumetric", "depth", "nearest"}, {"volumetric", "upsample", "bilinear"}});
-    EXPECT_LT(exact, 2e-3);
+    EXPECT_LT(exact, 2e-4);
     EXPECT_LT(some, few);
-    EXPECT_LT(exact, half);
     EXPECT_LT(exact, some);
-    EXPECT_LT(usual, gauss * 1.05);
-    EXPECT_LT(usual, flat * 1.05);
-    EXPECT_LT(usual, 0.05);
+    EXPECT_LT(exact, half);
+    EXPECT_LT(half, usual);
+    EXPECT_LT(usual, bilateral);
+    EXPECT_LT(bilateral, gauss);
+    EXPECT_LT(usual, flat);
+    EXPECT_LT(usual, 0.01);
   }
 }
 

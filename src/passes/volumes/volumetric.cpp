@@ -1,5 +1,7 @@
 #include "passes/volumes/volumetric.h"
 
+#include <cmath>
+
 #include "shared/volumetric.h"
 
 namespace candela {
@@ -51,12 +53,12 @@ std::span<const Knob<VolumetricLight::Knobs>> VolumetricLight::Knobs::table() {
        .member = &Knobs::filter,
        .lowest = 0,
        .highest = 2,
-       .ladder = {1, 2, 2, 0},
-       .trades = "gauss: three times, also over edges; bilateral: twice by depth, then gauss once; none leaves the "
-                 "offsets' noise",
+       .ladder = {2, 0, 0, 0},
+       .trades =
+           "gauss: three times, also over edges; bilateral: twice by depth, then gauss once; both hide the pattern "
+           "of the offsets and blur glows; none does neither",
        .choices = {"none", "gauss", "bilateral"},
-       .walk = {1, 2, 0},
-       .beside = "volumetric.samples=512"},
+       .walk = {1, 2, 0}},
       {.name = "depth",
        .member = &Knobs::depth,
        .lowest = 0,
@@ -172,9 +174,9 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     push.target = commands.storage(out.coarse[1 - from]);
     push.texels = texels;
     push.down = filter.down ? 1 : 0;
-    // As wide as the matrix of offsets at least, or its pattern would show.
-    push.radius = uint32_t(std::max(knobs.bayer, 2));
-    push.deviation = 0.5f * float(push.radius);
+    // Three of them are as wide as the matrix of offsets, whose pattern would show otherwise; more would blur glows.
+    push.deviation = float(knobs.bayer) / 6;
+    push.radius = uint32_t(std::ceil(2.5f * push.deviation));
     push.depth_share = filter.bilateral ? same_surface : 0;
     commands.push(push);
     commands.dispatch(texels.x, texels.y);

@@ -24,7 +24,7 @@ struct VolumetricLight {
     int texel_px = 2;
     int samples = 50;
     int bayer = 4;
-    int filter = int(Filter::bilateral);
+    int filter = int(Filter::none);
     int depth = 1;     // coarse_nearest, coarse_checkerboard
     int upsample = 1;  // bilinear, depth
     static std::span<const Knob<Knobs>> table();

@@ -40,6 +40,16 @@ std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
        .trades = "depths that a ray looks at, at most; fewer miss what is narrow; 0: every pixel that it crosses",
        .walk = {8, 16, 32, 64, 128, 0},
        .passes = {"reflections"}},
+      {.name = "smooth",
+       .member = &Knobs::smooth,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {1, 1, 1, 0},
+       .trades = "1: the mean over 5 by 5 texels of the same surface, as far as the lobe is wider than they are apart; "
+                 "blurs contacts where rays are many",
+       .walk = {1, 0},
+       .passes = {"reflections"},
+       .beside = "reflections.samples=64"},
       {.name = "texel_px",
        .member = &Knobs::texel_px,
        .unit = "px",
@@ -101,8 +111,8 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   Out out;
   out.reflected.texel_px = uint32_t(knobs.texel_px);
   builder.begin_step();
-  builder.read_optional(in.lists.occlusion.open, Access::sampled_fragment);
-  declare_fog(builder, scene, in.lists);
+  declare_lights(builder, scene, in.lists);  // their addresses stand where occlusion's texels do
+  declare_fog(builder, scene, in.lists, true);
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = with_fog("reflections_surface.frag", in.lists);
@@ -127,7 +137,7 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
                                         .width_px = size.x,
                                         .height_px = size.y,
                                         .mips = levels(scene)});
-  out.color = builder.pipeline(
+  out.pipelines.color = builder.pipeline(
       ComputePipelineDesc{"reflections_color.comp",
                           in.lists.fog ? std::vector<SpecConstant>{{0, "HAS_FOG", 1}} : std::vector<SpecConstant>{}});
   builder.begin_step();
@@ -135,7 +145,7 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   builder.read(out.reflected.z, Access::sampled_compute, "depth");
   builder.read_optional(out.fog, Access::sampled_compute);
   out.colors = builder.write(out.colors, Access::storage_image_write, ImageRange::mip(0));
-  out.down = builder.pipeline(ComputePipelineDesc{"reflections_down.comp", {}});
+  out.pipelines.down = builder.pipeline(ComputePipelineDesc{"reflections_down.comp", {}});
   for (uint32_t k = 1; k < levels(scene); ++k) {
     builder.begin_step();
     builder.read(out.colors, Access::sampled_compute, "the finer level", ImageRange::mip(k - 1));
@@ -145,7 +155,7 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   std::vector<SpecConstant> constants;
   if (knobs.texel_px != 1) constants.push_back({0, "SIDE", uint32_t(knobs.texel_px)});
   if (in.has_sky) constants.push_back({1, "HAS_SKY", 1});
-  out.trace = builder.pipeline(
+  out.pipelines.trace = builder.pipeline(
       ComputePipelineDesc{in.lists.fog ? "reflections_trace.comp#FOG=1" : "reflections_trace.comp", constants});
   builder.begin_step();
   builder.read(scene.constants, Access::uniform_read, "the frame's constants");
@@ -153,10 +163,22 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
        {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.colors})
     builder.read(read, Access::sampled_compute, "surfaces");
   const glm::uvec2 texels = texels_of(knobs, scene);
-  out.reflected.light = builder.write(
-      builder.create(
-          ImageDesc{.name = "reflections.light", .format = color_format, .width_px = texels.x, .height_px = texels.y}),
-      Access::storage_image_write);
+  const auto light = [&](const char* name) {
+    const ImageDesc desc{.name = name, .format = color_format, .width_px = texels.x, .height_px = texels.y};
+    return builder.write(builder.create(desc), Access::storage_image_write);
+  };
+  out.reflected.light = light("reflections.light");
+  if (knobs.smooth == 0) return out;
+  out.noisy = out.reflected.light;
+  out.pipelines.smooth = builder.pipeline(ComputePipelineDesc{
+      "reflections_smooth.comp", knobs.texel_px != 1 ? std::vector<SpecConstant>{{0, "SIDE", uint32_t(knobs.texel_px)}}
+                                                     : std::vector<SpecConstant>{}});
+  builder.begin_step();
+  builder.read(scene.constants, Access::uniform_read, "the frame's constants");
+  for (const ImageHandle read :
+       {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.noisy})
+    builder.read(read, Access::sampled_compute, "surfaces");
+  out.reflected.light = light("reflections.smooth");
   return out;
 }
 
@@ -178,7 +200,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     if (out.fog) push.fog = commands.sampled(out.fog);
     push.target = commands.storage(out.colors);
     push.size_px = {scene.width_px, scene.height_px};
-    commands.bind(out.color);
+    commands.bind(out.pipelines.color);
     commands.push(push);
     commands.dispatch(size.x, size.y);
   } else if (step < last) {
@@ -186,14 +208,24 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     push.source = commands.sampled(out.colors);
     push.target = commands.storage(out.colors);
     push.target_px = commands.size(out.colors, step - 1);
-    commands.bind(out.down);
+    commands.bind(out.pipelines.down);
     commands.push(push);
     commands.dispatch(push.target_px.x, push.target_px.y);
+  } else if (step > last) {
+    shared::ReflectionsSmoothPush push{};
+    push.at = surfaces_of(commands, out.reflected);
+    push.light = commands.sampled(out.noisy);
+    push.smooth_light = commands.storage(out.reflected.light);
+    push.texels = texels_of(knobs, scene);
+    push.subsample_ndc = scene.subsample_ndc;
+    commands.bind(out.pipelines.smooth);
+    commands.push(push);
+    commands.dispatch(push.texels.x, push.texels.y);
   } else {
     shared::ReflectionsTracePush push{};
     push.at = surfaces_of(commands, out.reflected);
     push.colors = commands.sampled(out.colors);
-    push.light = commands.storage(out.reflected.light);
+    push.light = commands.storage(out.noisy ? out.noisy : out.reflected.light);
     push.texels = texels_of(knobs, scene);
     push.subsample_ndc = scene.subsample_ndc;
     push.colors_px = size;
@@ -205,7 +237,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     push.roughest = knobs.roughest;
     push.first = in.subsample, push.of = in.subsamples;
     push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
-    commands.bind(out.trace);
+    commands.bind(out.pipelines.trace);
     commands.push(push);
     commands.dispatch(push.texels.x, push.texels.y);
   }

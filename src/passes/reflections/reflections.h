@@ -31,6 +31,7 @@ struct Reflections {
     static constexpr std::string_view name = "reflections";
     int samples = 4;
     int steps = 64;
+    int smooth = 1;
     int texel_px = 1;
     float thickness = 0.02f;
     float fade = 0.05f;
@@ -51,8 +52,11 @@ struct Reflections {
   struct Out {
     Reflected reflected;
     ImageHandle fog, colors;
+    ImageHandle noisy;  // the light before it is smoothed; empty without
     RunPipelines drawn;
-    PipelineHandle color, down, trace;
+    struct {
+      PipelineHandle color, down, trace, smooth;
+    } pipelines;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -39,10 +39,11 @@ vec3 fog_length_of(int medium, vec3 origin, vec3 direction, float begin_m, float
   return min(frame.fog.media[medium].extinction * metres, vec3(FOG_MOST_DEPTH));
 }
 
-// From where to where there is any of them in a span.
+// From where to where there is any of them in a span that takes light.
 vec2 fog_inside(vec3 origin, vec3 direction, vec2 span) {
   vec2 all = vec2(0.0);
   for (int i = 0; i < FOG_MEDIA; ++i) {
+    if (frame.fog.media[i].extinction == vec3(0.0)) continue;
     const vec2 one = fog_inside_of(i, origin, direction, span);
     if (one.y > one.x) all = all.y > all.x ? vec2(min(all.x, one.x), max(all.y, one.y)) : one;
   }

@@ -117,6 +117,7 @@ shared::FogMedium frame_fog(const Look& look, const View& view, const FrameData&
     out.media[0] = box_of(fog, view);
     for (size_t i = 0; i < look.more_fog.size(); ++i) {
       out.media[i + 1] = box_of(look.more_fog[i], view);
+      if (look.more_fog[i].extinction_per_m == glm::dvec3(0)) continue;
       const Depths of_box = seen_depths(unturned(look.more_fog[i]), view, data, farthest_m);
       depths.nearest_m = std::min(depths.nearest_m, of_box.nearest_m);
       depths.farthest_m = std::max(depths.farthest_m, of_box.farthest_m);

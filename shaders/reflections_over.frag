@@ -8,14 +8,10 @@ layout(push_constant, scalar) uniform Push { ReflectionsOverPush pc; };
 layout(constant_id = 0) const int SIDE = 1;     // of a texel, in pixels
 layout(constant_id = 1) const int SAMPLES = 1;  // of the frame's depth
 
-// Of beauty; or of two of its terms, each defined as its attachment's number.
+// Of beauty; or of two of its terms, each defined as its attachment's number among so many, which all get something:
+// llvmpipe 25.0.7 draws nothing where the first attachment is masked.
 #ifdef TERMS
-#ifdef AMBIENT_SPECULAR
-layout(location = AMBIENT_SPECULAR) out vec4 out_ambient_specular;
-#endif
-#ifdef REFLECTIONS
-layout(location = REFLECTIONS) out vec4 out_reflections;
-#endif
+layout(location = 0) out vec4 out_terms[TERMS];
 #else
 layout(location = 0) out vec4 out_radiance;
 #endif
@@ -83,11 +79,12 @@ void main() {
     }
   }
 #ifdef TERMS
+  for (int i = 0; i < TERMS; ++i) out_terms[i] = vec4(0.0);
 #ifdef AMBIENT_SPECULAR
-  out_ambient_specular = vec4(-taken, 0.0);
+  out_terms[AMBIENT_SPECULAR] = vec4(-taken, 0.0);
 #endif
 #ifdef REFLECTIONS
-  out_reflections = vec4(gained, 0.0);
+  out_terms[REFLECTIONS] = vec4(gained, 0.0);
 #endif
 #else
   out_radiance = vec4(gained - taken, 0.0);

@@ -31,7 +31,7 @@ struct Met {
 // McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing", 2014: even steps along the ray's line on the picture.
 // Depth is linear there for both cameras, so that a step costs one lookup and no division. Where the ray passes behind
 // what is seen, the place is bisected to a pixel; it is met there if the surface is seen from the side that the ray
-// comes from, and the ray is not farther behind it than it and its slope may be thick.
+// comes from, and the ray meets its plane there or is not farther behind it than it may be thick.
 Met march(vec3 p, vec3 plane, vec3 l, float jitter) {
   Met met = Met(false, vec2(0.0), 0.0, 0.0);
   const bool perspective = frame.perspective != 0u;
@@ -54,8 +54,8 @@ Met march(vec3 p, vec3 plane, vec3 l, float jitter) {
     span = vec2(max(span.x, min(s, t)), min(span.y, max(s, t)));
   }
   const float longest = max(abs(across.x), abs(across.y));
-  if (!(longest * span.y > 1.0)) return met;
-  span.x = max(span.x, 1.0 / longest);
+  if (!(longest * span.y > 1.5)) return met;
+  span.x = max(span.x, 1.5 / longest);
   if (!(span.y > span.x)) return met;
   const float pixels = (span.y - span.x) * longest;
   const float count = pc.steps > 0 ? min(ceil(pixels), float(pc.steps)) : min(ceil(pixels), 65536.0);
@@ -85,16 +85,19 @@ Met march(vec3 p, vec3 plane, vec3 l, float jitter) {
       scene = depth_at(q);
       const float ray_m = metres_of(mix(da, db, high)), scene_m = metres_of(scene);
       const float t = perspective ? end_m * high * metres_of(mix(da, db, high)) / -end.z : end_m * high;
-      // What the ray's depth changes by in a pixel, and what the surface's does.
+      // Its triangle's plane is met within a pixel of there, or the ray passes behind it by no more than it may be thick.
       const vec3 n = unpack_normal(texelFetch(pass_uint_images[pc.at.surface], q, 0).w);
       const vec3 seen = point_at(q, scene);
-      const vec3 towards = perspective ? normalize(-seen) : vec3(0.0, 0.0, 1.0);
-      const float pixel_m = 2.0 * frame.tan_half.y / size.y * (perspective ? scene_m : 1.0);
-      const float slope = pixel_m * min(sqrt(max(1.0 - n.z * n.z, 0.0)) / max(dot(n, towards), 1e-3), 1e3);
-      const float per_pixel = abs(ray_m - metres_of(mix(da, db, max(high - 1.0 / longest, 0.0))));
+      const float against = -dot(n, l);
+      const float plane_t = against > 1e-6 ? max(dot(n, p - seen), 0.0) / against : 0.0;
+      const vec3 there = p + l * plane_t;
+      bool met_it = plane_t > 0.0 && (!perspective || -there.z > near_m);
+      if (met_it) {
+        const vec2 off = abs(place_px(there) - (vec2(q) + 0.5));
+        met_it = max(off.x, off.y) <= 1.5 || ray_m - scene_m <= pc.thickness * scene_m;
+      }
       const float height = dot(plane, seen - p);
-      if (ray_m - scene_m <= slope + per_pixel + pc.thickness * scene_m && dot(n, l) < 0.0 &&
-          height > 0.25 * t * dot(plane, l)) {
+      if (met_it && height > 0.25 * t * dot(plane, l)) {
         met = Met(true, a + across * high, t, scene);
         return met;
       }

@@ -10,22 +10,19 @@ shared::ReflectedSurfaces surfaces_of(CommandList& commands, const Reflected& r)
 
 PipelineHandle declare_reflected(GraphBuilder& builder, const SceneInputs& scene, const Reflected& reflected,
                                  ImageHandle depth, const std::vector<VkFormat>& formats, bool is_tested,
-                                 const std::string& terms, const std::vector<size_t>& written) {
+                                 const std::string& terms) {
   builder.read(scene.constants, Access::uniform_read, "the frame's constants");
   for (const ImageHandle image :
        {reflected.light, reflected.z, reflected.surface, reflected.reflectance, reflected.sky, depth})
     builder.read(image, Access::sampled_fragment, "reflections");
   GraphicsPipelineDesc desc;
   desc.vertex_shader = "background.vert";
-  desc.fragment_shader = "reflections_over.frag" + terms;
+  desc.fragment_shader = "reflections_over.frag";
+  if (!terms.empty()) desc.fragment_shader += fmt::format("#TERMS={}", formats.size()) + terms;
   desc.color_formats = formats;
   desc.depth_format = is_tested ? depth_format : VK_FORMAT_UNDEFINED;
   desc.samples = scene.samples;
   desc.blend = Blend::additive;
-  if (!written.empty()) {
-    desc.attachments.assign(formats.size(), {Blend::none, 0});
-    for (const size_t i : written) desc.attachments[i] = {Blend::additive, 0xf};
-  }
   if (reflected.texel_px != 1) desc.constants.push_back({0, "SIDE", reflected.texel_px});
   if (scene.samples != 1) desc.constants.push_back({1, "SAMPLES", scene.samples});
   return builder.pipeline(desc);

@@ -14,10 +14,9 @@ struct Reflected {
 
 // A full-screen draw, added to the attachments of `formats`: to the picture; or, with `terms`, what is appended to the
 // shader's name, to terms of it. depth: of the frame, at its samples. is_tested: it is the rendering's depth too.
-// written: which attachments the terms are.
 PipelineHandle declare_reflected(GraphBuilder& builder, const SceneInputs& scene, const Reflected& reflected,
                                  ImageHandle depth, const std::vector<VkFormat>& formats, bool is_tested = false,
-                                 const std::string& terms = {}, const std::vector<size_t>& written = {});
+                                 const std::string& terms = {});
 void record_reflected(CommandList& commands, const SceneInputs& scene, const Reflected& reflected, ImageHandle depth,
                       PipelineHandle pipeline);
 

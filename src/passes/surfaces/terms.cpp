@@ -58,15 +58,13 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
   Out out;
   if (shows_reflected(in)) {
-    std::string terms = "#TERMS=1";
-    std::vector<size_t> written;
-    for (const Term term : {Term::ambient_specular, Term::reflections}) {
-      if (!in.wanted[size_t(term)]) continue;
-      written.push_back(size_t(std::count(in.wanted.begin(), in.wanted.begin() + size_t(term), true)));
-      terms += fmt::format("#{}={}", define_of(layers[size_t(term)].name), written.back());
-    }
+    std::string terms;
+    for (const Term term : {Term::ambient_specular, Term::reflections})
+      if (in.wanted[size_t(term)])
+        terms += fmt::format("#{}={}", define_of(layers[size_t(term)].name),
+                             std::count(in.wanted.begin(), in.wanted.begin() + size_t(term), true));
     out.reflected =
-        declare_reflected(builder, in.scene, in.reflected, in.depth, choice.desc.color_formats, tested, terms, written);
+        declare_reflected(builder, in.scene, in.reflected, in.depth, choice.desc.color_formats, tested, terms);
   }
   out.opaque = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);

@@ -19,6 +19,7 @@ void main() {
   const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
+  begin_rays(v.relative_position, plane_normal);
   out_visibility = 1.0;
   if (HAS_LAMP_SHADOWS != 0 && (m.flags & material_unlit) == 0u) {
     float all = 0.0, arriving = 0.0;
@@ -31,7 +32,7 @@ void main() {
       const float weight = dot(light_intensity(light), vec3(0.2126, 0.7152, 0.0722)) * factor * n_l;
       if (!(weight > 0.0)) continue;
       all += weight;
-      arriving += weight * light_visibility(light, v.relative_position, plane_normal);
+      arriving += weight * light_visibility(light, i, v.relative_position, plane_normal);
     }
     if (all > 0.0) out_visibility = arriving / all;
   }

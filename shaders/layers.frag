@@ -59,13 +59,13 @@ void main() {
   out_material_id = m.id;
 #endif
 #ifdef DIRECT
+  begin_rays(v.relative_position, plane_normal);
   precise vec3 direct = vec3(0.0);
   if (HAS_LIGHTS != 0 && !unlit) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
-      vec3 reaching = light_contribution(light, brdf, v.relative_position);
-      if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, v.relative_position, plane_normal);
+      vec3 reaching = light_reaching(light, w.light, brdf, v.relative_position, v.relative_position, plane_normal);
       direct += reaching;
     }
   }

@@ -6,6 +6,8 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/scene.glsl"
 #include "lib/surface.glsl"
 #include "lib/plane.glsl"
+#include "lib/light_data.glsl"
+#include "lib/traced_light.glsl"
 #include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
 
@@ -17,6 +19,7 @@ void main() {
   const vec3 to_viewer = direction_to_viewer();
   const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
   if (IS_MASKED != 0 && surface_base_color(m, v).a < m.alpha_cutoff) discard;
+  begin_rays(v.relative_position, plane_normal);
   out_open = 1.0;
   if (HAS_OCCLUSION != 0 && (m.flags & material_unlit) == 0u)
     out_open = occlusion_open(onto_triangle(v.relative_position, plane_normal, in_plane_position), plane_normal);

@@ -33,6 +33,7 @@ void main() {
   const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
                                       : v.relative_position;
+  begin_rays(surface_point, plane_normal);
   const BrdfTerms brdf = brdf_terms(s, to_viewer);
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) {
@@ -47,8 +48,7 @@ void main() {
   if (HAS_LIGHTS != 0) {
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
-      vec3 reaching = light_contribution(light, brdf, v.relative_position);
-      if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, surface_point, plane_normal);
+      vec3 reaching = light_reaching(light, w.light, brdf, v.relative_position, surface_point, plane_normal);
 #ifdef FOG
       if (reaching != vec3(0.0)) reaching *= fog_light_through(light, v.relative_position);
 #endif

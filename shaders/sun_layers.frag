@@ -21,6 +21,7 @@ void main() {
   const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
+  begin_rays(v.relative_position, plane_normal);
   out_visibility = 1.0;
   out_cascade = 0.0;
   if (HAS_SUN_SHADOWS != 0 && (m.flags & material_unlit) == 0u) {
@@ -33,9 +34,10 @@ void main() {
       const float weight = dot(light_intensity(light), vec3(0.2126, 0.7152, 0.0722)) * max(dot(s.normal, l), 0.0);
       if (!(weight > 0.0)) continue;
       all += weight;
-      arriving += weight * light_visibility(light, v.relative_position, plane_normal);
+      arriving += weight * light_visibility(light, i, v.relative_position, plane_normal);
     }
     if (all > 0.0) out_visibility = arriving / all;
+    if (SUNS_TRACED) return;
     const uint cascade = find_cascade(0u, v.relative_position).number;
     out_cascade = cascade == max_sun_cascades ? 0.0 : float(cascade + 1u);
   }

@@ -15,8 +15,70 @@
 const float PLANE_LIFT_TEXELS = 0.15, MOST_LIFT_TEXELS = 2.0;  // along the normal, and along the ray
 const float BLIND_TEXELS = 4.0;
 
+// Of a light with a size, as soft_sun_visibility says: directions from the light's middle into a disc about that to the
+// point, each on the side of the cube that it meets.
+const float SOFT_SEARCH = 3.0;  // blockers from a quarter of the way on
+struct LampTap {
+  float stored, own;  // reversed depths: of the map, and of the point's plane with the bias
+};
+LampTap lamp_tap(uint lamp, vec3 q, vec3 d, vec3 normal) {
+  LampShadowsRef lamps = LampShadowsRef(pc.lamps);
+  vec3 right = lamps.s[lamp].right, up = lamps.s[lamp].up, forward = lamps.s[lamp].forward;
+  uint face = 0u;
+  if (lamps.s[lamp].is_cube != 0u) {
+    const vec3 a = abs(d);
+    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+    const float along = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
+    right = axis == 0 ? vec3(0.0, 1.0, 0.0) : axis == 1 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+    up = right.zxy;
+    forward = up.zxy * (along < 0.0 ? -1.0 : 1.0);
+    face = 2u * uint(axis) + (along < 0.0 ? 1u : 0u);
+  }
+  LampTap tap = LampTap(0.0, 1.0);  // nothing is in the way
+  const vec3 tile = lamps.s[lamp].tiles[face];
+  const float z = dot(forward, d);
+  if (tile.z < 0.0 || !(z > 0.0)) return tap;
+  const float texel = lamps.s[lamp].texel_tangent, most = lamps.s[lamp].most_tangent;
+  const vec2 tangent = clamp(vec2(dot(right, d), -dot(up, d)) / z, vec2(-most), vec2(most));
+  tap.stored = textureLod(sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
+      vec3((tile.xy + tangent / texel) * lamps.s[lamp].uv_per_texel, tile.z), 0.0).r;
+  // Where the direction meets the plane, or as far off as the point where the plane leads away.
+  const float towards = -dot(normal, d), here = -dot(normal, q), far = length(q) / length(d);
+  const float at = towards > 1e-6 * length(d) ? min(here / towards, far) : far;
+  const float point_z = at * z;
+  const float away = max(towards / z, 1e-6);
+  const float bias = min((PLANE_LIFT_TEXELS + 1.0) / away, MOST_LIFT_TEXELS + 4.0) * texel +
+      lamps.s[lamp].bias_m / point_z + 9.5367432e-7;
+  tap.own = lamp_near_m / point_z * (1.0 + bias);
+  return tap;
+}
+float soft_lamp_visibility(uint lamp, float radius_m, vec3 q, vec3 normal) {
+  const uint count = max(RaySettingsRef(pc.rays).s.lamp_samples, 1u);
+  const float distance_m = length(q), turn = shadow_turn();
+  const mat3 axes = rays_axes(q / distance_m);
+  const float search = min(radius_m / distance_m * SOFT_SEARCH, 1.0);
+  float blockers = 0.0, ratio = 0.0;  // ratio: distance of the point over that of the blocker
+  for (uint i = 0u; i < count; ++i) {
+    const vec3 d = axes * vec3(search * shadow_place(i, count, turn), 1.0);
+    const LampTap tap = lamp_tap(lamp, q, d, normal);
+    if (!(tap.stored > tap.own)) continue;
+    blockers += 1.0;
+    ratio += tap.stored / tap.own;
+  }
+  if (blockers == 0.0) return 1.0;
+  const float least = 1.5 * LampShadowsRef(pc.lamps).s[lamp].texel_tangent;
+  const float radius = clamp(radius_m / distance_m * (ratio / blockers - 1.0), least, max(search, least));
+  float lit = 0.0;
+  for (uint i = 0u; i < count; ++i) {
+    const vec3 d = axes * vec3(radius * shadow_place(i, count, turn + 1.2), 1.0);
+    const LampTap tap = lamp_tap(lamp, q, d, normal);
+    lit += tap.stored > tap.own ? 0.0 : 1.0;
+  }
+  return lit / float(count);
+}
+
 // 1: lit, 0: in shadow. position: relative; normal: of the triangle.
-float lamp_visibility(uint lamp, vec3 position, vec3 normal) {
+float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
   LampShadowsRef lamps = LampShadowsRef(pc.lamps);
   const vec3 q = position - lamps.s[lamp].position;
   vec3 right = lamps.s[lamp].right, up = lamps.s[lamp].up, forward = lamps.s[lamp].forward;
@@ -33,6 +95,10 @@ float lamp_visibility(uint lamp, vec3 position, vec3 normal) {
   const float z = dot(forward, q);
   if (!(z > lamp_near_m)) return 1.0;
   if (!(dot(normal, q) < 0.0)) return 0.0;
+  if (LAMPS_SOFT) {
+    const float radius_m = light_word(light, 7u).x;
+    if (radius_m > 0.0 && dot(q, q) > radius_m * radius_m) return soft_lamp_visibility(lamp, radius_m, q, normal);
+  }
   const vec3 tile = lamps.s[lamp].tiles[face];
   if (tile.z < 0.0) return 1.0;
   const float texel = lamps.s[lamp].texel_tangent, most = lamps.s[lamp].most_tangent;

@@ -1,5 +1,6 @@
 // KHR_lights_punctual. Needs lib/scene.glsl and lib/brdf.glsl.
 
+#define LIGHT_EVAL
 #include "lib/light_data.glsl"
 
 // What of the light's intensity arrives at the position, per square metre perpendicular to its direction l. Exactly
@@ -29,12 +30,17 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
   return factor;
 }
 
+// From unit direction l; arriving: of its intensity, per square metre perpendicular to l.
+vec3 light_along(LightRef light, BrdfTerms brdf, vec3 l, float arriving) {
+  const float n_l = dot(brdf.normal, l);
+  if (!(n_l > 0.0)) return vec3(0.0);
+  return light_intensity(light) * (arriving * n_l) * evaluate_brdf(brdf, l, n_l);
+}
+
 vec3 light_contribution(LightRef light, BrdfTerms brdf, vec3 position) {
   vec3 l;
   const float arriving = light_arriving(light, position, l);
   // Also keeps an overflowing highlight from turning no light into 0 times infinity.
   if (arriving == 0.0) return vec3(0.0);
-  const float n_l = dot(brdf.normal, l);
-  if (!(n_l > 0.0)) return vec3(0.0);
-  return light_intensity(light) * (arriving * n_l) * evaluate_brdf(brdf, l, n_l);
+  return light_along(light, brdf, l, arriving);
 }

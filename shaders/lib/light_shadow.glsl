@@ -11,11 +11,23 @@ float shadow_turn() {
   return 6.2831853 * fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-#include "lib/lamp_shadow.glsl"
+#include "lib/traced_light.glsl"
 #include "lib/sun_shadow.glsl"
+#include "lib/lamp_shadow.glsl"
 
-// 1 for lights without a map.
-float light_visibility(LightRef light, vec3 position, vec3 normal) {
+// 1 for lights without a map. Traced lights: of the point that begin_rays was called for. Of lights with a size the
+// part that is seen. number: the light's, for its own places on it.
+float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) {
+  if (SUNS_TRACED || LAMPS_TRACED) {
+    const bool is_sun = floatBitsToUint(light_word(light, 3u).y) == light_directional;
+    if (is_sun ? SUNS_TRACED : LAMPS_TRACED) return traced_visibility(light, number);
+    const uint named = floatBitsToUint(light_word(light, 6u).y);
+    // Valid in all lanes, also those of the lights that are traced.
+    const uint own = is_sun == SUNS_TRACED ? 0u : max(named & ~lamp_shadow_bit, 1u) - 1u;
+    if (named == 0u) return 1.0;
+    if (SUNS_TRACED) return HAS_LAMP_SHADOWS != 0 ? lamp_visibility(own, light, position, normal) : 1.0;
+    return HAS_SUN_SHADOWS != 0 ? sun_visibility(own, position, normal) : 1.0;
+  }
   const uint shadow = floatBitsToUint(light_word(light, 6u).y);
   if (shadow == 0u) return 1.0;
   // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must be
@@ -23,6 +35,18 @@ float light_visibility(LightRef light, vec3 position, vec3 normal) {
   const bool is_lamp = (shadow & lamp_shadow_bit) != 0u;
   const uint place = max(shadow & ~lamp_shadow_bit, 1u) - 1u;
   if (HAS_SUN_SHADOWS == 0 || (HAS_LAMP_SHADOWS != 0 && is_lamp))
-    return lamp_visibility(is_lamp ? place : 0u, position, normal);
+    return lamp_visibility(is_lamp ? place : 0u, light, position, normal);
   return sun_visibility(is_lamp ? 0u : place, position, normal);
+}
+
+// A light's part of the radiance, as far as it comes through. surface_point, plane_normal: where its triangle is.
+vec3 light_reaching(LightRef light, uint number, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
+  if ((SUNS_SOFT && SUNS_TRACED) || (LAMPS_SOFT && LAMPS_TRACED)) {
+    const bool is_sun = floatBitsToUint(light_word(light, 3u).y) == light_directional;
+    if (is_sun ? SUNS_SOFT && SUNS_TRACED : LAMPS_SOFT && LAMPS_TRACED && light_word(light, 7u).x > 0.0)
+      return traced_soft_light(light, number, brdf, position);
+  }
+  vec3 reaching = light_contribution(light, brdf, position);
+  if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, number, surface_point, plane_normal);
+  return reaching;
 }

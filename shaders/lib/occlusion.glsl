@@ -1,12 +1,14 @@
 // How open a fragment's surface is to the sky, from the texels of ambient occlusion about it. Needs
 // lib/scene.glsl, lib/features.glsl and the push constant pc.occlusion. Only where HAS_OCCLUSION, which is the texels'
-// shape, is not 0.
+// shape, is not 0. Needs lib/traced_light.glsl.
 #include "lib/occlusion_points.glsl"
 
 // The four texels about the pixel, bilinear, each by how near its point lies to the fragment's plane: a floor at
 // grazing angles still blends, and each fragment of an edge takes the texels of its own surface. Where none of them is
 // of the surface, the texel of the 4 by 4 about it that is the most like it stands for all.
+// Traced: of the point that begin_rays was called for.
 float occlusion_open(vec3 relative, vec3 plane_normal) {
+  if (HAS_OCCLUSION == occlusion_traced) return traced_open();
   const vec3 p =
       vec3(dot(relative, frame.camera_right), dot(relative, frame.camera_up), dot(relative, frame.camera_back));
   const vec3 n = vec3(dot(plane_normal, frame.camera_right), dot(plane_normal, frame.camera_up),

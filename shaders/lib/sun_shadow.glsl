@@ -14,6 +14,70 @@ const vec2 POISSON_DISC[9] = vec2[](vec2(-0.4862, 0.1613), vec2(0.5966, 0.2921),
                                     vec2(-0.4681, -0.6912), vec2(-0.4098, 0.8839), vec2(0.1890, -0.1863),
                                     vec2(-0.9707, -0.2080), vec2(0.9302, -0.2334), vec2(0.1930, 0.7432));
 
+// Number i of count places on a disc, evenly spread along a spiral (Vogel, "A better way to construct the sunflower
+// head", 1979), turned.
+vec2 shadow_place(uint i, uint count, float turn) {
+  const float angle = 2.3999632 * float(i) + turn;
+  return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
+}
+
+// Of a sun with a size: what blocks it nearby is looked for over the disc of directions to it, and the mean distance of
+// that tells how wide the shadow's edge is (Fernando, "Percentage-Closer Soft Shadows", 2005). Each lookup is compared
+// with what the plane of the point's triangle has there (Isidoro 2006), or with the point's own depth where the plane
+// leads away from the light. Leaves wrong: blockers at several distances, which are one; and what lies farther off than
+// the disc of the search, no wider than a quarter of the map, tells.
+float soft_sun_visibility(uint sun, vec3 position, vec3 normal, float n_l, CascadePlace place) {
+  SunShadowsRef suns = SunShadowsRef(pc.suns);
+  const RaySettings settings = RaySettingsRef(pc.rays).s;
+  const uint count = max(settings.sun_samples, 1u);
+  const vec4 depth_row = suns.s[sun].depth;
+  const float per_metre = length(depth_row.xyz);  // of depth
+  const float before_m = max(1.0 - dot(depth_row, vec4(position, 1.0)), 0.0) / per_metre;
+  float search_m = 0.0;
+  while (true) {  // in a map that holds the whole disc
+    search_m = min(settings.sun_tangent * before_m, 0.25 * place.cascade.half_m);
+    const bool fits = place.to_edge * place.cascade.covered_m + search_m <= place.cascade.covered_m;
+    if (fits || place.number + 1u >= suns.s[sun].cascade_count) break;
+    ++place.number;
+    const vec2 aside = abs(vec2(dot(suns.s[sun].right, position), dot(suns.s[sun].up, position)) -
+        suns.s[sun].cascades[place.number].centre_m);
+    place.cascade = suns.s[sun].cascades[place.number];
+    place.to_edge = max(aside.x, aside.y) / place.cascade.covered_m;
+  }
+  const float texel_m = place.cascade.texel_m, uv_per_metre = 0.5 / place.cascade.half_m;
+  const float sine = sqrt(max(1.0 - n_l * n_l, 0.0));
+  const vec3 moved = position + normal * ((KERNEL_TEXELS + 1.4142136) * texel_m * sine);
+  const vec2 across = vec2(dot(suns.s[sun].right, moved), dot(suns.s[sun].up, moved)) - place.cascade.centre_m;
+  const float depth = dot(depth_row, vec4(moved, 1.0)) + suns.s[sun].bias;
+  const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * uv_per_metre;
+  const float layer = float(suns.s[sun].first_layer + place.number);
+  const float turn = shadow_turn();
+  const vec2 slope = -vec2(dot(normal, suns.s[sun].right), dot(normal, suns.s[sun].up)) * (per_metre / n_l);
+  search_m = max(search_m, KERNEL_TEXELS * texel_m);
+  float blockers = 0.0, nearer = 0.0;
+  for (uint i = 0u; i < count; ++i) {
+    const vec2 off = search_m * shadow_place(i, count, turn);
+    const float own = depth + max(dot(slope, off), 0.0);
+    const float stored = textureLod(
+        sampler2DArray(pass_array_images[pc.sun_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
+        vec3(uv + vec2(off.x, -off.y) * uv_per_metre, layer), 0.0).r;
+    if (!(stored > own)) continue;
+    blockers += 1.0;
+    nearer += stored - own;
+  }
+  if (blockers == 0.0) return 1.0;
+  const float radius_m = max(settings.sun_tangent * (nearer / (blockers * per_metre)), KERNEL_TEXELS * texel_m);
+  float lit = 0.0;
+  for (uint i = 0u; i < count; ++i) {
+    const vec2 off = min(radius_m, search_m) * shadow_place(i, count, turn + 1.2);
+    const float own = depth + max(dot(slope, off), 0.0);
+    lit += textureGrad(
+        sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
+        vec4(uv + vec2(off.x, -off.y) * uv_per_metre, layer, own), vec2(0.0), vec2(0.0));
+  }
+  return lit / float(count);
+}
+
 // 1: lit, 0: in shadow. position: relative; normal: of the triangle.
 float sun_visibility(uint sun, vec3 position, vec3 normal) {
   SunShadowsRef suns = SunShadowsRef(pc.suns);
@@ -21,6 +85,7 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
   if (!(n_l > 0.0)) return 0.0;
   const CascadePlace place = find_cascade(sun, position);
   if (place.number == max_sun_cascades) return 1.0;
+  if (SUNS_SOFT) return soft_sun_visibility(sun, position, normal, n_l, place);
   const SunCascade cascade = place.cascade;
   const float radius = mix(KERNEL_TEXELS, WIDEST_KERNEL_TEXELS, clamp(2.0 * place.to_edge - 1.0, 0.0, 1.0));
   // The lookup reads texels up to radius + sqrt(2) away, whose depth on a plane differs by that times the tangent of

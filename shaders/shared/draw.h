@@ -6,6 +6,7 @@ struct DrawPush {  // every pass that draws the scene
   uint64_t deformed, lights;
   uint64_t light_cells, light_entries, light_tiles;  // shared/lights.h; 0 where the grid has none
   uint64_t suns, lamps;                              // SunShadow, LampShadow; only with shadow maps
+  uint64_t trees, rays;                              // TraceScene, RaySettings; only where light is traced
   // Of a supersampled frame: where this sample lies off the pixel's middle, and its side in pixels, by which the
   // footprints of textures shrink.
   vec2 subsample_ndc;
@@ -13,6 +14,7 @@ struct DrawPush {  // every pass that draws the scene
   uint sun_maps, lamp_maps;  // the maps' places among the pass's images
   uint fog_light;            // the same of the grid of fog's light
   uint occlusion;            // of ambient occlusion's texels; only where shading reads them
+  uint subsample;            // number of this sample of a supersampled frame
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;

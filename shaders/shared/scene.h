@@ -69,7 +69,8 @@ struct Light {
   float spot_scale, spot_offset;
   vec3 intensity;  // cd or lux, times colour
   uint shadow;     // 1 + its place among the frame's SunShadows, or, with lamp_shadow_bit, LampShadows; 0: no maps
-  float unused[2];
+  float radius_m;  // of a point or spot light's sphere; 0: a point
+  float unused;
 };
 
 // Everything that is the same for all draws of a frame.

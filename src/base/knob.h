@@ -36,7 +36,7 @@ struct Knob {
   // does nothing.
   std::vector<std::string_view> passes = {};
   std::vector<double> only = {};  // the values it takes; empty: all from lowest to highest
-  std::string_view beside = {};   // a setting that must stand beside it, or it does nothing: "supersample.n=1"
+  std::string_view beside = {};   // settings that must stand beside it, or it does nothing: "a.b=1 c.d=2"
   std::vector<std::pair<double, std::string_view>> named = {};  // values with a name, also beyond lowest and highest
 
   double value(const K& knobs) const {

@@ -72,12 +72,12 @@ std::vector<std::string> gpu_part_layers() {
   return names;
 }
 
-std::vector<std::string> reference_part_layers(bool with_fog) {
+std::vector<std::string> reference_part_layers(bool with_air) {
   std::vector<std::string> names = edge_layers();
   for (const std::string& term : term_layer_names())
     // Shares of light are no light.
-    if (!term.starts_with("shadow") && term != "occlusion") names.push_back(term);
-  if (with_fog) names.emplace_back("fog");
+    if (!term.starts_with("shadow") && term != "occlusion" && (with_air || term != "volumetric")) names.push_back(term);
+  if (with_air) names.emplace_back("fog");
   return names;
 }
 

@@ -172,7 +172,7 @@ class Walker {
       if (value == knob.value_now && knob.beside.empty()) continue;
       Configuration changed = exact;
       changed.job.settings = {{knob.pass, knob.knob, value}};
-      if (!knob.beside.empty()) changed.job.settings.push_back(*parse_knob_setting(knob.beside));
+      for (const std::string& setting : knob.beside) changed.job.settings.push_back(*parse_knob_setting(setting));
       const auto work = work_of_all(place, changed.job);
       if (work && std::find(works.begin(), works.end(), work->hash) != works.end()) {
         skipped.push_back(name + "=" + value);

@@ -109,7 +109,7 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
                                                     : "look"};
     for (const double v : knob.walk.empty() ? knob.ladder : knob.walk) row.walk.push_back(knob.text(v));
     for (const std::string_view p : knob.passes) row.passes.emplace_back(p);
-    row.beside = knob.beside;
+    if (!knob.beside.empty()) row.beside = split(std::string(knob.beside), ' ');
     if (row.passes.empty()) row.passes.emplace_back(table);
     rows.push_back(std::move(row));
   });

@@ -17,10 +17,12 @@ std::string why_none(const SceneFacts& facts, const FrameRequest& request, const
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
   if (facts.lit_items + facts.blend_lit_items == 0 && !request.draws_fog() && !request.draws_volumetric())
     return "nothing that is drawn takes light";
-  if (facts.opaque_items + facts.mask_items == 0) return "nothing that is drawn casts a shadow";
+  const bool traced = knobs.method == LampKnobs::by_rays;
+  if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
+    return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
   if (request.neutral_light) return "the neutral light casts no shadows";
-  if (knobs.lights == LampKnobs::none) return "shadows.lights is none";
+  if (knobs.lights == LampKnobs::none && !traced) return "shadows.lights is none";
   return {};
 }
 
@@ -123,6 +125,12 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   FrameLamps out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
+  out.traced = knobs.method == LampKnobs::by_rays;
+  const bool in_air = request.draws_fog() || request.draws_volumetric();
+  if (out.traced && (!in_air || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
+    out.absence = "shadows.method is traced: shading sends rays";
+    return out;
+  }
   const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
   const uint32_t most_px = std::bit_floor(uint32_t(knobs.size_px));
   const std::set<std::string> marked(request.look.shadows.lights.begin(), request.look.shadows.lights.end());

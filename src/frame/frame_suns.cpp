@@ -13,11 +13,13 @@ namespace {
 std::string why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs) {
   if (facts.directional_lights == 0) return "no directional light shines";
   if (facts.lit_items + facts.blend_lit_items == 0) return "nothing that is drawn takes light";
-  if (facts.opaque_items + facts.mask_items == 0) return "nothing that is drawn casts a shadow";
+  const bool traced = SunMode(knobs.mode) == SunMode::traced;
+  if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
+    return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
   if (request.neutral_light) return "the neutral light casts no shadows";
   if (SunMode(knobs.mode) == SunMode::off) return "sun.mode is off";
-  if (knobs.lights == 0) return "sun.lights is 0";
+  if (knobs.lights == 0 && !traced) return "sun.lights is 0";
   return {};
 }
 
@@ -51,6 +53,11 @@ Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const Dra
   FrameSuns out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
+  out.traced = SunMode(knobs.mode) == SunMode::traced;
+  if (out.traced && (!request.draws_fog() || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
+    out.absence = "sun.mode is traced: shading sends rays";
+    return out;
+  }
   std::vector<size_t> suns;
   for (size_t i = 0; i < data.lights.size(); ++i)
     if (data.lights[i].type == LightType::directional) suns.push_back(i);

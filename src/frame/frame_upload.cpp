@@ -45,6 +45,7 @@ LightItem brought_nearer(LightItem l) {
   l.position = glm::vec3(glm::dvec3(l.position) * by);
   l.intensity = glm::vec3(glm::dvec3(l.intensity) * (by * by));
   l.range_m = float(double(l.range_m) * by);
+  l.radius_m = float(double(l.radius_m) * by);
   return l;
 }
 
@@ -66,6 +67,7 @@ shared::Light shared_light(const LightItem& given) {
   const double scale = 1.0 / std::max(0.001, outer - inner);
   out.spot_scale = float(scale / 2);
   out.spot_offset = float(outer * scale);
+  out.radius_m = l.radius_m;
   return out;
 }
 

@@ -191,6 +191,21 @@ std::shared_ptr<GpuScene::Buffers> GpuScene::free_buffers() {
   return frame_buffers_.emplace_back(std::make_shared<Buffers>());
 }
 
+std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow& row, Uploaded& uploaded) {
+  std::shared_ptr<SharedBuffer>& newest = shared_buffers_[row.name];
+  if (!newest || newest->key != *row.key || newest->buffer.size() < row.size_bytes) {
+    newest = std::make_shared<SharedBuffer>(
+        *row.key, gpu::Buffer(device_, row.size_bytes, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                              gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name));
+    const auto uploader = std::make_shared<gpu::Uploader>(device_);
+    uploader->to_buffer(newest->buffer, 0, row.bytes);
+    uploader->submit();
+    uploaded.keep.push_back(uploader);
+  }
+  uploaded.keep.push_back(newest);
+  return newest;
+}
+
 GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   Uploaded uploaded;
   set_samplers(frame.textures);
@@ -212,6 +227,10 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
     // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must
     // be valid.
     if (c.grid.globals == 0 && &row == &rows.back()) c.grid.globals = address_in(*own, "frame.lights");
+    if (row.key) {
+      uploaded.imports[frame.imports[i]] = &shared_buffer(row, uploaded)->buffer;
+      continue;
+    }
     gpu::Buffer& buffer = (row.bytes.empty() ? scene_buffers_ : *own)[row.name];
     if (!row.bytes.empty()) fill(device_, buffer, row.name, row.bytes, row.size_bytes);
     uploaded.imports[frame.imports[i]] = &buffer;

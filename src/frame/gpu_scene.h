@@ -7,6 +7,7 @@
 
 #include "frame/gpu_sky.h"
 #include "frame/plan_frame.h"
+#include "frame/upload_table.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
 #include "gpu/resources.h"
@@ -52,6 +53,13 @@ class GpuScene {
   static uint64_t address_in(const Buffers& buffers, const char* name);  // 0: there is no such buffer
   Buffers scene_buffers_;
   std::vector<std::shared_ptr<Buffers>> frame_buffers_;
+  // Of content that many frames share; frames in flight hold what they use.
+  struct SharedBuffer {
+    Hash128 key;
+    gpu::Buffer buffer;
+  };
+  std::shared_ptr<SharedBuffer> shared_buffer(const UploadRow& row, Uploaded& uploaded);
+  std::map<std::string, std::shared_ptr<SharedBuffer>, std::less<>> shared_buffers_;  // the newest of each name
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;

@@ -1,6 +1,7 @@
 #include "frame/job_look.h"
 
 #include "base/text.h"
+#include "frame/frame_knobs.h"
 
 namespace candela {
 
@@ -26,7 +27,11 @@ std::string look_line(const Job& job, const Look& look) {
 
 std::string left_out_of(const Job& job, const Look& look) {
   if (!look.sun || !(look.sun->angular_radius_deg > 0)) return {};
-  return fmt::format("the sun's disc of {} is left out: no pass draws it yet (candela reference does)", job.look);
+  const auto knobs = frame_knobs(job);
+  if (!knobs) return {};
+  const SunKnobs& suns = knobs->get<SunKnobs>();
+  if (SunMode(suns.mode) == SunMode::traced || suns.soft == SunKnobs::pcss) return {};
+  return fmt::format("the sun's disc of {} is left out: sun.soft is hard", job.look);
 }
 
 }  // namespace candela

@@ -12,7 +12,6 @@ std::vector<std::string> not_drawn(const SceneFacts& facts, const Pose& pose) {
     if (needed) names.emplace_back(name);
   };
   add(lit && facts.environment && !facts.image_light, "sharp reflections of the sky");
-  add(lit && facts.sized_lights > 0, "sizes of point and spot lights (drawn as points)");
   add(glass, "transmission and refraction");
   return names;
 }

@@ -94,6 +94,56 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
   return extent;
 }
 
+// Rounded up, so that frames whose trees differ a little share their pipelines.
+uint32_t ray_stack_entries(uint32_t least) { return (least + 7) / 8 * 8; }
+
+// Of lights with a size: whether shading draws their shadows soft.
+bool soft_suns(const PlannedFrame& f, const SunKnobs& knobs) {
+  const bool sized = f.request.look.sun && f.request.look.sun->angular_radius_deg > 0;
+  return sized && (f.suns.traced || (f.suns.image && knobs.soft == SunKnobs::pcss));
+}
+bool soft_lamps(const PlannedFrame& f, const LampKnobs& knobs) {
+  const bool sized = std::ranges::any_of(f.upload.lights, [](const shared::Light& l) { return l.radius_m > 0; });
+  return sized && (f.lamps.traced || (f.lamps.image && knobs.soft == LampKnobs::pcss));
+}
+
+// Trees, where shading sends rays, and how it does.
+void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& knobs) {
+  AmbientOcclusion occlusion;
+  occlusion.knobs = knobs.get<AmbientOcclusion::Knobs>();
+  if (f.upload.items.empty()) return;
+  if (f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request))
+    f.rays = context.rays && context.rays->key == rays_key(f.pose, f.data)
+                 ? context.rays
+                 : make_frame_rays(context.scene, f.pose, f.data);
+  TracedRays& traced = f.traced;
+  traced.soft_suns = soft_suns(f, knobs.get<SunKnobs>());
+  traced.soft_lamps = soft_lamps(f, knobs.get<LampKnobs>());
+  if (!f.rays && !traced.soft_suns && !traced.soft_lamps) return;
+  const uint32_t n = uint32_t(std::max(knobs.get<Supersample::Knobs>().n, 1)), pictures = n * n;
+  const auto a_picture = [&](int count) { return (uint32_t(count) + pictures - 1) / pictures; };
+  const Occlusion look = f.request.look.occlusion.value_or(Occlusion{});
+  shared::RaySettings s{};
+  s.occlusion_radius_m = float(look.radius_m);
+  s.occlusion_fade_m = std::max(float(look.falloff * look.radius_m), 1e-6f * s.occlusion_radius_m);
+  s.occlusion_strength = float(look.strength);
+  s.occlusion_rays = traced.occlusion_rays = a_picture(occlusion.knobs.rays);
+  s.sun_samples = traced.sun_samples = a_picture(knobs.get<SunKnobs>().samples);
+  s.lamp_samples = traced.lamp_samples = a_picture(knobs.get<LampKnobs>().samples);
+  if (traced.soft_suns) {
+    const double angle = glm::radians(f.request.look.sun->angular_radius_deg);
+    s.sun_height = float(2 * std::pow(std::sin(angle / 2), 2));
+    s.sun_tangent = float(std::tan(angle));
+  }
+  s.seed = f.request.still_seed;
+  f.ray_settings = {s};
+  if (!f.rays) return;
+  // Rounded up, so that frames whose trees differ a little share their pipelines.
+  traced.stack = (f.rays->stack + 7) / 8 * 8;
+  traced.blended = f.rays->blended;
+  traced.suns = f.suns.traced, traced.lamps = f.lamps.traced;
+}
+
 // Imports every buffer that the frame has content for.
 SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, PlannedFrame& f) {
   const FrameUpload& u = f.upload;
@@ -116,6 +166,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.lamp_image = f.lamps.image;
   s.lamp_absence = f.lamps.absence;
   s.lamp_first_command = std::make_shared<const std::vector<uint32_t>>(f.lamps.views.first_command);
+  s.rays = f.traced;
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
   if (f.facts.image_light) {
@@ -213,6 +264,10 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.lamps = std::move(*lamps);
   for (const auto* notes : {&f.suns.notes, &f.lamps.notes}) f.notes.insert(f.notes.end(), notes->begin(), notes->end());
   f.light_grid_ms = ms_since(start);
+
+  start = Clock::now();
+  plan_rays(f, context, *knobs);
+  f.trees_ms = ms_since(start);
 
   start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);

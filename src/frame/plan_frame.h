@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "frame/frame_dumps.h"
 #include "frame/frame_lamps.h"
+#include "frame/frame_rays.h"
 #include "frame/frame_suns.h"
 #include "frame/frame_upload.h"
 #include "frame/job.h"
@@ -20,6 +21,7 @@
 #include "scene/pose.h"
 #include "scene/survey.h"
 #include "scene/view.h"
+#include "shared/trace.h"
 #include "techniques/frame.h"
 
 namespace candela {
@@ -38,6 +40,9 @@ struct PlannedFrame {
   LightGrid light_grid;
   FrameSuns suns;
   FrameLamps lamps;
+  std::shared_ptr<const FrameRays> rays;          // null: nothing is traced
+  std::vector<shared::RaySettings> ray_settings;  // one, where shading sends rays or shadows are soft
+  TracedRays traced;                              // without handles
   TextureKnobs textures;
   IblKnobs image_light;
   FrameSky sky;
@@ -50,7 +55,7 @@ struct PlannedFrame {
   std::vector<FrameDump> dumps;
   std::vector<KeptUse> kept;  // images of the plan that outlive it
   std::vector<std::string> notes;
-  double animate_ms = 0, light_grid_ms = 0, plan_ms = 0;
+  double animate_ms = 0, light_grid_ms = 0, trees_ms = 0, plan_ms = 0;
 };
 struct WantedOutputs {
   bool linear = true;    // EXR
@@ -67,6 +72,7 @@ struct PlanContext {
   const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
   // Asked once for each image that the frame could keep; empty: nothing is kept.
   std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
+  std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
 };
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);
@@ -84,7 +90,7 @@ struct KnobRow {
   std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names
   std::string kind;                                                // what it trades: error, time or look
   std::vector<std::string> walk;    // values that a sweep of errors measures, the exact one last
-  std::string beside;               // a setting that must stand beside it, or it does nothing
+  std::vector<std::string> beside;  // settings that must stand beside it, or it does nothing
   std::vector<std::string> passes;  // whose work it changes
 };
 std::vector<KnobRow> knob_rows(const std::string& quality);

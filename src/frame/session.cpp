@@ -66,6 +66,7 @@ class DeviceSession : public Session {
   std::string left_out_;  // of the look
   Hash128 scene_content_;
   std::optional<LookFile> look_;
+  std::shared_ptr<const FrameRays> rays_;  // of the last frame that had some
   std::unique_ptr<gpu::Device> device_;
   std::unique_ptr<gpu::Bindless> bindless_;
   std::unique_ptr<GpuScene> gpu_scene_;
@@ -139,8 +140,10 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   const double start = process_clock_us();
   PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
+  context.rays = rays_;
   auto planned = plan_frame(job_, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
+  if (planned->rays) rays_ = planned->rays;
   try {
     Begun begun;
     FrameResult& result = begun.result;
@@ -148,7 +151,11 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.timings.spans = {
         {"animate", "cpu", start, planned->animate_ms * 1000},
         {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
-        {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->plan_ms * 1000}};
+        {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms + planned->trees_ms) * 1000,
+         planned->plan_ms * 1000}};
+    if (planned->rays)
+      result.timings.spans.push_back(
+          {"trees", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->trees_ms * 1000});
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
     result.width_px = job_.width_px;
@@ -195,6 +202,7 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   Timings& t = begun.result.timings;
   t.add("animate", planned.animate_ms);
   if (planned.light_grid.shape.reason.empty()) t.add("light_grid", planned.light_grid_ms);
+  if (planned.rays) t.add("trees", planned.trees_ms);
   t.add("plan", planned.plan_ms);
   const double upload_start = process_clock_us();
   GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);

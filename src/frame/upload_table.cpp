@@ -48,6 +48,13 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
     add("frame.weights", &Inputs::weights, frame.data.morph_weights);
   }
+  if (!frame.ray_settings.empty()) add("frame.ray_settings", &Inputs::ray_settings, frame.ray_settings);
+  if (frame.rays) {
+    // Trees of moving things differ a little in size, which should not change the plan.
+    const size_t bytes = frame.rays->bytes.size(), step = std::max<size_t>(std::bit_floor(bytes) / 8, 4096);
+    rows.push_back({"frame.trees", &Inputs::trees, (bytes + step - 1) / step * step, frame.rays->bytes});
+    rows.back().key = frame.rays->key;
+  }
   // The air is lit where there is nothing else.
   if (u.items.empty() && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();
   rows.push_back({"frame.constants", &Inputs::constants, sizeof(Constants), std::as_bytes(std::span(&u.constants, 1))});

@@ -1,7 +1,9 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "base/hash.h"
 #include "passes/scene_inputs.h"
 #include "shared/scene.h"
 
@@ -19,6 +21,7 @@ struct UploadRow {
   std::span<const std::byte> bytes;  // empty: of the scene, which GpuScene has under this name
   size_t address_offset = no_address;
   static constexpr size_t no_address = size_t(-1);
+  std::optional<Hash128> key = {};  // of content that many frames share: uploaded once, into the device's own memory
 };
 
 // Every buffer of the scene and of the frame, each declared here and nowhere else; the constants, which hold the

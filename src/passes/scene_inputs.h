@@ -21,6 +21,8 @@ struct SceneInputs {
   std::shared_ptr<const std::vector<uint32_t>> view_first_command, lamp_first_command;
   std::string sun_absence, lamp_absence;      // why there are none
   std::optional<Hash128> sun_key, lamp_key;   // of the maps' content, where they may be kept
+  BufferHandle trees, ray_settings;           // empty: nothing is traced
+  TracedRays rays;                            // but for its handles, which are these
   BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
   std::shared_ptr<const std::vector<DrawRun>> runs;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials

@@ -30,6 +30,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     if (scene.light_grid.tiled) lit = light_surfaces(frame, sample, seen, instance);
     lit.lists.sun_maps = lighting.lists.sun_maps;
     lit.lists.fog = lighting.lists.fog;
+    lit.lists.rays = lighting.lists.rays;
     if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
@@ -59,6 +60,8 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   if (n == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
     occlusion = ambient_occlusion(frame, scene, surfaces.depth);
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
+  lighting.lists.rays = scene.rays;
+  lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
   lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);

@@ -54,7 +54,7 @@ OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageH
   in.look = frame.request.look.occlusion.value_or(Occlusion{});
   in.seed = frame.request.still_seed;
   in.subsample = index, in.subsamples = count;
-  return {frame.add(pass, in, instance).open, pass.shape(scene)};
+  return {frame.add(pass, in, instance).open, pass.shape(scene), pass.traced(frame.facts, frame.request)};
 }
 
 bool shades_occluded(const Frame& frame) { return bool(AmbientOcclusion::shades(frame.facts, frame.request)); }

@@ -23,7 +23,7 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   frame.add(Layers{}, wanted);
   frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
   frame.add(LampLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
-  frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion});
+  frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.lists.rays});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
 }
 

@@ -228,13 +228,14 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   EXPECT_EQ(candela(traced(folder / "x.exr", {"--look", folder / "none.json"})).code, 3);
 }
 
-// Until a pass draws the sun's disc, a picture without it says so.
+// A picture whose knobs leave the sun's disc out says so.
 TEST(Reference, RendersDoNotLeaveTheSunsDiscOutInSilence) {
   const TestFolder folder;
   const std::string look = folder / "look.json", left_out = "is left out";
   std::ofstream(look) << R"({"fog": {"extinction": 0.1}, "sun": {}})";
   for (const std::string command : {"render", "plan", "sequence"}) {
-    std::vector<std::string> words = {command, box, "--size", "16x12", "--look", look, "-o", folder / "a%04d.exr"};
+    std::vector<std::string> words = {command,  box,  "--set", "sun.soft=hard",     "--size", "16x12",
+                                      "--look", look, "-o",    folder / "a%04d.exr"};
     if (command == "sequence") words.insert(words.end(), {"--frames", "0-1"});
     const Ended ended = candela(words);
     EXPECT_EQ(ended.code, 0) << ended.err;
@@ -244,8 +245,11 @@ TEST(Reference, RendersDoNotLeaveTheSunsDiscOutInSilence) {
     EXPECT_EQ(strict.code, 3) << command;
     EXPECT_NE(strict.err.find(left_out), std::string::npos) << strict.err;
   }
-  const Ended json = candela({"render", box, "--size", "16x12", "--look", look, "-o", folder / "b.exr", "--json"});
+  const Ended json = candela(
+      {"render", box, "--set", "sun.soft=hard", "--size", "16x12", "--look", look, "-o", folder / "b.exr", "--json"});
   EXPECT_NE(nlohmann::json::parse(json.out)["warnings"].dump().find(left_out), std::string::npos) << json.out;
+  const Ended soft = candela({"render", box, "--size", "16x12", "--look", look, "-o", folder / "b.exr"});
+  EXPECT_EQ(soft.err.find(left_out), std::string::npos) << soft.err;
   std::ofstream(look) << R"({"fog": {"extinction": 0.1}})";
   const Ended empty = candela({"render", box, "--size", "16x12", "--look", look, "-o", folder / "b.exr"});
   EXPECT_EQ(empty.code, 0);

@@ -11,6 +11,12 @@ VkPrimitiveTopology vulkan_topology(Topology t) {
          : t == Topology::lines   ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST
                                   : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
 }
+bool traces(const CellLists& lists) {
+  return lists.rays.trees && (lists.rays.suns || lists.rays.lamps || lists.occlusion.traced);
+}
+bool takes_settings(const CellLists& lists) {
+  return lists.rays.settings && (traces(lists) || lists.rays.soft_suns || lists.rays.soft_lamps);
+}
 }  // namespace
 
 RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
@@ -50,13 +56,27 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellL
     builder.read(lists.lamp_maps, Access::sampled_fragment, "the lamps' maps");
     builder.read(scene.lamps, Access::fragment_read, "the lamps' tiles");
   }
+  const TracedRays& rays = lists.rays;
+  if (traces(lists)) builder.read(rays.trees, Access::fragment_read, "the trees for rays");
+  if (takes_settings(lists)) builder.read(rays.settings, Access::fragment_read, "how rays are sent");
+  const auto count = [&](bool used, const char* knob, uint32_t value) {
+    if (used) builder.knob(knob, fmt::format("{} a picture", value));
+  };
+  count(lists.occlusion.traced, "occlusion.rays", rays.occlusion_rays);
+  count(rays.soft_suns, "sun.samples", rays.sun_samples);
+  count(rays.soft_lamps, "shadows.samples", rays.lamp_samples);
 }
 
 std::vector<SpecConstant> light_constants(const CellLists& lists) {
   std::vector<SpecConstant> constants;
-  if (lists.sun_maps) constants.push_back(sun_shadows_constant());
-  if (lists.occlusion.open) constants.push_back(occlusion_constant(lists.occlusion.shape));
-  if (lists.lamp_maps) constants.push_back(lamp_shadows_constant());
+  const TracedRays& rays = lists.rays;
+  if (lists.sun_maps || rays.suns) constants.push_back(sun_shadows_constant(rays.suns, rays.soft_suns));
+  if (lists.occlusion.open || lists.occlusion.traced)
+    constants.push_back(occlusion_constant(lists.occlusion.shape, lists.occlusion.traced));
+  if (lists.lamp_maps || rays.lamps) constants.push_back(lamp_shadows_constant(rays.lamps, rays.soft_lamps));
+  if (!traces(lists)) return constants;
+  const std::vector<SpecConstant> more = ray_constants(rays.stack, rays.blended);
+  constants.insert(constants.end(), more.begin(), more.end());
   return constants;
 }
 
@@ -130,6 +150,11 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
   push.deformed = deformed ? commands.address(deformed) : 0;
   push_lights(commands, scene, lists, fog, push);
   if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
+  if (lists && traces(*lists)) push.trees = commands.address(lists->rays.trees);
+  if (lists && takes_settings(*lists)) {
+    push.rays = commands.address(lists->rays.settings);
+    push.subsample = scene.subsample;
+  }
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
     const DrawRun& run = (*scene.runs)[r];

@@ -2,7 +2,7 @@
 
 namespace candela {
 namespace {
-SpecConstant constant(Feature f) {
+SpecConstant constant(Feature f, uint32_t value = 1) {
   static const char* const names[] = {"HAS_BASE_TEXTURE",
                                       "HAS_ORM_TEXTURE",
                                       "HAS_OCCLUSION_TEXTURE",
@@ -22,8 +22,10 @@ SpecConstant constant(Feature f) {
                                       "HAS_OCCLUSION",
                                       "IBL_METHOD",
                                       "HAS_SKY_IRRADIANCE",
-                                      "HAS_LAMP_SHADOWS"};
-  return {uint32_t(f), names[uint32_t(f)], 1};
+                                      "HAS_LAMP_SHADOWS",
+                                      "RAY_STACK",
+                                      "RAYS_MEET_BLENDED"};
+  return {uint32_t(f), names[uint32_t(f)], value};
 }
 bool concerns_base_color(const SpecConstant& c) {
   switch (Feature(c.id)) {
@@ -62,13 +64,21 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
   return list;
 }
 
-SpecConstant sun_shadows_constant() { return constant(Feature::sun_shadows); }
-SpecConstant lamp_shadows_constant() { return constant(Feature::lamp_shadows); }
+SpecConstant sun_shadows_constant(bool traced, bool soft) {
+  return constant(Feature::sun_shadows, (traced ? 2u : 1u) + (soft ? 4u : 0u));
+}
+SpecConstant lamp_shadows_constant(bool traced, bool soft) {
+  return constant(Feature::lamp_shadows, (traced ? 2u : 1u) + (soft ? 4u : 0u));
+}
 
-SpecConstant occlusion_constant(uint32_t shape) {
-  SpecConstant c = constant(Feature::occlusion);
-  c.value = shape;
-  return c;
+SpecConstant occlusion_constant(uint32_t shape, bool traced) {
+  return constant(Feature::occlusion, traced ? ~0u : shape);
+}
+
+std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended) {
+  std::vector<SpecConstant> list = {constant(Feature::ray_stack, stack)};
+  if (blended) list.push_back(constant(Feature::rays_meet_blended));
+  return list;
 }
 
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {

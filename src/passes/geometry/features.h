@@ -28,6 +28,8 @@ enum class Feature : uint32_t {
   ibl_method,
   sky_irradiance,
   lamp_shadows,
+  ray_stack,
+  rays_meet_blended,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -37,10 +39,12 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map)
 // The same for a picture that is one of a supersampled frame's.
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // Of a pass that shades under lights with shadow maps.
-SpecConstant sun_shadows_constant();
-SpecConstant lamp_shadows_constant();
-// Of a pass that reads ambient occlusion's texels, of that shape (shared/occlusion.h).
-SpecConstant occlusion_constant(uint32_t shape);
+SpecConstant sun_shadows_constant(bool traced, bool soft);
+SpecConstant lamp_shadows_constant(bool traced, bool soft);
+// Of a pass that reads ambient occlusion's texels, of that shape (shared/occlusion.h), or traces it.
+SpecConstant occlusion_constant(uint32_t shape, bool traced);
+// Of a pass that traces light: entries of a ray's stack, and whether something lets a part of the light through.
+std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended);
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs
 // none, an unlit or masked depth one only what the base colour takes.
 std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,

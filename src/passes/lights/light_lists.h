@@ -25,10 +25,24 @@ struct LightGridShape {
 // Ambient occlusion as shading reads it (shaders/lib/occlusion.glsl).
 struct OcclusionTexels {
   ImageHandle open;
-  uint32_t shape = 0;  // shared/occlusion.h
+  uint32_t shape = 0;   // shared/occlusion.h
+  bool traced = false;  // by rays where it is read; then there are no texels
 };
 
-// What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights, the fog that all is seen through,
+// The trees that shading sends rays through (shaders/lib/trace.glsl); empty: it sends none.
+struct TracedRays {
+  BufferHandle trees, settings;
+  uint32_t stack = 0;
+  bool blended = false;              // something lets a part of the light through
+  bool suns = false, lamps = false;  // whose shadows are traced
+  // Lights with a size, whose shadows are soft; with maps they need the settings alone.
+  bool soft_suns = false, soft_lamps = false;
+  // What reaches shaders through the settings, for the plan.
+  uint32_t occlusion_rays = 0, sun_samples = 0, lamp_samples = 0;
+};
+
+// What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the
+// trees for their rays, the fog that all is seen through,
 // and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
   BufferHandle cells;     // bitmasks of all cells, or where each cell's entries begin
@@ -36,6 +50,7 @@ struct CellLists {
   BufferHandle tiles;     // tiled: depths
   ImageHandle sun_maps;   // a layer a cascade (shaders/lib/sun_shadow.glsl)
   ImageHandle lamp_maps;  // tiles (shaders/lib/lamp_shadow.glsl)
+  TracedRays rays;
   FogView fog;
   OcclusionTexels occlusion;  // for opaque and masked surfaces alone
 };

@@ -20,7 +20,26 @@ uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in)
 
 std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() {
   static const std::vector<std::string_view> passes = {"occlusion", "shade_forward", "occlusion_layer", "terms"};
+  constexpr std::string_view on_screen = "occlusion.method=screen";
   static const Knob<Knobs> table[] = {
+      {.name = "method",
+       .member = &Knobs::method,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0, 0, 0, 1},
+       .trades = "what hides the sky: what the depth buffer shows, or rays to all that there is",
+       .choices = {"screen", "traced"},
+       .walk = {0, 1},
+       .passes = passes},
+      {.name = "rays",
+       .member = &Knobs::rays,
+       .lowest = 1,
+       .highest = 65536,
+       .ladder = {16, 64, 64, 256},
+       .trades = "method traced: rays of a pixel; fewer leave noise",
+       .walk = {4, 16, 64, 256},
+       .passes = {"shade_forward", "occlusion_layer", "terms"},
+       .beside = "occlusion.method=traced"},
       {.name = "texel_px",
        .member = &Knobs::texel_px,
        .unit = "px",
@@ -31,7 +50,8 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
            "side of a texel of ambient occlusion: 1 full resolution, 2 half; coarser ones blur contacts and edges",
        .walk = {4, 2, 1},
        .passes = passes,
-       .only = {1, 2, 4}},
+       .only = {1, 2, 4},
+       .beside = on_screen},
       {.name = "slices",
        .member = &Knobs::slices,
        .lowest = 1,
@@ -39,7 +59,8 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .ladder = {2, 3, 3, 64},
        .trades = "planes through the view vector in which horizons are searched; fewer leave noise",
        .walk = {1, 2, 3, 8, 64},
-       .passes = {"occlusion"}},
+       .passes = passes,
+       .beside = on_screen},
       {.name = "samples",
        .member = &Knobs::samples,
        .lowest = 1,
@@ -47,7 +68,8 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .ladder = {4, 6, 6, 64},
        .trades = "depths that are looked at on each side of a slice; fewer miss what hides the sky",
        .walk = {1, 2, 4, 6, 16, 64},
-       .passes = {"occlusion"}},
+       .passes = passes,
+       .beside = on_screen},
       {.name = "denoise",
        .member = &Knobs::denoise,
        .lowest = 0,
@@ -55,8 +77,8 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .ladder = {1, 1, 1, 0},
        .trades = "1: the mean over 5 by 5 texels of the same surface; blurs contacts where slices are many",
        .walk = {1, 0},
-       .passes = {"occlusion"},
-       .beside = "occlusion.slices=64"},
+       .passes = passes,
+       .beside = "occlusion.method=screen occlusion.slices=64"},
   };
   return table;
 }
@@ -68,7 +90,13 @@ Need AmbientOcclusion::shades(const SceneFacts& facts, const FrameRequest& reque
 }
 
 Need AmbientOcclusion::needed(const SceneFacts& facts, const FrameRequest& request) const {
-  return request.has_layer("occlusion") ? Need{} : shades(facts, request);
+  const Need any = request.has_layer("occlusion") ? Need{} : shades(facts, request);
+  if (!any || knobs.method == Knobs::screen) return any;
+  return {false, "occlusion.method is traced: rays are sent where surfaces are shaded"};
+}
+
+bool AmbientOcclusion::traced(const SceneFacts& facts, const FrameRequest& request) const {
+  return knobs.method == Knobs::by_rays && (request.has_layer("occlusion") || shades(facts, request));
 }
 
 uint32_t AmbientOcclusion::shape(const SceneInputs& scene) const {

@@ -27,6 +27,9 @@ struct AmbientOcclusion {
   static constexpr Queue queue = Queue::compute;
   struct Knobs {
     static constexpr std::string_view name = "occlusion";
+    static constexpr int screen = 0, by_rays = 1;
+    int method = screen;
+    int rays = 64;
     int texel_px = 2;
     int slices = 3;
     int samples = 6;
@@ -50,6 +53,8 @@ struct AmbientOcclusion {
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   // Whether what it gives is for shading, and not for a layer alone.
   static Need shades(const SceneFacts& facts, const FrameRequest& request);
+  // Whether shading sends rays instead.
+  bool traced(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
   // Of the texels of a frame, as shaders want it.

@@ -6,6 +6,8 @@ namespace {
 CellLists lists_of(const OcclusionLayer::In& in) {
   CellLists lists;
   lists.occlusion = in.occlusion;
+  lists.rays = in.rays;
+  lists.rays.suns = lists.rays.lamps = lists.rays.soft_suns = lists.rays.soft_lamps = false;
   return lists;
 }
 

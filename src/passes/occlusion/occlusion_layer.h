@@ -16,6 +16,7 @@ struct OcclusionLayer {
     Draws draws;
     BufferHandle deformed;      // optional
     OcclusionTexels occlusion;  // optional: nothing is opaque or masked
+    TracedRays rays;            // where it is traced
   };
   struct Out {
     ImageHandle layer;

@@ -11,6 +11,10 @@ namespace candela {
 // draw and read the maps.
 struct LampKnobs {
   static constexpr std::string_view name = "shadows";
+  static constexpr int maps = 0, by_rays = 1, hard = 0, pcss = 1;
+  int method = maps;
+  int soft = pcss;
+  int samples = 16;
   int lights = 256;  // none, marked_alone
   static constexpr int none = 0, marked_alone = -1;
   int budget_mb = 128;

@@ -8,10 +8,13 @@ namespace candela {
 
 // Shadow maps of directional lights: the knobs `sun.*`, shared by the fit of the cascades and the passes that draw and
 // read them.
-enum class SunMode : int { off, single, cascades };
+enum class SunMode : int { off, single, cascades, traced };
 struct SunKnobs {
   static constexpr std::string_view name = "sun";
+  static constexpr int hard = 0, pcss = 1;
   int mode = int(SunMode::cascades);
+  int soft = pcss;
+  int samples = 16;
   int cascades = 5;
   int size_px = 2048;
   int single_px = 4096;

@@ -8,7 +8,7 @@ namespace {
 bool wants_lighting(const Terms::In& in) {
   return in.wanted[size_t(Term::direct_sun)] || in.wanted[size_t(Term::direct_point)] ||
          in.wanted[size_t(Term::direct_spot)] ||
-         (in.lists.occlusion.open &&
+         ((in.lists.occlusion.open || in.lists.occlusion.traced) &&
           (in.wanted[size_t(Term::ambient_diffuse)] || in.wanted[size_t(Term::ambient_specular)]));
 }
 

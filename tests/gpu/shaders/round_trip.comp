@@ -43,7 +43,7 @@ void put_material(Material v) {
 }
 void put_light(Light v) {
   put(v.position); put(v.inverse_range); put(v.direction); put(v.type); put(v.spot_scale); put(v.spot_offset);
-  put(v.intensity); put(v.shadow); for (int i = 0; i < 2; ++i) put(v.unused[i]);
+  put(v.intensity); put(v.shadow); put(v.radius_m); put(v.unused);
 }
 void put_fog(FogMedium v) {
   put(v.extinction); put(v.falloff); put(v.scattering); put(v.height); put(v.glow); put(v.anisotropy);

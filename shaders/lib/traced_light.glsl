@@ -1,0 +1,205 @@
+// Light that rays find open: the exact end of shadows and of ambient occlusion. Needs lib/scene.glsl, the push
+// constants of DrawPush, lib/light_data.glsl, and a fragment shader that calls begin_rays first. Only where HAS_RAYS.
+// With LIGHT_EVAL lib/light_eval.glsl too.
+//
+// A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by
+// the bound of its roundings, as the reference's do (src/reference/accel.cpp), so that no surface darkens itself and no
+// shadow comes off what casts it. An interpolated position knows its surface only to a share of the triangle's size.
+#define TRACE_ADDRESS pc.trees
+#define TRACE_STACK RAY_STACK
+#include "lib/trace.glsl"
+
+TracePoint rays_from;    // of this fragment
+vec3 rays_side;          // its normal on the viewer's side
+const float BEFORE_END = 1.0 - 4e-6;  // keeps a ray off what it is aimed at
+
+// position: of the fragment, relative; normal: of its triangle, on the viewer's side.
+void begin_rays(vec3 position, vec3 normal) {
+  if (!HAS_RAYS) return;
+  const float reach = trace_largest(position);
+  TraceRay ray = TraceRay(vec3(0.0), 0.999, position, 1.001);
+  if (frame.perspective == 0u) {
+    ray.direction = -frame.camera_back * max(reach, max(frame.tan_half.x, frame.tan_half.y));
+    ray.origin = position - ray.direction;
+  }
+  TraceHit hit;
+  // Lanes beside the triangle may be anywhere.
+  if (reach < 1e18 && trace(ray, TRACE_LOCATE, TRACE_NOTHING, hit)) {
+    rays_from = trace_point(hit);
+  } else {  // none of the trees' triangles: a line, a point, or an edge where the rasterizer covers more
+    rays_from = TracePoint(position, normal, 3.8146973e-6 * reach);
+  }
+  if (rays_from.normal == vec3(0.0)) rays_from.normal = normal;
+  rays_side = dot(rays_from.normal, normal) < 0.0 ? -rays_from.normal : rays_from.normal;
+}
+
+// Of the light along a ray, what comes through: nothing behind opaque surfaces, what blended ones leave. A surface at
+// distance t hides saturate((radius - t) / fade) of what is behind it.
+float rays_through(TraceRay ray, uint mode, float radius, float fade) {
+  TraceHit passed = TRACE_NOTHING;
+  float through = 1.0;
+  if (RAYS_MEET_BLENDED == 0 && fade == 0.0) mode |= TRACE_ANY;
+  while (true) {
+    TraceHit hit;
+    if (!trace(ray, mode, passed, hit)) return through;
+    float coverage = 1.0;
+    if (RAYS_MEET_BLENDED != 0) {
+      const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;
+      const TraceItem item = trace_item(s, hit.item);
+      if ((item.flags & trace_blended) != 0u) coverage = trace_coverage(s, item, hit.primitive, hit.u, hit.v);
+    }
+    through *= 1.0 - (fade == 0.0 ? coverage : coverage * clamp((radius - hit.t) / fade, 0.0, 1.0));
+    if (coverage >= 1.0 || !(through > 0.0)) return through;
+    passed = hit;
+    ray.t_min = hit.t;
+    mode |= TRACE_PASSED;
+  }
+}
+
+uint rays_hash(uvec3 v) {  // Jarzynski and Olano, "Hash Functions for GPU Rendering", 2020 (pcg3d)
+  v = v * 1664525u + 1013904223u;
+  v.x += v.y * v.z;
+  v.y += v.z * v.x;
+  v.z += v.x * v.y;
+  v ^= v >> 16u;
+  v.x += v.y * v.z;
+  return v.x;
+}
+// Number i of a sequence whose first 2^n points stratify the square in every way (Sobol 1967, two dimensions), turned
+// over by the pixel's own bits.
+vec2 rays_place(uint i, uvec2 own) {
+  uint second = 0u;
+  for (uint v = 0x80000000u, n = i; n != 0u; n >>= 1u, v ^= v >> 1u)
+    if ((n & 1u) != 0u) second ^= v;
+  return vec2(uvec2(bitfieldReverse(i), second) ^ own) * (1.0 / 4294967296.0);
+}
+uvec2 rays_own(uint dimension) {
+  const RaySettings s = RaySettingsRef(pc.rays).s;
+  const uvec2 pixel = uvec2(gl_FragCoord.xy);
+  return uvec2(rays_hash(uvec3(pixel, s.seed ^ (2u * dimension))),
+      rays_hash(uvec3(pixel, s.seed ^ (2u * dimension + 1u))));
+}
+mat3 rays_axes(vec3 n) {  // Duff et al., "Building an Orthonormal Basis, Revisited", 2017
+  const float handed = n.z < 0.0 ? -1.0 : 1.0, p = -1.0 / (handed + n.z), q = n.x * n.y * p;
+  return mat3(vec3(1.0 + handed * n.x * n.x * p, handed * q, -handed * n.x), vec3(q, handed + n.y * n.y * p, -n.y), n);
+}
+
+// Of a light from a point: a cap of directions about an axis, seen with one radiance.
+struct LightCap {
+  vec3 axis;
+  float centre_m;  // distance of the middle; TRACE_FAR: a sun
+  float radius_m;
+  float height;    // 1 - cos of its half angle: 0 a point, 2 all directions
+};
+LightCap light_cap(LightRef light, vec3 position) {
+  const vec2 z_type = light_word(light, 3u);
+  LightCap cap;
+  if (floatBitsToUint(z_type.y) == light_directional) {
+    cap.axis = -vec3(light_word(light, 2u), z_type.x);
+    cap.centre_m = TRACE_FAR;
+    cap.radius_m = 0.0;
+    cap.height = SUNS_SOFT ? RaySettingsRef(pc.rays).s.sun_height : 0.0;
+    return cap;
+  }
+  const vec3 to_light = vec3(light_word(light, 0u), light_word(light, 1u).x) - position;
+  cap.centre_m = length(to_light);
+  cap.axis = cap.centre_m > 0.0 ? to_light / cap.centre_m : vec3(0.0, 1.0, 0.0);
+  cap.radius_m = LAMPS_SOFT ? light_word(light, 7u).x : 0.0;
+  const float sine = cap.radius_m / max(cap.centre_m, 1e-30);
+  cap.height = !(cap.radius_m > 0.0) ? 0.0 : sine < 1.0 ? sine * sine / (1.0 + sqrt(1.0 - sine * sine)) : 2.0;
+  return cap;
+}
+
+// The ray towards number i of `count` places on the light, which stratify it: evenly in solid angle. l: its direction.
+TraceRay ray_to_light(LightCap cap, uint i, uvec2 own, out vec3 l) {
+  TraceRay ray;
+  ray.t_min = 0.0;
+  l = cap.axis;
+  float distance_m = cap.centre_m;
+  if (cap.height > 0.0) {
+    const vec2 u = rays_place(i, own);
+    const float down = u.x * cap.height, across2 = down * (2.0 - down), phi = 6.2831853 * u.y;
+    l = normalize(rays_axes(cap.axis) * vec3(sqrt(across2) * vec2(cos(phi), sin(phi)), 1.0 - down));
+    if (cap.radius_m > 0.0) {  // to its surface
+      const float along = cap.centre_m * (1.0 - down);
+      const float behind = sqrt(max(cap.radius_m * cap.radius_m - cap.centre_m * cap.centre_m * across2, 0.0));
+      distance_m = max(cap.height == 2.0 ? along + behind : along - behind, 0.0);
+    }
+  }
+  ray.origin = leaving_origin(rays_from, l);
+  ray.direction = l;
+  ray.t_max = TRACE_FAR;
+  if (distance_m < TRACE_FAR) {
+    ray.direction = rays_from.position + l * distance_m - ray.origin;
+    ray.t_max = BEFORE_END;
+  }
+  return ray;
+}
+float ray_seen(TraceRay ray, vec3 l, bool is_lamp) {
+  // The surface itself keeps off light from behind it, which a shading normal may let in.
+  if (!(dot(rays_side, l) > 0.0)) return 0.0;
+  if (!(dot(ray.direction, l) > 0.0)) return 1.0;  // closer than what keeps it off the surface
+  return rays_through(ray, is_lamp ? TRACE_TO_LAMP : 0u, 0.0, 0.0);
+}
+uint light_samples(LightCap cap) {
+  if (!(cap.height > 0.0)) return 1u;
+  const RaySettings s = RaySettingsRef(pc.rays).s;
+  return max(cap.centre_m < TRACE_FAR ? s.lamp_samples : s.sun_samples, 1u);
+}
+
+// 1: lit, 0: in shadow; of lights with a size the part of the directions to it that are open. number: the light's.
+float traced_visibility(LightRef light, uint number) {
+  const LightCap cap = light_cap(light, rays_from.position);
+  const uint count = light_samples(cap);
+  const uvec2 own = rays_own(1u + number);
+  float seen = 0.0;
+  for (uint i = 0u; i < count; ++i) {
+    vec3 l;
+    const TraceRay ray = ray_to_light(cap, pc.subsample * count + i, own, l);
+    seen += ray_seen(ray, l, cap.centre_m < TRACE_FAR);
+  }
+  return seen / float(count);
+}
+
+#ifdef LIGHT_EVAL
+// A light with a size: the mean over its directions of what each gives. Its intensity is that of the punctual light in
+// its middle, whose window of the range, cone and inverse square it has.
+vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 position) {
+  vec3 to_middle;
+  float arriving = light_arriving(light, position, to_middle);
+  if (arriving == 0.0) return vec3(0.0);
+  const LightCap cap = light_cap(light, position);
+  if (cap.radius_m > MIN_LIGHT_DISTANCE_M && cap.centre_m < cap.radius_m) {
+    const float held = max(cap.centre_m, MIN_LIGHT_DISTANCE_M);
+    arriving *= held * held / (cap.radius_m * cap.radius_m);
+  }
+  // Over a cap the mean cosine to its middle is 1 - height / 2; from all sides a surface gets a quarter of what comes.
+  arriving *= cap.height == 2.0 ? 4.0 : 1.0 / (1.0 - 0.5 * cap.height);
+  const uint count = light_samples(cap);
+  const uvec2 own = rays_own(1u + number);
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < count; ++i) {
+    vec3 l;
+    const TraceRay ray = ray_to_light(cap, pc.subsample * count + i, own, l);
+    const vec3 offered = light_along(light, brdf, l, arriving);
+    if (offered != vec3(0.0)) sum += offered * ray_seen(ray, l, cap.centre_m < TRACE_FAR);
+  }
+  return sum / float(count);
+}
+#endif
+
+// The share of the sky's diffuse light that near surfaces leave, over the hemisphere about the triangle's normal.
+float traced_open() {
+  const RaySettings s = RaySettingsRef(pc.rays).s;
+  const mat3 axes = rays_axes(rays_side);
+  const uvec2 own = rays_own(0u);
+  float open = 0.0;
+  for (uint i = 0u; i < s.occlusion_rays; ++i) {
+    const vec2 u = rays_place(pc.subsample * s.occlusion_rays + i, own);
+    const float across = sqrt(u.x), phi = 6.2831853 * u.y;
+    const vec3 d = axes * vec3(across * cos(phi), across * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+    open += rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
+        s.occlusion_radius_m, s.occlusion_fade_m);
+  }
+  return 1.0 - s.occlusion_strength * (1.0 - open / float(max(s.occlusion_rays, 1u)));
+}

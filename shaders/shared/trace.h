@@ -1,0 +1,100 @@
+#ifndef CANDELA_SHARED_TRACE_H
+#define CANDELA_SHARED_TRACE_H
+#include "shared/types.h"
+
+// Trees of the frame's triangles, for rays (bvh/wide_tree.h, reference/accel.h): one buffer, a TraceScene and then its
+// tables. Numbers of nodes, blocks and instances count in the whole table, whichever tree they belong to.
+SHARED_BEGIN
+
+#ifdef __cplusplus
+inline constexpr uint trace_table_align = 256;
+inline constexpr uint no_trace = 0xffffffffu;
+inline constexpr uint trace_leaf_bit = 0x80000000u, trace_leaf_shift = 26;
+inline constexpr uint trace_asks_fronts = 1, trace_asks_backs = 2, trace_masked = 4, trace_blended = 8,
+                      trace_glows = 16, trace_mirrored = 32;
+#else
+const uint trace_table_align = 256u;
+const uint no_trace = 0xffffffffu;
+const uint trace_leaf_bit = 0x80000000u, trace_leaf_shift = 26u;
+const uint trace_asks_fronts = 1u, trace_asks_backs = 2u, trace_masked = 4u, trace_blended = 8u, trace_glows = 16u,
+           trace_mirrored = 32u;
+#endif
+
+// Where the tables begin, in units of trace_table_align bytes.
+struct TraceScene {
+  uint nodes, blocks, triangles, items, instances, corners;
+  uint world_root, top_root;  // nodes; no_trace: nothing is there
+};
+
+// Boxes of eight children, axis by axis: low x, high x, low y, high y, low z, high z, two vectors each. A child is a
+// node, or a leaf: trace_leaf_bit, the number of blocks (of the top tree: instances) less one, the first; or no_trace.
+struct TraceNode {
+  vec4 bounds[12];
+  uvec4 child[2];
+};
+
+// Four triangles: x, y and z of the first corners, then the second, then the third. Absent ones have id no_trace. The
+// id is a place among the triangles, or inside an instance the number of the triangle in its mesh section.
+struct TraceBlock {
+  vec4 corner[9];
+  uvec4 id;
+};
+
+struct TraceTriangle {  // of the world tree
+  uint item;
+  float error_m;  // how far off its plane a ray begins that is not to meet it
+};
+
+struct TraceItem {    // parallel to FrameData::items
+  uint flags;         // trace_...
+  uint first;         // place of its first triangle; of items that are instances no_trace
+  uint material;      // among the frame's
+  uint first_corner;  // no_trace: coverage needs none
+};
+
+struct TraceInstance {
+  vec4 local_row[3], local_rest[3];  // of local_from_relative: as floats, and what these leave
+  vec4 relative_row[3];              // of relative_from_local
+  uint item, root;
+};
+
+// What coverage is made of at a triangle's corners: the base colour texture's coordinates, transformed, and the
+// vertices' alpha.
+struct TraceCorners {
+  vec2 uv[3];
+  vec3 alpha;
+};
+
+// How shading sends rays, and what it knows of lights with a size. Counts are of one picture of a supersampled frame.
+struct RaySettings {
+  float occlusion_radius_m, occlusion_fade_m, occlusion_strength;  // hidden by saturate((radius - distance) / fade)
+  uint occlusion_rays, sun_samples, lamp_samples;
+  float sun_height, sun_tangent;  // of the suns' half angle: 1 - cos, and tan; 0: points
+  uint seed;
+};
+
+SHARED_END
+
+#ifdef __cplusplus
+namespace candela::shared {
+static_assert(sizeof(RaySettings) == 36);
+static_assert(sizeof(TraceScene) == 32 && sizeof(TraceNode) == 224 && sizeof(TraceBlock) == 160);
+static_assert(sizeof(TraceTriangle) == 8 && sizeof(TraceItem) == 16 && sizeof(TraceInstance) == 152 &&
+              sizeof(TraceCorners) == 36);
+}  // namespace candela::shared
+#else
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer TraceSceneRef { TraceScene s; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer TraceNodeRef { TraceNode n; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TraceFloatRef { float f; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TraceUintRef { uint u; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer TraceVec4Ref { vec4 v; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer TraceUvec4Ref { uvec4 v; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer TraceBlockRef { TraceBlock b; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TraceTriangleRef { TraceTriangle t; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer TraceItemRef { TraceItem i; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TraceInstanceRef { TraceInstance i; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TraceCornersRef { TraceCorners c; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RaySettingsRef { RaySettings s; };
+#endif
+
+#endif

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "base/hash.h"
+#include "bvh/raw_vector.h"
+#include "scene/frame_data.h"
+
+namespace candela {
+
+class Accel;
+
+// The trees of a frame's triangles as shaders/lib/trace.glsl takes them: those of reference/accel.h, for the CPU and
+// the device are to meet the same triangles.
+struct FrameRays {
+  Hash128 key;                 // of all that decides the content
+  RawVector<std::byte> bytes;  // a shared::TraceScene and its tables
+  uint32_t stack = 1;          // entries that a ray's stack needs at most
+  bool blended = false;        // something lets a part of the light through
+  size_t triangles = 0;
+};
+
+// Of the posed geometry: equal keys mean equal trees, whatever frames they are of.
+Hash128 rays_key(const Pose& pose, const FrameData& data);
+
+// Lays out trees that are built.
+FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data);
+
+// Builds them for a frame.
+std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data);
+
+}  // namespace candela

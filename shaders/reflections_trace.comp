@@ -85,7 +85,8 @@ Met march(vec3 p, vec3 plane, vec3 l, float jitter) {
       scene = depth_at(q);
       const float ray_m = metres_of(mix(da, db, high)), scene_m = metres_of(scene);
       const float t = perspective ? end_m * high * metres_of(mix(da, db, high)) / -end.z : end_m * high;
-      // Its triangle's plane is met within a pixel of there, or the ray passes behind it by no more than it may be thick.
+      // Its triangle's plane is met within a pixel of there, or the ray passes behind it by no more than it may be
+      // thick.
       const vec3 n = unpack_normal(texelFetch(pass_uint_images[pc.at.surface], q, 0).w);
       const vec3 seen = point_at(q, scene);
       const float against = -dot(n, l);

@@ -94,9 +94,6 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
   return extent;
 }
 
-// Rounded up, so that frames whose trees differ a little share their pipelines.
-uint32_t ray_stack_entries(uint32_t least) { return (least + 7) / 8 * 8; }
-
 // Of lights with a size: whether shading draws their shadows soft.
 bool soft_suns(const PlannedFrame& f, const SunKnobs& knobs) {
   const bool sized = f.request.look.sun && f.request.look.sun->angular_radius_deg > 0;

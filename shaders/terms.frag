@@ -41,6 +41,9 @@ layout(location = EMISSION) out vec4 out_emission;
 #ifdef BACKGROUND
 layout(location = BACKGROUND) out vec4 out_background;
 #endif
+#ifdef REFLECTIONS  // added when all opaque surfaces are drawn (reflections_over.frag)
+layout(location = REFLECTIONS) out vec4 out_reflections;
+#endif
 #if defined(DIRECT_SUN) || defined(DIRECT_POINT) || defined(DIRECT_SPOT)
 #define ANY_DIRECT
 #endif
@@ -126,5 +129,8 @@ void main() {
 #endif
 #ifdef BACKGROUND
   out_background = covering(vec3(0.0), coverage);
+#endif
+#ifdef REFLECTIONS
+  out_reflections = covering(vec3(0.0), coverage);
 #endif
 }

@@ -83,7 +83,7 @@ def measure(name, scene, o, folder):
     if len(means) == 2:
         (a, var_a), (b, var_b) = means["candela"], means["cycles"]
         scale = b**2 + 0.01
-        result["ratio"] = round(result["candela"]["relmse"] / result["cycles"]["relmse"], 4)
+        result["error_ratio"] = round(result["candela"]["relmse"] / result["cycles"]["relmse"], 4)
         result["means_apart"] = float(f"{((a - b) ** 2 / scale).mean():.4g}")
         result["noise_of_means"] = float(f"{((var_a + var_b) / scale).mean():.4g}")
     return result
@@ -106,7 +106,7 @@ def main():
     with tempfile.TemporaryDirectory() as work:
         scenes = cycles_scenes.write_scenes(pathlib.Path(work), "none", str(pathlib.Path(o.build) / "candela"))
         for name in o.scenes.split(","):
-            result["scenes"][name] = measure(name, scenes[name], o, work)
+            result["scenes"].setdefault(name, {}).update(measure(name, scenes[name], o, work))
             output.write_text(json.dumps(result, indent=1) + "\n")
 
 

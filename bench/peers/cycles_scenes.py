@@ -195,7 +195,7 @@ def city(file, candela, lights):
     """`make-scene street` as both can read it: instances made triangles, vertex colours materials, windows dark, every lamp a point without
     range - a spot one of the same flux, about - so that nothing but the transport differs."""
     glb_file = file.with_suffix(".glb")
-    subprocess.run([candela, "make-scene", "street", "--lights", str(lights), "-o", str(glb_file), "--quiet"], check=True)
+    subprocess.run([candela, "make-scene", "street", "--lights", str(lights), "-o", str(glb_file)], check=True, stdout=subprocess.DEVNULL)
     source = Glb(glb_file)
     j = source.json
     gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{}], "materials": []}

@@ -1,7 +1,7 @@
 #pragma once
 // Fog between the camera and what is shaded. Transmittance and the light that fog emits are closed forms. The light
-// that it scatters comes from the grid (FOG is 2) or is followed along the ray of the point itself (3); 1: there is
-// none.
+// that it scatters comes from the grid (FOG is 2), is followed along the ray of the point itself (3), or comes from
+// coarse texels that followed rays (4); 1: there is none.
 // Passes compile these lines only for frames with fog, by "#FOG=..." behind a shader's name (passes/volumes/fog_view.h):
 // shaders of other frames stay what they were, to the byte.
 #include "lib/image_kinds.glsl"
@@ -12,6 +12,10 @@
 #elif defined(FOG_LAST)
 #define FOG_RUN 1
 #include "lib/fog_light.glsl"
+#endif
+
+#if FOG == 4
+#include "lib/coarse_light.glsl"
 #endif
 
 struct FogSeen {
@@ -42,10 +46,15 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
   const vec2 inside = fog_inside(ray.origin, ray.direction, vec2(0.0, FOG_FAR));
   const float a_m = clamp(fog_node_depth(k) * ray.along, inside.x, inside.y);
   const float b_m = clamp(min(fog_node_depth(k + 1) * ray.along, FOG_FAR), inside.x, inside.y);
+#ifdef FOG_MEDIA
+  const vec3 all = one_minus_exp(fog_length(ray.origin, ray.direction, a_m, b_m));
+  const vec3 part = one_minus_exp(fog_length(ray.origin, ray.direction, a_m, clamp(end_m, a_m, b_m)));
+#else
   const float metres = fog_length(ray.origin, ray.direction, a_m, b_m);
   const vec3 all = one_minus_exp(frame.fog.extinction * metres);
   const vec3 part =
       one_minus_exp(frame.fog.extinction * fog_length(ray.origin, ray.direction, a_m, clamp(end_m, a_m, b_m)));
+#endif
   const vec2 most = vec2(frame.fog.nodes.xy) - 1.0;
   const vec2 at = clamp((ndc * 0.5 + 0.5) * most, vec2(0.0), most - 1e-4 * most);
   const vec3 before = k < 0 ? vec3(0.0) : fog_grid_light(at, k);
@@ -76,11 +85,24 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
     for (int j = 0; j < FOG_RUN; ++j) sum += gained[j];
   }
   return sum * frame.pre_exposure;
+#elif FOG == 4
+  const ivec2 texels = textureSize(pass_images[pc.fog_light], 0);
+  return coarse_light(pc.fog_light, (ndc * 0.5 + 0.5) * vec2(frame.size_px), frame.fog.nodes.x, texels,
+      min(end_m / ray.along, 1e18), true);
 #else
   return vec3(0.0);
 #endif
 }
 
+#ifdef FOG_MEDIA
+// What several media emit has no closed form where they overlap: it is part of the slices.
+FogSeen fog_seen(FogRay ray, vec2 ndc, float end_m) {
+  FogSeen seen;
+  seen.through = fog_through(ray.origin, ray.direction, end_m);
+  seen.light = fog_scattered(ray, ndc, end_m);
+  return seen;
+}
+#else
 FogSeen fog_seen(FogRay ray, vec2 ndc, float end_m) {
   const vec2 span = fog_inside(ray.origin, ray.direction, vec2(0.0, end_m));
   const float metres = fog_length(ray.origin, ray.direction, span.x, span.y);
@@ -90,6 +112,8 @@ FogSeen fog_seen(FogRay ray, vec2 ndc, float end_m) {
       fog_scattered(ray, ndc, end_m);
   return seen;
 }
+
+#endif
 
 // Before a point of the scene.
 struct FogPlace {

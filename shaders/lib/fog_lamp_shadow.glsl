@@ -1,6 +1,6 @@
 #pragma once
-// Whether a point of the air sees a lamp, from its depth maps: one comparison, linear between four texels. The air has no
-// plane that could darken itself, so nothing but rounding is left for a bias. Needs pc.lamps and pc.lamp_maps.
+// Whether a point of the air sees a lamp, from its depth maps: one comparison, linear between four texels. The air has
+// no plane that could darken itself, so nothing but rounding is left for a bias. Needs pc.lamps and pc.lamp_maps.
 #include "lib/image_kinds.glsl"
 #include "shared/shadows.h"
 

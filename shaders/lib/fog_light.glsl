@@ -7,8 +7,8 @@
 // than it. Where a slice is opaque the mean is over as much of it as is seen.
 //
 // Needs lib/frame.glsl, lib/fog_ray.glsl, and pc.lights, pc.light_cells, pc.light_entries, pc.light_tiles. With FOG_SUN
-// pc.suns and pc.sun_maps as well, with FOG_LAMP_SHADOWS (points of a slice, at least, at which a lamp's maps are asked)
-// pc.lamps and pc.lamp_maps.
+// pc.suns and pc.sun_maps as well, with FOG_LAMP_SHADOWS (points of a slice, at least, at which a lamp's maps are
+// asked) pc.lamps and pc.lamp_maps.
 #include "lib/light_cells.glsl"
 #include "lib/light_data.glsl"
 #include "lib/light_list.glsl"
@@ -32,6 +32,13 @@ const float FOG_ANGLE = 0.25;
 const int FOG_POINTS = 6;
 // A slice can lie in several slices of the lights' grid; in more than these it walks every light.
 const uint FOG_CELLS = 4u;
+// Where in a slice light is taken: in the middle, or, with FOG_JITTER, where fog_jitter says, which the shader sets.
+#ifdef FOG_JITTER
+float fog_jitter[FOG_RUN];
+#define FOG_PLACE(j) fog_jitter[j]
+#else
+#define FOG_PLACE(j) 0.5
+#endif
 // Of the distance between neighbouring rays, how much a ray keeps clear of every lamp. What it gives is interpolated
 // over its neighbourhood, and a lamp that a ray nearly meets would shine out of all of it, before the lamp's own
 // housing too. Measured on a street of 1,024 lamps: less leaves single pixels a thousand times too bright, more dulls
@@ -147,13 +154,30 @@ float fog_sun_visibility(LightRef light, vec3 position) {
 // A slice of a ray as the camera sees it.
 struct FogSlice {
   float begin_m, wide_m;  // what of it is seen, evenly
+#ifdef FOG_MEDIA
+  vec3 scattering[FOG_MEDIA];  // of each medium, times its metres, each by its transmittance to the camera
+#else
   vec3 metres;            // of medium, each by its transmittance to the camera
+#endif
 };
+#ifdef FOG_MEDIA
+// Of light that comes under this angle, what the slice turns towards the camera.
+vec3 fog_phase(FogSlice slice, float cosine) {
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < FOG_MEDIA; ++i)
+    sum += slice.scattering[i] * henyey_greenstein(cosine, frame.fog.media[i].anisotropy);
+  return sum;
+}
+vec3 fog_metres(FogSlice slice) { return vec3(1.0); }  // fog_phase has them
+#else
+float fog_phase(FogSlice slice, float cosine) { return henyey_greenstein(cosine); }
+vec3 fog_metres(FogSlice slice) { return slice.metres; }
+#endif
 
 // Of a lamp's intensity, what fog scatters into the ray at a point `y` beyond where the ray passes it, but for the
 // inverse square. Exactly 0 outside range and cone. maps: fog_lamp_maps().
-vec3 fog_lamp(uint maps, uint type, FogRay ray, float nearest, vec3 off, float y, vec3 shines, vec2 cone,
-              float inverse_range2) {
+vec3 fog_lamp(FogSlice slice, uint maps, uint type, FogRay ray, float nearest, vec3 off, float y, vec3 shines,
+              vec2 cone, float inverse_range2) {
   const float d2 = dot(off, off) + y * y, x2 = d2 * inverse_range2;
   if (x2 >= 1.0) return vec3(0.0);
   const vec3 towards = off - ray.direction * y;
@@ -171,7 +195,7 @@ vec3 fog_lamp(uint maps, uint type, FogRay ray, float nearest, vec3 off, float y
   factor *= fog_lamp_visibility(maps, at);
   if (factor == 0.0) return vec3(0.0);
 #endif
-  return factor * henyey_greenstein(dot(l, ray.direction)) * fog_through(at, l, d);
+  return factor * fog_phase(slice, dot(l, ray.direction)) * fog_through(at, l, d);
 }
 
 // The light of the slices between neighbouring distances, unexposed, as it arrives at the camera. cell: distance
@@ -179,22 +203,51 @@ vec3 fog_lamp(uint maps, uint type, FogRay ray, float nearest, vec3 off, float y
 void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[FOG_RUN]) {
   const vec2 inside = fog_inside(ray.origin, ray.direction, vec2(0.0, FOG_FAR));
   FogSlice slices[FOG_RUN];
+#ifdef FOG_MEDIA
+  vec3 before = fog_length(ray.origin, ray.direction, 0.0, node_m[0]);
+  vec3 glow[FOG_RUN];
+#else
   float before = fog_length(ray.origin, ray.direction, inside.x, clamp(node_m[0], inside.x, max(inside.x, inside.y)));
   const float mean_extinction = dot(frame.fog.extinction, vec3(1.0 / 3.0));
+#endif
   for (int j = 0; j < FOG_RUN; ++j) {
     const float a = clamp(node_m[j], inside.x, max(inside.x, inside.y));
     const float b = clamp(node_m[j + 1], inside.x, max(inside.x, inside.y));
+#ifdef FOG_MEDIA
+    // Mixed evenly over the slice; transmittance is exact.
+    vec3 depths[FOG_MEDIA];
+    vec3 depth = vec3(0.0);
+    for (int i = 0; i < FOG_MEDIA; ++i) {
+      depths[i] = fog_length_of(i, ray.origin, ray.direction, a, b);
+      depth += depths[i];
+    }
+    const vec3 share = fog_through(before) * one_minus_exp_over(depth);
+    glow[j] = vec3(0.0);
+    for (int i = 0; i < FOG_MEDIA; ++i) {
+      slices[j].scattering[i] = frame.fog.media[i].albedo * depths[i] * share;
+      glow[j] += frame.fog.media[i].glow * depths[i] * share;
+    }
+    before = min(before + depth, vec3(FOG_MOST_DEPTH));
+    const float metres = dot(depth, vec3(1.0)), x = metres * (1.0 / 3.0);
+#else
     const float metres = fog_length(ray.origin, ray.direction, a, b);
     // As wide as an even stretch whose middle is the mean place of the transmittance.
     const float x = min(mean_extinction * metres, 1e30);
+#endif
     slices[j].begin_m = a;
     slices[j].wide_m = (b - a) * (x < 1e-2 ? 1.0 - x * (1.0 / 6.0) : 2.0 * (1.0 / x - 1.0 / (exp(min(x, 80.0)) - 1.0)));
     if (metres > 0.0) slices[j].wide_m = max(slices[j].wide_m, 1e-30);  // else an angle of 0 is divided by a width of 0
+#ifndef FOG_MEDIA
     slices[j].metres = fog_through(before) * fog_held(metres) * frame.fog.scattering;
     before = min(before + metres, 3e38);
+#endif
   }
   precise vec3 sums[FOG_RUN];
+#ifdef FOG_MEDIA
+  for (int j = 0; j < FOG_RUN; ++j) sums[j] = glow[j];
+#else
   for (int j = 0; j < FOG_RUN; ++j) sums[j] = vec3(0.0);
+#endif
   for (FogWalk walk = begin_fog_lights(ray, node_m[0], node_m[FOG_RUN]); next_fog_light(walk);) {
     LightRef light = light_at(pc.lights, walk.light);
     const vec2 z_type = light_word(light, 3u);
@@ -202,14 +255,14 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     const vec3 shines = vec3(light_word(light, 2u), z_type.x);
     const vec3 intensity = light_intensity(light);
     if (type == light_directional) {
-      const float phase = henyey_greenstein(-dot(shines, ray.direction));
       for (int j = 0; j < FOG_RUN; ++j) {
-        const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + 0.5 * slices[j].wide_m);
-        vec3 arriving = intensity * phase * fog_through(at, -shines, FOG_FAR);
+        const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + FOG_PLACE(j) * slices[j].wide_m);
+        vec3 arriving =
+            intensity * fog_phase(slices[j], -dot(shines, ray.direction)) * fog_through(at, -shines, FOG_FAR);
 #ifdef FOG_SUN
         arriving *= fog_sun_visibility(light, at);
 #endif
-        sums[j] += slices[j].metres * arriving;
+        sums[j] += fog_metres(slices[j]) * arriving;
       }
       continue;
     }
@@ -236,26 +289,39 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
       vec3 arriving = vec3(0.0);
       for (int i = 0; i < points; ++i) {
         float y;
+#ifndef FOG_JITTER
         if (points == 1) {
           const float to_a = sqrt(h2 + a * a), to_b = sqrt(h2 + b * b);
           y = (a * to_b + b * to_a) / (to_a + to_b);  // in the middle of the angle
-        } else {
-          y = clamp(h * tan(atan(a / h) + angle * (float(i) + 0.5) / float(points)), a, b);
-        }
-        arriving += fog_lamp(maps, type, ray, nearest, off, y, shines, cone, inverse_range2);
+        } else
+#endif
+          y = clamp(h * tan(atan(a / h) + angle * (float(i) + FOG_PLACE(j)) / float(points)), a, b);
+        arriving += fog_lamp(slices[j], maps, type, ray, nearest, off, y, shines, cone, inverse_range2);
       }
       if (arriving == vec3(0.0)) continue;
-      sums[j] += slices[j].metres * intensity * (arriving * (mean / float(points)));
+      sums[j] += fog_metres(slices[j]) * intensity * (arriving * (mean / float(points)));
     }
   }
 #ifdef FOG_AMBIENT
   // A harmonic of degree n keeps g^n of itself.
+#ifdef FOG_MEDIA
+  for (int i = 0; i < FOG_MEDIA; ++i) {
+    const float g = frame.fog.media[i].anisotropy;
+    const vec3 sky = ambient_radiance(ray.direction, vec3(1.0, 1.5 * g, 4.0 * g * g));
+    for (int j = 0; j < FOG_RUN; ++j) {
+      const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + FOG_PLACE(j) * slices[j].wide_m);
+      if (slices[j].scattering[i] != vec3(0.0))
+        sums[j] += slices[j].scattering[i] * sky * fog_sky_through(at, ray.direction, true, g);
+    }
+  }
+#else
   const float g = frame.fog.anisotropy;
   const vec3 sky = ambient_radiance(ray.direction, vec3(1.0, 1.5 * g, 4.0 * g * g));
   for (int j = 0; j < FOG_RUN; ++j) {
-    const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + 0.5 * slices[j].wide_m);
-    if (slices[j].metres != vec3(0.0)) sums[j] += slices[j].metres * sky * fog_sky_through(at, ray.direction, true);
+    const vec3 at = ray.origin + ray.direction * (slices[j].begin_m + FOG_PLACE(j) * slices[j].wide_m);
+    if (slices[j].metres != vec3(0.0)) sums[j] += slices[j].metres * sky * fog_sky_through(at, ray.direction, true, g);
   }
+#endif
 #endif
   gained = sums;
 }

@@ -1,6 +1,9 @@
 #pragma once
 // Fog as a medium: its density falls exponentially with height and ends at bounds, so that what lies between two points
 // of a ray has a closed form, in metres at density 1. Needs `frame`. Rays: unit directions, distances in metres.
+//
+// With FOG_MEDIA, several media (their number): fog_length is then the sum of their optical depths, channel by channel,
+// and of any span, inside the bounds or not. Shaders of one medium compile none of it.
 
 // As good as at infinity; its square is still a number.
 const float FOG_FAR = 1e18;
@@ -11,11 +14,18 @@ const float FOG_OPAQUE = 1e4;
 float one_minus_exp_over(float x) {
   return x < 1e-2 ? 1.0 - x * (0.5 - x * (1.0 / 6.0)) : (1.0 - exp(-min(x, FOG_OPAQUE))) / x;
 }
+vec3 one_minus_exp_over(vec3 x) {
+  return mix((1.0 - exp(-min(x, vec3(FOG_OPAQUE)))) / max(x, vec3(1e-30)), 1.0 - x * (0.5 - x * (1.0 / 6.0)),
+      lessThan(x, vec3(1e-2)));
+}
 vec3 one_minus_exp(vec3 x) {
   return mix(1.0 - exp(-min(x, vec3(FOG_OPAQUE))), x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0)))),
       lessThan(x, vec3(1e-2)));
 }
 
+#ifdef FOG_MEDIA
+#include "lib/fog_media.glsl"
+#else
 // The part of a span that lies inside the bounds; (0, 0) where none does.
 vec2 fog_inside(vec3 origin, vec3 direction, vec2 span) {
   if (frame.fog.bounded == 0u) return span;
@@ -45,12 +55,19 @@ float fog_length(vec3 origin, vec3 direction, float begin_m, float end_m) {
 
 vec3 fog_through(float metres) { return exp(-min(frame.fog.extinction * metres, vec3(FOG_OPAQUE))); }
 
+#endif
+
 // What fog leaves of light over a distance in direction l; FOG_FAR: of light from the sky.
 vec3 fog_through(vec3 from, vec3 l, float distance_m) {
+#ifdef FOG_MEDIA
+  return fog_through(fog_length(from, l, 0.0, distance_m));
+#else
   const vec2 span = fog_inside(from, l, vec2(0.0, distance_m));
   return fog_through(fog_length(from, l, span.x, span.y));
+#endif
 }
 
+#ifndef FOG_MEDIA
 // Integral of the transmittance over metres of medium, (1 - e^(-extinction metres))/extinction: times scattering and
 // light it stays right from extinction 0 to where it is the light over the extinction.
 vec3 fog_held(float metres) {
@@ -60,22 +77,26 @@ vec3 fog_held(float metres) {
       lessThan(x, vec3(1e-2)));
 }
 
+#endif
+
 // Henyey and Greenstein ("Diffuse Radiation in the Galaxy", 1941), per steradian, of the cosine between the ways of
 // light before and after. The base without cancellation, from the side where its terms have one sign.
-float henyey_greenstein(float cosine) {
-  const float g = frame.fog.anisotropy;
+float henyey_greenstein(float cosine, float g) {
   const float base = g < 0.0 ? (1.0 + g) * (1.0 + g) - 2.0 * g * (1.0 + cosine)
                              : (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine);
   return (1.0 - g * g) * (0.25 / 3.14159265358979) / (base * sqrt(base));
 }
 
+float henyey_greenstein(float cosine) { return henyey_greenstein(cosine, frame.fog.anisotropy); }
+
 // The mean transmittance from a point to the sky, over a lobe about an axis: the cosine's, or that of the phase
-// function. Places of a lattice, the same everywhere: no noise, and a knob says how many (fog.sky_directions).
-vec3 fog_sky_through(vec3 from, vec3 axis, bool of_phase) {
+// function with g. Places of a lattice, the same everywhere: no noise, and a knob says how many (fog.sky_directions).
+vec3 fog_sky_through(vec3 from, vec3 axis, bool of_phase, float g) {
+#ifndef FOG_MEDIA
   if (frame.fog.bounded == 0u && frame.fog.falloff == 0.0) return vec3(0.0);
+#endif
   const vec3 away = abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
   const vec3 x = normalize(cross(away, axis)), y = cross(axis, x);
-  const float g = frame.fog.anisotropy;
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < frame.fog.sky_directions; ++i) {
     const float u = (float(i) + 0.5) / float(frame.fog.sky_directions);
@@ -104,7 +125,10 @@ float fog_cosine_lobe(float mu, float c) {
 // The mean transmittance from a point to the sky, by the cosine about a normal. Without bounds what lies towards the
 // sky depends on height and elevation alone: two points of Gauss and Legendre for each 16 of fog.sky_directions.
 vec3 fog_sky_through_surface(vec3 from, vec3 normal) {
-  if (frame.fog.bounded != 0u) return fog_sky_through(from, normal, false);
+#ifdef FOG_MEDIA
+  return fog_sky_through(from, normal, false, 0.0);
+#else
+  if (frame.fog.bounded != 0u) return fog_sky_through(from, normal, false, 0.0);
   if (frame.fog.falloff == 0.0) return vec3(0.0);
   const uint panels = (frame.fog.sky_directions + 15u) / 16u;
   const float up = min(exp(min(frame.fog.falloff * (frame.fog.height - from.y), 80.0)) / frame.fog.falloff, 3e38);
@@ -116,4 +140,5 @@ vec3 fog_sky_through_surface(vec3 from, vec3 normal) {
       sum += fog_cosine_lobe(mu, c) * fog_through(min(up / mu, 3e38));
     }
   return sum * (0.5 / float(panels));
+#endif
 }

@@ -1,3 +1,4 @@
+#pragma once
 // The points that ambient occlusion is computed at: each texel has one depth sample of its pixels, the first that a
 // surface covers. Its distance in metres along the view axis is kept as a float whose last bits say which sample it is,
 // so that the point is known exactly. 0: no surface. Needs lib/frame.glsl.

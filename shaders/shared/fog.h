@@ -4,6 +4,25 @@
 
 SHARED_BEGIN
 
+#ifdef __cplusplus
+inline constexpr uint max_fog_media = 9;
+#else
+const uint max_fog_media = 9u;
+#endif
+
+// One medium of several.
+struct FogBox {
+  vec3 extinction;  // per metre at density 1
+  float falloff;
+  vec3 albedo;
+  float height;
+  vec3 glow;
+  float anisotropy;
+  vec3 lowest, highest;
+  vec2 turn, middle;  // of the bounds: cosine and sine, and the x and z about which
+  uint bounded;
+};
+
 // The fog of a look (scene/look.h) in relative space, and the grid that its light is kept in. All zero without fog.
 struct FogMedium {
   vec3 extinction;  // per metre at density 1
@@ -19,11 +38,21 @@ struct FogMedium {
   uvec3 nodes;
   float nearest_m, log2_ratio;
   uint sky_directions;  // in which the fog before the sky is looked through
+  // Several media: all of them, and what stands above is of the first. Shaders know how many (FOG_MEDIA).
+  FogBox media[max_fog_media];
 };
 
 struct FogLightPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
   uint sun_maps, lamp_maps, target;
+};
+struct FogMarchPush {
+  uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
+  uint sun_maps, lamp_maps, depth, target;
+  uvec2 texels;
+  uint texel_px, steps;
+  float loss;  // of the light that came so far, what a step may take
+  uint seed;
 };
 struct FogSumPush {
   uint image;
@@ -33,7 +62,7 @@ SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-static_assert(sizeof(FogMedium) == 100);
+static_assert(sizeof(FogBox) == 92 && sizeof(FogMedium) == 100 + 9 * 92 && offsetof(FogMedium, media) == 100);
 }
 #endif
 

@@ -115,8 +115,8 @@ static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 &&
-              offsetof(FrameConstants, fog) == 504 && offsetof(FrameConstants, image_light) == 608 &&
-              sizeof(FrameConstants) == 680);
+              offsetof(FrameConstants, fog) == 504 && offsetof(FrameConstants, image_light) == 1432 &&
+              sizeof(FrameConstants) == 1504);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

@@ -72,12 +72,12 @@ std::vector<std::string> gpu_part_layers() {
   return names;
 }
 
-std::vector<std::string> reference_part_layers(bool with_fog) {
+std::vector<std::string> reference_part_layers(bool with_air) {
   std::vector<std::string> names = edge_layers();
   for (const std::string& term : term_layer_names())
     // Shares of light are no light.
-    if (!term.starts_with("shadow") && term != "occlusion") names.push_back(term);
-  if (with_fog) names.emplace_back("fog");
+    if (!term.starts_with("shadow") && term != "occlusion" && (with_air || term != "volumetric")) names.push_back(term);
+  if (with_air) names.emplace_back("fog");
   return names;
 }
 
@@ -149,7 +149,8 @@ void divide_errors(std::span<BenchRow> rows, std::span<const Job> jobs, double t
 
 Expected<FloatImage> picture_with_parts(Job job, double time_s, const RunSettings& settings) {
   job.layers = gpu_part_layers();
-  if (!job.look.empty()) job.layers.emplace_back("fog");
+  if (!job.look.empty())
+    for (const char* layer : {"fog", "volumetric"}) job.layers.emplace_back(layer);
   job.exr_float = true;
   const auto session = Session::open(job, {.linear = true, .display = false}, settings);
   if (!session) return std::unexpected(session.error());

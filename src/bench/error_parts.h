@@ -15,7 +15,7 @@ namespace candela {
 
 // Layers that both renderers need for it: the terms, and what tells edges.
 std::vector<std::string> gpu_part_layers();
-std::vector<std::string> reference_part_layers(bool with_fog);
+std::vector<std::string> reference_part_layers(bool with_air);  // with the light of fog and of lamps in the air
 
 // Relative squared errors of a picture against a reference with those layers, all over the square of the reference's
 // beauty plus 0.01, as in relmse, so that they are of one scale:

@@ -54,7 +54,7 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const Trut
   reference::TraceSettings settings;
   settings.mode = truth.name == "path" ? reference::Mode::path : reference::Mode::direct;
   settings.visibility = truth.name != open_reference_name;
-  const std::vector<std::string> layers = reference_part_layers(frame.world->medium() != nullptr);
+  const std::vector<std::string> layers = reference_part_layers(!frame.world->media().empty());
   const Hash128 identity = film_identity(job, frame, settings, {}, true);
   auto [film, file] = kept_film(identity, job, film_parts(frame, layers), limits.spp);
   const uint64_t kept = film.samples();

@@ -57,14 +57,50 @@ Depths seen_depths(const Fog& fog, const View& view, const FrameData& data, doub
   return d;
 }
 
+// Of the box's corners, turned, as bounds of their own.
+Fog unturned(Fog fog) {
+  if (fog.turn_rad == 0) return fog;
+  const glm::dvec3 middle = 0.5 * (fog.lowest + fog.highest), half = 0.5 * (fog.highest - fog.lowest);
+  const double c = std::abs(std::cos(fog.turn_rad)), s = std::abs(std::sin(fog.turn_rad));
+  const glm::dvec2 wide(c * half.x + s * half.z, s * half.x + c * half.z);
+  fog.lowest.x = middle.x - wide.x, fog.highest.x = middle.x + wide.x;
+  fog.lowest.z = middle.z - wide.y, fog.highest.z = middle.z + wide.y;
+  return fog;
+}
+
 // Floats that hold no more are as good as no bound.
 float held(double v) { return float(std::clamp(v, -1e30, 1e30)); }
 glm::vec3 held(glm::dvec3 v) { return {held(v.x), held(v.y), held(v.z)}; }
 
+bool is_bounded(const Fog& fog) { return !(glm::all(glm::isinf(fog.lowest)) && glm::all(glm::isinf(fog.highest))); }
+
+shared::FogBox box_of(const Fog& fog, const View& view) {
+  shared::FogBox out{};
+  out.extinction = glm::vec3(fog.extinction_per_m);
+  for (int c = 0; c < 3; ++c) {
+    if (!(fog.extinction_per_m[c] > 0)) continue;
+    out.albedo[c] = float(fog.scattering_per_m[c] / fog.extinction_per_m[c]);
+    out.glow[c] = float(fog.emission_per_m[c] / fog.extinction_per_m[c]);
+  }
+  out.anisotropy = float(fog.anisotropy);
+  out.falloff = float(fog.falloff_per_m);
+  out.height = held(fog.height_m - view.position.y);
+  out.lowest = held(fog.lowest - view.position);
+  out.highest = held(fog.highest - view.position);
+  out.turn = {std::cos(fog.turn_rad), std::sin(fog.turn_rad)};
+  if (fog.turn_rad != 0) {
+    const glm::dvec3 middle = 0.5 * (fog.lowest + fog.highest) - view.position;
+    out.middle = {held(middle.x), held(middle.z)};
+  }
+  out.bounded = is_bounded(fog) ? 1 : 0;
+  return out;
+}
+
 }  // namespace
 
-shared::FogMedium frame_fog(const Fog& fog, const View& view, const FrameData& data, double farthest_m,
+shared::FogMedium frame_fog(const Look& look, const View& view, const FrameData& data, double farthest_m,
                             glm::uvec3 nodes, uint32_t sky_directions) {
+  const Fog& fog = *look.fog;
   shared::FogMedium out{};
   out.extinction = glm::vec3(fog.extinction_per_m);
   out.scattering = glm::vec3(fog.scattering_per_m);
@@ -75,13 +111,32 @@ shared::FogMedium frame_fog(const Fog& fog, const View& view, const FrameData& d
   out.height = held(fog.height_m - view.position.y);
   out.lowest = held(fog.lowest - view.position);
   out.highest = held(fog.highest - view.position);
-  out.bounded = glm::all(glm::isinf(fog.lowest)) && glm::all(glm::isinf(fog.highest)) ? 0 : 1;
-  const Depths depths = seen_depths(fog, view, data, farthest_m);
+  out.bounded = is_bounded(fog) ? 1 : 0;
+  Depths depths = seen_depths(unturned(fog), view, data, farthest_m);
+  if (summed_fog(look) > 0) {
+    out.media[0] = box_of(fog, view);
+    for (size_t i = 0; i < look.more_fog.size(); ++i) {
+      out.media[i + 1] = box_of(look.more_fog[i], view);
+      if (look.more_fog[i].extinction_per_m == glm::dvec3(0)) continue;
+      const Depths of_box = seen_depths(unturned(look.more_fog[i]), view, data, farthest_m);
+      depths.nearest_m = std::min(depths.nearest_m, of_box.nearest_m);
+      depths.farthest_m = std::max(depths.farthest_m, of_box.farthest_m);
+    }
+  }
   out.nodes = nodes;
   out.nearest_m = float(depths.nearest_m);
   out.log2_ratio = float(std::log2(depths.farthest_m / depths.nearest_m) / double(std::max(nodes.z, 3u) - 2));
   out.sky_directions = sky_directions;
   return out;
+}
+
+float volumetric_reach_m(const Volumetric& look, const FrameData& data) {
+  double reach = 0;
+  for (const LightItem& light : data.lights)
+    if (light.type != LightType::directional)
+      reach = std::max(reach, double(glm::length(glm::dvec3(light.position))) + double(light.range_m));
+  if (look.tau_per_m > 0) reach = std::min(reach, deepest / look.tau_per_m);
+  return float(std::min(reach, farthest_of_all_m));
 }
 
 }  // namespace candela

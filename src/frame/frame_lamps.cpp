@@ -15,7 +15,8 @@ constexpr uint32_t usual_layer_px = 2048;
 
 std::string why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs) {
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
-  if (facts.lit_items + facts.blend_lit_items == 0 && !request.draws_fog()) return "nothing that is drawn takes light";
+  if (facts.lit_items + facts.blend_lit_items == 0 && !request.draws_fog() && !request.draws_volumetric())
+    return "nothing that is drawn takes light";
   const bool traced = knobs.method == LampKnobs::by_rays;
   if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
     return "nothing that is drawn casts a shadow";
@@ -125,7 +126,8 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
   out.traced = knobs.method == LampKnobs::by_rays;
-  if (out.traced && (!request.draws_fog() || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
+  const bool in_air = request.draws_fog() || request.draws_volumetric();
+  if (out.traced && (!in_air || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
     out.absence = "shadows.method is traced: shading sends rays";
     return out;
   }

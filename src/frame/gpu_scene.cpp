@@ -98,11 +98,10 @@ void GpuScene::set_samplers(const TextureKnobs& knobs) {
     samplers_.push_back(bindless_.add_sampler(sampler_info(s, knobs.anisotropy)));
 }
 
-// Once, for the first frame with ambient light on a surface.
+// Once, for the first frame with ambient light on a surface, or with reflections.
 void GpuScene::load_split_sum(const PlannedFrame& frame) {
-  const bool ambient = frame.facts.environment || frame.request.neutral_light;
-  if (!ambient || frame.facts.lit_items + frame.facts.blend_lit_items == 0 || split_sum_index_ != shared::absent)
-    return;
+  const bool wanted = frame.facts.environment || frame.request.neutral_light || frame.request.draws_reflections();
+  if (!wanted || frame.facts.lit_items + frame.facts.blend_lit_items == 0 || split_sum_index_ != shared::absent) return;
   constexpr uint32_t columns = shared::split_sum_columns, rows = shared::split_sum_rows;
   std::vector<uint16_t> texels;
   for (uint32_t i = 0; i < columns * rows; ++i)

@@ -94,9 +94,6 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
   return extent;
 }
 
-// Rounded up, so that frames whose trees differ a little share their pipelines.
-uint32_t ray_stack_entries(uint32_t least) { return (least + 7) / 8 * 8; }
-
 // Of lights with a size: whether shading draws their shadows soft.
 bool soft_suns(const PlannedFrame& f, const SunKnobs& knobs) {
   const bool sized = f.request.look.sun && f.request.look.sun->angular_radius_deg > 0;
@@ -181,6 +178,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.width_px = uint32_t(f.request.width_px);
   s.height_px = uint32_t(f.request.height_px);
   s.samples = uint32_t(f.request.samples);
+  if (f.request.draws_volumetric()) s.volumetric_reach_m = volumetric_reach_m(*f.request.look.volumetric, f.data);
   return s;
 }
 
@@ -256,7 +254,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (f.request.draws_fog()) {
     const FogKnobs& fog = knobs->get<FogKnobs>();
     f.upload.constants.fog =
-        frame_fog(*f.request.look.fog, f.view, f.data, extent.farthest_m,
+        frame_fog(f.request.look, f.view, f.data, extent.farthest_m,
                   fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
   }
   auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),

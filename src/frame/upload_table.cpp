@@ -55,7 +55,8 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     rows.push_back({"frame.trees", &Inputs::trees, (bytes + step - 1) / step * step, frame.rays->bytes});
     rows.back().key = frame.rays->key;
   }
-  if (u.items.empty() && frame.request.draws_fog()) add_lights();  // fog is lit where there is nothing else
+  // The air is lit where there is nothing else.
+  if (u.items.empty() && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();
   rows.push_back({"frame.constants", &Inputs::constants, sizeof(Constants), std::as_bytes(std::span(&u.constants, 1))});
   return rows;
 }

@@ -22,6 +22,7 @@
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
+#include "passes/reflections/reflections.h"
 #include "passes/shadows/lamp_layers.h"
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
@@ -31,6 +32,8 @@
 #include "passes/surfaces/transparent.h"
 #include "passes/volumes/fog.h"
 #include "passes/volumes/fog_layers.h"
+#include "passes/volumes/fog_march.h"
+#include "passes/volumes/volumetric.h"
 
 namespace candela {
 
@@ -45,10 +48,11 @@ struct PassList {
 
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
-using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
-                           LightFill, LightSort, AmbientOcclusion, FogGrid, ShadeForward, ShadeUnlit, Sky, Background,
-                           Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
-                           Supersample, Resolve, Exposure, BloomPass, Tonemap, Readback, Dump>;
+using AllPasses =
+    PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
+             LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
+             ReflectionsOver, Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -35,7 +35,8 @@ struct SceneInputs {
   bool is_subsample = false;
   glm::vec2 subsample_ndc{0};
   float subsample_footprint = 1;
-  uint32_t subsample = 0;
+  float volumetric_reach_m = 0;                 // of a ray, beyond which no lamp's light in the air is left
+  uint32_t subsample = 0, subsamples = 1;       // which of how many
   std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed
 };
 

@@ -5,6 +5,7 @@
 #include "reference/albedo.h"
 #include "reference/glass_light.h"
 #include "reference/integrator.h"
+#include "reference/microfacet.h"
 
 namespace candela::reference {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 // surfaces.
 constexpr uint32_t dimensions_a_layer = 8;
 constexpr int most_layers = 256;
+// Those of a surface's reflections lie behind all of them.
+constexpr uint32_t reflection_dimensions = 4 + uint32_t(most_layers) * dimensions_a_layer;
 constexpr uint32_t first_size_dimension = 1u << 23;  // of lights with a size, apart from the rest
 
 }  // namespace
@@ -46,7 +49,10 @@ PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index) const {
 
 PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream, TermSample* terms) const {
   const CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
-  return settings_.mode == Mode::direct ? sample_direct(ray, stream, terms) : sample_path(ray, stream, terms);
+  PixelSample out =
+      settings_.mode == Mode::direct ? sample_direct(ray, stream, terms) : sample_path(ray, stream, terms);
+  if (world_.volumetric()) add_volumetric(ray, stream, out, terms);
+  return out;
 }
 
 PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
@@ -66,12 +72,21 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
       to_viewer = glm::normalize(camera.origin - s.position);
     }
     if (s.coverage > 0) {
-      stream.start(4 + uint32_t(layer) * dimensions_a_layer);
       TermSample own;
       own[Term::emission] = s.unlit ? s.base_color : s.emission;
       const SurfacePoint point = world_.accel().surface(*hit);
-      const glm::dvec3 radiance =
-          s.unlit ? s.base_color : s.emission + direct_light(s, point, to_viewer, stream, terms ? &own : nullptr);
+      std::optional<Lobe> lobe;
+      if (world_.has_reflections() && !s.unlit && !world_.is_blended(hit->item)) {
+        stream.start(reflection_dimensions);
+        lobe = specular_lobe(s, point, to_viewer, stream.next2());
+        own[Term::reflections] = reflected(*lobe, s, point, stream);
+      }
+      stream.start(4 + uint32_t(layer) * dimensions_a_layer);
+      glm::dvec3 radiance = s.base_color;
+      if (!s.unlit)
+        radiance = s.emission +
+                   surface_light(s, point, to_viewer, stream, terms ? &own : nullptr, lobe ? &*lobe : nullptr) +
+                   own[Term::reflections];
       const double here_m = glm::dot(s.position - camera.origin, onward);
       const glm::dvec3 clear =
           fog_before(camera.origin, onward, {before_m, here_m}, through, uint32_t(layer), stream, out);
@@ -102,35 +117,84 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     out.radiance += through * clear * glm::dvec3(background);
     if (terms) (*terms)[Term::background] += through * clear * glm::dvec3(background);
     out.fog_through += through * (clear - 1.0);
-    out.alpha += through * (world_.medium() ? 1 - luminance(clear) * (1 - background.w) : background.w);
+    out.alpha += through * (!world_.media().empty() ? 1 - luminance(clear) * (1 - background.w) : background.w);
   }
   out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
 }
 
+std::optional<Hit> Integrator::reflecting_hit(const SurfacePoint& from, glm::dvec3 l) const {
+  const Ray ray = leaving_ray(from, l);
+  std::optional<Hit> hit = next_surface(world_, ray, false, nullptr, nullptr);
+  while (hit && world_.is_blended(hit->item)) {
+    const Hit passed = *hit;
+    hit = next_surface(world_, ray, false, &passed, nullptr);
+  }
+  return hit;
+}
+
+Integrator::Lobe Integrator::specular_lobe(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
+                                           glm::dvec2 u) const {
+  const double alpha = std::pow(std::max(s.roughness, least_roughness), 2);
+  const glm::dvec3 h = visible_normal(s.normal, v, alpha, u);
+  Lobe lobe;
+  lobe.l = glm::reflect(-v, h);
+  const double n_v = std::max(glm::dot(s.normal, v), 1e-6);
+  const double pdf = smith_g1(n_v, alpha) * ggx_d(glm::dot(s.normal, h), alpha) / (4 * n_v);
+  if (!(pdf > 0) || !(glm::dot(s.normal, lobe.l) > 0)) return lobe;
+  lobe.weight = evaluate_brdf(s, lobe.l, v) * (1.0 - diffuse_share(s, lobe.l, v)) / pdf;
+  if (settings_.visibility && is_open(s, lobe.l)) lobe.hit = reflecting_hit(point, lobe.l);
+  return lobe;
+}
+
+glm::dvec3 Integrator::reflected(const Lobe& lobe, const Surface& s, const SurfacePoint& point,
+                                 SampleStream& stream) const {
+  if (!lobe.hit || lobe.weight == glm::dvec3(0)) return glm::dvec3(0);
+  const Ray ray = leaving_ray(point, lobe.l);
+  const Surface met = world_.surface(*lobe.hit, glm::dvec3(ray.origin), lobe.l);
+  const SurfacePoint there = world_.accel().surface(*lobe.hit);
+  const glm::dvec3 radiance =
+      met.unlit ? met.base_color : met.emission + direct_light(met, there, -lobe.l, stream, nullptr);
+  return s.occlusion * lobe.weight * radiance *
+         world_.through_fog(s.position, lobe.l, glm::distance(s.position, met.position));
+}
+
 glm::dvec3 Integrator::direct_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                                     TermSample* terms) const {
+  return surface_light(s, point, v, stream, terms, nullptr);
+}
+
+glm::dvec3 Integrator::surface_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                                     TermSample* terms, const Lobe* lobe) const {
   // What the material says of its own small hollows belongs to this term, as glTF says; tracing adds what the geometry
   // does.
   TermSample parts;
   TermSample* const wanted = terms ? &parts : nullptr;
   glm::dvec3 ambient(0);
   if (world_.sky() && settings_.ambient != Ambient::off) {
-    ambient = s.occlusion * (settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream, wanted)
-                                                                  : occluded_ambient(s, point, v, stream, wanted));
+    const glm::dvec3 sky = settings_.ambient == Ambient::traced ? traced_ambient(s, point, v, stream, wanted, lobe)
+                                                                : occluded_ambient(s, point, v, stream, wanted, lobe);
+    ambient = s.occlusion * sky;
     if (terms) terms->add(parts, glm::dvec3(s.occlusion));
   }
   return punctual(s, point, v, stream, terms) + ambient;
 }
 
 Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v,
-                                             glm::dvec2 on_disc, double probability) const {
+                                             glm::dvec2 on_disc, double probability, const LampRays* rays) const {
   const Arrival a = arriving(light, s.position, on_disc);
   if (a.illuminance == glm::dvec3(0)) return {};
   const bool sized = a.pdf > 0;  // then mirrors find it by themselves
   const glm::dvec3 f = evaluate_bsdf(s, a.l, v, !sized);
-  if (!sized || f == glm::dvec3(0)) return {a.illuminance * f, a.l, a.distance_m, {}};
-  const double w = weight(probability * a.pdf, bsdf_pdf(s, a.l, v), Strategy::light);
+  if (f == glm::dvec3(0)) return {};
+  const double by_rays = rays ? lamp_rays(*rays->from, s.position, s.geometric, rays->lamp, a.l) : 0;
+  double w = 1;
+  if (by_rays > 0) {
+    const double own = probability * (sized ? a.pdf : 1), other = sized ? bsdf_pdf(s, a.l, v) : 0;
+    w = 1 / (1 + (by_rays / own) * (by_rays / own) + (other / own) * (other / own));
+  } else if (sized) {
+    w = weight(probability * a.pdf, bsdf_pdf(s, a.l, v), Strategy::light);
+  }
   return {a.illuminance * f * w, a.l, a.distance_m, {}};
 }
 
@@ -224,7 +288,7 @@ glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& poin
 }
 
 glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
-                                      TermSample* terms) const {
+                                      TermSample* terms, const Lobe* lobe) const {
   glm::dvec3 sum(0);
   const glm::dvec2 for_lobe = stream.next2();
   const glm::dvec3 l = sample_brdf(s, v, stream.next(), for_lobe);
@@ -235,9 +299,18 @@ glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& poin
     if (f == glm::dvec3(0)) return;
     const glm::dvec3 radiance = world_.sky().radiance(direction) * f * (pdf / (pdf * pdf + other * other));
     if (radiance == glm::dvec3(0)) return;
-    const glm::dvec3 arriving = radiance * sky_visibility(s, point, direction);
+    glm::dvec3 arriving = radiance * sky_visibility(s, point, direction);
+    if (lobe) {
+      // What the lobe meets stands before the sky, however far it is.
+      const glm::dvec3 share = diffuse_share(s, direction, v), diffuse = arriving * share;
+      arriving = diffuse;
+      if (!settings_.visibility || (is_open(s, direction) && !reflecting_hit(point, direction)))
+        arriving += radiance * (1.0 - share) * world_.through_fog(s.position, direction, endless);
+      if (terms) terms->add_ambient(diffuse, arriving);
+    } else if (terms) {
+      terms->add_ambient(arriving * diffuse_share(s, direction, v), arriving);
+    }
     sum += arriving;
-    if (terms) terms->add_ambient(arriving * diffuse_share(s, direction, v), arriving);
   };
   add(choice.direction, choice.pdf, brdf_pdf(s, choice.direction, v));
   add(l, brdf_pdf(s, l, v), world_.sky().pdf(l));
@@ -245,10 +318,11 @@ glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& poin
 }
 
 glm::dvec3 Integrator::occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
-                                        TermSample* terms) const {
-  const auto [diffuse, specular] = harmonic_ambient(world_.ambient_sh(), s, v);
-  const glm::dvec3 ambient = diffuse + specular;
+                                        TermSample* terms, const Lobe* lobe) const {
+  auto [diffuse, specular] = harmonic_ambient(world_.ambient_sh(), s, v);
   const glm::dvec3 open = sky_visibility(s, point, cosine_direction(s.normal, stream.next2()));
+  if (lobe && lobe->hit) specular = glm::dvec3(0);
+  const glm::dvec3 ambient = diffuse + specular;
   if (terms) terms->add_ambient(diffuse * open, ambient * open);
   return ambient * open;
 }

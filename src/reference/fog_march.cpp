@@ -26,10 +26,18 @@ double stratum(int j, int count, double offset) { return (j + (j % 2 == 0 ? offs
 
 // A stretch of a ray inside the medium, from the bound or the last surface to the next, and the densities of points on
 // it.
+//
+// Of several media each is marched for itself, and what the others take away is a factor of each point.
 class Stretch {
  public:
-  Stretch(const Medium& medium, glm::dvec3 origin, glm::dvec3 direction, Span span)
-      : medium_(medium), origin_(origin), direction_(direction), span_(medium.inside(origin, direction, span)) {
+  Stretch(const std::vector<Medium>& media, size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span)
+      : media_(&media),
+        which_(which),
+        medium_(media[which]),
+        origin_(origin),
+        direction_(direction),
+        span_(medium_.inside(origin, direction, span)) {
+    const Medium& medium = medium_;
     before_ = medium.length(origin, direction, medium.inside(origin, direction, {0, span.begin_m}));
     length_ = medium.length(origin, direction, span_);
     double thinnest = endless;
@@ -80,7 +88,12 @@ class Stretch {
            (std::isinf(length_) ? 1 / sigma : length_ * one_minus_exp_over(sigma * length_));
   }
   // Of light that a metre of medium at p scatters towards the camera, the part that arrives there.
-  glm::dvec3 towards_camera(const Place& p) const { return medium_.scattering() * medium_.through(before_ + p.length); }
+  glm::dvec3 towards_camera(const Place& p) const {
+    glm::dvec3 light = medium_.scattering() * medium_.through(before_ + p.length);
+    for (size_t i = 0; i < media_->size(); ++i)
+      if (i != which_) light *= (*media_)[i].transmittance(origin_, direction_, p.distance_m);
+    return light;
+  }
   double medium_a_metre(const Place& p) const { return medium_.density(p.position); }
 
  private:
@@ -93,6 +106,8 @@ class Stretch {
     }
   }
 
+  const std::vector<Medium>* media_;
+  size_t which_;
   const Medium& medium_;
   glm::dvec3 origin_, direction_;
   Span span_;
@@ -134,18 +149,16 @@ struct Weighed {
 
 glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
                                   SampleStream& stream, PixelSample& out) const {
-  const Medium* medium = world_.medium();
-  if (!medium) return glm::dvec3(1);
+  if (world_.media().empty()) return glm::dvec3(1);
   const glm::dvec3 light = share * fog_light(origin, direction, span, layer, stream);
   out.radiance += light;
   out.fog_light += light;
-  return medium->transmittance(origin, direction, span.end_m);
+  return world_.through_fog(origin, direction, span.end_m);
 }
 
 // Radiance at a place in fog that the sky sends there and the fog scatters into the ray, over the scattering
 // coefficient.
-glm::dvec3 Integrator::fog_ambient(glm::dvec3 position, glm::dvec3 direction, SampleStream& stream) const {
-  const double g = world_.medium()->anisotropy();
+glm::dvec3 Integrator::fog_ambient(glm::dvec3 position, glm::dvec3 direction, double g, SampleStream& stream) const {
   const auto open = [&](glm::dvec3 l) {
     const glm::dvec3 clear = world_.through_fog(position, l, endless);
     if (clear == glm::dvec3(0) || !settings_.visibility) return clear;
@@ -171,17 +184,59 @@ glm::dvec3 Integrator::fog_ambient(glm::dvec3 position, glm::dvec3 direction, Sa
   return sum;
 }
 
+// What the medium emits towards the ray's origin. Alone it is a constant source over extinction, whatever the density
+// does; what others take away of it is asked at points that follow its own transmittance.
+glm::dvec3 Integrator::fog_glow(size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span, double offset) const {
+  const std::vector<Medium>& media = world_.media();
+  const Medium& medium = media[which];
+  const Span inside = medium.inside(origin, direction, span);
+  const double length = medium.length(origin, direction, inside);
+  glm::dvec3 glow = medium.glow() * medium.transmittance(origin, direction, span.begin_m) * medium.held(length);
+  if (media.size() == 1 || glow == glm::dvec3(0)) return glow;
+  for (int c = 0; c < 3; ++c) {
+    if (!(glow[c] > 0)) continue;
+    const double sigma = medium.extinction()[c];
+    const int steps = std::max(settings_.fog_steps, 1);  // path takes one place
+    double left = 0;
+    for (int j = 0; j < steps; ++j) {
+      const double u = stratum(j, steps, offset);
+      const double way = std::min(-std::log1p(u * std::expm1(-sigma * length)) / sigma, length);
+      const double at = std::min(medium.distance_at(origin, direction, inside.begin_m, way), inside.end_m);
+      double through = 1;
+      for (size_t i = 0; i < media.size(); ++i)
+        if (i != which) through *= media[i].transmittance(origin, direction, at)[c];
+      left += through;
+    }
+    glow[c] *= left / steps;
+  }
+  return glow;
+}
+
 glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer,
                                  SampleStream& stream) const {
-  const Medium& medium = *world_.medium();
-  // Emission: a constant source over extinction, whatever the density does.
-  glm::dvec3 sum = medium.glow() * medium.transmittance(origin, direction, span.begin_m) *
-                   medium.held(medium.length(origin, direction, medium.inside(origin, direction, span)));
-  const Stretch all(medium, origin, direction, span);
+  glm::dvec3 sum(0);
+  for (size_t which = 0; which < world_.media().size(); ++which)
+    sum += fog_light_of(which, origin, direction, span, layer, stream);
+  return sum;
+}
+
+glm::dvec3 Integrator::fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer,
+                                    SampleStream& stream) const {
+  const Medium& medium = world_.media()[which];
+  const uint32_t steps = uint32_t(settings_.fog_steps), media = uint32_t(world_.media().size());
+  const uint32_t dimension = first_fog_dimension + (layer * media + uint32_t(which)) * (4 + steps * dimensions_a_step);
+  glm::dvec3 sum(0);
+  if (medium.glows()) {
+    double offset = 0.5;
+    if (media > 1) {
+      stream.start(dimension + 3);
+      offset = stream.next();
+    }
+    sum = fog_glow(which, origin, direction, span, offset);
+  }
+  const Stretch all(world_.media(), which, origin, direction, span);
   if (!medium.scatters() || all.empty()) return sum;
 
-  const uint32_t steps = uint32_t(settings_.fog_steps);
-  const uint32_t dimension = first_fog_dimension + layer * (4 + steps * dimensions_a_step);
   stream.start(dimension);
   const double first_offset = stream.next();
   const glm::dvec2 on_disc = stream.next2();
@@ -211,7 +266,7 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
         if (!(chosen > 0)) continue;
         const glm::dvec3 light_here = stretch.towards_camera(p) * a.illuminance *
                                       (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
-                                      medium.transmittance(p.position, a.l, a.distance_m);
+                                      world_.through_fog(p.position, a.l, a.distance_m);
         if (light_here == glm::dvec3(0)) continue;
         sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m,
                                                                  nullptr, std::isfinite(a.distance_m))
@@ -230,7 +285,7 @@ glm::dvec3 Integrator::fog_light(glm::dvec3 origin, glm::dvec3 direction, Span s
       for (int k = 0; k < all.kinds(); ++k) weighed.add(points.of_kind[k] * all.density(k, p), k == kind);
       const double chosen = weighed.density();
       stream.start(dimension + 4 + step++ * dimensions_a_step);
-      if (chosen > 0) sum += all.towards_camera(p) / chosen * fog_ambient(p.position, direction, stream);
+      if (chosen > 0) sum += all.towards_camera(p) / chosen * fog_ambient(p.position, direction, g, stream);
     }
   }
   return sum;

@@ -68,30 +68,101 @@ class InViewOfLights {
   double sum_ = 0;
 };
 
+// All media on a ray's way, as one whose density differs from channel to channel. One alone has closed forms; where
+// several lie, the place of an optical depth is found by halving.
+class Air {
+ public:
+  Air(const std::vector<Medium>& media, glm::dvec3 origin, glm::dvec3 direction, double end_m)
+      : media_(media), origin_(origin), direction_(direction) {
+    for (const Medium& medium : media) {
+      const Span one = medium.inside(origin, direction, {0, end_m});
+      if (one.empty()) continue;
+      span_ = span_.empty() ? one : Span{std::min(span_.begin_m, one.begin_m), std::max(span_.end_m, one.end_m)};
+    }
+    depth_ = depth(span_.end_m);
+  }
+  const Span& span() const { return span_; }
+  const glm::dvec3& whole_depth() const { return depth_; }
+  glm::dvec3 depth(double at_m) const {
+    glm::dvec3 sum(0);
+    for (const Medium& medium : media_) {
+      const double metres = medium.length(origin_, direction_, medium.inside(origin_, direction_, {0, at_m}));
+      for (int c = 0; c < 3; ++c)
+        if (medium.extinction()[c] > 0) sum[c] += medium.extinction()[c] * metres;
+    }
+    return sum;
+  }
+  double distance_at(int channel, double depth_there) const {
+    if (media_.size() == 1)
+      return std::min(
+          media_[0].distance_at(origin_, direction_, span_.begin_m, depth_there / media_[0].extinction()[channel]),
+          span_.end_m);
+    double low = span_.begin_m, high = span_.end_m;
+    if (std::isinf(high)) {
+      double wide = 1;
+      while (wide < 1e300 && depth(low + wide)[channel] < depth_there) wide *= 2;
+      high = low + wide;
+    }
+    for (int i = 0; i < 100 && low < high; ++i) {
+      const double middle = 0.5 * (low + high);
+      if (middle <= low || middle >= high) break;
+      (depth(middle)[channel] < depth_there ? low : high) = middle;
+    }
+    return high;
+  }
+  // Per metre of the ray.
+  double density(size_t which, double at_m) const {
+    const glm::dvec3 position = origin_ + direction_ * at_m;
+    if (media_.size() > 1) {
+      const Span here = media_[which].inside(origin_, direction_, {at_m, std::nextafter(at_m, endless)});
+      if (here.empty()) return 0;
+    }
+    return media_[which].density(position);
+  }
+  glm::dvec3 extinction(double at_m) const {
+    glm::dvec3 sum(0);
+    for (size_t i = 0; i < media_.size(); ++i) sum += media_[i].extinction() * density(i, at_m);
+    return sum;
+  }
+
+ private:
+  const std::vector<Medium>& media_;
+  glm::dvec3 origin_, direction_, depth_{0};
+  Span span_;
+};
+
+glm::dvec3 left_of(glm::dvec3 depth) { return {std::exp(-depth.x), std::exp(-depth.y), std::exp(-depth.z)}; }
+glm::dvec3 held_of(glm::dvec3 depth) { return {-std::expm1(-depth.x), -std::expm1(-depth.y), -std::expm1(-depth.z)}; }
+
 }  // namespace
 
 Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through,
                                          int bounce, uint32_t number, bool every, SampleStream& stream,
                                          PixelSample& out) const {
-  const Medium& medium = *world_.medium();
-  const Span span = medium.inside(origin, direction, {0, end_m});
-  const double length = medium.length(origin, direction, span);
-  const glm::dvec3 clear = medium.through(length), held = medium.held(length);
-  const glm::dvec3 emitted = through * medium.glow() * held;
+  const std::vector<Medium>& media = world_.media();
+  const Air air(media, origin, direction, end_m);
+  const Span span = air.span();
+  const glm::dvec3 clear = left_of(air.whole_depth()), held = held_of(air.whole_depth());
+  stream.start(first_fog_dimension + number * dimensions_a_step);
+  const double decision = stream.next(), place = stream.next(), channel = stream.next(), way = stream.next();
+  const glm::dvec2 for_direction = stream.next2();
+  const double roulette = stream.next(), which = stream.next();
+  glm::dvec3 emitted(0);
+  for (size_t i = 0; i < media.size(); ++i) emitted += through * fog_glow(i, origin, direction, {0, end_m}, place);
   out.radiance += emitted;
   if (bounce == 0) out.fog_light += emitted;
   FogStep step;
   step.through = through * clear, step.clear = clear;
   const double all = through.x + through.y + through.z;
   const bool may_scatter = !(settings_.most_bounces > 0 && bounce >= settings_.most_bounces);
-  if (!may_scatter || !medium.scatters() || !(length > 0) || !(all > 0)) return step;
+  glm::dvec3 scatterers(0);
+  for (const Medium& medium : media) scatterers += medium.scattering();
+  if (!may_scatter || scatterers == glm::dvec3(0) || !(air.whole_depth() != glm::dvec3(0)) || !(all > 0)) return step;
 
-  stream.start(first_fog_dimension + number * dimensions_a_step);
-  const double decision = stream.next(), place = stream.next(), channel = stream.next(), way = stream.next();
   const glm::dvec3 likely = through / all;
   glm::dvec3 scatters(0), passes(1);  // how likely either is, as each channel would have it
   for (int c = 0; c < 3; ++c) {
-    if (!(medium.scattering()[c] > 0) || !(held[c] > 0)) continue;
+    if (!(scatterers[c] > 0) || !(held[c] > 0)) continue;
     const bool forced = bounce == 0 && held[c] < least_scattering;
     scatters[c] = forced ? least_scattering : held[c];
     passes[c] = forced ? 1 - least_scattering : clear[c];
@@ -106,43 +177,47 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
 
   const InViewOfLights lights(world_, origin, direction, span);
   const double by_angle = lights.empty() ? 0 : 0.5;
-  const double sigma = medium.extinction()[chosen];
-  double travelled = 0, distance_m = 0;
-  if (way < by_angle) {
-    distance_m = lights.distance_at(place);
-    travelled = medium.length(origin, direction, {span.begin_m, distance_m});
-  } else {
-    travelled = std::min(-std::log1p(-place * held[chosen]) / sigma, length);
-    distance_m = std::min(medium.distance_at(origin, direction, span.begin_m, travelled), span.end_m);
-  }
+  const double distance_m =
+      way < by_angle ? lights.distance_at(place)
+                     : air.distance_at(chosen, std::min(-std::log1p(-place * held[chosen]), air.whole_depth()[chosen]));
   step.scattered = true;
   step.through = glm::dvec3(0);
   step.position = origin + direction * distance_m;
   if (!std::isfinite(distance_m)) return step;
-  const glm::dvec3 here = medium.through(travelled);
-  double density = 0;  // per metre of medium
+  const glm::dvec3 here = left_of(air.depth(distance_m)), extinction = air.extinction(distance_m);
+  double density = 0;  // per metre of the ray
   for (int c = 0; c < 3; ++c)
-    if (scatters[c] > 0)
-      density += (1 - by_angle) * likely[c] * scatters[c] * medium.extinction()[c] * here[c] / held[c];
-  if (by_angle > 0)
-    density += by_angle * glm::dot(likely, scatters) * lights.density(distance_m) / medium.density(step.position);
+    if (scatters[c] > 0) density += (1 - by_angle) * likely[c] * scatters[c] * extinction[c] * here[c] / held[c];
+  if (by_angle > 0) density += by_angle * glm::dot(likely, scatters) * lights.density(distance_m);
   if (!(density > 0)) return step;
-  step.through = through * medium.scattering() * here / density;
-
-  const glm::dvec2 for_direction = stream.next2();
-  const double roulette = stream.next(), which = stream.next();
-  out.radiance += step.through * fog_event(step.position, direction, every, which, stream);
-  step.direction = sample_henyey_greenstein(direction, medium.anisotropy(), for_direction);
-  step.density = henyey_greenstein(glm::dot(step.direction, direction), medium.anisotropy());
+  // One of the media scatters, as likely as it would.
+  double weights = 0, left_weight = 0;
+  size_t scatterer = 0;
+  const auto weight_of = [&](size_t i) {
+    return glm::dot(through, media[i].scattering()) * air.density(i, distance_m);
+  };
+  for (size_t i = 0; i < media.size(); ++i) weights += weight_of(i);
+  if (!(weights > 0)) return step;
+  double u = which;
+  for (left_weight = u * weights; scatterer + 1 < media.size() && left_weight >= weight_of(scatterer); ++scatterer)
+    left_weight -= weight_of(scatterer);
+  const double own = weight_of(scatterer);
+  if (!(own > 0)) return step;
+  if (media.size() > 1) u = std::clamp(left_weight / own, 0.0, std::nextafter(1.0, 0.0));
+  const double g = media[scatterer].anisotropy();
+  step.through =
+      through * media[scatterer].scattering() * (air.density(scatterer, distance_m) * weights / own) * here / density;
+  out.radiance += step.through * fog_event(step.position, direction, g, every, u, stream);
+  step.direction = sample_henyey_greenstein(direction, g, for_direction);
+  step.density = henyey_greenstein(glm::dot(step.direction, direction), g);
   if (!survives(roulette, bounce + 1, step.through)) step.through = glm::dvec3(0);
   return step;
 }
 
 // Light that comes straight from its source to a place in fog and is scattered into the direction of travel towards it,
 // turned around: every directional light, one direction of the sky, and lights of the tree.
-glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, bool every, double which,
+glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, double g, bool every, double which,
                                  SampleStream& stream) const {
-  const double g = world_.medium()->anisotropy();
   const SurfacePoint point{position, {}, 0};
   const auto phase = [&](glm::dvec3 l) { return henyey_greenstein(glm::dot(l, direction), g); };
   const auto arrives = [&](const Offer& offer) {

@@ -25,8 +25,9 @@ struct TraceSettings {
   Ambient ambient = Ambient::traced;
   double ambient_distance_m =
       std::numeric_limits<double>::infinity();  // direct: what is farther off does not occlude the sky
-  double lifted = 0;     // direct: points are lit as if they stood this part of their distance above their surface
-  int most_bounces = 0;  // path: 0 as many as Russian roulette leaves
+  double lifted = 0;      // direct: points are lit as if they stood this part of their distance above their surface
+  int most_bounces = 0;   // path: 0 as many as Russian roulette leaves
+  bool lamp_rays = true;  // path: bounces are made from lamps as well (lamp_paths.cpp); else for tests
   Strategy strategy = Strategy::both;
   int fog_steps = 16;  // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
 };
@@ -61,13 +62,26 @@ class Integrator {
   // `terms` may be null in all of these.
   glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                       TermSample* terms) const;
+  // A direction of a surface's specular lobe, by the normals that the viewer sees, and what it meets.
+  struct Lobe {
+    glm::dvec3 l{0}, weight{0};  // BRDF times cosine over density
+    std::optional<Hit> hit;
+  };
+  Lobe specular_lobe(const Surface& s, const SurfacePoint& point, glm::dvec3 v, glm::dvec2 u) const;
+  // The light of what it meets, as that looks under lights and sky.
+  glm::dvec3 reflected(const Lobe& lobe, const Surface& s, const SurfacePoint& point, SampleStream& stream) const;
+  // The nearest opaque or masked surface; blended ones are not there for reflections.
+  std::optional<Hit> reflecting_hit(const SurfacePoint& from, glm::dvec3 l) const;
+  // lobe: of surfaces that reflect others: where something is met there, no light of the sky comes from.
+  glm::dvec3 surface_light(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
+                           TermSample* terms, const Lobe* lobe) const;
   // Lights of a size by way of a direction that the BRDF chose.
   glm::dvec3 sized_by_brdf(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream stream,
                            TermSample* terms) const;
   glm::dvec3 traced_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
-                            TermSample* terms) const;
+                            TermSample* terms, const Lobe* lobe) const;
   glm::dvec3 occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
-                              TermSample* terms) const;
+                              TermSample* terms, const Lobe* lobe) const;
   // TermSample::shadow of one surface.
   double sun_visibility(const Surface& s, const SurfacePoint& point, glm::dvec2 on_disc) const;
   // TermSample::occlusion of one surface.
@@ -94,20 +108,40 @@ class Integrator {
    private:
     double weight_ = 0, total_ = 0;
   };
-  // probability: with which the light was chosen, for the weight against the BRDF; the offer is not divided by it.
+  // Where a path left for its next surface, and the density of the direction that it went on in, 1/sr; 0: nothing else
+  // could have chosen it. joined: bounces from there are made from lamps as well.
+  struct Departure {
+    glm::dvec3 position{0}, normal{0};
+    double density = 0;
+    bool joined = false;
+  };
+  struct LampRays {
+    const Departure* from;
+    uint32_t lamp;  // into World::tree_punctual()
+  };
+  // probability: with which the light was chosen, for the weight against the other ways to meet it: the BRDF's where it
+  // has a size, and rays that leave it (null: there are none). The offer is not divided by the probability.
   Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc,
-                       double probability = 1) const;
+                       double probability = 1, const LampRays* rays = nullptr) const;
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   // terms: only with `every`.
+  // from: where the path came from; null: bounces from there are not made from lamps as well.
   glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream,
-                        TermSample* terms) const;
+                        TermSample* terms, const Departure* from) const;
   // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces
   // in front leave `share`, and returns the transmittance from the camera to the span's end.
   glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
                         SampleStream& stream, PixelSample& out) const;
   glm::dvec3 fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer, SampleStream& stream) const;
-  glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, SampleStream& stream) const;
+  // Of one of the media, behind what the others take away.
+  glm::dvec3 fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer,
+                          SampleStream& stream) const;
+  glm::dvec3 fog_glow(size_t which, glm::dvec3 origin, glm::dvec3 direction, Span span, double offset) const;
+  glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, double g, SampleStream& stream) const;
+  // volumetric.cpp: the look's light of lamps in the air along a camera ray.
+  glm::dvec3 volumetric_light(glm::dvec3 origin, glm::dvec3 direction, double end_m, SampleStream& stream) const;
+  void add_volumetric(const CameraRay& camera, SampleStream& stream, PixelSample& out, TermSample* terms) const;
   // A point of an emissive triangle as `from` sees it; empty where it gives no light there.
   struct EmissivePoint {
     glm::dvec3 l{0};                 // unit, towards it
@@ -120,16 +154,18 @@ class Integrator {
   glm::dvec3 radiance_of(const EmissivePoint& p) const;
   SurfacePoint surface_of(const EmissivePoint& p) const;
   double weight(double this_pdf, double other_pdf, Strategy own) const;
-  // The last place of a path where light was gathered, and the density of the direction that it went on in, 1/sr; 0:
-  // nothing else could have chosen it.
-  struct Departure {
-    glm::dvec3 position{0}, normal{0};
-    double density = 0;
-  };
   // path: what the lamps with a radius that the ray meets between two distances give. `left`: of their light, at a
   // distance.
+  // `came`: how the path came to the surface that it left; geometric: of that surface.
   template <class Left, class Gain>
-  void meet_lamps(const Departure& from, glm::dvec3 direction, Span between, Left&& left, Gain&& gain) const;
+  void meet_lamps(const Departure& from, const Departure& came, glm::dvec3 geometric, glm::dvec3 direction,
+                  Span between, Left&& left, Gain&& gain) const;
+  bool joins_lamps(int bounce) const;  // whether bounces from a surface are made from lamps as well
+  // lamp_paths.cpp: light of a lamp by way of another surface, which a ray from the lamp finds.
+  glm::dvec3 by_lamp_rays(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream stream) const;
+  // How often that makes the path from `from` by way of this surface to the lamp, its light coming from l, over how
+  // often the path's own bounce came to the surface.
+  double lamp_rays(const Departure& from, glm::dvec3 position, glm::dvec3 geometric, uint32_t lamp, glm::dvec3 l) const;
   static bool survives(double u, int bounce, glm::dvec3& through, double compressed = 1);  // Russian roulette
 
   // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and
@@ -143,7 +179,8 @@ class Integrator {
   };
   FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce,
                    uint32_t number, bool every, SampleStream& stream, PixelSample& out) const;
-  glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, bool every, double which, SampleStream& stream) const;
+  glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, double g, bool every, double which,
+                       SampleStream& stream) const;
   // Each light at a point a place of its own, as even as the first (the R2 sequence's steps).
   static glm::dvec2 own_place(glm::dvec2 first, size_t light);
 
@@ -151,6 +188,9 @@ class Integrator {
   TraceSettings settings_;
   int width_px_, height_px_;
 };
+
+// The normal by which lights are chosen: glass is lit from either side.
+inline glm::dvec3 lit_side(const Surface& s) { return s.glass ? glm::dvec3(0) : s.normal; }
 
 // A sky of spherical harmonics, as they are for diffuse light, in direction n; every band times its factor.
 glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band = glm::dvec3(1));

@@ -33,9 +33,20 @@ Medium::Medium(const Fog& fog, glm::dvec3 eye_world)
       highest_(fog.highest - eye_world) {
   for (int c = 0; c < 3; ++c)
     if (fog.emission_per_m[c] > 0) glow_[c] = fog.emission_per_m[c] / fog.extinction_per_m[c];
+  if (fog.turn_rad == 0) return;
+  turn_ = {std::cos(fog.turn_rad), std::sin(fog.turn_rad)};
+  middle_ = {0.5 * (lowest_.x + highest_.x), 0.5 * (lowest_.z + highest_.z)};
 }
 
 Span Medium::inside(glm::dvec3 origin, glm::dvec3 direction, Span of) const {
+  if (turn_.y != 0 || turn_.x != 1) {
+    const auto unturned = [&](glm::dvec3 v) {
+      return glm::dvec3(turn_.x * v.x - turn_.y * v.z, v.y, turn_.y * v.x + turn_.x * v.z);
+    };
+    const glm::dvec3 middle(middle_.x, 0, middle_.y);
+    origin = unturned(origin - middle) + middle;
+    direction = unturned(direction);
+  }
   for (int axis = 0; axis < 3; ++axis) {
     const double low = lowest_[axis] - origin[axis], high = highest_[axis] - origin[axis];
     if (direction[axis] == 0) {

@@ -33,6 +33,7 @@ class Medium {
   const glm::dvec3& glow() const { return glow_; }  // emission over extinction: what endless fog shows
   double anisotropy() const { return anisotropy_; }
   bool scatters() const { return scattering_ != glm::dvec3(0); }
+  bool glows() const { return glow_ != glm::dvec3(0); }
 
   Span inside(glm::dvec3 origin, glm::dvec3 direction, Span of) const;  // the part within the bounds
   double density(glm::dvec3 position) const;                            // bounds aside
@@ -52,6 +53,7 @@ class Medium {
   glm::dvec3 extinction_, scattering_, glow_{0};
   double anisotropy_, falloff_, height_;
   glm::dvec3 lowest_, highest_;
+  glm::dvec2 turn_{1, 0}, middle_{0};  // of the bounds: cosine and sine, and the x and z about which
 };
 
 // The phase function of Henyey and Greenstein ("Diffuse Radiation in the Galaxy", 1941), per steradian: of the cosine

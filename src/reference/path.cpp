@@ -12,11 +12,9 @@ constexpr int roulette_after = 4;
 constexpr int shadowed_bounces =
     1;  // surfaces at which each light that is chosen gets a shadow ray: what the camera sees
 constexpr uint32_t first_size_dimension = 1u << 23;  // of lights with a size, apart from the rest
+constexpr uint32_t first_lamp_dimension = 1u << 24;
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic
-
-// For the choice of lights: glass is lit from either side.
-glm::dvec3 lit_side(const Surface& s) { return s.glass ? glm::dvec3(0) : s.normal; }
 
 bool emits_towards(const World& world, const Hit& hit) { return !hit.back || world.is_double_sided(hit.item); }
 
@@ -68,7 +66,8 @@ Integrator::Offer Integrator::emissive_offer(uint32_t light, double probability,
 }
 
 template <class Left, class Gain>
-void Integrator::meet_lamps(const Departure& from, glm::dvec3 direction, Span between, Left&& left, Gain&& gain) const {
+void Integrator::meet_lamps(const Departure& from, const Departure& came, glm::dvec3 geometric, glm::dvec3 direction,
+                            Span between, Left&& left, Gain&& gain) const {
   static thread_local std::vector<uint32_t> lamps;
   world_.light_tree().met(from.position, direction, lamps);
   for (const uint32_t lamp : lamps) {
@@ -77,8 +76,11 @@ void Integrator::meet_lamps(const Departure& from, glm::dvec3 direction, Span be
     if (!a || !(a->distance_m >= between.begin_m && a->distance_m < between.end_m)) continue;
     double w = 1;
     if (from.density > 0) {
-      const double probability = world_.light_tree().probability(lamp, from.position, from.normal, true);
-      w = weight(from.density, probability * a->pdf, Strategy::brdf);
+      const double by_choice =
+          world_.light_tree().probability(lamp, from.position, from.normal, true) * a->pdf / from.density;
+      const double by_rays = lamp_rays(came, from.position, geometric, lamp, direction) / from.density;
+      w = by_rays > 0 ? 1 / (1 + by_choice * by_choice + by_rays * by_rays)
+                      : weight(from.density, by_choice * from.density, Strategy::brdf);
     }
     const glm::dvec3 light_here = a->illuminance * (a->pdf * w);
     if (light_here != glm::dvec3(0)) gain(direct_term(light.type), light_here * left(a->distance_m));
@@ -115,7 +117,7 @@ bool Integrator::survives(double u, int bounce, glm::dvec3& through, double comp
 // (Talbot et al., "Importance Resampling for Global Illumination", 2005): lamps close to the point, which a common
 // estimate of their cluster misses, are the ones that matter.
 glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
-                                  SampleStream& stream, TermSample* terms) const {
+                                  SampleStream& stream, TermSample* terms, const Departure* from) const {
   const glm::dvec2 for_sky = stream.next2();
   const double which = stream.next();
   double pick = stream.next();
@@ -151,7 +153,8 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
     if (choice.light < points) {
       const PunctualLight& light = world_.punctual_lights()[world_.tree_punctual()[choice.light]];
       term = direct_term(light.type);
-      offer = punctual_offer(light, s, v, own_place(on_light, i), choice.probability);
+      const LampRays rays{from, choice.light};
+      offer = punctual_offer(light, s, v, own_place(on_light, i), choice.probability, from ? &rays : nullptr);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
       offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, own_place(on_light, i));
@@ -168,6 +171,13 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
   return sum;
 }
 
+// Glass has lights of its own ways, which a lamp's rays do not know.
+bool Integrator::joins_lamps(int bounce) const {
+  if (!settings_.lamp_rays || settings_.strategy != Strategy::both) return false;
+  if (world_.has_glass() || world_.lamp_tree().empty()) return false;
+  return settings_.most_bounces == 0 || bounce + 1 < settings_.most_bounces;
+}
+
 PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
   PixelSample out;
   glm::dvec3 through(1), origin = camera.origin, direction = camera.direction;
@@ -176,7 +186,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   std::optional<Hit> passed;
   // Of the bounce that the ray comes from; the camera's first ray meets lights by itself alone, and so does one from a
   // mirror.
-  Departure left;
+  Departure left, came;  // from the last surface, and to it
+  glm::dvec3 left_geometric(0);
   bool from_mirror = false;
   uint32_t alpha_dimension = first_alpha_dimension;
   int bounce = 0;
@@ -204,7 +215,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     if (!first && world_.light_tree().has_spheres()) {
       const glm::dvec3 before = through;
       meet_lamps(
-          left, direction, {lamps_m, here_m},
+          left, came, left_geometric, direction, {lamps_m, here_m},
           [&](double at_m) {
             const double in_fog_m = in_body ? 0 : std::max(at_m - clear_m, 0.0);
             return before * way.end(at_m) * world_.through_fog(origin - v * clear_m, -v, in_fog_m);
@@ -233,7 +244,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     }
     if (first) out.alpha = hit ? 1 : world_.background(direction).w;
     // Bodies of glass hold no fog.
-    if (world_.medium() && !in_body) {
+    if (!world_.media().empty() && !in_body) {
       const glm::dvec3 light = out.radiance, of_surfaces = light - out.fog_light;
       const FogStep step = fog_step(origin - v * clear_m, -v, here_m - clear_m, through, bounce, fogged++,
                                     bounce < shadowed_bounces, stream, out);
@@ -249,7 +260,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       if (step.scattered) {
         ++bounce;
         from_mirror = false;
-        left = {step.position, glm::dvec3(0), step.density};
+        left = {step.position, glm::dvec3(0), step.density}, came = {};
         passed.reset();
         ray = leaving_ray({step.position, {}, 0}, step.direction);
         origin = step.position, direction = step.direction, clear_m = lamps_m = 0;
@@ -306,8 +317,10 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     TermSample own;
     const bool divided = terms && first;
     if (!last) {
-      const glm::dvec3 light =
-          through * next_event(s, point, v, bounce < shadowed_bounces, stream, divided ? &own : nullptr);
+      // What glows all over lets light of lamps through, so that their rays never end there.
+      const bool joined = !first && left.joined && !world_.glows_all_over(hit->item);
+      const glm::dvec3 light = through * next_event(s, point, v, bounce < shadowed_bounces, stream,
+                                                    divided ? &own : nullptr, joined ? &left : nullptr);
       if (divided)
         out.radiance += light, terms->add(own, through);
       else
@@ -320,6 +333,12 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       if (!world_.is_blended(hit->item)) terms->occlusion = near_occlusion(s, point, stream.next2());
     }
 
+    const bool joins = joins_lamps(bounce);
+    if (joins) {
+      SampleStream apart = stream;
+      apart.start(first_lamp_dimension + shaded * dimensions_a_bounce);
+      gain(Term::indirect, through * by_lamp_rays(s, point, v, apart));
+    }
     const std::optional<BsdfSample> next = sample_bsdf(s, v, lobe, for_lobe);
     if (!next || (last && !next->straight)) break;
     through *= next->weight;
@@ -335,7 +354,9 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     ++bounce;
     if (!survives(roulette, bounce, through, compressed) || through == glm::dvec3(0)) break;
     from_mirror = !(next->pdf > 0);
-    left = {s.position, lit_side(s), next->pdf};
+    came = first || world_.glows_all_over(hit->item) ? Departure{} : left;
+    left = {s.position, lit_side(s), next->pdf, joins};
+    left_geometric = s.geometric;
     ray = leaving_ray(point, next->l);
     origin = ray.origin, direction = next->l, clear_m = lamps_m = 0;
     way.start_ray();

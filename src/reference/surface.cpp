@@ -95,6 +95,16 @@ Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) 
   return surface_at(hit.item, hit.primitive, b, hit.back, -glm::normalize(direction));
 }
 
+Surface World::surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const {
+  const PosedTriangle triangle = accel_.triangle(hit.item, hit.primitive);
+  const glm::dvec2 b = barycentrics_of(triangle.position, hit, origin, direction);
+  const glm::dvec3 p0(triangle.position[0]), e1 = glm::dvec3(triangle.position[1]) - p0,
+                                             e2 = glm::dvec3(triangle.position[2]) - p0;
+  const glm::dvec3 to_eye = unit_or_zero(eye - (p0 + b.x * e1 + b.y * e2)), normal = glm::cross(e1, e2);
+  const bool other_side = glm::dot(normal, to_eye) * glm::dot(normal, direction) > 0;
+  return surface_at(hit.item, hit.primitive, b, hit.back != other_side, to_eye);
+}
+
 Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back,
                           glm::dvec3 to_viewer) const {
   const TracedItem& item = items_[item_index];

@@ -3,9 +3,9 @@
 namespace candela::reference {
 
 std::string_view name_of(Term term) {
-  static constexpr std::string_view names[term_count] = {"direct.sun",      "direct.point",     "direct.spot",
-                                                         "ambient.diffuse", "ambient.specular", "emission",
-                                                         "background",      "indirect"};
+  static constexpr std::string_view names[term_count] = {
+      "direct.sun", "direct.point", "direct.spot", "ambient.diffuse", "ambient.specular",
+      "emission",   "background",   "reflections", "indirect",        "volumetric"};
   return names[size_t(term)];
 }
 

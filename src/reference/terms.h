@@ -13,8 +13,10 @@ namespace candela::reference {
 //
 // direct: light of the punctual lights, by their kind, with visibility. ambient: the sky's light, by the lobe that
 // reflects it. emission: what surfaces give off that the camera sees, unlit ones their colour. background: sky or
-// background behind everything. indirect: what path adds to direct: light that met another surface or fog on its way,
-// and light of emissive surfaces.
+// background behind everything. reflections: of direct with a look that has them, the light of opaque surfaces that
+// others mirror; the sky's specular light is then that of the directions where there is none. indirect: what path adds
+// to direct: light that met another surface or fog on its way, and light of emissive surfaces. volumetric: the
+// look's light of lamps in the air (volumetric.cpp).
 enum class Term : uint8_t {
   direct_sun,
   direct_point,
@@ -23,9 +25,11 @@ enum class Term : uint8_t {
   ambient_specular,
   emission,
   background,
-  indirect
+  reflections,
+  indirect,
+  volumetric
 };
-inline constexpr size_t term_count = 8;
+inline constexpr size_t term_count = 10;
 std::string_view name_of(Term term);  // as the layer is called: direct.sun
 Term direct_term(LightType type);
 

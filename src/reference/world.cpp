@@ -30,7 +30,8 @@ AccelOptions accel_options(const WorldInput& input) {
 
 World::World(const WorldInput& input, std::vector<std::string>& warnings)
     : input_(input), accel_(input.scene, input.pose, input.frame, accel_options(input)) {
-  if (input.fog) medium_.emplace(*input.fog, input.view.position);
+  if (input.fog) media_.emplace_back(*input.fog, input.view.position);
+  for (const Fog& fog : input.more_fog) media_.emplace_back(fog, input.view.position);
   load_materials(warnings);
   add_items();
   add_lights();

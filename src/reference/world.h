@@ -32,7 +32,10 @@ struct WorldInput {
   bool glass =
       false;  // light goes through transmissive surfaces (paths); else they are opaque, as techniques draw them
   std::optional<Fog> fog{};
+  std::vector<Fog> more_fog{};  // media beside the first
+  std::optional<Volumetric> volumetric{};
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
+  bool reflections = false;              // in direct, opaque surfaces reflect each other; path knows nothing else
   double sun_radius_rad = 0;             // of every directional light's disc in the sky; 0: points, with hard shadows
 };
 
@@ -63,12 +66,16 @@ class World {
   const AmbientSh& ambient_sh() const { return input_.ambient_sh; }
   const std::vector<PunctualLight>& punctual_lights() const { return punctual_; }
   bool has_blend() const { return has_blend_; }
-  const Medium* medium() const { return medium_ ? &*medium_ : nullptr; }  // null: clear air
+  const std::vector<Medium>& media() const { return media_; }  // whose sum the air is; none: clear air
+  const std::optional<Volumetric>& volumetric() const { return input_.volumetric; }
+  bool has_reflections() const { return input_.reflections; }
   bool has_near_occlusion() const { return input_.occlusion.has_value(); }
   Occlusion occlusion() const { return input_.occlusion.value_or(Occlusion{}); }
   // What fog leaves of light over a distance in unit direction l, colour by colour; 1 in clear air.
   glm::dvec3 through_fog(glm::dvec3 from, glm::dvec3 l, double distance_m) const {
-    return medium_ ? medium_->transmittance(from, l, distance_m) : glm::dvec3(1);
+    glm::dvec3 through(1);
+    for (const Medium& medium : media_) through *= medium.transmittance(from, l, distance_m);
+    return through;
   }
 
   CameraRay camera_ray(glm::dvec2 pixel, int width_px, int height_px) const;
@@ -77,6 +84,8 @@ class World {
   // The surface at a hit of the ray (origin, direction), seen along it. The barycentrics are made anew in double from
   // the corners.
   Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
+  // The same seen from a point on either side.
+  Surface surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const;
   // The same at given barycentrics (weights of the second and third corner), seen from `to_viewer` (unit).
   Surface surface_at(uint32_t item, uint32_t primitive, glm::dvec2 barycentrics, bool back, glm::dvec3 to_viewer) const;
   double coverage(const Hit& hit) const;  // 1 opaque, 0 a hole
@@ -91,6 +100,7 @@ class World {
   int emissive_of(uint32_t item, uint32_t primitive) const;  // into emissive(), -1: not chosen as a light
   // Lights of the tree: point and spot lights first (indices into tree_punctual()), then emissive triangles.
   const LightTree& light_tree() const { return tree_; }
+  const LightTree& lamp_tree() const { return lamp_tree_; }  // the same without the triangles
   const std::vector<uint32_t>& tree_punctual() const { return tree_punctual_; }
   const std::vector<uint32_t>& directional() const { return directional_; }
   bool has_sized_lights() const { return has_sized_lights_; }  // suns with a disc, lamps with a radius
@@ -130,7 +140,7 @@ class World {
   static double coverage_of(const Material& m, double alpha);
 
   WorldInput input_;
-  std::optional<Medium> medium_;
+  std::vector<Medium> media_;
   Accel accel_;
   std::map<std::pair<int, bool>, std::unique_ptr<Texture>> textures_;  // by image and whether its colours are sRGB
   std::vector<TracedMaterial> materials_;                              // the last is the default material
@@ -139,7 +149,7 @@ class World {
   std::vector<uint32_t> tree_punctual_, directional_;
   std::vector<EmissiveTriangle> emissive_;
   std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle
-  LightTree tree_;
+  LightTree tree_, lamp_tree_;
   bool has_blend_ = false, has_glass_ = false, has_sized_lights_ = false;
 };
 

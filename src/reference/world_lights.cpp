@@ -42,6 +42,7 @@ void World::add_lights() {
     tree_punctual_.push_back(index);
     extents.push_back(extent_of(punctual_.back()));
   }
+  lamp_tree_ = LightTree(extents);
   add_emissive_triangles(extents);
   tree_ = LightTree(std::move(extents));
 }

@@ -80,7 +80,7 @@ void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t 
 
 // Layers whose values grow with the light and thus carry the pre-exposure.
 bool carries_exposure(const std::string& layer) {
-  return layer == "beauty" || layer == "direct" || layer == "fog" ||
+  return layer == "beauty" || layer == "direct" || layer == "fog" || layer == "volumetric" ||
          std::ranges::any_of(Terms::layers, [&](const LayerName& term) { return term.name == layer; });
 }
 

@@ -88,7 +88,10 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.accel = accel;
   input.glass = path;
   input.fog = look->fog;
+  input.more_fog = look->more_fog;
+  input.volumetric = look->volumetric;
   input.occlusion = look->occlusion;
+  input.reflections = look->reflections.has_value();
   if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (const FrameSky sky = job_sky->at(*look, frame->data, frame->notes)) {
     add_sky_sun(sky, frame->data);
@@ -103,7 +106,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
     frame->notes.push_back(
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   }
-  if (look->fog && is_endless(*look->fog))
+  if (any_fog(*look, is_endless))
     frame->notes.push_back(
         "the fog has neither falloff nor bounds: sun, sky and background lie behind all of it and give no light");
   if (frame->data.items.empty())

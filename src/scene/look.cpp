@@ -41,86 +41,6 @@ namespace {
 
 using namespace look_rows;
 
-// The keys of "fog" as they stand in the file; two ways to say what the air does exclude each other.
-struct FogKeys {
-  Fog fog;
-  std::optional<glm::dvec3> extinction, albedo, scattering, absorption;
-};
-
-Row<FogKeys> axis_row(int axis) {
-  LookKey key = key_of(std::string(1, char('x' + axis)), LookKey::Kind::numbers, {}, "metres: lowest and highest");
-  key.least = key.most = 2;
-  return {key, [axis](const Json& v, const std::string& at, FogKeys& into) -> Expected<void> {
-            if (!v.is_array() || v.size() != 2)
-              return wrong(at, "the value is not a list of two numbers, lowest and highest");
-            const auto low = number(v[0], at + "/0"), high = number(v[1], at + "/1");
-            if (!low) return std::unexpected(low.error());
-            if (!high) return std::unexpected(high.error());
-            if (!(*low < *high)) return wrong(at, fmt::format("{} is not below {}", *low, *high));
-            into.fog.lowest[axis] = *low, into.fog.highest[axis] = *high;
-            return {};
-          }};
-}
-
-Expected<void> set_fog(const Json&, const std::string& place, FogKeys& keys, Look& look) {
-  Fog& fog = keys.fog;
-  const bool by_parts = keys.scattering || keys.absorption;
-  if (by_parts && (keys.extinction || keys.albedo))
-    return wrong(place, "extinction and albedo say the same as scattering and absorption; write one pair");
-  if (!by_parts && !keys.extinction) return wrong(place, "lacks extinction (per metre), or scattering and absorption");
-  if (keys.albedo && glm::any(glm::greaterThan(*keys.albedo, glm::dvec3(1))))
-    return wrong(place + "/albedo", "an albedo is at most 1: air scatters no more than it meets");
-  if (by_parts) {
-    fog.scattering_per_m = keys.scattering.value_or(glm::dvec3(0));
-    fog.extinction_per_m = fog.scattering_per_m + keys.absorption.value_or(glm::dvec3(0));
-  } else {
-    fog.extinction_per_m = *keys.extinction;
-    fog.scattering_per_m = *keys.extinction * keys.albedo.value_or(glm::dvec3(1));
-  }
-  for (int c = 0; c < 3; ++c) {
-    if (!std::isfinite(float(fog.extinction_per_m[c])))
-      return wrong(place, "scattering and absorption together are beyond what a 32-bit number holds");
-    // What glows without end and is not weakened would be infinitely bright towards every horizon.
-    if (fog.emission_per_m[c] > 0 && !std::isfinite(float(fog.emission_per_m[c] / fog.extinction_per_m[c])))
-      return wrong(place + "/emission", "needs extinction above 0 in the same channel");
-  }
-  look.fog = fog;
-  return {};
-}
-
-Row<Look> fog_row() {
-  const auto copy = [](FogKeys& k) { return k; };
-  const auto keep = [](const Json&, const std::string&, FogKeys& part, FogKeys& into) -> Expected<void> {
-    into = part;
-    return {};
-  };
-  Row<FogKeys> albedo = color_row<FogKeys>("albedo", from_zero(), &FogKeys::albedo,
-                                           "the part of the extinction that is scattered; 1 where nothing is said");
-  albedo.key.high = 1;  // set_fog() says why
-  const Rows<FogKeys> rows = {
-      color_row<FogKeys>("extinction", from_zero(), &FogKeys::extinction,
-                         "per metre: light that a metre takes out of a ray at density 1"),
-      albedo,
-      color_row<FogKeys>("scattering", from_zero(), &FogKeys::scattering, "per metre; instead of extinction"),
-      color_row<FogKeys>("absorption", from_zero(), &FogKeys::absorption, "per metre; instead of extinction"),
-      number_row<FogKeys>(
-          "anisotropy", between(-largest_anisotropy, largest_anisotropy),
-          [](FogKeys& k) -> double& { return k.fog.anisotropy; }, "g of Henyey and Greenstein's phase function"),
-      color_row<FogKeys>(
-          "emission", from_zero(), [](FogKeys& k) -> glm::dvec3& { return k.fog.emission_per_m; },
-          "cd/m2 per metre that the air gives by itself"),
-      number_row<FogKeys>(
-          "falloff", from_zero(), [](FogKeys& k) -> double& { return k.fog.falloff_per_m; },
-          "per metre: the density is exp(-falloff (y - height))"),
-      number_row<FogKeys>(
-          "height", {}, [](FogKeys& k) -> double& { return k.fog.height_m; }, "metres: where the density is 1"),
-      object_row<FogKeys, FogKeys>("bounds", {axis_row(0), axis_row(1), axis_row(2)}, copy, keep,
-                                   "outside there is no fog"),
-  };
-  return object_row<Look, FogKeys>(
-      "fog", rows, [](Look&) { return FogKeys{}; }, set_fog, "air that absorbs, scatters and glows");
-}
-
 Row<Look> sun_row() {
   return object_row<Look, Sun>(
       "sun",
@@ -161,6 +81,23 @@ Row<Look> occlusion_row() {
         return {};
       },
       "how surfaces near a point hide the sky from it");
+}
+
+// An empty object, or one with nothing but "scene": whether they are there.
+struct ReflectionKeys {
+  bool scene = true;
+};
+Row<Look> reflections_row() {
+  return object_row<Look, ReflectionKeys>(
+      "reflections",
+      {flag_row<ReflectionKeys>("scene", &ReflectionKeys::scene,
+                                "whether surfaces reflect each other; true where it is not said")},
+      [](Look&) { return ReflectionKeys{}; },
+      [](const Json&, const std::string&, ReflectionKeys& keys, Look& look) -> Expected<void> {
+        if (keys.scene) look.reflections = ReflectionLook{};
+        return {};
+      },
+      "what surfaces reflect beside the sky");
 }
 
 Row<Bloom> weights_row() {
@@ -391,8 +328,9 @@ Row<Look> shadows_row() {
 }
 
 const Rows<Look>& look_table() {
-  static const Rows<Look> rows = {fog_row(),       sun_row(),      lights_row(), sky_row(),    bloom_row(),
-                                  occlusion_row(), exposure_row(), tone_row(),   shadows_row()};
+  static const Rows<Look> rows = {fog_row(),     sun_row(),        lights_row(),     sky_row(),
+                                  bloom_row(),   occlusion_row(),  exposure_row(),   tone_row(),
+                                  shadows_row(), volumetric_row(), reflections_row()};
   return rows;
 }
 
@@ -424,6 +362,7 @@ std::vector<std::string> switched_on(const Look& look) {
   };
   const SkyLook& sky = look.sky;
   add(look.fog.has_value(), "fog");
+  add(look.volumetric.has_value(), "volumetric light");
   add(look.sun.has_value(), "the sun's disc");
   add(look.lights.radius_m > 0, "lamps of a size");
   add(!sky.image.empty(), "sky image");
@@ -434,6 +373,7 @@ std::vector<std::string> switched_on(const Look& look) {
   add(sky.extract_sun, "the sky image's sun as a light");
   add(look.bloom.has_value(), "bloom");
   add(look.occlusion.has_value(), "occlusion");
+  add(look.reflections.has_value(), "reflections");
   add(!look.shadows.lights.empty(), "lights marked for shadows");
   add(look.exposure.ev.has_value(), "exposure");
   add(look.exposure.automatic.has_value(), "automatic exposure");

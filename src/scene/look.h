@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
@@ -15,7 +16,7 @@ inline constexpr double largest_anisotropy = 0.98;
 
 // Air that absorbs, scatters and glows. Everything is in world space, metres and linear Rec.709. What stands per metre
 // holds where the density is 1; everywhere else it is multiplied by the density exp(-falloff * (y - height)), and
-// outside the bounds there is nothing.
+// outside the bounds there is nothing. Where several media overlap the air is their sum.
 struct Fog {
   glm::dvec3 extinction_per_m{0};  // absorption and scattering together
   glm::dvec3 scattering_per_m{0};  // no larger than the extinction
@@ -24,7 +25,9 @@ struct Fog {
   double falloff_per_m = 0;
   double height_m = 0;
   glm::dvec3 lowest{-std::numeric_limits<double>::infinity()}, highest{std::numeric_limits<double>::infinity()};
+  double turn_rad = 0;  // of the bounds about +Y through their middle, counter-clockwise seen from above
 };
+inline constexpr size_t most_fog_boxes = 8;
 
 // Nothing at an infinite distance comes through.
 inline bool is_endless(const Fog& fog) {
@@ -132,18 +135,49 @@ struct ShadowLook {
   std::vector<std::string> lights;
 };
 
+// Light of point and spot lights in the air, over the picture: along each of the camera's rays up to the first opaque
+// surface, the integral of phi I(d) p(cosine) e^(-tau d) e^(-tau s) C ds, where I(d) is a lamp's illuminance at
+// distance d, s the distance from the camera, p the phase function, and C either tau, as in air that scatters all that
+// it takes, or the lamp's own attenuation over its range, (1 - (d/range)^4), a metre.
+struct Volumetric {
+  double phi = 1;
+  double tau_per_m = 0.02;
+  double anisotropy = 0;        // as Fog's
+  bool by_attenuation = false;  // C
+};
+
+// Opaque and masked surfaces reflect each other: where a direction of the specular lobe meets one, its own light comes
+// from there, that of lamps and sky alone, in the place of the sky's. One reflection.
+struct ReflectionLook {};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
+  std::vector<Fog> more_fog;  // media beside the first
   std::optional<Bloom> bloom;
   std::optional<Sun> sun;
   LampLook lights;
   SkyLook sky;
   std::optional<Occlusion> occlusion;
+  std::optional<ReflectionLook> reflections;  // absent: surfaces reflect the sky alone
   ExposureLook exposure;
   ToneMapping tone_mapping;
   ShadowLook shadows;
+  std::optional<Volumetric> volumetric;
 };
+// How many media there are to sum; 0 where the one that there is has closed forms, which know no turned box.
+inline size_t summed_fog(const Look& look) {
+  return look.fog && (!look.more_fog.empty() || look.fog->turn_rad != 0) ? 1 + look.more_fog.size() : 0;
+}
+inline bool any_fog(const Look& look, const auto& is) {
+  return look.fog && (is(*look.fog) || std::ranges::any_of(look.more_fog, is));
+}
+inline bool fog_scatters(const Look& look) {
+  return any_fog(look, [](const Fog& f) { return f.scattering_per_m != glm::dvec3(0); });
+}
+inline bool fog_glows(const Look& look) {
+  return any_fog(look, [](const Fog& f) { return f.emission_per_m != glm::dvec3(0); });
+}
 // What of it a picture shows, in words: "fog, bloom". Empty: nothing.
 std::vector<std::string> switched_on(const Look& look);
 
@@ -169,14 +203,14 @@ std::filesystem::path look_beside(const std::filesystem::path& scene);
 
 // The keys that the reader takes, as a tree: what the reader checks and docs/schemas/look.schema.json says.
 struct LookKey {
-  enum class Kind : uint8_t { object, number, numbers, color, flag, text, texts };
+  enum class Kind : uint8_t { object, objects, number, numbers, color, flag, text, texts };
   std::string name, help;
   Kind kind = Kind::number;
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
   bool above_low = false;            // low itself is outside
   size_t least = 0, most = 0;        // of numbers: how many
   std::vector<std::string> choices;  // of text
-  std::vector<LookKey> keys;         // of object
+  std::vector<LookKey> keys;         // of object, and of each of objects
 };
 const std::vector<LookKey>& look_keys();
 std::string look_schema();  // JSON Schema, draft 2020-12

@@ -116,6 +116,31 @@ Row<T> object_row(std::string name, const Rows<Part>& rows, std::function<Part(T
           }};
 }
 
+// A list of objects, each as object_row() reads one.
+template <class T, class Part>
+Row<T> objects_row(std::string name, size_t most, const Rows<Part>& rows,
+                   std::function<Expected<void>(const Json&, const std::string& place, Part&, T&)> done,
+                   std::string help) {
+  LookKey key = key_of(std::move(name), LookKey::Kind::objects, {}, std::move(help));
+  key.most = most;
+  for (const Row<Part>& row : rows) key.keys.push_back(row.key);
+  return {std::move(key), [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            if (!j.is_array()) return wrong(place, "the value is not a list of objects");
+            if (j.size() > most)
+              return wrong(place, fmt::format("the list holds {} values; {} at most", j.size(), most));
+            for (size_t i = 0; i < j.size(); ++i) {
+              Part part;
+              const std::string at = fmt::format("{}/{}", place, i);
+              if (auto read = read_rows(j[i], at, rows, part); !read) return read;
+              if (auto kept = done(j[i], at, part, into); !kept) return kept;
+            }
+            return {};
+          }};
+}
+
+Row<Look> fog_row();  // look_fog.cpp
+Row<Look> volumetric_row();
+
 // {"keys": ...} anywhere in it gives way to its value at a time. times: of all keys, where they are wanted.
 Expected<void> evaluate(Json& j, const std::string& place, double time_s, std::vector<double>* times);
 

@@ -38,6 +38,8 @@ Json schema_of(const LookKey& key) {
   switch (key.kind) {
     case LookKey::Kind::object:
       return object_schema(key.keys);
+    case LookKey::Kind::objects:
+      return {{"type", "array"}, {"items", object_schema(key.keys)}, {"maxItems", key.most}};
     case LookKey::Kind::number:
       return over_time(number_schema(key));
     case LookKey::Kind::numbers:

@@ -85,6 +85,9 @@ Json value_at(const Json& keys, size_t numbers, double time_s, Between between) 
 }  // namespace
 
 Expected<void> evaluate(Json& j, const std::string& place, double time_s, std::vector<double>* times) {
+  if (j.is_array() && !j.empty() && j[0].is_object())
+    for (size_t i = 0; i < j.size(); ++i)
+      if (auto done = evaluate(j[i], fmt::format("{}/{}", place, i), time_s, times); !done) return done;
   if (!j.is_object()) return {};
   if (!j.contains("keys")) {
     for (auto& [key, value] : j.items())

@@ -64,6 +64,7 @@ struct FrameRequest {
     return effects == "auto" ? in_look : names_effect(effect);
   }
   bool names_effect(std::string_view effect) const;
+  bool draws_reflections() const { return wants_looked("ssr", look.reflections.has_value()); }
   // Bloom is wanted, and something that shows it.
   bool draws_bloom() const {
     const bool in_look = look.bloom.has_value(), shown = want_display && view == "beauty";
@@ -75,6 +76,7 @@ struct FrameRequest {
     return has_layer(name) || (name == "emission" && look.bloom && look.bloom->of_emission && draws_bloom());
   }
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
+  bool draws_volumetric() const { return look.volumetric && wants_looked("volumetric", true); }
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)
       if (l == name) return true;

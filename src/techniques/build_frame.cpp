@@ -23,7 +23,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   };
   for (uint32_t i = 0; i < n * n; ++i) {
     const std::string instance = fmt::format("s{:02}", i);
-    sample.subsample = i;
+    sample.subsample = i, sample.subsamples = n * n;
     sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(n, i) / glm::dvec2(scene.width_px, scene.height_px));
     const Surfaces seen = seen_again(frame, sample, surfaces, instance);
     Lighting lit = lighting;
@@ -34,15 +34,15 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
     const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
-    const ImageHandle radiance = composite(frame, sample, seen, lit, shaded, instance);
-    sum = add(radiance, sum, instance);
+    const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
+    sum = add(seen_all.radiance, sum, instance);
     if (foggy) {
       const FogImages parts = fog_layers(frame, sample, seen, lit, instance);
       for (size_t l = 0; l < parts.size(); ++l)
         if (parts[l]) fog[l] = add(parts[l], fog[l], fmt::format("{}.{}", instance, FogLayers::layers[l].name));
     }
     if (!divided) continue;
-    const TermImages parts = divide(frame, sample, seen, lit, instance);
+    const TermImages parts = divide(frame, sample, seen, lit, seen_all.reflected, instance);
     for (uint32_t t = 0; t < term_count; ++t)
       if (parts[t]) terms[t] = add(parts[t], terms[t], fmt::format("{}.{}", instance, Terms::layers[t].name));
   }
@@ -64,7 +64,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
   lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
-  lighting.lists.fog = fog_view(frame, scene, lighting);
+  lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);
   ImageHandle radiance;
   TermImages terms;
   FogImages fog;
@@ -73,14 +73,15 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   } else {
     frame.add(Supersample{}, {});
     const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting, {});
-    radiance = composite(frame, scene, surfaces, lighting, shaded);
-    terms = divide(frame, scene, surfaces, lighting);
+    const Composite all = composite(frame, scene, surfaces, lighting, shaded);
+    radiance = all.radiance;
+    terms = divide(frame, scene, surfaces, lighting, all.reflected);
     fog = fog_layers(frame, scene, surfaces, lighting);
   }
   describe(frame, scene, surfaces, lighting, occlusion);
   terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
-  post(frame, scene, radiance, terms[size_t(Term::emission)]);
+  post(frame, scene, surfaces, lighting, radiance, terms[size_t(Term::emission)]);
 }
 
 }  // namespace candela

@@ -2,18 +2,26 @@
 
 namespace candela {
 
-FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lighting) {
+FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting) {
   FogView fog;
   const bool ambient = frame.facts.environment || frame.request.neutral_light;
-  fog.grid = frame.add(FogGrid{}, {scene, lighting.lists, ambient}).light;
+  const Look& look = frame.request.look;
+  fog.media = int(summed_fog(look));
+  fog.grid = frame.add(FogGrid{}, {scene, lighting.lists, ambient, fog.media}).light;
+  const FogKnobs& knobs = frame.knobs.get<FogKnobs>();
+  FogMarch march;
+  march.shared_knobs = knobs;
+  const ImageHandle texels =
+      frame.add(march, {scene, lighting.lists, surfaces.depth, ambient, fog.media, frame.request.still_seed}).light;
   if (!frame.request.draws_fog()) return fog;
-  const bool scatters = frame.request.look.fog->scattering_per_m != glm::dvec3(0);
   fog.ambient = ambient;
-  fog.last = frame.knobs.get<FogKnobs>().last != 0;
-  fog.lamp_points = frame.knobs.get<FogKnobs>().lamp_shadows;
-  fog.light = fog.grid                                            ? FogLight::grid
-              : scatters && (frame.facts.lights() > 0 || ambient) ? FogLight::march
-                                                                  : FogLight::nothing;
+  fog.last = knobs.last != 0;
+  fog.lamp_points = knobs.lamp_shadows;
+  // What several media emit is summed with what they scatter.
+  const bool sums_light =
+      (fog_scatters(look) && (frame.facts.lights() > 0 || ambient)) || (fog.media > 0 && fog_glows(look));
+  fog.light = fog.grid ? FogLight::grid : texels ? FogLight::texels : sums_light ? FogLight::march : FogLight::nothing;
+  if (texels) fog.grid = texels;
   return fog;
 }
 
@@ -33,7 +41,9 @@ CellLists fog_to_infinity(const CellLists& lists) {
 
 FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                      std::string_view instance) {
-  FogLayers::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.lists), surfaces.depth, {}};
+  CellLists lists = fog_alone(lighting.lists);
+  if (fog_walks(of_blended(lighting.lists))) lists = lighting.lists;
+  FogLayers::In in{scene, surfaces.draws, surfaces.deformed, lists, surfaces.depth, {}};
   for (size_t i = 0; i < in.wanted.size(); ++i) in.wanted[i] = frame.request.has_layer(FogLayers::layers[i].name);
   return frame.add(FogLayers{}, in, instance).images;
 }

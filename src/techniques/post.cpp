@@ -37,9 +37,15 @@ BloomPass::In bloom_in(const Frame& frame, const SceneInputs& scene, ImageHandle
 
 }  // namespace
 
-void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance, ImageHandle emission) {
+void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+          ImageHandle radiance, ImageHandle emission) {
   const uint32_t width = scene.width_px, height = scene.height_px;
-  const ImageHandle linear = newest(frame.add(Resolve{}, {radiance, width, height, scene.samples}).resolved, radiance);
+  const ImageHandle resolved =
+      newest(frame.add(Resolve{}, {radiance, width, height, scene.samples}).resolved, radiance);
+  VolumetricLight::In volumetric{scene, resolved, surfaces.depth, lighting.lists};
+  volumetric.look = frame.request.look.volumetric.value_or(Volumetric{});
+  volumetric.layer_wanted = frame.request.has_layer("volumetric");
+  const ImageHandle linear = newest(frame.add(VolumetricLight{}, volumetric).color, resolved);
   const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear, emission)).color, linear);
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);
   shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;

@@ -28,7 +28,7 @@ struct Lighting {
   }
 };
 // What is seen through fog: the grid of its light, or how points do without. Made once, for all samples of a picture.
-FogView fog_view(Frame& frame, const SceneInputs& scene, const Lighting& lighting);
+FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
 // For passes that walk no lights unless the fog does.
 CellLists fog_alone(const CellLists& lists);
 CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
@@ -45,10 +45,14 @@ OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageH
 // Whether shading takes it; it may be made for its layer alone.
 bool shades_occluded(const Frame& frame);
 
-// Everything that is not an opaque or masked surface, over and behind them, in order. `shaded` may be empty. Returns
-// linear radiance with premultiplied alpha, multisampled where the request is.
-ImageHandle composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                      ImageHandle shaded, std::string_view instance = {});
+// Everything that is not an opaque or masked surface, over and behind them, in order, and what the surfaces reflect of
+// each other. `shaded` may be empty.
+struct Composite {
+  ImageHandle radiance;  // linear, with premultiplied alpha, multisampled where the request is
+  Reflected reflected;   // empty: surfaces reflect the sky alone
+};
+Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                    ImageHandle shaded, std::string_view instance = {});
 
 // Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
@@ -57,7 +61,7 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
 // Beauty's terms (passes/surfaces/terms.h) as composite() would have them, as far as layers ask for them.
 using TermImages = std::array<ImageHandle, term_count>;
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                  std::string_view instance = {});
+                  const Reflected& reflected, std::string_view instance = {});
 // Resolves them like beauty, publishes and returns them.
 TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms);
 
@@ -67,9 +71,10 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                      std::string_view instance = {});
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
-// From a frame's radiance to what the host gets: resolve, bloom, tone mapping, read-back of all outputs and layers that
-// are asked for. emission: resolved, where the look's bloom is of that alone.
-void post(Frame& frame, const SceneInputs& scene, ImageHandle radiance, ImageHandle emission);
+// From a frame's radiance to what the host gets: resolve, light in the air, bloom, tone mapping, read-back of all
+// outputs and layers that are asked for. emission: resolved, where the look's bloom is of that alone.
+void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+          ImageHandle radiance, ImageHandle emission);
 
 // Shades the opaque and masked surfaces: empty when there are none.
 using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,

@@ -29,6 +29,7 @@ constexpr SceneEntry table[] = {
     {"alpha", "opaque, masked and blended layers", make_alpha},
     {"animation-pointer", "animated light intensity, base colour and field of view (KHR_animation_pointer)",
      make_animation_pointer},
+    {"cave", "a tunnel of rough rock with dripstones and three coloured lamps behind them", make_cave, 0, false},
     {"emissive-strength", "emissive panels of rising strength (KHR_materials_emissive_strength)",
      make_emissive_strength},
     {"far-world", "near-world, moved by a million metres", make_far_world},

@@ -27,6 +27,7 @@ void make_far_world(GlbWriter& out, SceneOptions& options);
 void make_orthographic(GlbWriter& out, SceneOptions& options);
 void make_animation_pointer(GlbWriter& out, SceneOptions& options);
 
+void make_cave(GlbWriter& out, SceneOptions& options);
 void make_animated(GlbWriter& out, SceneOptions& options);
 
 void make_street(GlbWriter& out, SceneOptions& options);

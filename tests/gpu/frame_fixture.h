@@ -43,7 +43,7 @@ class FrameTest : public ::testing::Test {
   }
   static Job with_layers(Job job) {
     job.layers = layer_names();
-    for (const char* of_a_look : {"bloom", "fog", "fog.transmittance"}) std::erase(job.layers, of_a_look);
+    for (const char* of_a_look : {"bloom", "fog", "fog.transmittance", "volumetric"}) std::erase(job.layers, of_a_look);
     return job;
   }
   static void look(Job& job, glm::dvec3 eye, glm::dvec3 target, double yfov_deg = 45) {

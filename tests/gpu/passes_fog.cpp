@@ -34,7 +34,9 @@ class FogMath : public PassTest {
     view.position = eye;
     view.view_from_relative = glm::dmat4(1);
     shared::FrameConstants frame{};
-    frame.fog = frame_fog(fog, view, FrameData{}, 100, {16, 9, 8}, sky_directions);
+    Look look;
+    look.fog = fog;
+    frame.fog = frame_fog(look, view, FrameData{}, 100, {16, 9, 8}, sky_directions);
     const Buffer constants = upload(std::vector{frame}, "constants"), input = upload(places, "places");
     GraphBuilder builder;
     const BufferHandle frame_buffer = import(builder, constants, "constants"), in = import(builder, input, "places");

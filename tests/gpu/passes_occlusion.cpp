@@ -71,7 +71,10 @@ class OcclusionTest : public PassTest {
     for (const float d : depths) texels.emplace_back(d, 0, 0, 0);
     const Buffer frame = upload(std::vector{constants}, "constants"), source = upload(texels, "depths");
     AmbientOcclusion pass;
-    pass.knobs = {settings.texel_px, settings.slices, settings.samples, settings.denoise};
+    pass.knobs = {.texel_px = settings.texel_px,
+                  .slices = settings.slices,
+                  .samples = settings.samples,
+                  .denoise = settings.denoise};
     AmbientOcclusion::In in;
     in.scene.constants = import(builder, frame, "constants");
     in.scene.width_px = uint32_t(camera.width), in.scene.height_px = uint32_t(camera.height);

@@ -47,7 +47,9 @@ class ReferenceTraced : public ReferenceShadows {
     return compared(traced(job), "shadow.lamps", &reference::World::tree_punctual);
   }
   static void expect_exact(const ShadowAgreement& a) {
-    fmt::print("{} wrong, {} of them where both see the same surface\n", a.acne + a.detached, a.wrong_inside);
+    fmt::print("{} wrong, {} of them where both see the same surface, as {} points do\n", a.acne + a.detached,
+               a.wrong_inside, a.same_surface);
+    EXPECT_GT(a.same_surface, a.facing * 9 / 10);
     EXPECT_GT(a.in_shadow, a.facing / 60);
     EXPECT_EQ(a.wrong_inside, 0u);
     EXPECT_LT(a.acne + a.detached, a.facing / 100 + 1);

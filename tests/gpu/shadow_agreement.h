@@ -9,7 +9,8 @@ namespace candela::test {
 // (acne), or lights what is in shadow (detachment).
 struct ShadowAgreement {
   size_t facing = 0, acne = 0, detached = 0, in_shadow = 0;
-  size_t wrong_inside = 0;  // where both see the same surface, by its depth: not at outlines and holes of masks
+  // Where both see the same surface, by its depth: not at outlines and holes of masks.
+  size_t same_surface = 0, wrong_inside = 0;
   double wrong() const { return double(acne + detached) / double(facing); }
 };
 
@@ -94,7 +95,9 @@ class ReferenceShadows : public ReferenceParity {
         out.acne += map < truth - 0.5;
         out.detached += map > truth + 0.5;
         const double depth = double(images["depth"].at<float>(x, y)), seen = double(hit->t);
-        out.wrong_inside += std::abs(map - truth) > 0.5 && std::abs(depth - seen) < 1e-4 * seen;
+        const bool same = std::abs(depth - seen) < 1e-3 * seen;
+        out.same_surface += same;
+        out.wrong_inside += same && std::abs(map - truth) > 0.5;
       }
     const std::string line =
         fmt::format("{} points face a light, {} of them mostly in shadow: {:.3f} % wrongly dark, {:.3f} % wrongly lit",

@@ -33,7 +33,7 @@ struct TestCamera {
 inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const TestCamera& camera = {}, Sky sky = {},
                                              bool sky_visible = false, glm::dvec4 background = glm::dvec4(0),
                                              bool glass = false, std::optional<Fog> fog = {}, double sun_radius_rad = 0,
-                                             std::optional<Occlusion> occlusion = {}) {
+                                             std::optional<Occlusion> occlusion = {}, std::vector<Fog> more_fog = {}) {
   auto t = std::make_unique<TestWorld>();
   auto scene = builder.load(glass ? LoadFor::path_tracing : LoadFor::raster);
   EXPECT_TRUE(scene) << (scene ? "" : scene.error().text());
@@ -52,6 +52,7 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
   WorldInput input{t->scene, t->pose, t->view, t->frame};
   input.sky = std::move(sky), input.sky_visible = sky_visible, input.background = background, input.glass = glass;
   input.fog = fog;
+  input.more_fog = std::move(more_fog);
   input.sun_radius_rad = sun_radius_rad;
   input.occlusion = occlusion;
   t->world = std::make_unique<World>(input, t->warnings);
@@ -61,7 +62,7 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
 
 inline Film traced(const TestWorld& t, const TraceSettings& settings, const TestCamera& camera, int spp,
                    bool with_terms = false) {
-  Film film(camera.width, camera.height, {.fog = t.world->medium() != nullptr, .terms = with_terms});
+  Film film(camera.width, camera.height, {.fog = !t.world->media().empty(), .terms = with_terms});
   const Integrator integrator(*t.world, settings, camera.width, camera.height);
   EXPECT_TRUE(film.add(integrator, spp, [](double) { return true; }));
   return film;

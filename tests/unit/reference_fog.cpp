@@ -396,4 +396,33 @@ TEST(Fog, AFilmOfItIsResumed) {
   EXPECT_FALSE(Film::load(file, {}, camera.width, camera.height)) << "a state with fog is none without";
 }
 
+// A medium in two parts, each with some of its extinction, scattering and glow, is that medium: noise aside in both
+// modes, and what is left of the background to the last digits.
+TEST(ReferenceFog, SeveralMediaAreTheirSum) {
+  Fog whole;
+  whole.extinction_per_m = {0.3, 0.5, 0.8}, whole.scattering_per_m = {0.25, 0.3, 0.2};
+  whole.emission_per_m = {0.02, 0.0, 0.05};
+  whole.anisotropy = 0.4, whole.falloff_per_m = 0.3;
+  whole.lowest = {-4, -3, -2}, whole.highest = {4, 3, 1};
+  Fog a = whole, b = whole;
+  a.extinction_per_m *= 0.25, a.scattering_per_m *= 0.4, a.emission_per_m *= 0.1;
+  b.extinction_per_m -= a.extinction_per_m, b.scattering_per_m -= a.scattering_per_m;
+  b.emission_per_m -= a.emission_per_m;
+  const GltfBuilder lit = with_light({{"type", "point"}, {"intensity", 30.0}}, {{"translation", {0.5, 0.7, -0.6}}});
+  const auto one = make_world(lit, camera, Sky::constant(glm::dvec3(0.5)), true, glm::dvec4(0), false, whole);
+  const auto two = make_world(lit, camera, Sky::constant(glm::dvec3(0.5)), true, glm::dvec4(0), false, a, 0, {}, {b});
+  for (const bool path : {false, true}) {
+    TraceSettings settings = path ? path_settings(1) : TraceSettings{};
+    settings.fog_steps = path ? 0 : 32;
+    const int spp = path ? 4096 : 64;
+    const Film of_one = traced(*one, settings, camera, spp), of_two = traced(*two, settings, camera, spp);
+    glm::dvec3 light[2] = {};
+    for (size_t i = 0; i < of_one.pixels(); ++i) {
+      light[0] += of_one.fog_light(i), light[1] += of_two.fog_light(i);
+      for (int c = 0; c < 3 && !path; ++c) EXPECT_NEAR(of_one.fog_through(i)[c], of_two.fog_through(i)[c], 1e-12);
+    }
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[1][c], light[0][c], (path ? 0.03 : 5e-3) * light[0][c]) << path;
+  }
+}
+
 }  // namespace candela::reference::test

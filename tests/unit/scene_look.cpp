@@ -33,6 +33,20 @@ TEST(Look, SaysWhatFogIs) {
   const Fog parts = fog_of(R"({"fog": {"scattering": 0.25, "absorption": [0.5, 0, 1]}})");
   EXPECT_EQ(parts.extinction_per_m, glm::dvec3(0.75, 0.25, 1.25));
   EXPECT_EQ(parts.scattering_per_m, glm::dvec3(0.25));
+  const auto several = look_from_json(
+      R"({"fog": {"extinction": 1, "boxes": [{"extinction": 2, "bounds": {"x": [0, 1], "z": [0, 1]}, "rotation_deg": 90},
+                                            {"scattering": {"keys": [[0, 1], [2, 3]]}}]}})",
+      "l.json", 1);
+  ASSERT_TRUE(several && several->fog);
+  EXPECT_EQ(several->fog->extinction_per_m, glm::dvec3(1));
+  ASSERT_EQ(several->more_fog.size(), 2u);
+  EXPECT_NEAR(several->more_fog[0].turn_rad, 1.5707963267948966, 1e-12);
+  EXPECT_EQ(several->more_fog[1].scattering_per_m, glm::dvec3(2));
+  EXPECT_EQ(summed_fog(*several), 3u);
+  const auto boxes = look_from_json(R"({"fog": {"boxes": [{"extinction": 3}]}})", "l.json");
+  ASSERT_TRUE(boxes && boxes->fog);
+  EXPECT_EQ(boxes->fog->extinction_per_m, glm::dvec3(3));
+  EXPECT_EQ(summed_fog(*boxes), 0u) << "one medium, wherever it stands";
   EXPECT_EQ(fog_of(R"({"fog": {"extinction": 1e6}})").scattering_per_m, glm::dvec3(1e6))
       << "albedo is 1 where nothing is said";
   EXPECT_FALSE(look_from_json("{}", "l.json")->fog);
@@ -165,6 +179,12 @@ TEST(Look, NamesFileAndPlaceOfWhatIsWrong) {
       {R"({"fog": {"extinction": 1, "bounds": {"w": [1, 2]}}})", "l.json: /fog/bounds/w", "key"},
       {R"({"fog": {"extinction": 1, "scattering": 1}})", "l.json: /fog", "one pair"},
       {R"({"fog": {"albedo": 1}})", "l.json: /fog", "lacks extinction"},
+      {R"({"fog": {"boxes": []}})", "l.json: /fog", "boxes that have one"},
+      {R"({"fog": {"boxes": {}}})", "l.json: /fog/boxes", "not a list of objects"},
+      {R"({"fog": {"boxes": [{"extinction": 1}, {"albedo": 1}]}})", "l.json: /fog/boxes/1", "lacks extinction"},
+      {R"({"fog": {"albedo": 1, "boxes": [{"extinction": 1}]}})", "l.json: /fog", "lacks extinction"},
+      {R"({"fog": {"boxes": [{"extinction": 1, "boxes": []}]}})", "l.json: /fog/boxes/0/boxes", "unknown key"},
+      {R"({"fog": {"extinction": 1, "rotation_deg": 5}})", "l.json: /fog/rotation_deg", "bounds"},
       {R"({"fog": {"extinction": [1, 0, 1], "emission": [0, 1, 0]}})", "l.json: /fog/emission", "extinction above 0"},
       {R"({"fog": {"extinction": 1, "extinction": 2}})", "l.json: /fog/extinction", "twice"},
       {R"({"sky": {"rotation_deg": "90"}})", "l.json: /sky/rotation_deg", "not a number"},

@@ -114,7 +114,7 @@ namespace {
 template <class Push>
 void push_lights(CommandList& commands, const SceneInputs& scene, const CellLists* lists, const CellLists* fog,
                  Push& push) {
-  if (fog && fog->fog.light == FogLight::grid) push.fog_light = commands.sampled(fog->fog.grid);
+  if (fog && fog_is_read(*fog)) push.fog_light = commands.sampled(fog->fog.grid);
   if (!lists && fog && fog_walks(*fog)) lists = fog;
   if (!lists || !scene.lights) return;
   // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.

@@ -1,5 +1,7 @@
 #include "passes/surfaces/terms.h"
 
+#include <algorithm>
+
 namespace candela {
 namespace {
 
@@ -14,6 +16,10 @@ bool wants_lighting(const Terms::In& in) {
 CellLists transmitted(CellLists lists) {
   if (lists.fog) lists.fog.light = FogLight::nothing;
   return lists;
+}
+
+bool shows_reflected(const Terms::In& in) {
+  return in.reflected.light && (in.wanted[size_t(Term::ambient_specular)] || in.wanted[size_t(Term::reflections)]);
 }
 
 // "direct.sun" is DIRECT_SUN in the shader.
@@ -51,6 +57,15 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_test = tested;
   choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
   Out out;
+  if (shows_reflected(in)) {
+    std::string terms;
+    for (const Term term : {Term::ambient_specular, Term::reflections})
+      if (in.wanted[size_t(term)])
+        terms += fmt::format("#{}={}", define_of(layers[size_t(term)].name),
+                             std::count(in.wanted.begin(), in.wanted.begin() + size_t(term), true));
+    out.reflected =
+        declare_reflected(builder, in.scene, in.reflected, in.depth, choice.desc.color_formats, tested, terms);
+  }
   out.opaque = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
   if (wants_lighting(in)) {
@@ -74,15 +89,22 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void Terms::record(CommandList& commands, const In& in, const Out& out) const {
-  // Blended runs come after the others in the order of drawing.
-  RunPipelines all = out.opaque;
-  for (size_t r = 0; r < all.by_run.size(); ++r)
-    if (out.blended.by_run[r]) all.by_run[r] = out.blended.by_run[r];
   std::vector<CommandList::Attachment> colors;
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
+  const CellLists* const lists = wants_lighting(in) ? &in.lists : nullptr;
   commands.begin_rendering(colors, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, all, wants_lighting(in) ? &in.lists : nullptr);
+  if (out.reflected) {
+    record_runs(commands, in.scene, in.draws, in.deformed, out.opaque, lists);
+    record_reflected(commands, in.scene, in.reflected, in.depth, out.reflected);
+    record_runs(commands, in.scene, in.draws, in.deformed, out.blended, lists);
+  } else {
+    // Blended runs come after the others in the order of drawing.
+    RunPipelines all = out.opaque;
+    for (size_t r = 0; r < all.by_run.size(); ++r)
+      if (out.blended.by_run[r]) all.by_run[r] = out.blended.by_run[r];
+    record_runs(commands, in.scene, in.draws, in.deformed, all, lists);
+  }
   commands.end_rendering();
 }
 

@@ -3,6 +3,7 @@
 
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/reflections/reflected.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
@@ -16,21 +17,23 @@ enum class Term : uint32_t {
   ambient_diffuse,
   ambient_specular,
   emission,
-  background
+  background,
+  reflections
 };
-inline constexpr uint32_t term_count = 7;
+inline constexpr uint32_t term_count = 8;
 static_assert(term_count <= 8, "lavapipe 25.0.7 ends the program at more than eight colour attachments");
 
 // Beauty by its terms: the light of directional, point and spot lights, ambient light by the lobe that reflects it,
-// emission (of unlit surfaces their colour), and what lies behind everything. Surfaces are shaded again, at the samples
-// of beauty and against its depth (EQUAL), into images of their own, and blended surfaces composite over each term as
-// they do over beauty: premultiplied, in the same order. So no bit of beauty changes, and the terms sum to it up to the
-// rounding of 32-bit sums. Units: as beauty. Costs about another frame; leaves wrong what beauty does.
+// emission (of unlit surfaces their colour), what lies behind everything, and what surfaces reflect of each other,
+// which is taken from the sky's specular light. Surfaces are shaded again, at the samples of beauty and against its
+// depth (EQUAL), into images of their own, and blended surfaces composite over each term as they do over beauty:
+// premultiplied, in the same order. So no bit of beauty changes, and the terms sum to it up to the rounding of 32-bit
+// sums. Units: as beauty. Costs about another frame; leaves wrong what beauty does.
 struct Terms {
   static constexpr std::string_view name = "terms";
   static constexpr LayerName layers[term_count] = {{"direct.sun"},      {"direct.point"},     {"direct.spot"},
                                                    {"ambient.diffuse"}, {"ambient.specular"}, {"emission"},
-                                                   {"background"}};
+                                                   {"background"},      {"reflections"}};
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>;
   struct In {
     SceneInputs scene;
@@ -39,11 +42,13 @@ struct Terms {
     CellLists lists;         // empty: every light for every pixel
     ImageHandle depth;       // optional: there are blended surfaces alone without it
     ImageHandle background;  // optional: sky or background where no opaque surface is
+    Reflected reflected;     // optional: without it surfaces reflect the sky alone
     std::array<bool, term_count> wanted{};
   };
   struct Out {
     std::array<ImageHandle, term_count> images;  // as multisampled as the frame; empty where not wanted
     RunPipelines opaque, blended;
+    PipelineHandle reflected;  // drawn between the two
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

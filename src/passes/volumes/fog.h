@@ -1,21 +1,9 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
+#include "passes/volumes/fog_knobs.h"
 
 namespace candela {
-
-// How light in fog is resolved: the knobs `fog.*`.
-struct FogKnobs {
-  static constexpr std::string_view name = "fog";
-  int grid = 3;             // into fog_grids, or the march
-  int last = 0;             // the slice in which a surface stands is followed for itself
-  int steps = 128;          // of a march
-  int lamp_shadows = 1;     // points of a slice at which a lamp's maps are asked
-  int sky_directions = 16;  // of the transmittance before the sky
-  static std::span<const Knob<FogKnobs>> table();
-  bool marches() const;
-  glm::uvec3 nodes(uint32_t width_px, uint32_t height_px) const;
-};
 
 // Light that fog scatters once towards the camera, in a grid of rays and depths (Wronski, "Volumetric Fog: Unified
 // Compute Shader-Based Solution to Atmospheric Scattering", 2014; Hillaire, "Physically Based and Unified Volumetric
@@ -38,6 +26,7 @@ struct FogGrid {
     SceneInputs scene;
     CellLists lists;
     bool ambient = false;
+    int media = 0;  // FogView::media
   };
   struct Out {
     ImageHandle light;

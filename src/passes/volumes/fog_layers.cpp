@@ -45,6 +45,8 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
   if (!in.scene.runs->empty()) {
     out.opaque = declare_runs(
         builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+    declare_fog(builder, in.scene, of_blended(lists));
+    choice.desc.fragment_shader = with_fog("fog_layers.frag" + wanted, of_blended(lists));
     choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
     choice.desc.blend = Blend::premultiplied_over;
     out.blended = declare_runs(
@@ -75,7 +77,8 @@ void FogLayers::record(CommandList& commands, const In& in, const Out& out) cons
     RunPipelines all = out.opaque;
     for (size_t r = 0; r < all.by_run.size(); ++r)
       if (out.blended.by_run[r]) all.by_run[r] = out.blended.by_run[r];
-    record_runs(commands, in.scene, in.draws, in.deformed, all, nullptr, &lists);
+    record_runs(commands, in.scene, in.draws, in.deformed, all, fog_walks(of_blended(lists)) ? &lists : nullptr,
+                &lists);
   }
   commands.end_rendering();
 }

@@ -4,6 +4,15 @@
 
 namespace candela {
 
+bool fog_is_read(const CellLists& lists) {
+  return lists.fog.light == FogLight::grid || lists.fog.light == FogLight::texels;
+}
+
+CellLists of_blended(CellLists lists) {
+  if (lists.fog.light == FogLight::texels) lists.fog.light = FogLight::march, lists.fog.grid = {};
+  return lists;
+}
+
 bool fog_walks(const CellLists& lists) {
   return lists.fog.light == FogLight::march || (lists.fog.light == FogLight::grid && lists.fog.last);
 }
@@ -17,6 +26,7 @@ std::string fog_shadows(bool sun, bool lamps, int lamp_points) {
 std::string with_fog(std::string shader, const CellLists& lists) {
   if (!lists.fog) return shader;
   shader += fmt::format("#FOG={}", int(lists.fog.light));
+  if (lists.fog.media > 0) shader += fmt::format("#FOG_MEDIA={}", lists.fog.media);
   if (!fog_walks(lists)) return shader;
   if (lists.fog.light == FogLight::grid) shader += "#FOG_LAST=1";
   if (lists.fog.ambient) shader += "#FOG_AMBIENT=1";
@@ -24,7 +34,7 @@ std::string with_fog(std::string shader, const CellLists& lists) {
 }
 
 void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared) {
-  if (lists.fog.light == FogLight::grid) builder.read(lists.fog.grid, Access::sampled_fragment, "the fog's light");
+  if (lists.fog.grid && fog_is_read(lists)) builder.read(lists.fog.grid, Access::sampled_fragment, "the fog's light");
   if (fog_walks(lists) && !lights_declared) declare_lights(builder, scene, lists);
 }
 

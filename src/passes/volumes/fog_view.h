@@ -13,12 +13,14 @@ enum class FogLight : uint8_t {
   no_fog,
   nothing,  // the fog scatters nothing, or no light reaches it: transmittance and emission alone
   grid,     // from the image
-  march     // each point follows its own ray
+  march,    // each point follows its own ray
+  texels    // from an image of coarse texels that followed rays
 };
 struct FogView {
   FogLight light = FogLight::no_fog;
   bool ambient = false;  // the sky's light is scattered too
   bool last = false;     // grid: the slice in which a surface stands is followed for itself
+  int media = 0;         // whose sum the air is; 0: one, in closed form
   int lamp_points = 0;   // of a slice, at least, at which a lamp's shadow maps are asked; 0: none
   ImageHandle grid;
   explicit operator bool() const { return light != FogLight::no_fog; }
@@ -31,6 +33,10 @@ std::string with_fog(std::string shader, const CellLists& lists);
 std::string fog_shadows(bool sun, bool lamps, int lamp_points);
 // What such a shader reads besides the frame's constants: the grid, and, to walk, lights and shadow maps.
 void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared = false);
+// Whether such a shader reads the light of fog from an image.
+bool fog_is_read(const CellLists& lists);
+// Texels hold the light up to the nearest opaque surface: what is blended before it follows its own rays.
+CellLists of_blended(CellLists lists);
 // Whether such a shader walks the lists of lights itself.
 bool fog_walks(const CellLists& lists);
 

@@ -49,6 +49,11 @@ void put_fog(FogMedium v) {
   put(v.extinction); put(v.falloff); put(v.scattering); put(v.height); put(v.glow); put(v.anisotropy);
   put(v.lowest); put(v.highest); put(v.bounded); put(v.nodes); put(v.nearest_m); put(v.log2_ratio);
   put(v.sky_directions);
+  for (uint i = 0u; i < max_fog_media; ++i) {
+    const FogBox b = v.media[i];
+    put(b.extinction); put(b.falloff); put(b.albedo); put(b.height); put(b.glow); put(b.anisotropy);
+    put(b.lowest); put(b.highest); put(b.turn); put(b.middle); put(b.bounded);
+  }
 }
 void put_frame(FrameConstants v) {
   put(v.vertices); put(v.transforms); put(v.geometries); put(v.items); put(v.materials);

@@ -1,0 +1,68 @@
+#version 460
+// What reflections need to know of the nearest opaque or masked surface at the pixel's middle (lib/reflections.glsl),
+// and the light of the fog before it.
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DrawPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/surface.glsl"
+#include "lib/brdf.glsl"
+#include "lib/light_eval.glsl"
+#include "lib/light_shadow.glsl"
+#include "lib/light_cells.glsl"
+#include "lib/light_list.glsl"
+#include "lib/ambient.glsl"
+#include "lib/occlusion.glsl"
+#include "lib/draw.frag.glsl"
+#include "lib/reflections.glsl"
+#ifdef FOG
+#include "lib/fog.glsl"
+#include "lib/fog_lamps.glsl"
+layout(location = 3) out vec4 out_fog;
+#endif
+
+layout(location = 0) out uvec4 out_surface;
+layout(location = 1) out uvec2 out_reflectance;
+layout(location = 2) out vec4 out_sky;
+
+void main() {
+  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Varyings v = load_varyings();
+  const vec3 to_viewer = direction_to_viewer();
+  // One sample: the position is of the pixel's middle.
+  const vec3 plane_normal = triangle_normal(v.relative_position, to_viewer);
+  const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
+  if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
+  Reflecting r;
+  r.normal = to_camera_space(IS_UNLIT == 0 ? s.normal : plane_normal);
+  r.plane = to_camera_space(plane_normal);
+  vec3 share = vec3(0.0), sky = vec3(0.0);
+  float open = 1.0;
+  r.f0 = vec3(0.0);
+  r.f90 = 0.0;
+  vec3 through = vec3(1.0);
+#ifdef FOG
+  const FogSeen fog = fog_before(v.relative_position);
+  through = fog.through;
+  out_fog = vec4(fog.light, 1.0);
+#endif
+  if (IS_UNLIT == 0) {
+    const BrdfTerms brdf = brdf_terms(s, to_viewer);
+    r.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+    r.f90 = mix(s.dielectric_f90, 1.0, s.metallic);
+    // What the material says of its own hollows hides the scene as it hides the sky.
+    const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
+    share = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
+    if (HAS_AMBIENT != 0) {
+      sky = ambient_lobes(s, brdf).specular * (s.occlusion * frame.pre_exposure) * through;
+      if (HAS_OCCLUSION != 0)
+        open = specular_open(occlusion_open(v.relative_position, plane_normal), dot(s.normal, to_viewer), s.roughness);
+#ifdef FOG
+      sky *= fog_sky_through_surface(v.relative_position, s.normal);
+#endif
+    }
+  }
+  out_surface = pack_reflecting(r);
+  out_reflectance = pack_reflectance(share, s.roughness);
+  out_sky = vec4(sky, open);
+}

@@ -1,0 +1,260 @@
+#include "passes/reflections/reflections.h"
+
+#include <algorithm>
+
+namespace candela {
+namespace {
+
+// At most 64 pixels of the picture to a texel.
+constexpr uint32_t most_levels = 7;
+
+glm::uvec2 texels_of(const Reflections::Knobs& knobs, const SceneInputs& scene) {
+  const uint32_t side = uint32_t(knobs.texel_px);
+  return {(scene.width_px + side - 1) / side, (scene.height_px + side - 1) / side};
+}
+
+// A multiple of the last level's texels, so that every level is exactly half the one before.
+glm::uvec2 padded(const SceneInputs& scene) {
+  const uint32_t unit = 1u << (Reflections::levels(scene) - 1);
+  return {(scene.width_px + unit - 1) / unit * unit, (scene.height_px + unit - 1) / unit * unit};
+}
+
+}  // namespace
+
+std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
+  static const std::vector<std::string_view> passes = {"reflections", "reflections_over", "terms"};
+  static const Knob<Knobs> table[] = {
+      {.name = "samples",
+       .member = &Knobs::samples,
+       .lowest = 1,
+       .highest = 1024,
+       .ladder = {1, 4, 4, 64},
+       .trades = "rays a texel; fewer blur what rough surfaces reflect, and leave noise",
+       .walk = {1, 2, 4, 16, 64},
+       .passes = {"reflections"}},
+      {.name = "steps",
+       .member = &Knobs::steps,
+       .lowest = 0,
+       .highest = 65536,
+       .ladder = {24, 48, 64, 0},
+       .trades = "depths that a ray looks at, at most; fewer miss what is narrow; 0: every pixel that it crosses",
+       .walk = {8, 16, 32, 64, 128, 0},
+       .passes = {"reflections"}},
+      {.name = "smooth",
+       .member = &Knobs::smooth,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {1, 1, 1, 0},
+       .trades = "1: the mean over 5 by 5 texels of the same surface, as far as the lobe is wider than they are apart; "
+                 "blurs contacts where rays are many",
+       .walk = {1, 0},
+       .passes = {"reflections"},
+       .beside = "reflections.samples=64"},
+      {.name = "texel_px",
+       .member = &Knobs::texel_px,
+       .unit = "px",
+       .lowest = 1,
+       .highest = 4,
+       .ladder = {2, 2, 1, 1},
+       .trades = "side of a texel of reflections: 1 full resolution, 2 half; coarser ones blur mirrors and edges",
+       .walk = {4, 2, 1},
+       .passes = passes,
+       .only = {1, 2, 4}},
+      {.name = "thickness",
+       .member = &Knobs::thickness,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0.05, 0.02, 0.02, 0},
+       .trades =
+           "how far behind a seen surface a ray still meets it, in parts of its distance; more finds what is hidden "
+           "and invents what is not; 0: seen surfaces alone",
+       .walk = {0.2, 0.05, 0.02, 0.01, 0},
+       .passes = {"reflections"}},
+      {.name = "fade",
+       .member = &Knobs::fade,
+       .lowest = 0,
+       .highest = 0.5,
+       .ladder = {0.05, 0.05, 0.05, 0},
+       .trades = "part of the picture's size at its edges where reflections fade into the sky's; 0: they end",
+       .walk = {0.2, 0.1, 0.05, 0},
+       .passes = {"reflections"}},
+      {.name = "roughest",
+       .member = &Knobs::roughest,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0.4, 0.6, 0.7, 1},
+       .trades =
+           "roughness from which surfaces reflect the sky alone, fading from three quarters of it on; 1: none does",
+       .walk = {0.3, 0.5, 0.7, 0.85, 1},
+       .passes = {"reflections"}},
+  };
+  return table;
+}
+
+Need Reflections::needed(const SceneFacts& facts, const FrameRequest& request) const {
+  if (!request.draws_reflections()) return {false, "the look has no reflections of the scene (--look, --effects)"};
+  return needed_if(facts.lit_items > 0, "the scene has no opaque or masked surface that takes light");
+}
+
+uint32_t Reflections::levels(const SceneInputs& scene) {
+  uint32_t count = 1;
+  while (count < most_levels && (std::max(scene.width_px, scene.height_px) >> count) > 0) ++count;
+  return count;
+}
+
+Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const {
+  const SceneInputs& scene = in.scene;
+  const auto image = [&](const char* name, VkFormat format) {
+    return builder.create(
+        ImageDesc{.name = name, .format = format, .width_px = scene.width_px, .height_px = scene.height_px});
+  };
+  Out out;
+  out.reflected.texel_px = uint32_t(knobs.texel_px);
+  builder.begin_step();
+  declare_lights(builder, scene, in.lists);  // their addresses stand where occlusion's texels do
+  declare_fog(builder, scene, in.lists, true);
+  RunPipelineChoice choice;
+  choice.desc.vertex_shader = "draw.vert";
+  choice.desc.fragment_shader = with_fog("reflections_surface.frag", in.lists);
+  choice.desc.color_formats = {VK_FORMAT_R32G32B32A32_UINT, VK_FORMAT_R32G32_UINT, color_format};
+  if (in.lists.fog) choice.desc.color_formats.push_back(color_format);
+  choice.desc.depth_format = depth_format;
+  choice.desc.depth_test = choice.desc.depth_write = true;
+  choice.desc.constants = light_constants(in.lists);
+  out.drawn = declare_runs(
+      builder, scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  out.reflected.surface =
+      builder.write(image("reflections.surface", VK_FORMAT_R32G32B32A32_UINT), Access::color_attachment);
+  out.reflected.reflectance =
+      builder.write(image("reflections.reflectance", VK_FORMAT_R32G32_UINT), Access::color_attachment);
+  out.reflected.sky = builder.write(image("reflections.sky", color_format), Access::color_attachment);
+  if (in.lists.fog) out.fog = builder.write(image("reflections.fog", color_format), Access::color_attachment);
+  out.reflected.z = builder.write(image("reflections.z", depth_format), Access::depth_attachment);
+
+  const glm::uvec2 size = padded(scene);
+  out.colors = builder.create(ImageDesc{.name = "reflections.colors",
+                                        .format = color_format,
+                                        .width_px = size.x,
+                                        .height_px = size.y,
+                                        .mips = levels(scene)});
+  out.pipelines.color = builder.pipeline(
+      ComputePipelineDesc{"reflections_color.comp",
+                          in.lists.fog ? std::vector<SpecConstant>{{0, "HAS_FOG", 1}} : std::vector<SpecConstant>{}});
+  builder.begin_step();
+  builder.read(in.picture, Access::sampled_compute, "the picture");
+  builder.read(out.reflected.z, Access::sampled_compute, "depth");
+  builder.read_optional(out.fog, Access::sampled_compute);
+  out.colors = builder.write(out.colors, Access::storage_image_write, ImageRange::mip(0));
+  out.pipelines.down = builder.pipeline(ComputePipelineDesc{"reflections_down.comp", {}});
+  for (uint32_t k = 1; k < levels(scene); ++k) {
+    builder.begin_step();
+    builder.read(out.colors, Access::sampled_compute, "the finer level", ImageRange::mip(k - 1));
+    out.colors = builder.write(out.colors, Access::storage_image_write, ImageRange::mip(k));
+  }
+
+  std::vector<SpecConstant> constants;
+  if (knobs.texel_px != 1) constants.push_back({0, "SIDE", uint32_t(knobs.texel_px)});
+  if (in.has_sky) constants.push_back({1, "HAS_SKY", 1});
+  out.pipelines.trace = builder.pipeline(
+      ComputePipelineDesc{in.lists.fog ? "reflections_trace.comp#FOG=1" : "reflections_trace.comp", constants});
+  builder.begin_step();
+  builder.read(scene.constants, Access::uniform_read, "the frame's constants");
+  for (const ImageHandle read :
+       {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.colors})
+    builder.read(read, Access::sampled_compute, "surfaces");
+  const glm::uvec2 texels = texels_of(knobs, scene);
+  const auto light = [&](const char* name) {
+    const ImageDesc desc{.name = name, .format = color_format, .width_px = texels.x, .height_px = texels.y};
+    return builder.write(builder.create(desc), Access::storage_image_write);
+  };
+  out.reflected.light = light("reflections.light");
+  if (knobs.smooth == 0) return out;
+  out.noisy = out.reflected.light;
+  out.pipelines.smooth = builder.pipeline(ComputePipelineDesc{
+      "reflections_smooth.comp", knobs.texel_px != 1 ? std::vector<SpecConstant>{{0, "SIDE", uint32_t(knobs.texel_px)}}
+                                                     : std::vector<SpecConstant>{}});
+  builder.begin_step();
+  builder.read(scene.constants, Access::uniform_read, "the frame's constants");
+  for (const ImageHandle read :
+       {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.noisy})
+    builder.read(read, Access::sampled_compute, "surfaces");
+  out.reflected.light = light("reflections.smooth");
+  return out;
+}
+
+void Reflections::record(CommandList& commands, const In& in, const Out& out) const {
+  const SceneInputs& scene = in.scene;
+  const uint32_t step = commands.step(), last = levels(scene) + 1;
+  const glm::uvec2 size = padded(scene);
+  if (step == 0) {
+    std::vector<CommandList::Attachment> colors = {
+        {out.reflected.surface}, {out.reflected.reflectance}, {out.reflected.sky}};
+    if (out.fog) colors.push_back({out.fog});
+    commands.begin_rendering(colors, out.reflected.z);
+    record_runs(commands, scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
+    commands.end_rendering();
+  } else if (step == 1) {
+    shared::ReflectionsColorPush push{};
+    push.picture = commands.sampled(in.picture);
+    push.z = commands.sampled(out.reflected.z);
+    if (out.fog) push.fog = commands.sampled(out.fog);
+    push.target = commands.storage(out.colors);
+    push.size_px = {scene.width_px, scene.height_px};
+    commands.bind(out.pipelines.color);
+    commands.push(push);
+    commands.dispatch(size.x, size.y);
+  } else if (step < last) {
+    shared::ReflectionsDownPush push{};
+    push.source = commands.sampled(out.colors);
+    push.target = commands.storage(out.colors);
+    push.target_px = commands.size(out.colors, step - 1);
+    commands.bind(out.pipelines.down);
+    commands.push(push);
+    commands.dispatch(push.target_px.x, push.target_px.y);
+  } else if (step > last) {
+    shared::ReflectionsSmoothPush push{};
+    push.at = surfaces_of(commands, out.reflected);
+    push.light = commands.sampled(out.noisy);
+    push.smooth_light = commands.storage(out.reflected.light);
+    push.texels = texels_of(knobs, scene);
+    push.subsample_ndc = scene.subsample_ndc;
+    commands.bind(out.pipelines.smooth);
+    commands.push(push);
+    commands.dispatch(push.texels.x, push.texels.y);
+  } else {
+    shared::ReflectionsTracePush push{};
+    push.at = surfaces_of(commands, out.reflected);
+    push.colors = commands.sampled(out.colors);
+    push.light = commands.storage(out.noisy ? out.noisy : out.reflected.light);
+    push.texels = texels_of(knobs, scene);
+    push.subsample_ndc = scene.subsample_ndc;
+    push.colors_px = size;
+    push.last_level = float(levels(scene) - 1);
+    push.samples = std::max((knobs.samples + int(in.subsamples) - 1) / int(in.subsamples), 1);
+    push.steps = knobs.steps;
+    push.thickness = knobs.thickness;
+    push.fade = knobs.fade;
+    push.roughest = knobs.roughest;
+    push.first = in.subsample, push.of = in.subsamples;
+    push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
+    commands.bind(out.pipelines.trace);
+    commands.push(push);
+    commands.dispatch(push.texels.x, push.texels.y);
+  }
+}
+
+ReflectionsOver::Out ReflectionsOver::declare(GraphBuilder& builder, const In& in) const {
+  Out out;
+  out.pipeline = declare_reflected(builder, in.scene, in.reflected, in.depth, {color_format});
+  out.color = builder.write(in.color, Access::color_attachment);
+  return out;
+}
+
+void ReflectionsOver::record(CommandList& commands, const In& in, const Out& out) const {
+  const CommandList::Attachment color{out.color};
+  commands.begin_rendering({&color, 1}, {});
+  record_reflected(commands, in.scene, in.reflected, in.depth, out.pipeline);
+  commands.end_rendering();
+}
+
+}  // namespace candela

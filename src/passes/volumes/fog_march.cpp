@@ -1,0 +1,71 @@
+#include "passes/volumes/fog_march.h"
+
+#include "shared/fog.h"
+
+namespace candela {
+
+Need FogMarch::needed(const SceneFacts& facts, const FrameRequest& request) const {
+  if (Need any = fog_light_needed(facts, request); !any) return any;
+  return needed_if(shared_knobs.method == FogKnobs::march, "fog.method is not march");
+}
+
+FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
+  const SceneInputs& s = in.scene;
+  const uint32_t side = uint32_t(shared_knobs.march_px);
+  Out out;
+  out.light = builder.create(ImageDesc{.name = "fog.texels",
+                                       .format = color_format,
+                                       .width_px = (s.width_px + side - 1) / side,
+                                       .height_px = (s.height_px + side - 1) / side});
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  builder.read_optional(in.depth, Access::sampled_compute);
+  for (const BufferHandle b : {s.lights, s.light_globals, in.lists.cells, in.lists.entries})
+    builder.read_optional(b, Access::compute_read);
+  const bool lamps = in.lists.lamp_maps && shared_knobs.lamp_shadows > 0;
+  if (in.lists.sun_maps) {
+    builder.read(in.lists.sun_maps, Access::sampled_compute, "the suns' maps");
+    builder.read(s.suns, Access::compute_read, "the suns' cascades");
+  }
+  if (lamps) {
+    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the lamps' maps");
+    builder.read(s.lamps, Access::compute_read, "the lamps' tiles");
+  }
+  std::string shader = "fog_march.comp";
+  if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
+  if (in.ambient) shader += "#FOG_AMBIENT=1";
+  shader += fog_shadows(bool(in.lists.sun_maps), lamps, shared_knobs.lamp_shadows);
+  out.pipeline = builder.pipeline(ComputePipelineDesc{shader, {{0, "DEPTH_SAMPLES", in.depth ? s.samples : 0}}});
+  out.light = builder.write(out.light, Access::storage_image_write);
+  return out;
+}
+
+void FogMarch::record(CommandList& commands, const In& in, const Out& out) const {
+  shared::FogMarchPush push{};
+  if (in.scene.lights) {
+    // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
+    const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : in.scene.lights); };
+    push.lights = commands.address(in.scene.lights);
+    push.light_cells = address(in.lists.cells);
+    push.light_entries = address(in.lists.entries);
+    push.light_tiles = push.lights;
+  }
+  if (in.lists.sun_maps) {
+    push.suns = commands.address(in.scene.suns);
+    push.sun_maps = commands.sampled(in.lists.sun_maps);
+  }
+  if (in.lists.lamp_maps && shared_knobs.lamp_shadows > 0) {
+    push.lamps = commands.address(in.scene.lamps);
+    push.lamp_maps = commands.sampled(in.lists.lamp_maps);
+  }
+  if (in.depth) push.depth = commands.sampled(in.depth);
+  push.target = commands.storage(out.light);
+  push.texels = commands.size(out.light);
+  push.texel_px = uint32_t(shared_knobs.march_px), push.steps = uint32_t(shared_knobs.march_steps);
+  push.loss = shared_knobs.march_loss;
+  push.seed = in.seed;
+  commands.bind(out.pipeline);
+  commands.push(push);
+  commands.dispatch(push.texels.x, push.texels.y);
+}
+
+}  // namespace candela

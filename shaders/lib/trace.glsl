@@ -164,7 +164,7 @@ bool trace_accept(TraceScene s, TraceHit h, uint mode, TraceHit passed, inout Tr
 }
 
 // The edge functions and the hit in twice the precision: one of them is 0, or their sum is out of what floats hold.
-bool trace_exactly(vec2 a, vec2 b, vec2 c, vec3 z, TraceState state, out TraceHit h) {
+bool trace_exactly(vec2 a, vec2 b, vec2 c, vec3 z, TraceState state, inout TraceHit h) {
   const vec2 m = max(max(abs(a), abs(b)), abs(c));
   const float most = max(m.x, m.y);
   if (!(most > 0.0) || most > TRACE_FAR) return false;
@@ -220,7 +220,7 @@ bool trace_block(TraceScene s, uint block, uint instance, TraceFrame f, uint mod
   for (uint lane = 0u; lane < 4u; ++lane) {
     if ((least[lane] < 0.0 && largest[lane] > 0.0) || id[lane] == no_trace) continue;
     const float size = abs(sum[lane]);
-    TraceHit h;
+    TraceHit h = TRACE_NOTHING;
     if (smallest[lane] > 0.0 && size >= TRACE_SMALLEST && size <= TRACE_LARGEST) {
       if (!(t[lane] >= state.t_min && t[lane] <= state.t_max)) continue;
       h.t = t[lane];
@@ -268,7 +268,8 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
   state.t_min = ray.t_min;
   state.t_max = min(ray.t_max, TRACE_FAR);
   state.found = false;
-  hit = passed;
+  state.best = TRACE_NOTHING;
+  hit = TRACE_NOTHING;
   const vec3 size = abs(ray.direction);
   const float largest = max(max(size.x, size.y), size.z);
   if (!trace_finite(ray.origin) || !trace_finite(ray.direction) || !(largest > 0.0) || !(state.t_min <= state.t_max))
@@ -343,7 +344,7 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
           return state.found;
         }
         in_top = true;
-        child = s.top_root;
+        child = s.top_root == no_trace ? 0u : s.top_root;
         break;
       }
       const uvec2 entry = stack[top - 1u];
@@ -376,8 +377,9 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
         stack[top - 1u].y = ((entry.y & 0xffffffu) >> 3u) | (left - 1u) << 24;
       // The ray may have become shorter since its boxes were tested.
       if (state.found && trace_box(node, lane, f) > state.t_max * TRACE_SLACK) continue;
-      child = TraceUintRef(node + 192ul + 4ul * lane).u;
-      if (child == no_trace) continue;  // of a ray whose numbers have left the range of floats
+      const uint met_child = TraceUintRef(node + 192ul + 4ul * lane).u;
+      if (met_child == no_trace) continue;  // of a ray whose numbers have left the range of floats
+      child = met_child;
       break;
     }
   }

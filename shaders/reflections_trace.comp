@@ -6,6 +6,7 @@ layout(push_constant, scalar) uniform Push { ReflectionsTracePush pc; };
 #include "lib/image_kinds.glsl"
 #include "lib/reflections.glsl"
 #include "lib/ambient_sh.glsl"
+#include "lib/axes.glsl"
 #include "shared/split_sum.h"
 #ifdef FOG
 #include "lib/fog_medium.glsl"
@@ -135,9 +136,7 @@ void main() {
   const float roughness = max(reflectance.a, least_roughness), alpha = roughness * roughness, alpha2 = alpha * alpha;
   // Axes about the normal; what is sampled are the normals that the viewer sees (Heitz, "Sampling the GGX Distribution
   // of Visible Normals", 2018).
-  const float handed = r.normal.z < 0.0 ? -1.0 : 1.0, k = -1.0 / (handed + r.normal.z), m = r.normal.x * r.normal.y * k;
-  const mat3 axes = mat3(vec3(1.0 + handed * r.normal.x * r.normal.x * k, handed * m, -handed * r.normal.x),
-      vec3(m, handed + r.normal.y * r.normal.y * k, -r.normal.y), r.normal);
+  const mat3 axes = axes_about(r.normal);
   vec3 view = v * axes;
   view = normalize(vec3(view.xy, max(view.z, 1e-4)));
   const vec3 stretched = normalize(vec3(alpha * view.xy, view.z));

@@ -26,5 +26,4 @@ layout(constant_id = 21) const int RAYS_MEET_BLENDED = 0;  // something lets a p
 const int shadows_traced = 2, shadows_soft = 4, occlusion_traced = -1;
 const bool SUNS_TRACED = (HAS_SUN_SHADOWS & shadows_traced) != 0, SUNS_SOFT = (HAS_SUN_SHADOWS & shadows_soft) != 0;
 const bool LAMPS_TRACED = (HAS_LAMP_SHADOWS & shadows_traced) != 0, LAMPS_SOFT = (HAS_LAMP_SHADOWS & shadows_soft) != 0;
-const bool HAS_RAYS = SUNS_TRACED || LAMPS_TRACED || HAS_OCCLUSION == occlusion_traced;
 const bool HAS_SHADOWS = HAS_SUN_SHADOWS != 0 || HAS_LAMP_SHADOWS != 0;

@@ -2,7 +2,7 @@
 // Whether a point of the air sees a lamp, from its depth maps: one comparison, linear between four texels. The air has
 // no plane that could darken itself, so nothing but rounding is left for a bias. Needs pc.lamps and pc.lamp_maps.
 #include "lib/image_kinds.glsl"
-#include "shared/shadows.h"
+#include "lib/lamp_face.glsl"
 
 // Of a light's words: its place among the frame's LampShadows; no_light: it has no maps.
 uint fog_lamp_maps(LightRef light) {
@@ -16,22 +16,12 @@ float fog_lamp_visibility(uint maps, vec3 position) {
   const uint lamp = maps == no_light ? 0u : maps;
   LampShadowsRef lamps = LampShadowsRef(pc.lamps);
   const vec3 q = position - lamps.s[lamp].position;
-  vec3 right = lamps.s[lamp].right, up = lamps.s[lamp].up, forward = lamps.s[lamp].forward;
-  uint face = 0u;
-  if (lamps.s[lamp].is_cube != 0u) {
-    const vec3 a = abs(q);
-    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-    const float along = axis == 0 ? q.x : axis == 1 ? q.y : q.z;
-    right = axis == 0 ? vec3(0.0, 1.0, 0.0) : axis == 1 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
-    up = right.zxy;
-    forward = up.zxy * (along < 0.0 ? -1.0 : 1.0);
-    face = 2u * uint(axis) + (along < 0.0 ? 1u : 0u);
-  }
-  const float z = dot(forward, q);
-  const vec3 tile = lamps.s[lamp].tiles[face];
+  const LampFace side = lamp_face(lamp, q);
+  const vec3 tile = side.tile;
+  const float z = side.z;
   if (maps == no_light || !(z > lamp_near_m) || tile.z < 0.0) return 1.0;
   const float most = lamps.s[lamp].most_tangent;
-  const vec2 tangent = clamp(vec2(dot(right, q), -dot(up, q)) / z, vec2(-most), vec2(most));
+  const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
   const vec2 uv = (tile.xy + tangent / lamps.s[lamp].texel_tangent) * lamps.s[lamp].uv_per_texel;
   const float bias = lamps.s[lamp].bias_m / z + 9.5367432e-7;
   return textureGrad(

@@ -1,5 +1,6 @@
 // Light of a sky image (frame/prefilter_sky.h makes what is read here). Directions are in the sky's own axes. Needs
 // lib/brdf.glsl.
+#include "lib/axes.glsl"
 
 // Place on an octahedral map from -1 to 1, +Y in the middle (Engelhardt and Dachsbacher 2008).
 vec2 octahedral(vec3 d) {
@@ -80,13 +81,11 @@ SkyTexels sky_through(vec3 d, float solid_angle) {
 struct SkyLobes {
   vec3 diffuse, specular;
 };
-// Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of
-// Visible Normals", 2018), each as wide as its share (Krivanek and Colbert 2008): with more samples it tends to the
-// integral. The same directions for every pixel, so without noise.
+// Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the viewer
+// sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each as wide as its share (Krivanek and
+// Colbert 2008): with more samples it tends to the integral. The same directions for every pixel, so without noise.
 SkyLobes sampled_sky(BrdfTerms b, float roughness) {
-  const float handed = b.normal.z < 0.0 ? -1.0 : 1.0, p = -1.0 / (handed + b.normal.z), q = b.normal.x * b.normal.y * p;
-  const mat3 axes = mat3(vec3(1.0 + handed * b.normal.x * b.normal.x * p, handed * q, -handed * b.normal.x),
-      vec3(q, handed + b.normal.y * b.normal.y * p, -b.normal.y), b.normal);
+  const mat3 axes = axes_about(b.normal);
   vec3 v = b.to_viewer * axes;
   v = normalize(vec3(v.xy, max(v.z, 1e-4)));
   const vec3 stretched = normalize(vec3(b.alpha * v.xy, v.z));

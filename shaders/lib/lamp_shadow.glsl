@@ -12,6 +12,9 @@
 //   and counts less and less.
 // - Curved surfaces are not planes: the plane is moved towards the light by a share of a texel.
 
+#include "lib/axes.glsl"
+#include "lib/lamp_face.glsl"
+
 const float PLANE_LIFT_TEXELS = 0.15, MOST_LIFT_TEXELS = 2.0;  // along the normal, and along the ray
 const float BLIND_TEXELS = 4.0;
 
@@ -23,23 +26,13 @@ struct LampTap {
 };
 LampTap lamp_tap(uint lamp, vec3 q, vec3 d, vec3 normal) {
   LampShadowsRef lamps = LampShadowsRef(pc.lamps);
-  vec3 right = lamps.s[lamp].right, up = lamps.s[lamp].up, forward = lamps.s[lamp].forward;
-  uint face = 0u;
-  if (lamps.s[lamp].is_cube != 0u) {
-    const vec3 a = abs(d);
-    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-    const float along = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
-    right = axis == 0 ? vec3(0.0, 1.0, 0.0) : axis == 1 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
-    up = right.zxy;
-    forward = up.zxy * (along < 0.0 ? -1.0 : 1.0);
-    face = 2u * uint(axis) + (along < 0.0 ? 1u : 0u);
-  }
+  const LampFace side = lamp_face(lamp, d);
+  const vec3 tile = side.tile;
+  const float z = side.z;
   LampTap tap = LampTap(0.0, 1.0);  // nothing is in the way
-  const vec3 tile = lamps.s[lamp].tiles[face];
-  const float z = dot(forward, d);
   if (tile.z < 0.0 || !(z > 0.0)) return tap;
   const float texel = lamps.s[lamp].texel_tangent, most = lamps.s[lamp].most_tangent;
-  const vec2 tangent = clamp(vec2(dot(right, d), -dot(up, d)) / z, vec2(-most), vec2(most));
+  const vec2 tangent = clamp(vec2(dot(side.right, d), -dot(side.up, d)) / z, vec2(-most), vec2(most));
   tap.stored = textureLod(sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
       vec3((tile.xy + tangent / texel) * lamps.s[lamp].uv_per_texel, tile.z), 0.0).r;
   // Where the direction meets the plane, or as far off as the point where the plane leads away.
@@ -55,7 +48,7 @@ LampTap lamp_tap(uint lamp, vec3 q, vec3 d, vec3 normal) {
 float soft_lamp_visibility(uint lamp, float radius_m, vec3 q, vec3 normal) {
   const uint count = max(RaySettingsRef(pc.rays).s.lamp_samples, 1u);
   const float distance_m = length(q), turn = shadow_turn();
-  const mat3 axes = rays_axes(q / distance_m);
+  const mat3 axes = axes_about(q / distance_m);
   const float search = min(radius_m / distance_m * SOFT_SEARCH, 1.0);
   float blockers = 0.0, ratio = 0.0;  // ratio: distance of the point over that of the blocker
   for (uint i = 0u; i < count; ++i) {
@@ -81,34 +74,24 @@ float soft_lamp_visibility(uint lamp, float radius_m, vec3 q, vec3 normal) {
 float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
   LampShadowsRef lamps = LampShadowsRef(pc.lamps);
   const vec3 q = position - lamps.s[lamp].position;
-  vec3 right = lamps.s[lamp].right, up = lamps.s[lamp].up, forward = lamps.s[lamp].forward;
-  uint face = 0u;
-  if (lamps.s[lamp].is_cube != 0u) {
-    const vec3 a = abs(q);
-    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-    const float along = axis == 0 ? q.x : axis == 1 ? q.y : q.z;
-    right = axis == 0 ? vec3(0.0, 1.0, 0.0) : axis == 1 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
-    up = right.zxy;
-    forward = up.zxy * (along < 0.0 ? -1.0 : 1.0);
-    face = 2u * uint(axis) + (along < 0.0 ? 1u : 0u);
-  }
-  const float z = dot(forward, q);
+  const LampFace side = lamp_face(lamp, q);
+  const float z = side.z;
   if (!(z > lamp_near_m)) return 1.0;
   if (!(dot(normal, q) < 0.0)) return 0.0;
   if (LAMPS_SOFT) {
     const float radius_m = light_word(light, 7u).x;
     if (radius_m > 0.0 && dot(q, q) > radius_m * radius_m) return soft_lamp_visibility(lamp, radius_m, q, normal);
   }
-  const vec3 tile = lamps.s[lamp].tiles[face];
+  const vec3 tile = side.tile;
   if (tile.z < 0.0) return 1.0;
   const float texel = lamps.s[lamp].texel_tangent, most = lamps.s[lamp].most_tangent;
   const float away = max(-dot(normal, q), 1e-6 * z) / z;  // of the light from the plane
   // All depths in shares of the point's own.
-  const vec2 slope = vec2(-dot(right, normal), dot(up, normal)) * (texel / away);  // over a texel
+  const vec2 slope = vec2(-dot(side.right, normal), dot(side.up, normal)) * (texel / away);  // over a texel
   // The last two for rounding: of the position, and of triangles' corners on the map, which lie on its subpixels.
   const float bias = min(PLANE_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel + lamps.s[lamp].bias_m / z + 9.5367432e-7 +
       (abs(slope.x) + abs(slope.y)) * (1.0 / 64.0);
-  const vec2 tangent = clamp(vec2(dot(right, q), -dot(up, q)) / z, vec2(-most), vec2(most));
+  const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
   const vec2 place = tile.xy + tangent / texel - 0.5, f = fract(place);
   const vec4 weight_x = max(vec4(0.5 - f.x, 1.5 - f.x, 0.5 + f.x, f.x - 0.5), 0.0);
   const vec4 weight_y = max(vec4(0.5 - f.y, 1.5 - f.y, 0.5 + f.y, f.y - 0.5), 0.0);

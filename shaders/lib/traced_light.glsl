@@ -1,10 +1,21 @@
 // Light that rays find open: the exact end of shadows and of ambient occlusion. Needs lib/scene.glsl, the push
-// constants of DrawPush, lib/light_data.glsl, and a fragment shader that calls begin_rays first. Only where HAS_RAYS.
+// constants of DrawPush, lib/light_data.glsl, and a fragment shader that calls begin_rays first. Only where TRACES is
+// defined, which pipelines that send rays do (passes/geometry/draw_runs.cpp): else nothing of it is compiled.
 // With LIGHT_EVAL lib/light_eval.glsl too.
 //
 // A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by
 // the bound of its roundings, as the reference's do (src/reference/accel.cpp), so that no surface darkens itself and no
 // shadow comes off what casts it. An interpolated position knows its surface only to a share of the triangle's size.
+#include "shared/trace.h"
+#ifndef TRACES
+void begin_rays(vec3 position, vec3 normal) {}
+float traced_visibility(LightRef light, uint number) { return 1.0; }
+#ifdef LIGHT_EVAL
+vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 position) { return vec3(0.0); }
+#endif
+float traced_open() { return 1.0; }
+#else
+#include "lib/axes.glsl"
 #define TRACE_ADDRESS pc.trees
 #define TRACE_STACK RAY_STACK
 #include "lib/trace.glsl"
@@ -15,7 +26,6 @@ const float BEFORE_END = 1.0 - 4e-6;  // keeps a ray off what it is aimed at
 
 // position: of the fragment, relative; normal: of its triangle, on the viewer's side.
 void begin_rays(vec3 position, vec3 normal) {
-  if (!HAS_RAYS) return;
   const float reach = trace_largest(position);
   TraceRay ray = TraceRay(vec3(0.0), 0.999, position, 1.001);
   if (frame.perspective == 0u) {
@@ -79,10 +89,6 @@ uvec2 rays_own(uint dimension) {
   return uvec2(rays_hash(uvec3(pixel, s.seed ^ (2u * dimension))),
       rays_hash(uvec3(pixel, s.seed ^ (2u * dimension + 1u))));
 }
-mat3 rays_axes(vec3 n) {  // Duff et al., "Building an Orthonormal Basis, Revisited", 2017
-  const float handed = n.z < 0.0 ? -1.0 : 1.0, p = -1.0 / (handed + n.z), q = n.x * n.y * p;
-  return mat3(vec3(1.0 + handed * n.x * n.x * p, handed * q, -handed * n.x), vec3(q, handed + n.y * n.y * p, -n.y), n);
-}
 
 // Of a light from a point: a cap of directions about an axis, seen with one radiance.
 struct LightCap {
@@ -119,7 +125,7 @@ TraceRay ray_to_light(LightCap cap, uint i, uvec2 own, out vec3 l) {
   if (cap.height > 0.0) {
     const vec2 u = rays_place(i, own);
     const float down = u.x * cap.height, across2 = down * (2.0 - down), phi = 6.2831853 * u.y;
-    l = normalize(rays_axes(cap.axis) * vec3(sqrt(across2) * vec2(cos(phi), sin(phi)), 1.0 - down));
+    l = normalize(axes_about(cap.axis) * vec3(sqrt(across2) * vec2(cos(phi), sin(phi)), 1.0 - down));
     if (cap.radius_m > 0.0) {  // to its surface
       const float along = cap.centre_m * (1.0 - down);
       const float behind = sqrt(max(cap.radius_m * cap.radius_m - cap.centre_m * cap.centre_m * across2, 0.0));
@@ -191,7 +197,7 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 // The share of the sky's diffuse light that near surfaces leave, over the hemisphere about the triangle's normal.
 float traced_open() {
   const RaySettings s = RaySettingsRef(pc.rays).s;
-  const mat3 axes = rays_axes(rays_side);
+  const mat3 axes = axes_about(rays_side);
   const uvec2 own = rays_own(0u);
   float open = 0.0;
   for (uint i = 0u; i < s.occlusion_rays; ++i) {
@@ -203,3 +209,4 @@ float traced_open() {
   }
   return 1.0 - s.occlusion_strength * (1.0 - open / float(max(s.occlusion_rays, 1u)));
 }
+#endif

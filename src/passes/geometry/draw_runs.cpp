@@ -39,6 +39,7 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
     const bool masked = run.alpha == AlphaMode::mask;
     if (masked && !choice.masked_fragment.empty()) desc.fragment_shader = choice.masked_fragment;
     desc.constants = run_constants(scene.features, desc, masked, run.unlit);
+    if (sends_rays(desc.constants)) desc.fragment_shader += "#TRACES=1";
     pipelines.by_run.push_back(builder.pipeline(desc));
   }
   return pipelines;

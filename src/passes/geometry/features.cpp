@@ -81,6 +81,11 @@ std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended) {
   return list;
 }
 
+bool sends_rays(const std::vector<SpecConstant>& constants) {
+  return std::any_of(constants.begin(), constants.end(),
+                     [](const SpecConstant& c) { return Feature(c.id) == Feature::ray_stack; });
+}
+
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {
   std::vector<SpecConstant> list = {constant(Feature::ibl_method)};
   list.front().value = uint32_t(method) + 1;

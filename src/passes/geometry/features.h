@@ -45,6 +45,7 @@ SpecConstant lamp_shadows_constant(bool traced, bool soft);
 SpecConstant occlusion_constant(uint32_t shape, bool traced);
 // Of a pass that traces light: entries of a ray's stack, and whether something lets a part of the light through.
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended);
+bool sends_rays(const std::vector<SpecConstant>& constants);  // those are among them
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs
 // none, an unlit or masked depth one only what the base colour takes.
 std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,

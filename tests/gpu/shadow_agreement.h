@@ -95,7 +95,7 @@ class ReferenceShadows : public ReferenceParity {
         out.acne += map < truth - 0.5;
         out.detached += map > truth + 0.5;
         const double depth = double(images["depth"].at<float>(x, y)), seen = double(hit->t);
-        const bool same = std::abs(depth - seen) < 1e-3 * seen;
+        const bool same = std::abs(depth - seen) < 1e-4 * seen;
         out.same_surface += same;
         out.wrong_inside += same && std::abs(map - truth) > 0.5;
       }

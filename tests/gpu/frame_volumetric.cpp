@@ -8,12 +8,6 @@ constexpr int width = 34, height = 21;
 
 class FrameVolumetric : public FrameTest {
  protected:
-  static std::string look_file(const std::string& text) {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    const std::string path = ::testing::TempDir() + fmt::format("candela_{}.look.json", info->name());
-    std::ofstream(path) << text;
-    return path;
-  }
   // A wall, a pane, a lamp behind it, one in the wall, one of a millimetre and one of ten kilometres, and a spot.
   static std::string scene(double away = 0) {
     GltfBuilder b = empty_scene();

@@ -16,7 +16,7 @@ enum class Ambient : uint8_t { traced, occlusion, off };
 // tests.
 enum class Strategy : uint8_t { both, light, brdf };
 
-inline constexpr int most_fog_steps = 65536;
+inline constexpr int most_fog_steps = 65536, most_fog_lights = 4096;  // their product fits an int
 
 struct TraceSettings {
   Mode mode = Mode::direct;
@@ -30,6 +30,9 @@ struct TraceSettings {
   bool lamp_rays = true;  // path: bounces are made from lamps as well (lamp_paths.cpp); else for tests
   Strategy strategy = Strategy::both;
   int fog_steps = 16;  // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
+  // direct: where more point lights and spots than these reach a ray through fog, they share the points of so many;
+  // 0: each has its own.
+  int fog_lights = 16;
 };
 
 // One sample of one pixel.

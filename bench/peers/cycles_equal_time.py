@@ -27,7 +27,9 @@ NOTES = [
     "relmse: mean over runs of mean (x-m)^2 / (m^2 + 0.01) over pixels and channels, m the mean of all runs, times K/(K-1). interval: 95 %"
     " of Student's t over the runs.",
     "trimmed: the same without the 0.1 % of the pixels whose error over all runs is largest; largest_share: of relmse, what these have.",
-    "means_apart: relMSE between the two programs' means; noise_of_means: what the spread of the runs says it should be.",
+    "error_ratio: candela's relmse over Cycles'; error_ratio_interval: of both intervals, as independent relative errors.",
+    "means_apart: relMSE between the two programs' means; noise_of_means: what the spread of the runs says it should be. Where means_apart is"
+    " much larger, the runs of one of them have not met light that is rare and strong: its error is larger than relmse says.",
 ]
 # A sample of Cycles takes about a twentieth of one of candela's, and its start takes seconds: less than these samples tell nothing.
 PILOT = {"candela": 1, "cycles": 16}
@@ -89,6 +91,8 @@ def measure(name, scene, o, folder):
         (a, var_a), (b, var_b) = means["candela"], means["cycles"]
         scale = b**2 + 0.01
         result["error_ratio"] = round(result["candela"]["relmse"] / result["cycles"]["relmse"], 4)
+        spread = math.hypot(*(result[p]["interval"] / result[p]["relmse"] for p in programs))
+        result["error_ratio_interval"] = float(f"{result['error_ratio'] * spread:.2g}")
         result["means_apart"] = float(f"{((a - b) ** 2 / scale).mean():.4g}")
         result["noise_of_means"] = float(f"{((var_a + var_b) / scale).mean():.4g}")
     return result

@@ -255,7 +255,7 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, doub
                                  offer.is_lamp());
   };
   const glm::dvec2 for_sky = stream.next2(), on_light = stream.next2();
-  double pick = stream.next();
+  const double pick = stream.next();
   const glm::dvec2 on_disc = stream.next2();
   const auto punctual_offer_of = [&](const PunctualLight& light, size_t number, double probability) -> Offer {
     const Arrival a = arriving(light, position, own_place(on_disc, number));
@@ -273,31 +273,23 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, doub
       const double share = p * weight(choice.pdf, p, Strategy::light) / choice.pdf;
       sum += arrives({world_.sky().radiance(choice.direction) * share, choice.direction, endless, {}});
     }
-  static thread_local std::vector<LightTree::Choice> chosen;
-  world_.light_tree().choose(position, glm::dvec3(0), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
-  OneOf best;
-  for (size_t i = 0; i < chosen.size(); ++i) {
-    const LightTree::Choice& choice = chosen[i];
-    Offer offer;
-    if (choice.light < points) {
-      offer = punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]], i, choice.probability);
+  const auto make = [&](const LightTree::Choice& choice, size_t number, bool is_lamp) -> Offer {
+    if (is_lamp) {
+      Offer offer =
+          punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]], number, choice.probability);
       offer.radiance /= choice.probability;
-    } else if (settings_.strategy != Strategy::brdf) {
-      const auto p =
-          emissive_point(uint32_t(choice.light - points), choice.probability, position, own_place(on_light, i));
-      if (!p) continue;
-      const double f = phase(p->l);
-      offer = {radiance_of(*p) * (f * weight(p->pdf, f, Strategy::light) / p->pdf), p->l, p->distance_m,
-               surface_of(*p)};
+      return offer;
     }
-    if (every)
-      sum += arrives(offer);
-    else
-      best.consider(offer, largest(offer.radiance), pick);
-  }
-  if (!every) sum += arrives(best.offer) * best.scale();
-  return sum;
+    if (settings_.strategy == Strategy::brdf) return {};
+    const auto p =
+        emissive_point(uint32_t(choice.light - points), choice.probability, position, own_place(on_light, number));
+    if (!p) return {};
+    const double f = phase(p->l);
+    return {radiance_of(*p) * (f * weight(p->pdf, f, Strategy::light) / p->pdf), p->l, p->distance_m, surface_of(*p)};
+  };
+  return sum + by_tree(position, glm::dvec3(0), which, pick, every, make,
+                       [&](const Offer& offer, const LightTree::Choice&) { return arrives(offer); });
 }
 
 }  // namespace candela::reference

@@ -104,7 +104,8 @@ class Integrator {
   // One of several offers, as likely as it weighs; taken() of it times scale() is their sum on average.
   class OneOf {
    public:
-    void consider(const Offer& other, double weight, double& u);  // u: a number in [0, 1), and what is left of it
+    // Whether it is now this one. u: a number in [0, 1), and what is left of it.
+    bool consider(const Offer& other, double weight, double& u);
     double scale() const { return weight_ > 0 ? total_ / weight_ : 0; }
     Offer offer;
 
@@ -126,6 +127,28 @@ class Integrator {
   // has a size, and rays that leave it (null: there are none). The offer is not divided by the probability.
   Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc,
                        double probability = 1, const LampRays* rays = nullptr) const;
+  // The light of the lights that the tree chooses for a place (a normal of 0: none). make(choice, number, is_lamp) is
+  // what one of them would give unhindered over its probability, take(offer, choice) what comes through of an offer.
+  // With `every` each is taken; else one of them, as likely as it would give light unhindered (Talbot et al.,
+  // "Importance Resampling for Global Illumination", 2005): lamps close to the place, which a common estimate of their
+  // cluster misses, are the ones that matter.
+  template <class Make, class Take>
+  glm::dvec3 by_tree(glm::dvec3 position, glm::dvec3 normal, double which, double pick, bool every, Make&& make,
+                     Take&& take) const {
+    static thread_local std::vector<LightTree::Choice> chosen;
+    world_.light_tree().choose(position, normal, which, true, chosen);
+    glm::dvec3 sum(0);
+    OneOf best;
+    LightTree::Choice of_best{};
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      const Offer offer = make(chosen[i], i, chosen[i].light < world_.tree_punctual().size());
+      if (every)
+        sum += take(offer, chosen[i]);
+      else if (best.consider(offer, largest(offer.radiance), pick))
+        of_best = chosen[i];
+    }
+    return every ? sum : take(best.offer, of_best) * best.scale();
+  }
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   // terms: only with `every`.

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "base/hash.h"
+#include "base/prepared_file.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -105,46 +106,47 @@ void remove_stale_temporaries(std::span<const fs::path> targets) {
   }
 }
 
-Expected<void> write_atomically(const fs::path& path, const std::function<Expected<void>(const fs::path&)>& write) {
-  if (const fs::path target = without_link(path); target != path) return write_atomically(target, write);
+PreparedFile::PreparedFile(PreparedFile&& other) noexcept
+    : path_(std::move(other.path_)), temporary_(std::exchange(other.temporary_, {})) {}
+PreparedFile& PreparedFile::operator=(PreparedFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(temporary_, other.temporary_);
+  return *this;
+}
+PreparedFile::~PreparedFile() {
+  if (temporary_.empty()) return;
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+Expected<void> PreparedFile::put_in_place() {
+  if (rename(temporary_.c_str(), path_.c_str()) != 0)
+    return fail(ErrorKind::output, path_.string(), "cannot put the finished file in place: {}", std::strerror(errno));
+  temporary_.clear();
+  return {};
+}
+
+Expected<PreparedFile> prepare_file(const fs::path& path, const WriteFile& write) {
+  if (const fs::path target = without_link(path); target != path) return prepare_file(target, write);
   std::error_code absent;
   const fs::file_status status = fs::status(path, absent);
   if (fs::exists(status) && !fs::is_regular_file(status))
     return fail(ErrorKind::output, path.string(), "is there and is no regular file; nothing is written over it");
   const fs::path temporary = temporary_beside(path);
-  const auto remove_temporary = [&] {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-  };
-  Expected<void> written;
-  try {
-    written = write(temporary);
-  } catch (...) {
-    remove_temporary();
-    throw;
-  }
-  if (!written) {
-    remove_temporary();
-    return written;
-  }
+  PreparedFile prepared(path, temporary);  // removes it on every way out
+  if (auto written = write(temporary); !written) return std::unexpected(written.error());
   const int file = open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0 || fsync(file) != 0) {
     const int reason = errno;
     if (file >= 0) close(file);
-    remove_temporary();
     return fail(ErrorKind::output, path.string(), "cannot write: {}", std::strerror(reason));
   }
   close(file);
-  if (rename(temporary.c_str(), path.c_str()) != 0) {
-    const int reason = errno;
-    remove_temporary();
-    return fail(ErrorKind::output, path.string(), "cannot put the finished file in place: {}", std::strerror(reason));
-  }
-  return {};
+  return prepared;
 }
 
-Expected<void> write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
-  return write_atomically(path, [&](const fs::path& temporary) -> Expected<void> {
+Expected<PreparedFile> prepare_file(const fs::path& path, std::span<const std::byte> bytes) {
+  return prepare_file(path, [&](const fs::path& temporary) -> Expected<void> {
     const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0) return fail(ErrorKind::output, path.string(), "cannot create: {}", std::strerror(errno));
     size_t done = 0;
@@ -161,6 +163,17 @@ Expected<void> write_file_atomically(const fs::path& path, std::span<const std::
     if (close(file) != 0) return fail(ErrorKind::output, path.string(), "cannot write: {}", std::strerror(errno));
     return {};
   });
+}
+
+Expected<void> write_atomically(const fs::path& path, const std::function<Expected<void>(const fs::path&)>& write) {
+  auto prepared = prepare_file(path, write);
+  if (!prepared) return std::unexpected(prepared.error());
+  return prepared->put_in_place();
+}
+Expected<void> write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+  auto prepared = prepare_file(path, bytes);
+  if (!prepared) return std::unexpected(prepared.error());
+  return prepared->put_in_place();
 }
 Expected<void> write_file_atomically(const fs::path& path, std::string_view text) {
   return write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));

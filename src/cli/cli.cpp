@@ -3,15 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
-#include <new>
-#include <system_error>
 
 #include "base/log.h"
 #include "base/process.h"
 #include "base/text.h"
 #include "cli/command.h"
-#include "gpu/device.h"
+#include "render/current_error.h"
 
 namespace candela::cli {
 namespace {
@@ -96,30 +93,6 @@ int failed(const CLI::App& app, const Error& error) {
   log::error("{}", error.text());
   if (error.kind == ErrorKind::usage) log::info("See {} --help", command_of(app));
   return int(error.kind);
-}
-
-// What the exception that is being handled means, whatever it is.
-Error current_error() {
-  try {
-    throw;
-  } catch (const gpu::GpuError& e) {
-    return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
-  } catch (const std::bad_alloc&) {
-    return {ErrorKind::out_of_memory, "out of memory; a smaller --size or fewer --layers need less", ""};
-  } catch (const std::filesystem::filesystem_error& e) {
-    return {ErrorKind::input, e.what(), ""};
-  } catch (const std::system_error& e) {
-    if (e.code() == std::errc::resource_unavailable_try_again)
-      return {ErrorKind::out_of_memory,
-              "the system gives no more threads; raise the limit of processes (ulimit -u, the container's)", ""};
-    return {ErrorKind::device, e.what(), ""};
-  } catch (const std::exception& e) {  // TBB and others name refused threads in words alone
-    const std::string missing = what_runs_out();
-    if (missing.empty()) return {ErrorKind::device, fmt::format("unexpected: {}", e.what()), ""};
-    return {ErrorKind::out_of_memory, fmt::format("the system gives no more {}: {}", missing, e.what()), ""};
-  } catch (...) {
-    return {ErrorKind::device, "unexpected: an exception of an unknown type", ""};
-  }
 }
 
 // Of exceptions that no handler can reach: thrown in threads of libraries, or through code that lets none pass.

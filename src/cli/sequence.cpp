@@ -26,7 +26,7 @@ struct SequenceOptions {
   std::string frames, shard = "1/1", video, audio, timings, trace;
   std::vector<std::string> outputs;
   bool resume = false;
-  int in_flight = 0;
+  int in_flight = 0, encoders = 0;
   std::string cache = "auto";
 };
 
@@ -55,6 +55,7 @@ Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job)
   settings.rate = *rate;
   settings.resume = o.resume;
   settings.in_flight = o.in_flight;
+  settings.encoders = o.encoders;
   settings.video = o.video;
   settings.audio = o.audio;
   settings.keep_spans = !o.trace.empty();
@@ -179,6 +180,10 @@ void add_sequence(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--in-flight", o->in_flight, "Frames on their way to the device at once; 0: as suits the device")
       ->check(CLI::Range(0, 8))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--encoders", o->encoders, "Threads that encode and write frames; 0: as many as cores")
+      ->check(CLI::Range(0, 256))
       ->capture_default_str()
       ->type_name("N");
   command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")

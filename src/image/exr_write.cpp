@@ -21,6 +21,7 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "image/exr.h"
+#include "image/prepare.h"
 
 namespace candela {
 namespace {
@@ -128,6 +129,13 @@ Imf::Header header_of(const FloatImage& image, ExrCompression compression) {
 
 }  // namespace
 
+int set_exr_threads(int threads) {
+  start_threads();
+  const int before = Imf::globalThreadCount();
+  Imf::setGlobalThreadCount(threads);
+  return before;
+}
+
 Expected<ExrCompression> exr_compression_from_name(std::string_view name) {
   std::string known;
   for (size_t i = 0; i < compressions.size(); ++i) {
@@ -182,10 +190,17 @@ Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compres
   return fail(ErrorKind::output, place, "OpenEXR cannot encode the image: {}", e.what());
 }
 
-Expected<void> write_exr(const std::filesystem::path& path, const FloatImage& image, ExrCompression compression) {
+Expected<PreparedFile> prepare_exr(const std::filesystem::path& path, const FloatImage& image,
+                                   ExrCompression compression) {
   auto bytes = encode_exr(image, compression, path.string());
   if (!bytes) return std::unexpected(bytes.error());
-  return write_file_atomically(path, std::string_view(*bytes));
+  return prepare_file(path, std::as_bytes(std::span(bytes->data(), bytes->size())));
+}
+
+Expected<void> write_exr(const std::filesystem::path& path, const FloatImage& image, ExrCompression compression) {
+  auto prepared = prepare_exr(path, image, compression);
+  if (!prepared) return std::unexpected(prepared.error());
+  return prepared->put_in_place();
 }
 
 }  // namespace candela

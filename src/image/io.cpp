@@ -12,6 +12,7 @@
 #include "image/oiio.h"
 #include "image/png_text.h"
 #include "image/png_write.h"
+#include "image/prepare.h"
 
 namespace candela {
 namespace {
@@ -148,13 +149,20 @@ void make_usable(DecodedImage& image, const std::string& place, std::vector<std:
 
 }  // namespace
 
-Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image,
-                         const std::vector<PngText>& texts) {
+Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const DisplayImage& image,
+                                   const std::vector<PngText>& texts) {
   auto encoded = encode_png(image, path.string());
   if (!encoded) return std::unexpected(encoded.error());
   std::vector<std::byte> file = std::move(*encoded);
   for (const auto& [keyword, text] : texts) file = with_png_text(file, keyword, text);
-  return write_file_atomically(path, std::span<const std::byte>(file));
+  return prepare_file(path, std::span<const std::byte>(file));
+}
+
+Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image,
+                         const std::vector<PngText>& texts) {
+  auto prepared = prepare_png(path, image, texts);
+  if (!prepared) return std::unexpected(prepared.error());
+  return prepared->put_in_place();
 }
 
 Expected<FloatImage> read_image(const std::filesystem::path& path) {

@@ -8,10 +8,12 @@
 #include "frame/timings.h"
 #include "image/exr.h"
 #include "image/png_text.h"
+#include "image/prepare.h"
 #include "passes/surfaces/terms.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
 #include "render/metadata.h"
+#include "render/prepare_outputs.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -242,8 +244,9 @@ bool holds_frame(const fs::path& path, const std::string& identity) {
   return false;
 }
 
-Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& session,
-                             std::optional<int64_t> frame_number, FrameRate rate, const std::vector<fs::path>& paths) {
+Expected<PreparedOutputs> prepare_outputs(FrameResult& frame, const Job& job, const Session& session,
+                                          std::optional<int64_t> frame_number, FrameRate rate,
+                                          const std::vector<fs::path>& paths, bool display_wanted) {
   std::vector<OutputFormat> formats;
   for (const fs::path& path : paths) {
     const auto format = output_format(path);
@@ -253,7 +256,7 @@ Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& 
   const bool any_png = std::find(formats.begin(), formats.end(), OutputFormat::png) != formats.end();
   const bool any_exr = std::find(formats.begin(), formats.end(), OutputFormat::exr) != formats.end();
   FloatImage linear;
-  DisplayImage display;
+  PreparedOutputs prepared;
   {
     StageTimer timer(frame.timings, "read_back", "encode");
     NonFinite nonfinite;
@@ -266,15 +269,25 @@ Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& 
       frame.warnings.push_back(fmt::format(
           "{} values are beyond what half floats hold and are stored as 65504 (--exr-type float keeps them)",
           nonfinite.clamped));
-    if (any_png) display = display_image(frame, job);
+    if (any_png || display_wanted) prepared.display = display_image(frame, job);
   }
   StageTimer timer(frame.timings, "encode", "encode");
+  const std::string identity = file_identity(job, session, frame.time_s, frame_number, rate);
   for (size_t i = 0; i < paths.size(); ++i) {
-    const std::string identity = file_identity(job, session, frame.time_s, frame_number, rate);
-    const auto written = formats[i] == OutputFormat::exr ? write_exr(paths[i], linear, job.exr_compression)
-                                                         : write_png(paths[i], display, {{identity_name, identity}});
-    if (!written) return written;
+    auto file = formats[i] == OutputFormat::exr ? prepare_exr(paths[i], linear, job.exr_compression)
+                                                : prepare_png(paths[i], prepared.display, {{identity_name, identity}});
+    if (!file) return std::unexpected(file.error());
+    prepared.files.push_back(std::move(*file));
   }
+  return prepared;
+}
+
+Expected<void> write_outputs(FrameResult& frame, const Job& job, const Session& session,
+                             std::optional<int64_t> frame_number, FrameRate rate, const std::vector<fs::path>& paths) {
+  auto prepared = prepare_outputs(frame, job, session, frame_number, rate, paths);
+  if (!prepared) return std::unexpected(prepared.error());
+  for (PreparedFile& file : prepared->files)
+    if (auto placed = file.put_in_place(); !placed) return placed;
   return {};
 }
 

@@ -1,12 +1,16 @@
 #include "render/sequence.h"
 
+#include <atomic>
 #include <deque>
+#include <future>
 #include <set>
 
 #include "base/files.h"
 #include "base/log.h"
-#include "render/encoder_thread.h"
-#include "render/outputs.h"
+#include "image/prepare.h"
+#include "render/current_error.h"
+#include "render/encoder_pool.h"
+#include "render/prepare_outputs.h"
 #include "render/video.h"
 
 namespace candela {
@@ -40,10 +44,32 @@ void add_sums(Timings& sums, Timings frame, bool keep_spans) {
   if (keep_spans) sums.spans.insert(sums.spans.end(), frame.spans.begin(), frame.spans.end());
 }
 
+// Files side by side need no threads of their own; few frames do, for then there are workers with nothing to do.
+class ExrThreads {
+ public:
+  explicit ExrThreads(bool own) {
+    if (!own) before_ = set_exr_threads(0);
+  }
+  ~ExrThreads() {
+    if (before_) set_exr_threads(*before_);
+  }
+
+ private:
+  std::optional<int> before_;
+};
+
+// What a frame takes until its files are there. Beside the read-back in 16 bytes a pixel of a colour stand the planes
+// of floats, 16, those of halves, 8, and the file, at most 8; of other formats it is no more.
+uint64_t bytes_in_hand(const FrameResult& frame) {
+  uint64_t bytes = 0;
+  for (const auto& [resource, readback] : frame.readbacks) bytes += readback->bytes().size();
+  return 4 * bytes;
+}
+
 class Run {
  public:
   Run(Session& session, const Job& job, const SequenceSettings& settings)
-      : session_(session), job_(job), settings_(settings) {}
+      : session_(session), job_(job), settings_(settings), limits_(encoder_limits(settings.encoders)) {}
 
   Expected<SequenceResult> all() {
     if (!settings_.video.empty()) {
@@ -60,24 +86,37 @@ class Run {
 
  private:
   Expected<void> render_all() {
-    EncoderThread encoder([this](FinishedFrame& frame) { return encode(frame); });
+    const ExrThreads threads(limits_.workers == 1 || settings_.frames.size() < limits_.workers);
+    EncoderPool encoder(limits_, [this](FinishedFrame& frame, size_t worker) { return encode(frame, worker); });
+    log::debug("{} encoders; at most {} frames and {} MiB in memory", limits_.workers, limits_.frames,
+               limits_.bytes >> 20);
     start_us_ = process_clock_us();
     const Expected<void> rendered = begin_and_finish(encoder);
     drop_begun();
     // Frames in hand are still written, and an encoder's error came first.
-    if (auto finished = encoder.finish(); !finished) return finished;
+    if (auto finished = finish(encoder); !finished) return finished;
+    result_.most_frames = encoder.most_frames();
     return rendered;
   }
 
+  static Expected<void> finish(EncoderPool& encoder) {
+    try {
+      return encoder.finish();
+    } catch (...) {
+      return std::unexpected(in_frame(encoder.failed_frame().value_or(0), current_error()));
+    }
+  }
+
   // Frame N + 1 is begun before N is finished, as far as the session has room for both.
-  Expected<void> begin_and_finish(EncoderThread& encoder) {
+  Expected<void> begin_and_finish(EncoderPool& encoder) {
     const size_t room = size_t(settings_.in_flight > 0 ? settings_.in_flight : session_.in_flight()) - 1;
-    for (const int64_t number : settings_.frames) {
+    for (size_t i = 0; i < settings_.frames.size(); ++i) {
+      const int64_t number = settings_.frames[i];
       if (settings_.stop && *settings_.stop != 0) {
         result_.stopped = true;
         break;
       }
-      if (settings_.resume && is_done(number, settings_.rate.seconds(number))) {
+      if (settings_.resume && is_done(i)) {
         ++result_.skipped;
         report();
         continue;
@@ -95,7 +134,7 @@ class Run {
   }
 
   // False: the encoder has failed, and the run ends.
-  Expected<bool> finish_down_to(size_t left, EncoderThread& encoder) {
+  Expected<bool> finish_down_to(size_t left, EncoderPool& encoder) {
     while (begun_.size() > left) {
       const auto [number, ticket] = begun_.front();
       begun_.pop_front();
@@ -107,7 +146,8 @@ class Run {
       if (std::find(result_.plan_hashes.begin(), result_.plan_hashes.end(), hash) == result_.plan_hashes.end())
         result_.plan_hashes.push_back(hash);
       result_.plan = frame->plan;
-      if (!encoder.push({std::move(*frame), number})) return false;
+      const uint64_t bytes = bytes_in_hand(*frame);
+      if (!encoder.push({std::move(*frame), number}, bytes)) return false;
       ++result_.rendered;
       report();
     }
@@ -126,9 +166,28 @@ class Run {
     return {error.kind, fmt::format("frame {}: {}", number, error.message), error.place};
   }
 
-  bool is_done(int64_t number, double time_s) const {
-    const std::string identity = file_identity(job_, session_, time_s, number, settings_.rate);
+  // Looks at the files of as many frames at once as there are encoders: to see that one is whole it is decoded.
+  bool is_done(size_t i) {
+    if (i < done_.size()) return done_[i] != 0;
+    const size_t first = done_.size(), last = std::min(settings_.frames.size(), i + limits_.workers);
+    done_.resize(last);
+    std::atomic<size_t> next = first;
+    const auto look = [&] {
+      for (size_t at = next++; at < last; at = next++) done_[at] = holds_its_frame(settings_.frames[at]);
+    };
+    std::vector<std::future<void>> others;
+    while (others.size() + 1 < last - first) others.push_back(std::async(std::launch::async, look));
+    look();
+    for (std::future<void>& other : others) other.get();
+    return done_[i] != 0;
+  }
+
+  bool holds_its_frame(int64_t number) const {
     const std::vector<fs::path> paths = paths_of(settings_, number);
+    std::error_code failed;
+    if (!std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return fs::exists(path, failed); }))
+      return false;
+    const std::string identity = file_identity(job_, session_, settings_.rate.seconds(number), number, settings_.rate);
     return std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return holds_frame(path, identity); });
   }
 
@@ -144,17 +203,31 @@ class Run {
     settings_.progress(progress);
   }
 
-  Expected<void> encode(FinishedFrame& finished) {
+  Expected<EncoderPool::Complete> encode(FinishedFrame& finished, size_t worker) {
     FrameResult& frame = finished.frame;
+    const int64_t number = finished.number;
     const size_t said = frame.warnings.size();
-    auto written =
-        write_outputs(frame, job_, session_, finished.number, settings_.rate, paths_of(settings_, finished.number));
-    if (!written) return std::unexpected(in_frame(finished.number, written.error()));
-    for (size_t i = said; i < frame.warnings.size(); ++i)
-      log::warning("frame {}: {}", finished.number, frame.warnings[i]);
+    auto prepared =
+        prepare_outputs(frame, job_, session_, number, settings_.rate, paths_of(settings_, number), video_ != nullptr);
+    if (!prepared) return std::unexpected(in_frame(number, prepared.error()));
+    if (!video_) prepared->display = {};
+    if (worker > 0)
+      for (Timings::Span& span : frame.timings.spans)
+        if (span.lane == "encode") span.lane = fmt::format("encode {}", worker + 1);
+    std::vector<std::string> warnings(frame.warnings.begin() + ptrdiff_t(said), frame.warnings.end());
+    return [this, number, prepared = std::move(*prepared), warnings = std::move(warnings),
+            timings = std::move(frame.timings)]() mutable { return complete(number, prepared, warnings, timings); };
+  }
+
+  // In the order of frames, one at a time.
+  Expected<void> complete(int64_t number, PreparedOutputs& prepared, const std::vector<std::string>& warnings,
+                          Timings& timings) {
+    for (PreparedFile& file : prepared.files)
+      if (auto placed = file.put_in_place(); !placed) return std::unexpected(in_frame(number, placed.error()));
+    for (const std::string& warning : warnings) log::warning("frame {}: {}", number, warning);
     if (video_)
-      if (auto added = video_->add(display_image(frame, job_)); !added) return added;
-    add_sums(result_.timings, std::move(frame.timings), settings_.keep_spans);  // read again after the thread has ended
+      if (auto added = video_->add(prepared.display); !added) return added;
+    add_sums(result_.timings, std::move(timings), settings_.keep_spans);  // read again after the threads have ended
     return {};
   }
 
@@ -168,6 +241,8 @@ class Run {
     FrameTicket ticket;
   };
   std::deque<Begun> begun_;  // in order
+  EncoderLimits limits_;
+  std::vector<uint8_t> done_;  // by index of the frame: its files were there. As far as looked
   double start_us_ = 0;
 };
 

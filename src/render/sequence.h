@@ -22,6 +22,7 @@ struct SequenceSettings {
   bool resume = false;  // leave out frames whose files all are whole and hold this job's picture
   std::filesystem::path video, audio;
   int in_flight = 0;                       // frames begun before the first of them is finished; 0: as the session says
+  int encoders = 0;                        // threads that encode and write; 0: as many as cores
   bool keep_spans = false;                 // for a trace; grows with the number of frames
   const std::atomic<int>* stop = nullptr;  // not 0: end after the frames in hand
   std::function<void(const SequenceProgress&)> progress;  // after each frame, from the rendering thread
@@ -32,6 +33,7 @@ struct SequenceSettings {
 struct SequenceResult {
   size_t rendered = 0, skipped = 0;
   bool stopped = false;
+  size_t most_frames = 0;            // that were encoded, or waited for it, at once
   Timings timings;                   // sums over the rendered frames
   std::vector<Hash128> plan_hashes;  // the different ones, in order of appearance
   FramePlan plan;                    // of the last rendered frame
@@ -42,9 +44,10 @@ struct SequenceResult {
 Expected<void> check_sequence(const SequenceSettings& settings);
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job);
 
-// Renders the frames; read-back copies, encoding and writing of one overlap the rendering of the next, and where the
-// session has several in flight, planning and upload of the next too. Every file appears whole or not at all. The first
-// error ends the run and names its frame; frames before it are written.
+// Renders the frames; read-back copies, encoding and writing of earlier ones, several at once, overlap the rendering of
+// the next, and where the session has several in flight, planning and upload of the next too. Every file appears whole
+// or not at all, and in the order of frames. The first error ends the run and names its frame; frames before it are
+// written, those after it are not.
 Expected<SequenceResult> run_sequence(Session& session, const Job& job, const SequenceSettings& settings);
 
 }  // namespace candela

@@ -120,6 +120,7 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"render", box, "-o", "x.exr", "--queues", "3"}, "--queues"},
       {{"render", box, "-o", "x.exr", "--overlap"}, "--timings"},
       {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--in-flight", "-1"}, "--in-flight"},
+      {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--encoders", "257"}, "--encoders"},
       {{"render", box, "-o", "x.exr", "--check-determinism", "0"}, "--check-determinism"},
       {{"render", box, "-o", "x.exr", "--shader-dir", "nowhere"}, "--shader-dir"},
       {{"render", box, "-o", "x.exr", "--shader-dir", box}, "--shader-dir"},

@@ -1,3 +1,5 @@
+#include <thread>
+
 #include "base/files.h"
 #include "frame_fixture.h"
 #include "render/sequence.h"
@@ -43,11 +45,25 @@ GltfBuilder changing_scene() {
   return b;
 }
 
+// A read-back that memory runs out for when it is encoded, on whichever thread that is.
+class EndlessReadback : public gpu::Readback {
+ public:
+  explicit EndlessReadback(std::shared_ptr<gpu::Readback> real) : real_(std::move(real)) {}
+  std::span<const std::byte> bytes() const override {
+    if (std::this_thread::get_id() != rendering_) throw std::bad_alloc();
+    return real_->bytes();
+  }
+
+ private:
+  std::shared_ptr<gpu::Readback> real_;
+  std::thread::id rendering_ = std::this_thread::get_id();
+};
+
 // A session that fails where it is told to.
 class FailingSession : public Session {
  public:
-  FailingSession(Session& session, std::set<double> begins, std::set<double> finishes)
-      : session_(session), begins_(std::move(begins)), finishes_(std::move(finishes)) {}
+  FailingSession(Session& session, std::set<double> begins, std::set<double> finishes, std::set<double> encodes = {})
+      : session_(session), begins_(std::move(begins)), finishes_(std::move(finishes)), encodes_(std::move(encodes)) {}
   Expected<FrameTicket> begin(double time_s, bool hash_outputs) override {
     if (begins_.contains(time_s)) return fail(ErrorKind::device, "", "begin refused");
     auto ticket = session_.begin(time_s, hash_outputs);
@@ -57,6 +73,8 @@ class FailingSession : public Session {
   Expected<FrameResult> finish(FrameTicket ticket) override {
     auto result = session_.finish(ticket);
     if (finishes_.contains(times_.at(ticket))) return fail(ErrorKind::device, "", "finish refused");
+    if (result && encodes_.contains(times_.at(ticket)))
+      for (auto& [resource, readback] : result->readbacks) readback = std::make_shared<EndlessReadback>(readback);
     return result;
   }
   int in_flight() const override { return session_.in_flight(); }
@@ -68,7 +86,7 @@ class FailingSession : public Session {
 
  private:
   Session& session_;
-  std::set<double> begins_, finishes_;
+  std::set<double> begins_, finishes_, encodes_;
   std::map<FrameTicket, double> times_;
 };
 
@@ -137,11 +155,12 @@ TEST_F(FrameSequence, BytesAreThoseOfSingleRendersHoweverManyAreInFlight) {
   }
 }
 
-TEST_F(FrameSequence, FilesAreTheSameHoweverManyAreInFlight) {
+TEST_F(FrameSequence, FilesAreTheSameHoweverManyAreInFlightAndEncode) {
   const Job job = changing_job();
   std::vector<std::vector<std::byte>> wanted;
-  for (const int in_flight : {1, 2, 3}) {
+  for (const auto& [in_flight, encoders] : {std::pair(1, 1), std::pair(2, 2), std::pair(3, 8)}) {
     SequenceSettings settings = settings_for("candela_sequence", in_flight);
+    settings.encoders = encoders;
     std::vector<int64_t> order;
     settings.rendered = [&](int64_t frame, const FrameResult&) -> Expected<void> {
       order.push_back(frame);
@@ -157,7 +176,8 @@ TEST_F(FrameSequence, FilesAreTheSameHoweverManyAreInFlight) {
     const auto files = files_of(settings);
     ASSERT_EQ(files.size(), size_t(2 * (last + 1)));
     if (wanted.empty()) wanted = files;
-    EXPECT_EQ(files, wanted) << in_flight << " in flight";
+    EXPECT_EQ(files, wanted) << in_flight << " in flight, " << encoders << " encoders";
+    EXPECT_LE(result->most_frames, size_t(encoders) + 2);
   }
 }
 
@@ -174,7 +194,8 @@ TEST_F(FrameSequence, AnErrorNamesItsFrameAndEarlierFramesAreWritten) {
                         Case{{rate.seconds(3)}, {}, 3, "frame 3: begin refused"},
                         Case{{rate.seconds(4)}, {rate.seconds(3)}, 3, "frame 3: finish refused"}})
     for (const int in_flight : {1, 2, 3}) {
-      const SequenceSettings settings = settings_for("candela_sequence_error", in_flight);
+      SequenceSettings settings = settings_for("candela_sequence_error", in_flight);
+      settings.encoders = 2 * in_flight;
       const auto session = open(job, wanted_by(settings, job));
       ASSERT_TRUE(session);
       FailingSession failing(*session, c.begins, c.finishes);
@@ -184,6 +205,27 @@ TEST_F(FrameSequence, AnErrorNamesItsFrameAndEarlierFramesAreWritten) {
       EXPECT_EQ(result.error().kind, ErrorKind::device);
       EXPECT_EQ(files_of(settings).size(), 2 * c.failing) << in_flight << " in flight";
     }
+}
+
+// Frames after it are encoded beside it, sooner or later than it fails, and none of them is written.
+TEST_F(FrameSequence, AnExceptionWhileEncodingNamesItsFrame) {
+  const Job job = changing_job();
+  const FrameRate rate;
+  for (const int encoders : {1, 8}) {
+    SequenceSettings settings = settings_for("candela_sequence_exception", 1);
+    settings.encoders = encoders;
+    const auto session = open(job, wanted_by(settings, job));
+    ASSERT_TRUE(session);
+    FailingSession failing(*session, {}, {}, {rate.seconds(2), rate.seconds(4)});
+    const auto result = run_sequence(failing, job, settings);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().kind, ErrorKind::out_of_memory);
+    EXPECT_TRUE(result.error().message.starts_with("frame 2: out of memory")) << result.error().text();
+    EXPECT_EQ(files_of(settings).size(), 2u * 2u) << encoders << " encoders";
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(settings.patterns[0].name(0)).parent_path()))
+      EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path();
+  }
 }
 
 TEST_F(FrameSequence, AStopWritesTheFramesInFlight) {

@@ -54,9 +54,9 @@ void main() {
     const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
     share = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
     if (HAS_AMBIENT != 0) {
-      sky = ambient_lobes(s, brdf).specular * (s.occlusion * frame.pre_exposure) * through;
+      sky = ambient_lobes(s, brdf, s.normal).specular * (s.occlusion * frame.pre_exposure) * through;
       if (HAS_OCCLUSION != 0)
-        open = specular_open(occlusion_open(v.relative_position, plane_normal), dot(s.normal, to_viewer), s.roughness);
+        open = reflected_open(occlusion_open(v.relative_position, plane_normal), s, to_viewer, plane_normal);
 #ifdef FOG
       sky *= fog_sky_through_surface(v.relative_position, s.normal);
 #endif

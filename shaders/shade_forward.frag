@@ -38,7 +38,7 @@ void main() {
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) {
     vec3 ambient = HAS_OCCLUSION != 0
-        ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal))
+        ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
         : ambient_light(s, brdf);
 #ifdef FOG
     ambient *= fog_sky_through_surface(v.relative_position, s.normal);

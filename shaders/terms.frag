@@ -81,9 +81,10 @@ void main() {
 #endif
 #if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
   AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
-  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) ambient = ambient_lobes(s, brdf);
-  if (HAS_AMBIENT != 0 && HAS_OCCLUSION != 0 && IS_UNLIT == 0)
-    ambient = occluded_lobes(ambient, s, to_viewer, occlusion_open(surface_point, plane_normal));
+  if (HAS_AMBIENT != 0 && IS_UNLIT == 0)
+    ambient = HAS_OCCLUSION != 0
+        ? occluded_lobes(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
+        : ambient_lobes(s, brdf, s.normal);
 #ifdef FOG
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
     const vec3 sky = fog_sky_through_surface(v.relative_position, s.normal);

@@ -206,6 +206,33 @@ TEST(FogLamps, ALampHasAsManyPointsAsItSays) {
   }
 }
 
+// Lamps in one place, on the ray, at the eye, far away, faint and strong, in air that is nearly nothing or as good as a
+// wall, with and without an end: every sample is finite, and the mean is the sum's.
+TEST(FogLamps, ExtremesKeepTheMean) {
+  GltfBuilder b = empty_scene();
+  for (int i = 0; i < 60; ++i) {
+    glm::dvec3 at(0.3, 1.2, 2);
+    if (i % 5 == 1) at = {0, 1.5 - 0.5 * i / 90.0, 9 - 0.1 * i};  // about the ray of the picture's middle
+    if (i % 5 == 2) at = camera.eye;
+    if (i % 5 == 3) at = glm::dvec3(1e5, 3e4, -2e5) * (i / 60.0);
+    if (i % 5 == 4) at = place_of(i);
+    const double strength = i % 5 == 3 ? 1e12 : i % 7 == 0 ? 1e-12 : 1.0;
+    add_light(b, {{"type", "point"}, {"intensity", strength}}, {{"translation", {at.x, at.y, at.z}}});
+  }
+  use_all(b);
+  for (const double extinction : {1e-9, 0.1, 1e6})
+    for (const bool falls : {false, true}) {
+      Fog fog = air(extinction);
+      if (falls) fog.falloff_per_m = 2, fog.height_m = -1;
+      const auto t = make_world(b, camera, {}, false, glm::dvec4(0), false, fog);
+      const Film all = traced(*t, shared_by(0, 16), camera, 8), shared = traced(*t, shared_by(16, 16), camera, 16);
+      for (size_t i = 0; i < all.pixels(); ++i) EXPECT_TRUE(std::isfinite(shared.mean(i).x) && shared.mean(i).x >= 0);
+      const MeanError truth = mean_of(all), m = mean_of(shared);
+      EXPECT_NEAR(m.mean, truth.mean, 4.5 * (m.error + truth.error) + 1e-9 * truth.mean) << extinction << falls;
+      EXPECT_LT(m.error, 0.1 * truth.mean) << extinction << falls;
+    }
+}
+
 // The part of a ray that a spot lights is where something arrives, from every side and for cones up to a half space.
 TEST(FogLamps, TheLitPartOfARayIsWhereLightArrives) {
   PunctualLight light;

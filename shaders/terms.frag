@@ -81,7 +81,11 @@ void main() {
 #endif
 #if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
   AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
-  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) ambient = ambient_lobes(s, brdf);
+  LocalLight local = LocalLight(vec3(0.0), 1.0);
+  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
+    local = local_light(s, brdf, v.relative_position);
+    ambient = ambient_lobes(s, brdf, local.left);
+  }
   if (HAS_AMBIENT != 0 && HAS_OCCLUSION != 0 && IS_UNLIT == 0)
     ambient = occluded_lobes(ambient, s, to_viewer, occlusion_open(surface_point, plane_normal));
 #ifdef FOG
@@ -91,6 +95,7 @@ void main() {
     ambient.specular *= sky;
   }
 #endif
+  if (PROBE_COUNT != 0) ambient.specular += local.specular;
 #endif
 #ifdef AMBIENT_DIFFUSE
   out_ambient_diffuse = covering(ambient.diffuse * s.occlusion, coverage);

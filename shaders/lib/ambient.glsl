@@ -19,11 +19,13 @@ vec3 split_sum(float roughness, float n_v) {
       (at * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
 
-// By the lobes that reflect it, without the material's occlusion.
+#include "lib/probes.glsl"
+
+// By the lobes that reflect it, without the material's occlusion. Of the sky.
 struct AmbientLobes {
   vec3 diffuse, specular;
 };
-AmbientLobes ambient_lobes(Surface s, BrdfTerms b) {
+AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b) {
   BrdfTerms in_image = b;
   in_image.normal = in_sky(b.normal);
   in_image.to_viewer = in_sky(b.to_viewer);
@@ -41,7 +43,8 @@ AmbientLobes ambient_lobes(Surface s, BrdfTerms b) {
   if (IBL_METHOD == ibl_split) {
     specular *= frame.sky_intensity * filtered_sky(in_sky(mirrored), slice_of_roughness(s.roughness));
   } else if (IBL_METHOD == ibl_lobe) {
-    const vec2 lobe = lobe_shape(s.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
+    const vec2 lobe = lobe_shape(frame.image_light.lobe_texture, frame.image_light.clamp_sampler, s.roughness,
+        clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
     specular *= filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
     specular += sky_lights(in_image, lobe.y);
     specular *= frame.sky_intensity;
@@ -50,8 +53,18 @@ AmbientLobes ambient_lobes(Surface s, BrdfTerms b) {
   }
   return AmbientLobes(diffuse, specular);
 }
-vec3 ambient_light(Surface s, BrdfTerms b) {
-  const AmbientLobes lobes = ambient_lobes(s, b);
+// left: the share of the reflection that probes leave to the sky.
+AmbientLobes ambient_lobes(Surface s, BrdfTerms b, float left) {
+  AmbientLobes lobes = whole_sky_lobes(s, b);
+  if (PROBE_COUNT != 0) lobes.specular *= left;
+  return lobes;
+}
+LocalLight local_light(Surface s, BrdfTerms b, vec3 at) {
+  if (PROBE_COUNT == 0) return LocalLight(vec3(0.0), 1.0);
+  return light_of_probes(s, b, at);
+}
+vec3 ambient_light(Surface s, BrdfTerms b, float left) {
+  const AmbientLobes lobes = ambient_lobes(s, b, left);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }
 // What is left of the lobes where a share `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
@@ -63,7 +76,7 @@ float specular_open(float open, float n_v, float roughness) {
 AmbientLobes occluded_lobes(AmbientLobes lobes, Surface s, vec3 v, float open) {
   return AmbientLobes(lobes.diffuse * open, lobes.specular * specular_open(open, dot(s.normal, v), s.roughness));
 }
-vec3 occluded_ambient_light(Surface s, BrdfTerms b, float open) {
-  const AmbientLobes lobes = occluded_lobes(ambient_lobes(s, b), s, b.to_viewer, open);
+vec3 occluded_ambient_light(Surface s, BrdfTerms b, float left, float open) {
+  const AmbientLobes lobes = occluded_lobes(ambient_lobes(s, b, left), s, b.to_viewer, open);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }

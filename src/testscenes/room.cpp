@@ -41,7 +41,7 @@ void make_room(GlbWriter& out, SceneOptions&) {
   const Paint wood{out.material("wood", pbr({0.35, 0.2, 0.1, 1}, 0, 0.6))};
   json glow = pbr({0, 0, 0, 1}, 0, 1);
   glow["emissiveFactor"] = vector_json({1, 0.9, 0.75});
-  glow["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = number(20);
+  glow["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = number(3);
   out.use_extension("KHR_materials_emissive_strength");
   const Paint light{out.material("panel of light", glow)};
   const glm::dvec3 size = high - low, x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);

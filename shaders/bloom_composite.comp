@@ -15,15 +15,17 @@ void main() {
   vec2 energy = vec2(0.0);
   if (all(lessThan(p, pc.size_px))) {
     const vec4 color = texelFetch(pass_images[pc.color], ivec2(p), 0);
-    const vec3 glow = texelFetch(pass_images[pc.bloom], ivec2(p), 0).rgb * pc.scale;
-    vec3 composed = color.rgb + pc.strength * glow;
+    const vec3 glow = texelFetch(pass_images[pc.bloom], ivec2(p), 0).rgb;
+    precise vec3 composed = color.rgb;  // first less, then more: what keeps its light stays within floats
     if (pc.keeps != 0u) {
       const vec3 source = HAS_SOURCE != 0 ? texelFetch(pass_images[pc.source], ivec2(p), 0).rgb : color.rgb;
       composed -= pc.strength * bloom_bright(source, pc.threshold, pc.knee);
     }
+    composed += pc.strength * glow;
     imageStore(storage_images[pc.composed], ivec2(p), vec4(composed, color.a));
     if (HAS_GLOW != 0) imageStore(storage_images[pc.glow], ivec2(p), vec4(glow, 1.0));
-    energy = vec2(bloom_luminance(bloom_clean(color.rgb)), bloom_luminance(bloom_clean(composed)));
+    const float part = 2.3283064e-10;  // 2^-32, so that sums are floats too
+    energy = vec2(bloom_luminance(bloom_clean(color.rgb) * part), bloom_luminance(bloom_clean(composed) * part));
   }
   energies[gl_LocalInvocationIndex] = energy;
   barrier();

@@ -19,17 +19,16 @@ void main() {
   }
   const int radius = int(ceil(4.0 * pc.sigma_px));
   const float scale = -0.5 / (pc.sigma_px * pc.sigma_px);
-  vec3 sum = vec3(0.0);
   float weights = 0.0;
+  for (int i = -radius; i <= radius; ++i) weights += exp(scale * float(i * i));
+  precise vec3 sum = vec3(0.0);  // weighed before it is added: sums of the brightest lie beyond floats
   for (int i = -radius; i <= radius; ++i) {
-    const float w = exp(scale * float(i * i));
+    const float w = exp(scale * float(i * i)) / weights;
     const ivec2 q = clamp(ALONG_Y != 0 ? p + ivec2(0, i) : p + ivec2(i, 0), ivec2(0), ivec2(pc.size_px) - 1);
     vec3 c = texelFetch(pass_images[pc.source], q, 0).rgb;
     if (ALONG_Y == 0) c = bloom_bright(c, pc.threshold, pc.knee);
     sum += w * c;
-    weights += w;
   }
-  sum /= weights;
   if (ALONG_Y != 0) sum *= pc.weight;
   if (ADDS != 0) sum += texelFetch(pass_images[pc.sum], p, 0).rgb;
   imageStore(storage_images[pc.target], p, vec4(sum, 1.0));

@@ -18,7 +18,7 @@ vec3 tap(vec2 at_px) {
   // The picture itself: each texel is cleaned and cut before it is weighed.
   const vec2 corner = floor(at_px - 0.5);
   const vec2 f = at_px - 0.5 - corner;
-  vec3 sum = vec3(0.0);
+  precise vec3 sum = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
     const ivec2 o = ivec2(i & 1, i >> 1);
     const ivec2 p = clamp(ivec2(corner) + o, ivec2(0), ivec2(pc.source_px) - 1);
@@ -45,13 +45,14 @@ void main() {
   vec3 inner[4], outer[9];
   for (int i = 0; i < 4; ++i) inner[i] = tap(middle + vec2(i & 1, i >> 1) * 2.0 - 1.0);
   for (int i = 0; i < 9; ++i) outer[i] = tap(middle + 2.0 * (vec2(i % 3, i / 3) - 1.0));
-  vec3 boxes[5];
-  boxes[0] = (inner[0] + inner[1] + inner[2] + inner[3]) * 0.25;
+  // precise: each is weighed before it is added, for sums of the brightest lie beyond floats.
+  precise vec3 boxes[5];
+  boxes[0] = inner[0] * 0.25 + inner[1] * 0.25 + inner[2] * 0.25 + inner[3] * 0.25;
   for (int i = 0; i < 4; ++i) {
     const int first = (i & 1) + 3 * (i >> 1);  // the box's upper left tap
-    boxes[i + 1] = (outer[first] + outer[first + 1] + outer[first + 3] + outer[first + 4]) * 0.25;
+    boxes[i + 1] = outer[first] * 0.25 + outer[first + 1] * 0.25 + outer[first + 3] * 0.25 + outer[first + 4] * 0.25;
   }
-  vec3 sum = vec3(0.0);
+  precise vec3 sum = vec3(0.0);
   float weights = 0.0;
   for (int i = 0; i < 5; ++i) {
     float w = i == 0 ? 0.5 : 0.125;

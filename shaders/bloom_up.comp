@@ -11,7 +11,7 @@ void main() {
   if (any(greaterThanEqual(p, pc.target_px))) return;
   const vec2 texel = 1.0 / vec2(textureSize(pass_images[pc.coarse], 0));
   const vec2 uv = 0.5 * (vec2(p) + 0.5) * texel;
-  vec3 sum = vec3(0.0);
+  precise vec3 sum = vec3(0.0);  // weighed before it is added: sums of the brightest lie beyond floats
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x) {
       const float w = float((2 - abs(x)) * (2 - abs(y))) / 16.0;

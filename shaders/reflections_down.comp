@@ -1,5 +1,6 @@
 #version 460
-// A level of the pyramid: the mean of four texels, light and the share that surfaces cover.
+// A level of the pyramid: the mean of four texels, light and the share that surfaces cover. precise: a sum that is
+// divided afterwards, as compilers like to write it, is beyond floats for light above a quarter of their largest.
 #include "shared/reflections.h"
 layout(push_constant, scalar) uniform Push { ReflectionsDownPush pc; };
 #include "lib/bindless.glsl"
@@ -9,7 +10,7 @@ void main() {
   const uvec2 p = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(p, pc.target_px))) return;
   const ivec2 q = 2 * ivec2(p);
-  vec4 sum = vec4(0.0);
+  precise vec4 sum = vec4(0.0);
   for (int i = 0; i < 4; ++i) sum += 0.25 * texelFetch(pass_images[pc.source], q + ivec2(i & 1, i >> 1), 0);
   imageStore(storage_images[pc.target], ivec2(p), sum);
 }

@@ -28,7 +28,7 @@ void main() {
     const float roughness = max(reflectance.a, least_roughness), alpha = roughness * roughness;
     const float angle = frame.perspective != 0u ? 2.0 * frame.tan_half.y / float(frame.size_px.y) * float(SIDE)
         : 0.0;  // orthographic: all pixels look along one direction
-    vec4 sum = vec4(0.0);
+    precise vec4 sum = vec4(0.0);  // of sixteenths: the weights' sum, and no light is beyond floats
     float weights = 0.0;
     for (int y = -2; y <= 2; ++y)
       for (int x = -2; x <= 2; ++x) {
@@ -45,10 +45,10 @@ void main() {
         float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0);
         w *= exp2(-between - rougher * rougher) * occlusion_likeness(point_at(there, z), p, r.plane);
         if (!(w > 0.0)) continue;
-        sum += w * texelFetch(pass_images[pc.light], other, 0);
+        sum += (w * 0.0625) * texelFetch(pass_images[pc.light], other, 0);
         weights += w;
       }
-    if (weights > 0.0) light = sum / weights;
+    if (weights > 0.0) light = sum / (weights * 0.0625);
   }
   imageStore(storage_images[pc.smooth_light], texel, light);
 }

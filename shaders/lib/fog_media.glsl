@@ -11,31 +11,15 @@ vec2 fog_inside_of(int medium, vec3 origin, vec3 direction, vec2 span) {
   origin.xz -= middle;
   origin.xz = vec2(turn.x * origin.x - turn.y * origin.z, turn.y * origin.x + turn.x * origin.z) + middle;
   direction.xz = vec2(turn.x * direction.x - turn.y * direction.z, turn.y * direction.x + turn.x * direction.z);
-  for (int axis = 0; axis < 3; ++axis) {
-    const float low = frame.fog.media[medium].lowest[axis] - origin[axis];
-    const float high = frame.fog.media[medium].highest[axis] - origin[axis];
-    if (direction[axis] == 0.0) {
-      if (low > 0.0 || high < 0.0) return vec2(0.0);
-      continue;
-    }
-    const float a = low / direction[axis], b = high / direction[axis];
-    span = vec2(max(span.x, min(a, b)), min(span.y, max(a, b)));
-  }
-  return span.y > span.x ? span : vec2(0.0);
+  return fog_inside_box(frame.fog.media[medium].lowest, frame.fog.media[medium].highest, origin, direction, span);
 }
 
 // Optical depth of one medium over a span; as fog_length of one medium alone, times its extinction.
 vec3 fog_length_of(int medium, vec3 origin, vec3 direction, float begin_m, float end_m) {
   const vec2 span = fog_inside_of(medium, origin, direction, vec2(begin_m, end_m));
   if (!(span.y > span.x)) return vec3(0.0);
-  float metres = span.y - span.x;
-  const float falloff = frame.fog.media[medium].falloff;
-  if (falloff != 0.0) {
-    const float rate = falloff * direction.y;
-    const float lower = origin.y + direction.y * (rate > 0.0 ? span.x : span.y);
-    const float level = exp(min(falloff * (frame.fog.media[medium].height - lower), 80.0));
-    metres = min(level * metres * one_minus_exp_over(abs(rate) * metres), 3e38);
-  }
+  const float metres = fog_dense_metres(frame.fog.media[medium].falloff, frame.fog.media[medium].height, origin,
+      direction, span.x, span.y);
   return min(frame.fog.media[medium].extinction * metres, vec3(FOG_MOST_DEPTH));
 }
 

@@ -23,14 +23,10 @@ vec3 one_minus_exp(vec3 x) {
       lessThan(x, vec3(1e-2)));
 }
 
-#ifdef FOG_MEDIA
-#include "lib/fog_media.glsl"
-#else
-// The part of a span that lies inside the bounds; (0, 0) where none does.
-vec2 fog_inside(vec3 origin, vec3 direction, vec2 span) {
-  if (frame.fog.bounded == 0u) return span;
+// The part of a span that lies inside a box; (0, 0) where none does.
+vec2 fog_inside_box(vec3 lowest, vec3 highest, vec3 origin, vec3 direction, vec2 span) {
   for (int axis = 0; axis < 3; ++axis) {
-    const float low = frame.fog.lowest[axis] - origin[axis], high = frame.fog.highest[axis] - origin[axis];
+    const float low = lowest[axis] - origin[axis], high = highest[axis] - origin[axis];
     if (direction[axis] == 0.0) {
       if (low > 0.0 || high < 0.0) return vec2(0.0);
       continue;
@@ -41,16 +37,30 @@ vec2 fog_inside(vec3 origin, vec3 direction, vec2 span) {
   return span.y > span.x ? span : vec2(0.0);
 }
 
-// Metres at density 1 of a span inside the bounds. Counted from the lower end up, where the density only falls: nothing
-// overflows that does not have to, and what does lets nothing through in any case.
-float fog_length(vec3 origin, vec3 direction, float begin_m, float end_m) {
+// Metres at density 1 of a span. Counted from the lower end up, where the density only falls: nothing overflows that
+// does not have to, and what does lets nothing through in any case.
+float fog_dense_metres(float falloff, float height, vec3 origin, vec3 direction, float begin_m, float end_m) {
   if (!(end_m > begin_m)) return 0.0;
   const float metres = end_m - begin_m;
-  if (frame.fog.falloff == 0.0) return metres;
-  const float rate = frame.fog.falloff * direction.y;
+  if (falloff == 0.0) return metres;
+  const float rate = falloff * direction.y;
   const float lower = origin.y + direction.y * (rate > 0.0 ? begin_m : end_m);
-  const float level = exp(min(frame.fog.falloff * (frame.fog.height - lower), 80.0));
+  const float level = exp(min(falloff * (height - lower), 80.0));
   return min(level * metres * one_minus_exp_over(abs(rate) * metres), 3e38);
+}
+
+#ifdef FOG_MEDIA
+#include "lib/fog_media.glsl"
+#else
+// The part of a span that lies inside the bounds; (0, 0) where none does.
+vec2 fog_inside(vec3 origin, vec3 direction, vec2 span) {
+  if (frame.fog.bounded == 0u) return span;
+  return fog_inside_box(frame.fog.lowest, frame.fog.highest, origin, direction, span);
+}
+
+// Metres at density 1 of a span inside the bounds.
+float fog_length(vec3 origin, vec3 direction, float begin_m, float end_m) {
+  return fog_dense_metres(frame.fog.falloff, frame.fog.height, origin, direction, begin_m, end_m);
 }
 
 vec3 fog_through(float metres) { return exp(-min(frame.fog.extinction * metres, vec3(FOG_OPAQUE))); }

@@ -83,7 +83,7 @@ struct SkyLobes {
 };
 // Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the
 // viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each as wide as its share (Krivanek
-// and Colbert 2008): with more samples it tends to the integral. The same directions for every pixel, so without noise.
+// and Colbert 2008): with more samples it tends to the integral. The same directions for every pixel, so no noise.
 SkyLobes sampled_sky(BrdfTerms b, float roughness) {
   const mat3 axes = axes_about(b.normal);
   vec3 v = b.to_viewer * axes;

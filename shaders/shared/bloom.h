@@ -23,7 +23,6 @@ struct BloomConvolvePush {
 struct BloomCompositePush {
   uint color, source, bloom, composed, glow;
   uvec2 size_px;
-  float scale;  // of the blurred levels: 1 over the sum of their weights
   float strength;
   float threshold, knee;
   uint keeps;  // 1: what is blurred is taken from where it came

@@ -58,7 +58,7 @@ Json report_json(const StabilityReport& report) {
           {"faulty_rows", report.faulty_rows},
           {"nonfinite", report.nonfinite},
           {"display_bound", display_bound},
-          {"left_out", {"bloom", "automatic exposure"}},  // effects of display output
+          {"left_out", {"automatic exposure"}},  // of display output
           {"stopped", report.stopped},
           {"wall_s", report.wall_s},
           {"rows", std::move(rows)}};

@@ -43,6 +43,8 @@ class StabilityRun {
   Expected<void> write_files(const StabilityScene& scene);
   Expected<Shot> shot(Job job, double time_s, bool display, const char* effects = "none");
   void check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row);
+  Expected<void> check_every_effect(const StabilityScene& scene, Job job, StabilityRow& row);
+  void count_faults(const char* with, const Expected<Shot>& made, const Shot* bare, StabilityRow& row) const;
   Expected<std::optional<TruePicture>> plain_truth(const StabilityScene& scene);
   void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain,
                StabilityRow& row) const;
@@ -160,25 +162,46 @@ std::string StabilityRun::without_folder(std::string text) const {
   return text;
 }
 
-// With the effects of quality high and of the look too every pixel is finite and no colour negative; and where there is
-// neither a sky image to reflect nor fog they only take light away from `bare`.
-void StabilityRun::check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row) {
-  const auto made = shot(job, scene.time_s, false, "auto");
+// With effects too every pixel is finite and no colour negative, and where they only take light away none is brighter
+// than `bare`.
+void StabilityRun::count_faults(const char* with, const Expected<Shot>& made, const Shot* bare,
+                                StabilityRow& row) const {
   if (!made) {
-    row.faults.push_back("with effects: no picture: " + without_folder(made.error().text()));
+    row.faults.push_back(fmt::format("with {}: no picture: {}", with, without_folder(made.error().text())));
     return;
   }
   const EffectCounts counts =
       count_effects(bare ? &bare->beauty : nullptr, bare ? bare->pre_exposure : 1, made->beauty, made->pre_exposure);
-  row.effects_nonfinite = counts.nonfinite;
+  row.effects_nonfinite += counts.nonfinite;
   const auto fault = [&](uint64_t pixels, const char* what) {
     if (pixels > 0)
       row.faults.push_back(
-          fmt::format("with effects {} pixels {}, the first at {}, {}", pixels, what, counts.first_x, counts.first_y));
+          fmt::format("with {} {} pixels {}, the first at {}, {}", with, pixels, what, counts.first_x, counts.first_y));
   };
   fault(counts.nonfinite, "are not finite");
   fault(counts.negative, "are negative");
   fault(counts.brighter, "are brighter");
+}
+
+// The effects of quality high and of the look. Without a sky image to reflect and without fog they only take away.
+void StabilityRun::check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row) {
+  count_faults("effects", shot(job, scene.time_s, false, "auto"), bare, row);
+}
+
+// All that a look can switch on at once, with lights of a size and shadows and occlusion by rays.
+Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job job, StabilityRow& row) {
+  constexpr std::string_view look = R"({"sun": {"angular_radius_deg": 0.5}, "lights": {"radius_m": 0.05},
+    "fog": {"scattering": 0.05, "absorption": 0.01, "anisotropy": 0.6, "falloff": 0.3, "emission": 0.01},
+    "volumetric": {"phi": 5, "tau": 0.05, "anisotropy": 0.2}, "reflections": {},
+    "bloom": {"strength": 0.1, "beauty": true}, "occlusion": {"radius_m": 2}})";
+  job.look = path("every-effect.json");
+  if (auto written = write_file_atomically(job.look, std::as_bytes(std::span(look))); !written) return written;
+  for (const auto& [pass, knob] : {std::pair("sun", "mode"), {"shadows", "method"}, {"occlusion", "method"}})
+    job.settings.push_back({pass, knob, "traced"});
+  job.settings.push_back({"occlusion", "rays", "4"});
+  job.settings.push_back({"fog", "grid", "32x18x24"});
+  count_faults("every effect", shot(job, scene.time_s, false, "auto"), nullptr, row);
+  return {};
 }
 
 void StabilityRun::judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const {
@@ -271,7 +294,10 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
     if (first) row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);
-    if (!first) check_effects(scene, job, scene.sky ? nullptr : &*made, row);
+    if (!first) {
+      check_effects(scene, job, scene.sky ? nullptr : &*made, row);
+      if (auto checked = check_every_effect(scene, job, row); !checked) return checked;
+    }
     if (!first && keep)
       if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
     if (!first) first = std::move(*made);

@@ -21,14 +21,9 @@ class FrameBloom : public FrameTest {
     add_node(b, {{"mesh", add_square_mesh(b, 0.3f, add_material(b, glowing))}, {"translation", {0.4, 0.1, 0.5}}});
     add_light(b, {{"type", "point"}, {"intensity", 900.0}}, {{"translation", {-0.5, 0.2, 2}}});
     Job job = job_for(write(b), width, height, 4);
-    job.look = write_text("bloom.look.json", "{\"bloom\": " + bloom + "}");
+    job.look = look_file("{\"bloom\": " + bloom + "}");
     look(job, {0, 0, 3}, {0, 0, 0}, 50);
     return job;
-  }
-  static std::string write_text(const std::string& name, const std::string& text) {
-    const std::string file = ::testing::TempDir() + "candela_" + name;
-    std::ofstream(file) << text;
-    return file;
   }
   static std::vector<glm::dvec3> in_double(const std::vector<glm::vec4>& texels) {
     std::vector<glm::dvec3> out;

@@ -22,6 +22,14 @@ class FrameTest : public ::testing::Test {
     return names;
   }
   // A file for this test alone.
+  // A file of the running test's own.
+  static std::string look_file(const std::string& text) {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    const std::string path =
+        ::testing::TempDir() + fmt::format("candela_{}_{}.look.json", info->test_suite_name(), info->name());
+    std::ofstream(path) << text;
+    return path;
+  }
   static std::string write(const GltfBuilder& builder) {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     std::string name = fmt::format("candela_{}_{}.glb", info->test_suite_name(), info->name());

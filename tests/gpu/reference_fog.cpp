@@ -40,12 +40,6 @@ struct FogPair {
 
 class ReferenceFog : public ReferenceParity {
  protected:
-  static std::string look_file(const std::string& text) {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    const std::string path = ::testing::TempDir() + fmt::format("candela_{}.look.json", info->name());
-    std::ofstream(path) << text;
-    return path;
-  }
   // Surfaces, masks and blending, lamps of every kind; eyes at a height of 1 and some metres.
   static std::string room(bool with_sun) {
     GltfBuilder b = empty_scene();

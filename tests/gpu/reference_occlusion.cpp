@@ -34,12 +34,7 @@ class ReferenceOcclusion : public ReferenceParity {
     for (int y = 0; y < job.height_px; ++y)
       for (int x = 0; x < job.width_px; ++x) {
         const reference::CameraRay camera = world.camera_ray(glm::dvec2(x, y) + 0.5, job.width_px, job.height_px);
-        const Ray ray = reference::rounded(camera);
-        std::optional<Hit> hit = reference::next_surface(world, ray, true, nullptr, nullptr);
-        while (hit && world.is_blended(hit->item)) {
-          const Hit passed = *hit;
-          hit = reference::next_surface(world, ray, true, &passed, nullptr);
-        }
+        const std::optional<Hit> hit = nearest_opaque(world, camera);
         double& open = out.open.emplace_back(-1);
         if (!hit) continue;
         const reference::Surface surface = world.surface(*hit, camera.origin, camera.direction);

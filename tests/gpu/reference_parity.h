@@ -3,6 +3,7 @@
 #include "base/input.h"
 #include "frame_fixture.h"
 #include "gltf/gltf.h"
+#include "reference/visibility.h"
 #include "render/reference_frame.h"
 
 namespace candela::test {
@@ -39,6 +40,16 @@ struct LampScene {
 
 class ReferenceParity : public FrameTest {
  protected:
+  // What the camera sees first that is not blended.
+  static std::optional<Hit> nearest_opaque(const reference::World& world, const reference::CameraRay& camera) {
+    const Ray ray = reference::rounded(camera);
+    std::optional<Hit> hit = reference::next_surface(world, ray, true, nullptr, nullptr);
+    while (hit && world.is_blended(hit->item)) {
+      const Hit passed = *hit;
+      hit = reference::next_surface(world, ray, true, &passed, nullptr);
+    }
+    return hit;
+  }
   using Light = LampScene::Light;
   using Textures = LampScene::Textures;
 

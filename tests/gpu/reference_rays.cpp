@@ -1,6 +1,4 @@
 // Rays that shaders/lib/trace.glsl sends, against those of the CPU.
-#include <glm/gtc/matrix_transform.hpp>
-
 #include "../unit/reference_bvh_fixture.h"
 #include "frame/frame_rays.h"
 #include "gltf/gltf.h"
@@ -152,20 +150,6 @@ std::vector<TriangleCorners> nested(int count) {
   return out;
 }
 
-std::unique_ptr<Made> instances() {
-  auto m = std::make_unique<Made>();
-  m->name = "instances";
-  const uint32_t mesh = m->add_mesh(closed_mesh(8, 4));
-  const glm::mat4 one(1.0f);
-  const auto at = [&](float x, glm::vec3 scale) {
-    m->place(mesh, glm::scale(glm::rotate(glm::translate(one, {x, 0.2f * x, -x}), x, {1, 2, 3}), scale));
-  };
-  at(0, {1, 1, 1}), at(0.5f, {0.3f, 0.9f, 0.5f}), at(-0.7f, {-1, 1, 1}), at(1.0f, {0.5f, -0.5f, -0.25f});
-  at(1.3f, {1, 0, 1}), at(-1.3f, {1e-8f, 1e-8f, 1e-8f}), at(0.2f, {0, 0, 0}), at(-0.2f, {1, 1e-7f, 1});
-  for (int i = 0; i < 40; ++i) at(0.1f * float(i) - 2, {0.2f, 0.1f, 0.3f});
-  return m;
-}
-
 }  // namespace
 
 TEST_F(Traced, RaysMeetWhatTheCpusMeet) {
@@ -177,7 +161,7 @@ TEST_F(Traced, RaysMeetWhatTheCpusMeet) {
   expect_same(*made("closed far off", closed_mesh(24, 16, -3e5f)), 50'000);
 }
 
-TEST_F(Traced, RaysMeetInstancesAsTheCpusDo) { expect_same(*instances(), 200'000); }
+TEST_F(Traced, RaysMeetInstancesAsTheCpusDo) { expect_same(*instanced_scene(40), 200'000); }
 
 // The stack is as large as the tree is deep, and no ray needs more.
 TEST_F(Traced, DeepTreesFitTheirStack) { EXPECT_GT(expect_same(*made("nested", nested(330)), 100'000), 8u); }

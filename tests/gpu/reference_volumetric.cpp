@@ -6,12 +6,6 @@ namespace candela::test {
 
 class ReferenceVolumetric : public ReferenceParity {
  protected:
-  static std::string look_file(const std::string& text) {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    const std::string path = ::testing::TempDir() + fmt::format("candela_{}.look.json", info->name());
-    std::ofstream(path) << text;
-    return path;
-  }
   static std::vector<glm::dvec3> truth_of(const Job& job) {
     std::vector<glm::dvec3> out;
     auto frame = open_reference(job, 0, {});

@@ -64,12 +64,7 @@ class ReferenceShadows : public ReferenceParity {
     for (int y = 0; y < job.height_px; ++y)
       for (int x = 0; x < job.width_px; ++x) {
         const reference::CameraRay camera = world.camera_ray(glm::dvec2(x, y) + 0.5, job.width_px, job.height_px);
-        const Ray ray = reference::rounded(camera);
-        std::optional<Hit> hit = reference::next_surface(world, ray, true, nullptr, nullptr);
-        while (hit && world.is_blended(hit->item)) {
-          const Hit passed = *hit;
-          hit = reference::next_surface(world, ray, true, &passed, nullptr);
-        }
+        const std::optional<Hit> hit = nearest_opaque(world, camera);
         if (!hit) continue;
         const reference::Surface surface = world.surface(*hit, camera.origin, camera.direction);
         if (surface.unlit) continue;
@@ -95,7 +90,7 @@ class ReferenceShadows : public ReferenceParity {
         out.acne += map < truth - 0.5;
         out.detached += map > truth + 0.5;
         const double depth = double(images["depth"].at<float>(x, y)), seen = double(hit->t);
-        const bool same = std::abs(depth - seen) < 1e-3 * seen;
+        const bool same = std::abs(depth - seen) < 1e-4 * seen;
         out.same_surface += same;
         out.wrong_inside += same && std::abs(map - truth) > 0.5;
       }

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <atomic>
+#include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -255,6 +256,22 @@ class Rays {
   glm::vec3 centre_{0};
   float size_ = 1;
 };
+
+// Some of each: what the tree flattens, what it instances, mirrored, skewed, flattened to nothing, tiny, huge; and more
+// along a line.
+inline std::unique_ptr<Made> instanced_scene(int more = 0) {
+  auto m = std::make_unique<Made>();
+  m->name = "instances";
+  const uint32_t mesh = m->add_mesh(closed_mesh(8, 4));
+  const glm::mat4 one(1.0f);
+  const auto at = [&](float x, glm::vec3 scale) {
+    m->place(mesh, glm::scale(glm::rotate(glm::translate(one, {x, 0.2f * x, -x}), x, {1, 2, 3}), scale));
+  };
+  at(0, {1, 1, 1}), at(0.5f, {0.3f, 0.9f, 0.5f}), at(-0.7f, {-1, 1, 1}), at(1.0f, {0.5f, -0.5f, -0.25f});
+  at(1.3f, {1, 0, 1}), at(-1.3f, {1e-8f, 1e-8f, 1e-8f}), at(0.2f, {0, 0, 0}), at(-0.2f, {1, 1e-7f, 1});
+  for (int i = 0; i < more; ++i) at(0.1f * float(i) - 2, {0.2f, 0.1f, 0.3f});
+  return m;
+}
 
 constexpr BvhBuilder all_builders[] = {BvhBuilder::equal_counts, BvhBuilder::sah, BvhBuilder::sbvh};
 inline AccelOptions built_by(BvhBuilder builder) {

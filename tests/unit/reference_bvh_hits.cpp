@@ -1,5 +1,3 @@
-#include <glm/gtc/matrix_transform.hpp>
-
 #include "bvh/trace.h"
 #include "reference_bvh_fixture.h"
 
@@ -7,20 +5,6 @@ namespace candela {
 namespace {
 
 using namespace bvh_test;
-
-// Some of each: what the tree flattens, what it instances, mirrored, skewed, flattened to nothing, tiny, huge.
-std::unique_ptr<Made> instanced_scene() {
-  auto m = std::make_unique<Made>();
-  m->name = "instances";
-  const uint32_t mesh = m->add_mesh(closed_mesh(8, 4));
-  const glm::mat4 one(1.0f);
-  const auto at = [&](float x, glm::vec3 scale) {
-    m->place(mesh, glm::scale(glm::rotate(glm::translate(one, {x, 0.2f * x, -x}), x, {1, 2, 3}), scale));
-  };
-  at(0, {1, 1, 1}), at(0.5f, {0.3f, 0.9f, 0.5f}), at(-0.7f, {-1, 1, 1}), at(1.0f, {0.5f, -0.5f, -0.25f});
-  at(1.3f, {1, 0, 1}), at(-1.3f, {1e-8f, 1e-8f, 1e-8f}), at(0.2f, {0, 0, 0}), at(-0.2f, {1, 1e-7f, 1});
-  return m;
-}
 
 std::vector<std::unique_ptr<Made>> scenes() {
   std::vector<std::unique_ptr<Made>> out;

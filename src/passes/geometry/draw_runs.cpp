@@ -1,6 +1,7 @@
 #include "passes/geometry/draw_runs.h"
 
 #include "passes/geometry/features.h"
+#include "passes/lights/push_lights.h"
 #include "shared/cull.h"
 #include "shared/draw.h"
 
@@ -117,21 +118,7 @@ void push_lights(CommandList& commands, const SceneInputs& scene, const CellList
                  Push& push) {
   if (fog && fog_is_read(*fog)) push.fog_light = commands.sampled(fog->fog.grid);
   if (!lists && fog && fog_walks(*fog)) lists = fog;
-  if (!lists || !scene.lights) return;
-  // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
-  const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : scene.lights); };
-  push.lights = commands.address(scene.lights);
-  push.light_cells = address(lists->cells);
-  push.light_entries = address(lists->entries);
-  push.light_tiles = address(lists->tiles);
-  if (lists->sun_maps) {
-    push.suns = commands.address(scene.suns);
-    push.sun_maps = commands.sampled(lists->sun_maps);
-  }
-  if (lists->lamp_maps) {
-    push.lamps = commands.address(scene.lamps);
-    push.lamp_maps = commands.sampled(lists->lamp_maps);
-  }
+  if (lists) push_light_lists(commands, scene, *lists, push);
 }
 }  // namespace
 

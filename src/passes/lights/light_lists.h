@@ -41,9 +41,8 @@ struct TracedRays {
   uint32_t occlusion_rays = 0, sun_samples = 0, lamp_samples = 0;
 };
 
-// What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the
-// trees for their rays, the fog that all is seen through,
-// and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
+// What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
+// that all is seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
   BufferHandle cells;     // bitmasks of all cells, or where each cell's entries begin
   BufferHandle entries;   // compact: light indices, ascending inside a cell

@@ -21,20 +21,18 @@ Steps steps_of(const BloomPass& pass, const BloomPass::In& in) {
   return {std::min({wanted, uint32_t(pass.knobs.levels), possible}), 0};
 }
 
-// Levels that the pyramid does not have are drawn as wide as its last.
+// Levels that the pyramid does not have are drawn as wide as its last. Their sum is 1, so that no sum of levels is
+// beyond floats.
 std::vector<float> weights_of(const Steps& steps, const Bloom& look) {
   std::vector<float> weights(steps.levels > 0 ? steps.levels : look.weights.size(), 0);
-  for (size_t k = 0; k < look.weights.size(); ++k) weights[std::min(k, weights.size() - 1)] += float(look.weights[k]);
+  double sum = 0;
+  for (const double w : look.weights) sum += w;
+  for (size_t k = 0; k < look.weights.size(); ++k)
+    weights[std::min(k, weights.size() - 1)] += float(look.weights[k] / sum);
   return weights;
 }
 
 ImageHandle source_of(const BloomPass::In& in) { return in.look.of_emission ? in.source : in.color; }
-
-double sum_of(const std::vector<double>& weights) {
-  double sum = 0;
-  for (const double w : weights) sum += w;
-  return sum;
-}
 
 }  // namespace
 
@@ -198,7 +196,6 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     push.composed = commands.storage(out.color);
     push.glow = out.glow ? commands.storage(out.glow) : 0;
     push.size_px = full;
-    push.scale = float(1 / sum_of(in.look.weights));
     push.strength = float(in.look.strength);
     push.threshold = threshold, push.knee = knee;
     push.keeps = in.look.keeps ? 1 : 0;

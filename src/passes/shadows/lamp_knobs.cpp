@@ -22,7 +22,7 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .member = &LampKnobs::soft,
        .lowest = 0,
        .highest = 1,
-       .ladder = {0},
+       .ladder = {0, 0, 0, 1},
        .trades =
            "from maps, for lights with a size: hard shadows, or penumbras by what blocks nearby, which are not nearer "
            "to the truth everywhere",

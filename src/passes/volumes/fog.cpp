@@ -1,5 +1,6 @@
 #include "passes/volumes/fog.h"
 
+#include "passes/lights/push_lights.h"
 #include "shared/fog.h"
 
 namespace candela {
@@ -52,22 +53,10 @@ void FogGrid::record(CommandList& commands, const In& in, const Out& out) const 
     return;
   }
   shared::FogLightPush push{};
-  if (in.scene.lights) {
-    // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
-    const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : in.scene.lights); };
-    push.lights = commands.address(in.scene.lights);
-    push.light_cells = address(in.lists.cells);
-    push.light_entries = address(in.lists.entries);
-    push.light_tiles = push.lights;
-  }
-  if (in.lists.sun_maps) {
-    push.suns = commands.address(in.scene.suns);
-    push.sun_maps = commands.sampled(in.lists.sun_maps);
-  }
-  if (in.lists.lamp_maps && knobs.lamp_shadows > 0) {
-    push.lamps = commands.address(in.scene.lamps);
-    push.lamp_maps = commands.sampled(in.lists.lamp_maps);
-  }
+  CellLists lists = in.lists;
+  lists.tiles = {};  // air lies before and behind what tiles know the depths of
+  if (knobs.lamp_shadows == 0) lists.lamp_maps = {};
+  push_light_lists(commands, in.scene, lists, push);
   push.target = commands.storage(out.light);
   commands.bind(out.scatter);
   commands.push(push);

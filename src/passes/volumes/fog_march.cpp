@@ -1,5 +1,6 @@
 #include "passes/volumes/fog_march.h"
 
+#include "passes/lights/push_lights.h"
 #include "shared/fog.h"
 
 namespace candela {
@@ -41,22 +42,10 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
 
 void FogMarch::record(CommandList& commands, const In& in, const Out& out) const {
   shared::FogMarchPush push{};
-  if (in.scene.lights) {
-    // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
-    const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : in.scene.lights); };
-    push.lights = commands.address(in.scene.lights);
-    push.light_cells = address(in.lists.cells);
-    push.light_entries = address(in.lists.entries);
-    push.light_tiles = push.lights;
-  }
-  if (in.lists.sun_maps) {
-    push.suns = commands.address(in.scene.suns);
-    push.sun_maps = commands.sampled(in.lists.sun_maps);
-  }
-  if (in.lists.lamp_maps && shared_knobs.lamp_shadows > 0) {
-    push.lamps = commands.address(in.scene.lamps);
-    push.lamp_maps = commands.sampled(in.lists.lamp_maps);
-  }
+  CellLists lists = in.lists;
+  lists.tiles = {};  // air lies before and behind what tiles know the depths of
+  if (shared_knobs.lamp_shadows == 0) lists.lamp_maps = {};
+  push_light_lists(commands, in.scene, lists, push);
   if (in.depth) push.depth = commands.sampled(in.depth);
   push.target = commands.storage(out.light);
   push.texels = commands.size(out.light);

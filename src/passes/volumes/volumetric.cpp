@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "passes/lights/push_lights.h"
 #include "shared/volumetric.h"
 
 namespace candela {
@@ -145,16 +146,7 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
   commands.bind(out.pipelines[step]);
   if (step == 0) {
     shared::VolumetricMarchPush push{};
-    // No address is 0, even of a list that is never walked: see shaders/lib/light_list.glsl.
-    const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : in.scene.lights); };
-    push.lights = commands.address(in.scene.lights);
-    push.light_cells = address(in.lists.cells);
-    push.light_entries = address(in.lists.entries);
-    push.light_tiles = address(in.lists.tiles);
-    if (in.lists.lamp_maps) {
-      push.lamps = commands.address(in.scene.lamps);
-      push.lamp_maps = commands.sampled(in.lists.lamp_maps);
-    }
+    push_light_lists(commands, in.scene, in.lists, push);
     push.depth = depth;
     push.target = commands.storage(out.coarse[0]);
     push.texels = texels;

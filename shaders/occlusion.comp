@@ -12,6 +12,7 @@ layout(constant_id = 1) const int KEEPS_NORMALS = 0;
 
 const float PI = 3.14159265358979323846;
 #include "lib/occlusion_depth.glsl"
+const bool BENT = OCCLUSION_BENT(SHAPE) != 0;
 
 // The difference of the positions at p and beside it along one axis, from the side whose surface goes on through p.
 // On a plane depth is linear over the picture: the side is taken whose two next depths, prolonged, miss p's less. Where
@@ -65,6 +66,13 @@ vec2 noise(uvec2 texel) {
   return vec2(float(i) + 0.5, float(bitfieldReverse(i) >> 28) + 0.5) / 16.0;
 }
 
+// Over the same arc, of the directions themselves: along the view vector and along the slice.
+vec2 arc_direction(float c, float side, float cos_g, float sin_g) {
+  const float s = sqrt(max(1.0 - c * c, 0.0)), s3 = s * s * s;
+  return vec2(cos_g * (1.0 - c * c * c) + side * sin_g * s3, side * cos_g * s3 + sin_g * (2.0 - 3.0 * c + c * c * c)) /
+      3.0;
+}
+
 void main() {
   const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(uvec2(texel), pc.texels))) return;
@@ -78,7 +86,7 @@ void main() {
     point = occlusion_named(z, name, SHAPE);
   }
   float open = 1.0;
-  vec3 n = vec3(0.0, 0.0, 1.0);
+  vec3 n = vec3(0.0, 0.0, 1.0), bent = n;
   if (point > 0.0) {
     const vec2 place_px = occlusion_place_px(texel, point, SHAPE);
     const vec3 p = occlusion_position(place_px, point, pc.subsample_ndc);
@@ -97,6 +105,7 @@ void main() {
     if (perspective) reach_m *= inversesqrt(max(1.0 - reach_m / distance * (reach_m / distance), 1e-4));
     const vec2 offset = noise(uvec2(texel));
     float lost = 0.0, whole = 0.0;
+    bent = vec3(0.0);
     for (int k = 0; k < pc.slices; ++k) {
       const float phi = PI * (float(k) + fract(offset.x + pc.turn)) / float(pc.slices);
       const vec3 d = cos(phi) * right + sin(phi) * up;
@@ -124,6 +133,8 @@ void main() {
         float horizon = float(-side) * sin_g;  // cosine of the tangent plane's angle
         float area = size * arc(horizon, float(side), cos_g, sin_g);
         whole += area;
+        vec2 open_arc = vec2(0.0), arc_left = vec2(0.0);
+        if (BENT) open_arc = arc_left = arc_direction(horizon, float(side), cos_g, sin_g);
         for (int j = 0; j < pc.samples; ++j) {
           const float u = (float(j) + offset.y) / float(pc.samples);
           // Denser towards the point; the first in the next pixel.
@@ -144,11 +155,17 @@ void main() {
           const float left = size * arc(horizon, float(side), cos_g, sin_g);
           lost += hidden * (area - left);
           area = left;
+          if (!BENT) continue;
+          const vec2 next = arc_direction(horizon, float(side), cos_g, sin_g);
+          open_arc -= hidden * (arc_left - next);
+          arc_left = next;
         }
+        if (BENT) bent += size * (open_arc.x * v + open_arc.y * d);
       }
     }
     open = whole > 0.0 ? clamp(1.0 - pc.strength * lost / whole, 0.0, 1.0) : 1.0;
+    bent = length(bent) > 1e-4 ? normalize(bent) : n;
   }
   if (KEEPS_NORMALS != 0) imageStore(storage_uint_images[pc.normals], texel, uvec4(pack_normal(n)));
-  imageStore(storage_images[pc.open], texel, vec4(open, point, 0.0, 0.0));
+  imageStore(storage_images[pc.open], texel, vec4(open, point, BENT ? place_of_normal(bent) : vec2(0.0)));
 }

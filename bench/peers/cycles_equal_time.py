@@ -27,8 +27,12 @@ NOTES = [
     "relmse: mean over runs of mean (x-m)^2 / (m^2 + 0.01) over pixels and channels, m the mean of all runs, times K/(K-1). interval: 95 %"
     " of Student's t over the runs.",
     "trimmed: the same without the 0.1 % of the pixels whose error over all runs is largest; largest_share: of relmse, what these have.",
-    "means_apart: relMSE between the two programs' means; noise_of_means: what the spread of the runs says it should be.",
+    "error_ratio: candela's relmse over Cycles'; error_ratio_interval: of both intervals, as independent relative errors.",
+    "means_apart: relMSE between the two programs' means; noise_of_means: what the spread of the runs says it should be. Where means_apart is"
+    " much larger, the runs of one of them have not met light that is rare and strong: its error is larger than relmse says.",
 ]
+# A sample of Cycles takes about a twentieth of one of candela's, and its start takes seconds: less than these samples tell nothing.
+PILOT = {"candela": 1, "cycles": 16}
 T95 = {4: 3.182, 8: 2.365, 16: 2.131, 32: 2.04}
 
 
@@ -73,8 +77,11 @@ def measure(name, scene, o, folder):
     for program in o.only.split(","):
         render = programs[program]
         # The least of three of each: others on the machine only add.
-        few, many = (min(render(99, spp)[1] for _ in range(3)) for spp in (o.pilot, 3 * o.pilot))
-        a_sample = (many - few) / (2 * o.pilot)
+        pilot = o.pilot * PILOT[program]
+        few, many = (min(render(99, spp)[1] for _ in range(3)) for spp in (pilot, 3 * pilot))
+        a_sample = (many - few) / (2 * pilot)
+        if a_sample <= 0:
+            raise SystemExit(f"{program}: {3 * pilot} samples took no longer than {pilot}; give a larger --pilot")
         spp = max(round(o.seconds / a_sample), 1)
         row, mean, variance = errors(numpy.stack([plain_exr.read_rgb(render(seed, spp)[0]) for seed in range(1, o.runs + 1)]))
         result[program] = {"spp": spp, "seconds_a_sample": float(f"{a_sample:.4g}"), **row}
@@ -84,6 +91,8 @@ def measure(name, scene, o, folder):
         (a, var_a), (b, var_b) = means["candela"], means["cycles"]
         scale = b**2 + 0.01
         result["error_ratio"] = round(result["candela"]["relmse"] / result["cycles"]["relmse"], 4)
+        spread = math.hypot(*(result[p]["interval"] / result[p]["relmse"] for p in programs))
+        result["error_ratio_interval"] = float(f"{result['error_ratio'] * spread:.2g}")
         result["means_apart"] = float(f"{((a - b) ** 2 / scale).mean():.4g}")
         result["noise_of_means"] = float(f"{((var_a + var_b) / scale).mean():.4g}")
     return result
@@ -95,8 +104,8 @@ def main():
     parser.add_argument("--blender", default="blender")
     parser.add_argument("--scenes", default="city-64,city-1024")
     parser.add_argument("--runs", type=int, default=16)
-    parser.add_argument("--seconds", type=float, default=30)
-    parser.add_argument("--pilot", type=int, default=16)
+    parser.add_argument("--seconds", type=float, default=8)
+    parser.add_argument("--pilot", type=int, default=8, help="samples of the shorter of two runs that tell a sample's time, of candela; of Cycles 16 times as many")
     parser.add_argument("--only", default="candela,cycles")
     parser.add_argument("-o", "--output", default=str(ROOT / "bench/results/cpu/cycles-equal-time.json"))
     o = parser.parse_args()

@@ -2,6 +2,7 @@
 // (Ramamoorthi and Hanrahan 2001) of the environment or of the neutral default, whose reflections are as blurred as
 // diffuse light is. Needs lib/brdf.glsl.
 #include "lib/image_light.glsl"
+#include "lib/openness.glsl"
 vec3 ambient_radiance(vec3 n) {
   const vec4 sh[9] = frame.ambient_sh;
   vec3 e = sh[0].rgb * 0.282095 + sh[1].rgb * (0.488603 * n.y) + sh[2].rgb * (0.488603 * n.z) +
@@ -25,18 +26,19 @@ vec3 split_sum(float roughness, float n_v) {
 struct AmbientLobes {
   vec3 diffuse, specular;
 };
-AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b) {
+// facing: the direction about which diffuse light is gathered; the normal where nothing is hidden.
+AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   BrdfTerms in_image = b;
   in_image.normal = in_sky(b.normal);
   in_image.to_viewer = in_sky(b.to_viewer);
   if (IBL_METHOD == ibl_sampled) {
-    const SkyLobes sampled = sampled_sky(in_image, s.roughness);
+    const SkyLobes sampled = sampled_sky(in_image, in_sky(facing), s.roughness);
     return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity);
   }
   const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
   const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * albedo.z);
-  const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_image.normal)
-                                              : ambient_radiance(s.normal);
+  const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_sky(facing))
+                                              : ambient_radiance(facing);
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * around;
   vec3 specular = b.f0 * albedo.x + b.f90 * albedo.y;
   const vec3 mirrored = reflect(-b.to_viewer, s.normal);
@@ -53,18 +55,14 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b) {
   }
   return AmbientLobes(diffuse, specular);
 }
-// left: the share of the reflection that probes leave to the sky.
-AmbientLobes ambient_lobes(Surface s, BrdfTerms b, float left) {
-  AmbientLobes lobes = whole_sky_lobes(s, b);
-  if (PROBE_COUNT != 0) lobes.specular *= left;
+// Without what probes give instead (shade_probes() goes before).
+AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
+  AmbientLobes lobes = whole_sky_lobes(s, b, facing);
+  if (PROBE_COUNT != 0) lobes.specular *= probes.left;
   return lobes;
 }
-LocalLight local_light(Surface s, BrdfTerms b, vec3 at) {
-  if (PROBE_COUNT == 0) return LocalLight(vec3(0.0), 1.0);
-  return light_of_probes(s, b, at);
-}
-vec3 ambient_light(Surface s, BrdfTerms b, float left) {
-  const AmbientLobes lobes = ambient_lobes(s, b, left);
+vec3 ambient_light(Surface s, BrdfTerms b) {
+  const AmbientLobes lobes = ambient_lobes(s, b, s.normal);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }
 // What is left of the lobes where a share `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
@@ -73,10 +71,38 @@ vec3 ambient_light(Surface s, BrdfTerms b, float left) {
 float specular_open(float open, float n_v, float roughness) {
   return clamp(pow(clamp(n_v, 0.0, 1.0) + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
 }
-AmbientLobes occluded_lobes(AmbientLobes lobes, Surface s, vec3 v, float open) {
-  return AmbientLobes(lobes.diffuse * open, lobes.specular * specular_open(open, dot(s.normal, v), s.roughness));
+// The solid angle that two cones share, over 2 pi; half angles and the angle between their axes in radians (Oat and
+// Sander, "Ambient Aperture Lighting", 2007).
+float cones_share(float a, float b, float between) {
+  const float apart = abs(a - b), all = 1.0 - cos(min(a, b));
+  return all * smoothstep(0.0, 1.0, 1.0 - clamp((between - apart) / max(a + b - apart, 1e-4), 0.0, 1.0));
 }
-vec3 occluded_ambient_light(Surface s, BrdfTerms b, float left, float open) {
-  const AmbientLobes lobes = occluded_lobes(ambient_lobes(s, b, left), s, b.to_viewer, open);
+// The same where the mean open direction is known: what is open is a cone about it, the lobe another about the mirror
+// direction (Jimenez, Wu, Pesce, Jarabo 2016), and the share is of what the whole hemisphere leaves the lobe.
+float specular_open_about(vec3 bent, float open, vec3 normal, vec3 v, float roughness) {
+  const vec3 mirrored = reflect(-v, normal);
+  const float lobe = max(acos(exp2(-3.32193 * roughness * roughness)), 0.02);
+  const float whole = cones_share(1.5707963, lobe, acos(clamp(dot(normal, mirrored), -1.0, 1.0)));
+  const float cone = acos(sqrt(clamp(1.0 - open, 0.0, 1.0)));
+  const float left = cones_share(cone, lobe, acos(clamp(dot(bent, mirrored), -1.0, 1.0)));
+  return whole > 1e-6 ? clamp(left / whole, 0.0, 1.0) : open;
+}
+// For a shading normal: bent as far off it as the triangle's is bent.
+vec3 bent_about(vec3 normal, vec3 bent, vec3 plane_normal) {
+  const vec3 turned = normal + (bent - plane_normal);
+  return dot(turned, turned) > 1e-6 ? normalize(turned) : normal;
+}
+float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
+  if (OCCLUSION_IS_BENT)
+    return specular_open_about(bent_about(s.normal, o.bent, plane_normal), o.share, s.normal, v, s.roughness);
+  return specular_open(o.share, dot(s.normal, v), s.roughness);
+}
+AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
+  const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
+  const AmbientLobes lobes = ambient_lobes(s, b, facing);
+  return AmbientLobes(lobes.diffuse * o.share, lobes.specular * reflected_open(o, s, b.to_viewer, plane_normal));
+}
+vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
+  const AmbientLobes lobes = occluded_lobes(s, b, o, plane_normal);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }

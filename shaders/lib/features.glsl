@@ -15,7 +15,7 @@ layout(constant_id = 11) const int IS_MASKED = 0;
 layout(constant_id = 12) const int IS_UNLIT = 0;
 layout(constant_id = 14) const int IS_SUBSAMPLE = 0;       // one of several samples of a supersampled frame
 layout(constant_id = 15) const int HAS_SUN_SHADOWS = 0;    // of suns: 1 of some, from maps; 2 traced; + 4 soft
-layout(constant_id = 16) const int HAS_OCCLUSION = 0;      // its texels' shape (shared/occlusion.h), or traced
+layout(constant_id = 16) const int HAS_OCCLUSION = 0;      // its texels' shape (shared/occlusion.h); below 0: traced
 layout(constant_id = 13) const int HAS_TEXTURES = 0;       // any of the above: UVs are passed on
 layout(constant_id = 17) const int IBL_METHOD = 0;         // of reflections of a sky image; 0: spherical harmonics
 layout(constant_id = 18) const int HAS_SKY_IRRADIANCE = 0; // a map of the sky's diffuse light
@@ -24,7 +24,8 @@ layout(constant_id = 19) const int HAS_LAMP_SHADOWS = 0;   // the same of point 
 layout(constant_id = 20) const int RAY_STACK = 1;          // of traced light: entries (lib/trace.glsl)
 layout(constant_id = 21) const int RAYS_MEET_BLENDED = 0;  // something lets a part of their light through
 layout(constant_id = 22) const int PROBE_COUNT = 0;        // reflection probes of the frame
-const int shadows_traced = 2, shadows_soft = 4, occlusion_traced = -1;
+const int shadows_traced = 2, shadows_soft = 4, occlusion_traced_bent = -2;
 const bool SUNS_TRACED = (HAS_SUN_SHADOWS & shadows_traced) != 0, SUNS_SOFT = (HAS_SUN_SHADOWS & shadows_soft) != 0;
 const bool LAMPS_TRACED = (HAS_LAMP_SHADOWS & shadows_traced) != 0, LAMPS_SOFT = (HAS_LAMP_SHADOWS & shadows_soft) != 0;
+const bool OCCLUSION_IS_BENT = HAS_OCCLUSION < 0 ? HAS_OCCLUSION == occlusion_traced_bent : HAS_OCCLUSION >> 16 != 0;
 const bool HAS_SHADOWS = HAS_SUN_SHADOWS != 0 || HAS_LAMP_SHADOWS != 0;

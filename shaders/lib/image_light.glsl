@@ -84,8 +84,9 @@ struct SkyLobes {
 // Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the
 // viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each as wide as its share (Krivanek
 // and Colbert 2008): with more samples it tends to the integral. The same directions for every pixel, so no noise.
-SkyLobes sampled_sky(BrdfTerms b, float roughness) {
-  const mat3 axes = axes_about(b.normal);
+// Diffuse light is gathered about `facing`.
+SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
+  const mat3 axes = axes_about(b.normal), facing_axes = axes_about(facing);
   vec3 v = b.to_viewer * axes;
   v = normalize(vec3(v.xy, max(v.z, 1e-4)));
   const vec3 stretched = normalize(vec3(b.alpha * v.xy, v.z));
@@ -104,7 +105,7 @@ SkyLobes sampled_sky(BrdfTerms b, float roughness) {
     const float dv_h = 0.5 * length(l + v), dx = clamp(1.0 - dv_h, 0.0, 1.0), dx2 = dx * dx;
     const float left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * dx2 * dx2 * dx);
     if (b.diffuse != vec3(0.0) && l.z > 0.0)
-      sum.diffuse += left * sky_through(axes * l, PI / (float(count) * l.z)).rest;
+      sum.diffuse += left * sky_through(facing_axes * l, PI / (float(count) * l.z)).rest;
     // Specular.
     const float s = 0.5 * (1.0 + stretched.z);
     const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
@@ -126,7 +127,7 @@ SkyLobes sampled_sky(BrdfTerms b, float roughness) {
   sum.specular /= float(count);
   for (uint i = 0u; i < frame.image_light.light_count; ++i) {
     const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
-    const float n_l = dot(b.normal, light.direction);
+    const float n_l = dot(facing, light.direction);
     const float dx = clamp(1.0 - 0.5 * length(light.direction + b.to_viewer), 0.0, 1.0), dx2 = dx * dx;
     const float left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * dx2 * dx2 * dx);
     if (n_l > 0.0) sum.diffuse += b.diffuse * light.illuminance * (left * n_l);

@@ -3,12 +3,18 @@
 // shape, is not 0. Needs lib/traced_light.glsl.
 #include "lib/occlusion_points.glsl"
 
+// From camera space; the normal where nothing is open.
+vec3 bent_in_world(vec3 bent, vec3 plane_normal) {
+  if (!OCCLUSION_IS_BENT || !(dot(bent, bent) > 1e-12)) return plane_normal;
+  return normalize(bent.x * frame.camera_right + bent.y * frame.camera_up + bent.z * frame.camera_back);
+}
+
 // The four texels about the pixel, bilinear, each by how near its point lies to the fragment's plane: a floor at
 // grazing angles still blends, and each fragment of an edge takes the texels of its own surface. Where none of them is
 // of the surface, the texel of the 4 by 4 about it that is the most like it stands for all.
 // Traced: of the point that begin_rays was called for.
-float occlusion_open(vec3 relative, vec3 plane_normal) {
-  if (HAS_OCCLUSION == occlusion_traced) return traced_open();
+Openness occlusion_open(vec3 relative, vec3 plane_normal) {
+  if (HAS_OCCLUSION < 0) return traced_open();
   const vec3 p =
       vec3(dot(relative, frame.camera_right), dot(relative, frame.camera_up), dot(relative, frame.camera_back));
   const vec3 n = vec3(dot(plane_normal, frame.camera_right), dot(plane_normal, frame.camera_up),
@@ -20,28 +26,32 @@ float occlusion_open(vec3 relative, vec3 plane_normal) {
   const ivec2 corner = ivec2(floor(at));
   const vec2 f = at - vec2(corner);
   float sum = 0.0, weights = 0.0;
+  vec3 bent = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
     const ivec2 o = ivec2(i & 1, i >> 1), texel = clamp(corner + o, ivec2(0), last);
-    const vec2 tap = texelFetch(pass_images[pc.occlusion], texel, 0).xy;
+    const vec4 tap = texelFetch(pass_images[pc.occlusion], texel, 0);
     if (!(tap.y > 0.0)) continue;
     const vec2 b = mix(1.0 - f, f, vec2(o));
     const float w = b.x * b.y * occlusion_likeness(occlusion_point(texel, tap.y, HAS_OCCLUSION, subsample_ndc), p, n);
     if (!(w > 0.0)) continue;
     sum += w * tap.x;
     weights += w;
+    if (OCCLUSION_IS_BENT) bent += w * tap.x * normal_at_place(tap.zw);
   }
-  if (weights > 1e-3) return clamp(sum / weights, 0.0, 1.0);
+  if (weights > 1e-3)
+    return Openness(clamp(sum / weights, 0.0, 1.0), bent_in_world(bent, plane_normal));
   float least = 3e38, open = 1.0;
   for (int y = -1; y <= 2; ++y)
     for (int x = -1; x <= 2; ++x) {
       const ivec2 texel = clamp(corner + ivec2(x, y), ivec2(0), last);
-      const vec2 tap = texelFetch(pass_images[pc.occlusion], texel, 0).xy;
+      const vec4 tap = texelFetch(pass_images[pc.occlusion], texel, 0);
       if (!(tap.y > 0.0)) continue;
       const vec3 off = occlusion_point(texel, tap.y, HAS_OCCLUSION, subsample_ndc) - p;
       const float unlike = abs(dot(n, off)) + 0.1 * length(off);
       if (!(unlike < least)) continue;
       least = unlike;
       open = tap.x;
+      if (OCCLUSION_IS_BENT) bent = normal_at_place(tap.zw);
     }
-  return clamp(open, 0.0, 1.0);
+  return Openness(clamp(open, 0.0, 1.0), bent_in_world(bent, plane_normal));
 }

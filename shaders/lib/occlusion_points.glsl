@@ -47,19 +47,18 @@ vec3 occlusion_point(ivec2 texel, float point, int shape, vec2 subsample_ndc) {
 
 // Unit vectors in 32 bits (Meyer et al., "On Floating-Point Normal Vectors", 2010). The first component of all-zero
 // bits is a vector too.
-uint pack_normal(vec3 n) {
+vec2 place_of_normal(vec3 n) {
   n /= abs(n.x) + abs(n.y) + abs(n.z);
-  const vec2 folded =
-      n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(n.xy, vec2(0.0)));
-  return packSnorm2x16(folded);
+  return n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(n.xy, vec2(0.0)));
 }
-vec3 unpack_normal(uint bits) {
-  const vec2 e = unpackSnorm2x16(bits);
+uint pack_normal(vec3 n) { return packSnorm2x16(place_of_normal(n)); }
+vec3 normal_at_place(vec2 e) {
   vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
   const float under = max(-n.z, 0.0);
   n.xy -= mix(vec2(-under), vec2(under), greaterThanEqual(n.xy, vec2(0.0)));
   return normalize(n);
 }
+vec3 unpack_normal(uint bits) { return normal_at_place(unpackSnorm2x16(bits)); }
 
 // What a point of another surface counts for one at p with normal n: by its distance from the tangent plane, in parts
 // of the distance from the camera.

@@ -30,23 +30,24 @@ vec3 probe_radiance(Probe p, vec3 at, vec3 d, float slice) {
   return mix(probe_slice(p, i, place), probe_slice(p, i + 1u, place), from_probe - float(i));
 }
 
-// What probes give, without the material's occlusion, and the share of the sky's reflection that they leave.
-struct LocalLight {
+// What probes give the shaded point, without the material's occlusion, and the share of the sky's reflection that they
+// leave.
+struct ProbesShaded {
   vec3 specular;
   float left;
-};
-LocalLight light_of_probes(Surface s, BrdfTerms b, vec3 at) {
+} probes = ProbesShaded(vec3(0.0), 1.0);
+void shade_probes(Surface s, BrdfTerms b, vec3 at) {
+  if (PROBE_COUNT == 0) return;
   const float n_v = clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0);
   const vec2 lobe = lobe_shape(frame.probes.lobe_texture, frame.probes.clamp_sampler, s.roughness, n_v);
   const vec3 d = normalize_or(mix(s.normal, reflect(-b.to_viewer, s.normal), lobe.x), s.normal);
-  LocalLight light = LocalLight(vec3(0.0), 1.0);
+  vec3 light = vec3(0.0);
   for (int i = 0; i < PROBE_COUNT; ++i) {
     const Probe p = frame.probes.probe[i];
-    const float weight = light.left * probe_weight(p, at);
-    if (weight > 0.0) light.specular += weight * probe_radiance(p, at, d, lobe.y);
-    light.left -= weight;
+    const float weight = probes.left * probe_weight(p, at);
+    if (weight > 0.0) light += weight * probe_radiance(p, at, d, lobe.y);
+    probes.left -= weight;
   }
   const vec3 albedo = split_sum(s.roughness, n_v);
-  light.specular *= b.f0 * albedo.x + b.f90 * albedo.y;
-  return light;
+  probes.specular = light * (b.f0 * albedo.x + b.f90 * albedo.y);
 }

@@ -6,6 +6,7 @@
 // A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by
 // the bound of its roundings, as the reference's do (src/reference/accel.cpp), so that no surface darkens itself and no
 // shadow comes off what casts it. An interpolated position knows its surface only to a share of the triangle's size.
+#include "lib/openness.glsl"
 #include "shared/trace.h"
 #ifndef TRACES
 void begin_rays(vec3 position, vec3 normal) {}
@@ -13,7 +14,7 @@ float traced_visibility(LightRef light, uint number) { return 1.0; }
 #ifdef LIGHT_EVAL
 vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 position) { return vec3(0.0); }
 #endif
-float traced_open() { return 1.0; }
+Openness traced_open() { return Openness(1.0, vec3(0.0)); }
 #else
 #include "lib/axes.glsl"
 #define TRACE_ADDRESS pc.trees
@@ -195,18 +196,22 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 #endif
 
 // The share of the sky's diffuse light that near surfaces leave, over the hemisphere about the triangle's normal.
-float traced_open() {
+Openness traced_open() {
   const RaySettings s = RaySettingsRef(pc.rays).s;
   const mat3 axes = axes_about(rays_side);
   const uvec2 own = rays_own(0u);
   float open = 0.0;
+  vec3 bent = vec3(0.0);
   for (uint i = 0u; i < s.occlusion_rays; ++i) {
     const vec2 u = rays_place(pc.subsample * s.occlusion_rays + i, own);
     const float across = sqrt(u.x), phi = 6.2831853 * u.y;
     const vec3 d = axes * vec3(across * cos(phi), across * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
-    open += rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
+    const float through = rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
         s.occlusion_radius_m, s.occlusion_fade_m);
+    open += through;
+    if (OCCLUSION_IS_BENT) bent += through * d;
   }
-  return 1.0 - s.occlusion_strength * (1.0 - open / float(max(s.occlusion_rays, 1u)));
+  return Openness(1.0 - s.occlusion_strength * (1.0 - open / float(max(s.occlusion_rays, 1u))),
+      dot(bent, bent) > 1e-12 ? normalize(bent) : rays_side);
 }
 #endif

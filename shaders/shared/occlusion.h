@@ -4,8 +4,9 @@
 
 // Where the points of the occlusion's texels lie (lib/occlusion_points.glsl): one number, so that shaders get it as a
 // specialization constant.
-#define OCCLUSION_TEXEL_PX(shape) ((shape)&0xff)  // side of a texel in pixels: 1, 2 or 4
-#define OCCLUSION_SAMPLES(shape) ((shape) >> 8)   // depth samples of a pixel
+#define OCCLUSION_TEXEL_PX(shape) ((shape)&0xff)        // side of a texel in pixels: 1, 2 or 4
+#define OCCLUSION_SAMPLES(shape) ((shape) >> 8 & 0xff)  // depth samples of a pixel
+#define OCCLUSION_BENT(shape) ((shape) >> 16)           // 1: the mean open direction is kept too
 
 SHARED_BEGIN
 struct OcclusionPointsPush {

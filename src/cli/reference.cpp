@@ -36,7 +36,7 @@ struct ReferenceOptions {
   uint64_t spp = 0;
   double seconds = 0, noise = 0, ambient_distance_m = 0;
   int bounces = 0, threads = 0;
-  std::optional<int> fog_steps;
+  std::optional<int> fog_steps, fog_lights;
   bool resume = false;
 };
 
@@ -97,14 +97,14 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
                                         {"--ambient-distance", o.ambient_distance_m > 0}})
       if (given) return fail(ErrorKind::usage, option, "belongs to --mode direct; path follows all light as it goes");
   if (*mode == Mode::direct && o.bounces > 0) return fail(ErrorKind::usage, "--bounces", "belongs to --mode path");
-  if (o.fog_steps) {
+  for (const auto& [option, given, least, most] : {std::tuple("--fog-steps", o.fog_steps, 1, most_fog_steps),
+                                                   {"--fog-lights", o.fog_lights, 0, most_fog_lights}}) {
+    if (!given) continue;
     if (*mode == Mode::path)
-      return fail(ErrorKind::usage, "--fog-steps",
-                  "belongs to --mode direct; path follows light through fog as it goes");
-    if (plan.job.look.empty())
-      return fail(ErrorKind::usage, "--fog-steps", "needs --look FILE, which says what the fog is");
-    if (*o.fog_steps < 1 || *o.fog_steps > most_fog_steps)
-      return fail(ErrorKind::usage, "--fog-steps", "{} is outside 1 to {}", *o.fog_steps, most_fog_steps);
+      return fail(ErrorKind::usage, option, "belongs to --mode direct; path follows light through fog as it goes");
+    if (plan.job.look.empty()) return fail(ErrorKind::usage, option, "needs --look FILE, which says what the fog is");
+    if (*given < least || *given > most)
+      return fail(ErrorKind::usage, option, "{} is outside {} to {}", *given, least, most);
   }
   constexpr uint64_t default_spp = 64;
   plan.stop = {o.spp, o.seconds, o.noise};
@@ -122,6 +122,7 @@ Expected<void> read_settings(const ReferenceOptions& o, ReferencePlan& plan) {
     plan.settings.fog_steps = 0;
   else if (o.fog_steps)
     plan.settings.fog_steps = *o.fog_steps;
+  if (o.fog_lights) plan.settings.fog_lights = *o.fog_lights;
   plan.accel.builder = *bvh;
   return {};
 }
@@ -385,6 +386,13 @@ void add_trace_options(CLI::App& command, ReferenceOptions& o) {
           fmt::format("direct: points on a ray at which a light's way through fog is followed, {} where nothing is "
                       "given; the mean is right for any",
                       reference::TraceSettings{}.fog_steps))
+      ->type_name("N");
+  command
+      .add_option_function<int>(
+          "--fog-lights", [&o](int value) { o.fog_lights = value; },
+          fmt::format("direct: where more point lights and spots reach a ray through fog, they share the points of so "
+                      "many, {} where nothing is given; 0: each has its own; the mean is right for any",
+                      reference::TraceSettings{}.fog_lights))
       ->type_name("N");
   command.add_option("--threads", o.threads, "Threads; 0: all. Changes no byte")->capture_default_str()->type_name("N");
   command.add_option("--state", o.state, "Sums of the samples, written at the end and every minute")->type_name("FILE");

@@ -1,17 +1,23 @@
 // Fog as direct sees it: what the medium emits, and light that is scattered once on its way from its source.
 //
-// Every light is summed, and its integral along the ray is estimated at fog_steps points. They lie in strata of equal
-// share - one point in each - under two densities, weighted by the power heuristic of Veach: by transmittance towards
-// the camera (for every extinction that a colour channel has), whose weights are the exact energy-conserving integral
-// (1 - e^-x) of each stratum, and, for lights with a place, mostly equi-angular about the light (Kulla and Fajardo,
-// "Importance Sampling Techniques for Path Tracing in Participating Media", 2012), which takes the inverse square out.
-// All strata of a sample share one random offset, mirrored in every other one, so that on smooth stretches the error
-// falls with the square of the steps; the offset makes the mean of the samples right for any number.
+// Every light that reaches the ray is summed, and its integral along it is estimated at fog_steps points. They lie in
+// strata of equal share - one point in each - under two densities, weighted by the power heuristic of Veach: by
+// transmittance towards the camera (for every extinction that a colour channel has), whose weights are the exact
+// energy-conserving integral (1 - e^-x) of each stratum, and, for lights with a place, mostly equi-angular about the
+// light (Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", 2012), which
+// takes the inverse square out. All strata of a sample share one random offset, mirrored in every other one, so that on
+// smooth stretches the error falls with the square of the steps; the offset makes the mean of the samples right for any
+// number.
+//
+// Where more than fog_lights point lights and spots reach the ray, as many points as these would have are shared out
+// among all by what each gives (lamps_along_ray.h). Strata and offset are then those of the sum of all shares, and the
+// densities count the points that a light has on average.
 #include <algorithm>
 #include <cmath>
 
 #include "reference/equi_angular.h"
 #include "reference/integrator.h"
+#include "reference/lamps_along_ray.h"
 #include "reference/visibility.h"
 
 namespace candela::reference {
@@ -121,15 +127,23 @@ class Stretch {
 // fog is thin on a light's part of the ray; through many mean free paths they waste their points, so transmittance gets
 // up to half of them.
 struct Points {
-  int by_angle = 0, of_kind[3] = {};
+  double by_angle = 0, of_kind[3] = {};
 };
+double share_of_transmittance(const Stretch& stretch) { return 0.5 * (1 - one_minus_exp_over(stretch.depth())); }
 Points points_on(const Stretch& stretch, int count, bool has_place) {
   Points points;
-  const double depth = stretch.depth();
-  const int by_transmittance = has_place ? int(0.5 * (1 - one_minus_exp_over(depth)) * count) : count;
+  const int by_transmittance = has_place ? int(share_of_transmittance(stretch) * count) : count;
   points.by_angle = count - by_transmittance;
   for (int k = 0; k < stretch.kinds(); ++k)
     points.of_kind[k] = by_transmittance / stretch.kinds() + (k < by_transmittance % stretch.kinds());
+  return points;
+}
+// The same of so many on average.
+Points mean_points_on(const Stretch& stretch, double count) {
+  Points points;
+  const double share = share_of_transmittance(stretch);
+  points.by_angle = (1 - share) * count;
+  for (int k = 0; k < stretch.kinds(); ++k) points.of_kind[k] = share * count / stretch.kinds();
   return points;
 }
 
@@ -143,6 +157,36 @@ struct Weighed {
     if (is_own) own = density;
   }
   double density() const { return squares / own; }  // what the point's light is divided by
+};
+
+// A light's part of a stretch, and the ways to choose places on it: -1 by angle, else by transmittance as one of the
+// kinds of extinction has it.
+class LitStretch {
+ public:
+  LitStretch(const Stretch& all, const PunctualLight& light, glm::dvec3 origin, glm::dvec3 direction)
+      : angles_(origin, direction, light.position),
+        has_place_(light.type != LightType::directional),
+        stretch_(has_place_ ? all.part(lit_part(light, origin, direction, all.span())) : all) {
+    if (has_place_ && !stretch_.empty()) angles_.limit(stretch_.span());
+  }
+  bool empty() const { return stretch_.empty(); }
+  bool has_place() const { return has_place_; }
+  const Stretch& stretch() const { return stretch_; }
+  Stretch::Place place(int way, double u) const {
+    return way < 0 ? stretch_.place(angles_.distance_at(u)) : stretch_.by_transmittance(way, u);
+  }
+  // What a point's light is divided by, per metre of medium.
+  double density(const Points& points, int way, const Stretch::Place& p) const {
+    Weighed weighed;
+    for (int k = 0; k < stretch_.kinds(); ++k) weighed.add(points.of_kind[k] * stretch_.density(k, p), k == way);
+    if (has_place_) weighed.add(points.by_angle * angles_.density(p.distance_m) / stretch_.medium_a_metre(p), way < 0);
+    return weighed.density();
+  }
+
+ private:
+  EquiAngular angles_;
+  bool has_place_;
+  Stretch stretch_;
 };
 
 }  // namespace
@@ -241,36 +285,55 @@ glm::dvec3 Integrator::fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 
   const double first_offset = stream.next();
   const glm::dvec2 on_disc = stream.next2();
   const double g = medium.anisotropy();
-  uint32_t number = 0, place = 0;
-  for (const PunctualLight& light : world_.punctual_lights()) {
-    double offset = first_offset + 0.6180339887498949 * number++;
+  uint32_t place = 0;
+  const auto follow = [&](const PunctualLight& light, const LitStretch& lit, const Points& points, int way, double u) {
+    const Stretch::Place p = lit.place(way, u);
+    if (!std::isfinite(p.distance_m)) return;
+    const Arrival a = arriving(light, p.position, own_place(on_disc, place++));
+    if (a.illuminance == glm::dvec3(0)) return;
+    const double chosen = lit.density(points, way, p);
+    if (!(chosen > 0)) return;
+    const glm::dvec3 light_here = lit.stretch().towards_camera(p) * a.illuminance *
+                                  (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
+                                  world_.through_fog(p.position, a.l, a.distance_m);
+    if (light_here == glm::dvec3(0)) return;
+    sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m, nullptr,
+                                                             std::isfinite(a.distance_m))
+                                : light_here;
+  };
+  const auto follow_all = [&](uint32_t index) {
+    const PunctualLight& light = world_.punctual_lights()[index];
+    const LitStretch lit(all, light, origin, direction);
+    if (lit.empty()) return;
+    double offset = first_offset + 0.6180339887498949 * index;
     offset -= std::floor(offset);
-    const bool has_place = light.type != LightType::directional;
-    EquiAngular angles(origin, direction, light.position);
-    const Stretch stretch = has_place ? all.part(angles.within(light.range_m)) : all;
-    if (stretch.empty()) continue;
-    if (has_place) angles.limit(stretch.span());
-    const Points points = points_on(stretch, settings_.fog_steps, has_place);
-    for (int way = -1; way < stretch.kinds(); ++way) {
-      const int count = way < 0 ? points.by_angle : points.of_kind[way];
-      for (int j = 0; j < count; ++j) {
-        const double u = stratum(j, count, offset);
-        const Stretch::Place p = way < 0 ? stretch.place(angles.distance_at(u)) : stretch.by_transmittance(way, u);
-        if (!std::isfinite(p.distance_m)) continue;
-        const Arrival a = arriving(light, p.position, own_place(on_disc, place++));
-        if (a.illuminance == glm::dvec3(0)) continue;
-        Weighed weighed;
-        for (int k = 0; k < stretch.kinds(); ++k) weighed.add(points.of_kind[k] * stretch.density(k, p), k == way);
-        if (has_place) weighed.add(points.by_angle * angles.density(p.distance_m) / stretch.medium_a_metre(p), way < 0);
-        const double chosen = weighed.density();
-        if (!(chosen > 0)) continue;
-        const glm::dvec3 light_here = stretch.towards_camera(p) * a.illuminance *
-                                      (henyey_greenstein(glm::dot(a.l, direction), g) / chosen) *
-                                      world_.through_fog(p.position, a.l, a.distance_m);
-        if (light_here == glm::dvec3(0)) continue;
-        sum += settings_.visibility ? light_here * transmittance(world_, {p.position, {}, 0}, a.l, a.distance_m,
-                                                                 nullptr, std::isfinite(a.distance_m))
-                                    : light_here;
+    const Points points = points_on(lit.stretch(), settings_.fog_steps, lit.has_place());
+    for (int way = -1; way < lit.stretch().kinds(); ++way) {
+      const int count = int(way < 0 ? points.by_angle : points.of_kind[way]);
+      for (int j = 0; j < count; ++j) follow(light, lit, points, way, stratum(j, count, offset));
+    }
+  };
+  for (const uint32_t index : world_.directional()) follow_all(index);
+  const LampsAlongRay lamps(world_, which, origin, direction, all.span());
+  static thread_local std::vector<uint32_t> reaching;
+  const size_t most = settings_.fog_lights > 0 ? size_t(settings_.fog_lights) : world_.punctual_lights().size();
+  if (lamps.reaching(most, reaching)) {
+    for (const uint32_t index : reaching) follow_all(index);
+  } else {
+    static thread_local std::vector<LampsAlongRay::Point> chosen;
+    lamps.choose(settings_.fog_steps * settings_.fog_lights, first_offset, chosen);
+    for (size_t i = 0; i < chosen.size();) {
+      const PunctualLight& light = world_.punctual_lights()[chosen[i].light];
+      const LitStretch lit(all, light, origin, direction);
+      const Points points = mean_points_on(lit.stretch(), chosen[i].expected);
+      for (const uint32_t same = chosen[i].light; i < chosen.size() && chosen[i].light == same; ++i) {
+        if (lit.empty()) continue;
+        // The ways lie beside each other in the light's share.
+        double u = chosen[i].u * chosen[i].expected;
+        int way = -1;
+        double own = points.by_angle;
+        while (u >= own && way + 1 < lit.stretch().kinds()) u -= own, own = points.of_kind[++way];
+        if (own > 0) follow(light, lit, points, way, std::clamp(u / own, 0.0, 1 - 0x1p-53));
       }
     }
   }

@@ -11,34 +11,36 @@
 #include "reference/equi_angular.h"
 #include "reference/glass_light.h"
 #include "reference/integrator.h"
+#include "reference/lamps_along_ray.h"
 
 namespace candela::reference {
 namespace {
 
 constexpr uint32_t first_fog_dimension = 1u << 22, dimensions_a_step = 16;
 constexpr double least_scattering = 0.25;
-// The strongest lights along the ray, of so many: any choice of them is right, but each costs.
-constexpr size_t most_lights_in_view = 16, most_lights = 4096;
+// Of the lamps along the ray so many, the strongest: any choice of them is right, but each costs.
+constexpr size_t most_lights_in_view = 16;
 
 // Places on a ray in view of its lights, each light as likely as its unhindered light along the ray is strong.
 class InViewOfLights {
  public:
   InViewOfLights(const World& world, glm::dvec3 origin, glm::dvec3 direction, Span span) {
-    if (world.tree_punctual().size() > most_lights) return;
-    for (const uint32_t index : world.tree_punctual()) {
-      const PunctualLight& light = world.punctual_lights()[index];
-      EquiAngular angles(origin, direction, light.position);
-      const Span near = angles.within(light.range_m);
-      const Span seen{std::max(near.begin_m, span.begin_m), std::min(near.end_m, span.end_m)};
-      if (seen.empty()) continue;
-      angles.limit(seen);
-      const double weight = luminance(light.intensity) * angles.angle() / angles.aside_m();
-      if (!(weight > 0)) continue;
-      if (count_ < most_lights_in_view) {
-        lights_[count_++] = {angles, seen, weight};
-      } else if (Seen& weakest = *std::ranges::min_element(lights_, {}, &Seen::weight); weight > weakest.weight) {
-        weakest = {angles, seen, weight};
+    // Clusters whose lamps, were all one at their nearest, are weaker than the weakest of those found stay closed.
+    const std::vector<LightTree::Node>& nodes = world.lamp_tree().nodes();
+    static thread_local std::vector<int> open;
+    open.assign(nodes.empty() ? 0 : 1, 0);
+    while (!open.empty()) {
+      const LightTree::Node& node = nodes[size_t(open.back())];
+      open.pop_back();
+      if (node.left < 0) {
+        consider(world.punctual_lights()[world.tree_punctual()[node.light]], origin, direction, span);
+        continue;
       }
+      const double left = most_of(nodes[size_t(node.left)], origin, direction, span),
+                   right = most_of(nodes[size_t(node.right)], origin, direction, span);
+      for (const bool second : {left >= right, left < right})  // the stronger one first: last on the stack
+        if (const double most = second ? right : left; most > 0 && !(count_ == most_lights_in_view && most <= weakest_))
+          open.push_back(second ? node.right : node.left);
     }
     for (size_t i = 0; i < count_; ++i) sum_ += lights_[i].weight;
   }
@@ -63,9 +65,35 @@ class InViewOfLights {
     Span span;
     double weight = 0;
   };
+  // No lamp of the node has a larger weight.
+  static double most_of(const LightTree::Node& node, glm::dvec3 origin, glm::dvec3 direction, Span span) {
+    const glm::dvec3 to_centre = node.centre - origin;
+    const double nearest_m = glm::dot(to_centre, direction), along = std::clamp(nearest_m, span.begin_m, span.end_m);
+    const double to_part = std::max(glm::length(to_centre - along * direction) - node.radius, 0.0);
+    if (to_part > node.extent.range_m * (1 + 1e-9)) return 0;
+    const double to_line = glm::length(to_centre - nearest_m * direction) - node.radius;
+    const double held = std::max(to_part, least_light_distance_m);
+    return node.extent.power / std::numbers::pi * (1 + 1e-9) *
+           std::min(std::numbers::pi / std::max(to_line, least_light_distance_m),
+                    (span.end_m - span.begin_m) / (held * held));
+  }
+  void consider(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 direction, Span span) {
+    const Span seen = lit_part(light, origin, direction, span);
+    if (seen.empty()) return;
+    EquiAngular angles(origin, direction, light.position);
+    angles.limit(seen);
+    const double weight = luminance(light.intensity) * angles.angle() / angles.aside_m();
+    if (!(weight > 0) || (count_ == most_lights_in_view && weight <= weakest_)) return;
+    if (count_ < most_lights_in_view)
+      lights_[count_++] = {angles, seen, weight};
+    else
+      *std::ranges::min_element(lights_, {}, &Seen::weight) = {angles, seen, weight};
+    if (count_ == most_lights_in_view) weakest_ = std::ranges::min_element(lights_, {}, &Seen::weight)->weight;
+  }
+
   std::array<Seen, most_lights_in_view> lights_;
   size_t count_ = 0;
-  double sum_ = 0;
+  double sum_ = 0, weakest_ = 0;
 };
 
 // All media on a ray's way, as one whose density differs from channel to channel. One alone has closed forms; where
@@ -227,7 +255,7 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, doub
                                  offer.is_lamp());
   };
   const glm::dvec2 for_sky = stream.next2(), on_light = stream.next2();
-  double pick = stream.next();
+  const double pick = stream.next();
   const glm::dvec2 on_disc = stream.next2();
   const auto punctual_offer_of = [&](const PunctualLight& light, size_t number, double probability) -> Offer {
     const Arrival a = arriving(light, position, own_place(on_disc, number));
@@ -245,31 +273,23 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, doub
       const double share = p * weight(choice.pdf, p, Strategy::light) / choice.pdf;
       sum += arrives({world_.sky().radiance(choice.direction) * share, choice.direction, endless, {}});
     }
-  static thread_local std::vector<LightTree::Choice> chosen;
-  world_.light_tree().choose(position, glm::dvec3(0), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
-  OneOf best;
-  for (size_t i = 0; i < chosen.size(); ++i) {
-    const LightTree::Choice& choice = chosen[i];
-    Offer offer;
-    if (choice.light < points) {
-      offer = punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]], i, choice.probability);
+  const auto make = [&](const LightTree::Choice& choice, size_t number, bool is_lamp) -> Offer {
+    if (is_lamp) {
+      Offer offer =
+          punctual_offer_of(world_.punctual_lights()[world_.tree_punctual()[choice.light]], number, choice.probability);
       offer.radiance /= choice.probability;
-    } else if (settings_.strategy != Strategy::brdf) {
-      const auto p =
-          emissive_point(uint32_t(choice.light - points), choice.probability, position, own_place(on_light, i));
-      if (!p) continue;
-      const double f = phase(p->l);
-      offer = {radiance_of(*p) * (f * weight(p->pdf, f, Strategy::light) / p->pdf), p->l, p->distance_m,
-               surface_of(*p)};
+      return offer;
     }
-    if (every)
-      sum += arrives(offer);
-    else
-      best.consider(offer, largest(offer.radiance), pick);
-  }
-  if (!every) sum += arrives(best.offer) * best.scale();
-  return sum;
+    if (settings_.strategy == Strategy::brdf) return {};
+    const auto p =
+        emissive_point(uint32_t(choice.light - points), choice.probability, position, own_place(on_light, number));
+    if (!p) return {};
+    const double f = phase(p->l);
+    return {radiance_of(*p) * (f * weight(p->pdf, f, Strategy::light) / p->pdf), p->l, p->distance_m, surface_of(*p)};
+  };
+  return sum + by_tree(position, glm::dvec3(0), which, pick, every, make,
+                       [&](const Offer& offer, const LightTree::Choice&) { return arrives(offer); });
 }
 
 }  // namespace candela::reference

@@ -16,7 +16,7 @@ enum class Ambient : uint8_t { traced, occlusion, off };
 // tests.
 enum class Strategy : uint8_t { both, light, brdf };
 
-inline constexpr int most_fog_steps = 65536;
+inline constexpr int most_fog_steps = 65536, most_fog_lights = 4096;  // their product fits an int
 
 struct TraceSettings {
   Mode mode = Mode::direct;
@@ -30,6 +30,9 @@ struct TraceSettings {
   bool lamp_rays = true;  // path: bounces are made from lamps as well (lamp_paths.cpp); else for tests
   Strategy strategy = Strategy::both;
   int fog_steps = 16;  // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
+  // direct: where more point lights and spots than these reach a ray through fog, they share the points of so many;
+  // 0: each has its own.
+  int fog_lights = 16;
 };
 
 // One sample of one pixel.
@@ -101,7 +104,8 @@ class Integrator {
   // One of several offers, as likely as it weighs; taken() of it times scale() is their sum on average.
   class OneOf {
    public:
-    void consider(const Offer& other, double weight, double& u);  // u: a number in [0, 1), and what is left of it
+    // Whether it is now this one. u: a number in [0, 1), and what is left of it.
+    bool consider(const Offer& other, double weight, double& u);
     double scale() const { return weight_ > 0 ? total_ / weight_ : 0; }
     Offer offer;
 
@@ -123,6 +127,28 @@ class Integrator {
   // has a size, and rays that leave it (null: there are none). The offer is not divided by the probability.
   Offer punctual_offer(const PunctualLight& light, const Surface& s, glm::dvec3 v, glm::dvec2 on_disc,
                        double probability = 1, const LampRays* rays = nullptr) const;
+  // The light of the lights that the tree chooses for a place (a normal of 0: none). make(choice, number, is_lamp) is
+  // what one of them would give unhindered over its probability, take(offer, choice) what comes through of an offer.
+  // With `every` each is taken; else one of them, as likely as it would give light unhindered (Talbot et al.,
+  // "Importance Resampling for Global Illumination", 2005): lamps close to the place, which a common estimate of their
+  // cluster misses, are the ones that matter.
+  template <class Make, class Take>
+  glm::dvec3 by_tree(glm::dvec3 position, glm::dvec3 normal, double which, double pick, bool every, Make&& make,
+                     Take&& take) const {
+    static thread_local std::vector<LightTree::Choice> chosen;
+    world_.light_tree().choose(position, normal, which, true, chosen);
+    glm::dvec3 sum(0);
+    OneOf best;
+    LightTree::Choice of_best{};
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      const Offer offer = make(chosen[i], i, chosen[i].light < world_.tree_punctual().size());
+      if (every)
+        sum += take(offer, chosen[i]);
+      else if (best.consider(offer, largest(offer.radiance), pick))
+        of_best = chosen[i];
+    }
+    return every ? sum : take(best.offer, of_best) * best.scale();
+  }
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   // terms: only with `every`.

@@ -42,7 +42,6 @@ class LightTree {
   void met(glm::dvec3 origin, glm::dvec3 direction, std::vector<uint32_t>& lights) const;
   bool has_spheres() const { return !nodes_.empty() && nodes_[0].extent.is_sphere; }
 
- private:
   struct Node {
     LightExtent extent;
     // Of the extent: box centre and half diagonal, and functions of its angles, that every visit needs.
@@ -51,6 +50,10 @@ class LightTree {
     int left = -1, right = -1, parent = -1;
     uint32_t light = 0;  // of a leaf
   };
+  // Each before its children, the left one's before the right one's; the first is the root.
+  const std::vector<Node>& nodes() const { return nodes_; }
+
+ private:
   static bool is_about(const Node& node, glm::dvec3 point);
   static double importance(const Node& node, glm::dvec3 point, glm::dvec3 normal);
   int build(std::vector<uint32_t>& order, size_t first, size_t last, const std::vector<LightExtent>& lights,

@@ -87,16 +87,17 @@ void Integrator::meet_lamps(const Departure& from, const Departure& came, glm::d
   }
 }
 
-void Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
-  if (!(weight > 0)) return;
+bool Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
+  if (!(weight > 0)) return false;
   total_ += weight;
   const double share = weight / total_;
   if (u < share) {
     offer = other, weight_ = weight;
     u = std::min(u / share, 1 - 0x1p-53);
-  } else {
-    u = std::min((u - share) / (1 - share), 1 - 0x1p-53);
+    return true;
   }
+  u = std::min((u - share) / (1 - share), 1 - 0x1p-53);
+  return false;
 }
 
 glm::dvec2 Integrator::own_place(glm::dvec2 first, size_t light) {
@@ -113,14 +114,12 @@ bool Integrator::survives(double u, int bounce, glm::dvec3& through, double comp
 }
 
 // Every directional light, one direction of the sky, and lights of the tree: those about the point each, and some of
-// those farther off. Where not every one of them is worth a shadow ray, one is chosen by what it would give unhindered
-// (Talbot et al., "Importance Resampling for Global Illumination", 2005): lamps close to the point, which a common
-// estimate of their cluster misses, are the ones that matter.
+// those farther off. Where not every one of them is worth a shadow ray, one is.
 glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
                                   SampleStream& stream, TermSample* terms, const Departure* from) const {
   const glm::dvec2 for_sky = stream.next2();
   const double which = stream.next();
-  double pick = stream.next();
+  const double pick = stream.next();
   const glm::dvec2 on_light = stream.next2(), on_disc = stream.next2();
   glm::dvec3 sum(0);
   for (const uint32_t index : world_.directional()) {
@@ -142,33 +141,30 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       }
     }
   }
-  static thread_local std::vector<LightTree::Choice> chosen;
-  world_.light_tree().choose(s.position, lit_side(s), which, true, chosen);
   const size_t points = world_.tree_punctual().size();
-  OneOf best;
-  for (size_t i = 0; i < chosen.size(); ++i) {
-    const LightTree::Choice& choice = chosen[i];
+  const auto lamp = [&](const LightTree::Choice& choice) -> const PunctualLight& {
+    return world_.punctual_lights()[world_.tree_punctual()[choice.light]];
+  };
+  const auto make = [&](const LightTree::Choice& choice, size_t number, bool is_lamp) {
     Offer offer;
-    Term term = Term::indirect;
-    if (choice.light < points) {
-      const PunctualLight& light = world_.punctual_lights()[world_.tree_punctual()[choice.light]];
-      term = direct_term(light.type);
+    if (is_lamp) {
       const LampRays rays{from, choice.light};
-      offer = punctual_offer(light, s, v, own_place(on_light, i), choice.probability, from ? &rays : nullptr);
+      offer =
+          punctual_offer(lamp(choice), s, v, own_place(on_light, number), choice.probability, from ? &rays : nullptr);
       offer.radiance /= choice.probability;
     } else if (settings_.strategy != Strategy::brdf) {
-      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, own_place(on_light, i));
+      offer = emissive_offer(uint32_t(choice.light - points), choice.probability, s, v, own_place(on_light, number));
     }
-    if (every) {
-      const glm::dvec3 radiance = taken(offer, s, point);
-      sum += radiance;
-      if (terms) (*terms)[term] += radiance;
-    } else {
-      best.consider(offer, is_open(s, offer.l) ? largest(offer.radiance) : 0, pick);
-    }
-  }
-  if (!every) sum += taken(best.offer, s, point) * best.scale();
-  return sum;
+    return is_open(s, offer.l) ? offer : Offer{};
+  };
+  return sum + by_tree(s.position, lit_side(s), which, pick, every, make,
+                       [&](const Offer& offer, const LightTree::Choice& choice) {
+                         const glm::dvec3 radiance = taken(offer, s, point);
+                         if (terms)
+                           (*terms)[choice.light < points ? direct_term(lamp(choice).type) : Term::indirect] +=
+                               radiance;
+                         return radiance;
+                       });
 }
 
 // Glass has lights of its own ways, which a lamp's rays do not know.

@@ -132,7 +132,8 @@ std::string settings_json(const reference::TraceSettings& s, const AccelOptions&
   } else if (s.most_bounces > 0) {
     j["bounces"] = s.most_bounces;
   }
-  if (s.mode == reference::Mode::direct && s.fog_steps > 0) j["fog-steps"] = s.fog_steps;
+  if (s.mode == reference::Mode::direct && s.fog_steps > 0)
+    j["fog-steps"] = s.fog_steps, j["fog-lights"] = s.fog_lights;
   j["bvh"] = name_of(accel.builder);
   return j.dump();
 }

@@ -272,6 +272,8 @@ TEST(Reference, NamesWhatIsWrong) {
       {{"reference", box, "-o", out, "--bounces", "3"}, "--bounces"},
       {{"reference", box, "-o", out, "--fog-steps", "4"}, "--look"},
       {{"reference", box, "-o", out, "--look", "l.json", "--fog-steps", "0"}, "--fog-steps"},
+      {{"reference", box, "-o", out, "--fog-lights", "4"}, "--look"},
+      {{"reference", box, "-o", out, "--look", "l.json", "--fog-lights", "4097"}, "--fog-lights"},
       {{"reference", box, "-o", out, "--look", "l.json", "--mode", "path", "--fog-steps", "4"}, "--fog-steps"},
       {{"reference", box, "-o", out, "--view", "fog"}, "heatmap.leaves"},
       {{"reference", box, "-o", out, "--noise", "-1"}, "--noise"},

@@ -111,6 +111,51 @@ class ImageLight : public FrameTest {
   }
 };
 
+// Beside a high wall the sky is open over a quarter of the sphere, whose mean direction by the cosine leans from the
+// normal by atan(2 / pi). Under a sky of radiance 1 + a x the light tells how far it leans.
+TEST_F(ImageLight, BentNormalsLeanWhereTheSkyIsOpen) {
+  constexpr double a = 0.9;
+  const std::string brighter = write_sky("brighter", [](glm::dvec3 d) { return glm::dvec3(1 + a * d.x); }).file;
+  const std::string darker = write_sky("darker", [](glm::dvec3 d) { return glm::dvec3(1 - a * d.x); }).file;
+  const auto leaning = [&](bool wall, const std::vector<KnobSetting>& settings) {
+    GltfBuilder b = empty_scene();
+    const int grey = add_material(b, diffuse_material(0.5, 0.5, 0.5));
+    add_node(b, {{"mesh", add_square_mesh(b, 4, grey)}});
+    if (wall) add_node(b, {{"mesh", add_square_mesh(b, 90, grey)}, {"rotation", {0, 0.70710678, 0, 0.70710678}}});
+    Job job = job_for(write(b), 64, 36);
+    job.look = look_file(R"({"occlusion": {"radius_m": 100, "falloff": 0, "strength": 1}})");
+    look(job, {3, 0, 3}, {0, 0, 0}, 20);
+    job.layers = {"ambient.diffuse", "ambient.specular"};
+    job.settings = settings;
+    double light[2];
+    for (int i = 0; i < 2; ++i) {
+      job.sky = i == 0 ? brighter : darker;
+      const Images images = images_of(job);
+      light[i] = double(images["ambient.diffuse"].at<glm::vec4>(33, 18).x);
+      for (const Image& image : images)
+        for (const float v : image.values<float>()) EXPECT_TRUE(std::isfinite(v) && v >= 0) << image.layer;
+    }
+    return (light[0] - light[1]) / (light[0] + light[1]) / (2 * a / 3);
+  };
+  const std::vector<KnobSetting> screen = {
+      {"occlusion", "texel_px", "1"}, {"occlusion", "slices", "64"}, {"occlusion", "samples", "64"}};
+  const std::vector<KnobSetting> traced = {{"occlusion", "method", "traced"}, {"occlusion", "rays", "256"}};
+  const double open = 2 / std::hypot(2, std::numbers::pi);  // sine of that angle
+  for (const auto& [settings, off] : {std::pair(screen, 0.03), {traced, 0.01}})
+    for (const char* ibl : {"lobe", "sampled"}) {
+      std::vector<KnobSetting> plain = settings, bent = settings;
+      plain.push_back({"ibl", "method", ibl}), bent.push_back({"ibl", "method", ibl});
+      bent.push_back({"occlusion", "bent", "1"});
+      const double leans = leaning(true, bent);
+      fmt::print("{} leaning {:.4f}, of {:.4f}\n", ibl, leans, open);
+      EXPECT_NEAR(leans, open, off) << ibl;
+      EXPECT_NEAR(leaning(true, plain), 0, 0.01) << ibl;
+    }
+  std::vector<KnobSetting> bent = screen;
+  bent.push_back({"occlusion", "bent", "1"});
+  EXPECT_NEAR(leaning(false, bent), 0, 0.01);
+}
+
 }  // namespace
 
 // Sampled, the error falls with the number of samples; filtered, it is within the goal of 0.01, and split sums are not.

@@ -108,9 +108,8 @@ TEST_F(FrameOcclusion, IsAShareWhateverTheFrame) {
         Job job = seen(path, samples);
         job.width_px = w, job.height_px = h;
         job.layers = {"occlusion"};
-        const std::string file = ::testing::TempDir() + "candela_occlusion_look.json";
-        std::ofstream(file) << fmt::format(R"({{"occlusion": {{"radius_m": {}, "falloff": 0}}}})", radius);
-        job.look = file;
+        job.look = look_file(fmt::format(R"({{"occlusion": {{"radius_m": {}, "falloff": 0}}}})", radius));
+        job.settings = {{"occlusion", "bent", samples == 1 ? "0" : "1"}};
         const Images images = images_of(job);
         expect_shares(images["occlusion"].values<float>(), fmt::format("{}x{} {} {}", w, h, samples, radius));
         for (const float v : images["beauty"].values<float>()) ASSERT_TRUE(std::isfinite(v));

@@ -414,14 +414,16 @@ TEST(ReferenceFog, SeveralMediaAreTheirSum) {
   for (const bool path : {false, true}) {
     TraceSettings settings = path ? path_settings(1) : TraceSettings{};
     settings.fog_steps = path ? 0 : 32;
-    const int spp = path ? 4096 : 64;
+    // What differs is noise: the worst channel of direct was apart by 2.3e-3 at 64 samples, 7.7e-4 at 256 and 8e-6 at
+    // 2,048; that of path by 5e-5.
+    const int spp = path ? 1024 : 256;
     const Film of_one = traced(*one, settings, camera, spp), of_two = traced(*two, settings, camera, spp);
     glm::dvec3 light[2] = {};
     for (size_t i = 0; i < of_one.pixels(); ++i) {
       light[0] += of_one.fog_light(i), light[1] += of_two.fog_light(i);
       for (int c = 0; c < 3 && !path; ++c) EXPECT_NEAR(of_one.fog_through(i)[c], of_two.fog_through(i)[c], 1e-12);
     }
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[1][c], light[0][c], (path ? 0.03 : 5e-3) * light[0][c]) << path;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[1][c], light[0][c], 2e-3 * light[0][c]) << path;
   }
 }
 

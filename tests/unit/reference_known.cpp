@@ -1,4 +1,5 @@
 // Pictures whose radiance is known in closed form.
+#include "reference/albedo.h"
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
@@ -123,7 +124,8 @@ TEST(KnownAnswers, TheWhiteFurnaceHidesADiffuseSphere) {
   }
 }
 
-// A white rough metal reflects all light: its facets' first bounce is 1 - ln 2 of it (reference_brdf.cpp derives that).
+// A white rough metal reflects all light: its facets' first bounce is 1 - ln 2 of it (reference_brdf.cpp derives that),
+// and the gain gives back the rest.
 TEST(KnownAnswers, TheFurnaceOfAWhiteRoughMetalIsOne) {
   Json pbr = base_color(1, 1, 1);
   pbr["metallicFactor"] = 1;
@@ -133,9 +135,13 @@ TEST(KnownAnswers, TheFurnaceOfAWhiteRoughMetalIsOne) {
   for (const Mode mode : {Mode::path, Mode::direct}) {
     TraceSettings settings = path_settings();
     settings.mode = mode;
-    const MeanError m = mean_of(traced(*t, settings, camera, 512));
-    EXPECT_NEAR(m.mean, 1, 5 * m.error + 6e-3);
-    EXPECT_LT(m.error, 6e-3);
+    const MeanError m = mean_of(traced(*t, settings, camera, 4096));
+    const double first_bounce = 1 - std::numbers::ln2;
+    EXPECT_NEAR(m.mean, specular_gain(glm::dvec3(1), 1, 1).x * first_bounce, 5 * m.error + 1e-4);
+    EXPECT_LT(m.error, 2e-3);
+    // The goal is 1 within half a percent. The gain is a fit, which is 0.0032 off here and 0.006 at the worst
+    // roughness and angle (reference_albedo.cpp).
+    EXPECT_NEAR(m.mean, 1, 5e-3);
   }
 }
 

@@ -1,5 +1,7 @@
 #include "passes/geometry/features.h"
 
+#include "shared/occlusion.h"
+
 namespace candela {
 namespace {
 SpecConstant constant(Feature f, uint32_t value = 1) {
@@ -73,7 +75,8 @@ SpecConstant lamp_shadows_constant(bool traced, bool soft) {
 }
 
 SpecConstant occlusion_constant(uint32_t shape, bool traced) {
-  return constant(Feature::occlusion, traced ? ~0u : shape);
+  const bool bent = OCCLUSION_BENT(shape) != 0;
+  return constant(Feature::occlusion, traced ? (bent ? ~1u : ~0u) : shape);
 }
 
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended) {

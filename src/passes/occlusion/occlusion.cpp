@@ -79,6 +79,14 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .walk = {1, 0},
        .passes = passes,
        .beside = "occlusion.method=screen occlusion.slices=64"},
+      {.name = "bent",
+       .member = &Knobs::bent,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0, 0, 0, 1},
+       .trades = "1: the sky's light comes from about the mean open direction, not from about the normal",
+       .walk = {0, 1},
+       .passes = {"occlusion", "shade_forward", "terms"}},
   };
   return table;
 }
@@ -100,7 +108,7 @@ bool AmbientOcclusion::traced(const SceneFacts& facts, const FrameRequest& reque
 }
 
 uint32_t AmbientOcclusion::shape(const SceneInputs& scene) const {
-  return uint32_t(knobs.texel_px) | scene.samples << 8;
+  return uint32_t(knobs.texel_px) | scene.samples << 8 | uint32_t(knobs.bent) << 16;
 }
 
 glm::uvec2 AmbientOcclusion::texels(const SceneInputs& scene) const {
@@ -114,6 +122,7 @@ AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In&
   const auto image = [&](const char* name, VkFormat format, glm::uvec2 px) {
     return builder.create(ImageDesc{.name = name, .format = format, .width_px = px.x, .height_px = px.y});
   };
+  const VkFormat format = knobs.bent != 0 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   Out out;
   out.find = builder.pipeline(ComputePipelineDesc{"occlusion_points.comp", constants});
@@ -125,7 +134,7 @@ AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In&
   builder.begin_step();
   builder.read(in.depth, Access::sampled_compute, "depth");
   builder.read(out.points, Access::sampled_compute, "points");
-  out.open = builder.write(image("occlusion", VK_FORMAT_R32G32_SFLOAT, size), Access::storage_image_write);
+  out.open = builder.write(image("occlusion", format, size), Access::storage_image_write);
   if (knobs.denoise != 0)
     out.normals = builder.write(image("occlusion.normals", VK_FORMAT_R32_UINT, size), Access::storage_image_write);
   if (knobs.denoise == 0) return out;
@@ -134,7 +143,7 @@ AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In&
   builder.begin_step();
   builder.read(out.normals, Access::sampled_compute, "normals");
   builder.read(out.noisy, Access::sampled_compute, "noisy occlusion");
-  out.open = builder.write(image("occlusion.smooth", VK_FORMAT_R32G32_SFLOAT, size), Access::storage_image_write);
+  out.open = builder.write(image("occlusion.smooth", format, size), Access::storage_image_write);
   return out;
 }
 

@@ -34,6 +34,7 @@ struct AmbientOcclusion {
     int slices = 3;
     int samples = 6;
     int denoise = 1;
+    int bent = 0;
     static std::span<const Knob<Knobs>> table();
   };
   struct In {

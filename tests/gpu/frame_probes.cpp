@@ -253,9 +253,13 @@ TEST_F(FrameProbes, TheSmallerBoxGoesBefore) {
 // No look, a look without probes, and one whose probes --effects leaves out: the same bytes, and nothing in the plan.
 TEST_F(FrameProbes, FramesWithoutThemKeepTheirBytes) {
   Job job = room_with_ball(0.3, {});
-  const auto plan_of = [](const Job& of) {
+  std::string notes;
+  const auto plan_of = [&](const Job& of) {
     const auto session = open(of);
-    return session ? plan_text(render(*session).plan) : std::string();
+    if (!session) return std::string();
+    const FrameResult result = render(*session);
+    notes = fmt::format("{}", fmt::join(result.notes, "\n"));
+    return plan_text(result.plan);
   };
   for (const char* effects : {"none", "ibl"}) {
     job.effects = effects, job.look.clear();
@@ -266,6 +270,7 @@ TEST_F(FrameProbes, FramesWithoutThemKeepTheirBytes) {
     job.look = look_file({room_probe()});
     EXPECT_EQ(images_of(job), bare);
     EXPECT_EQ(plan_of(job), plan);
+    EXPECT_NE(notes.find("1 reflection probe of the look left out (--effects)"), std::string::npos) << notes;
     job.look = look_file({});
     EXPECT_EQ(images_of(job), bare);
   }
@@ -274,6 +279,7 @@ TEST_F(FrameProbes, FramesWithoutThemKeepTheirBytes) {
   const std::string plan = plan_of(job);
   EXPECT_NE(plan.find("PROBE_COUNT"), std::string::npos);
   EXPECT_NE(plan.find("probes.size_px"), std::string::npos);
+  EXPECT_NE(notes.find("1 reflection probe of the look: surfaces in its box"), std::string::npos) << notes;
 }
 
 // The images belong to the job: whichever frame comes first, from wherever it is seen, the bytes are the same; with a

@@ -54,12 +54,22 @@ void main() {
     const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
     share = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
     if (HAS_AMBIENT != 0) {
+      shade_probes(s, brdf, v.relative_position);
       sky = ambient_lobes(s, brdf, s.normal).specular * (s.occlusion * frame.pre_exposure) * through;
       if (HAS_OCCLUSION != 0)
         open = reflected_open(occlusion_open(v.relative_position, plane_normal), s, to_viewer, plane_normal);
 #ifdef FOG
       sky *= fog_sky_through_surface(v.relative_position, s.normal);
 #endif
+      if (PROBE_COUNT != 0) {
+        // Near surfaces leave all of the probes' light. What is drawn of the sum is `sky` times `open`.
+        const vec3 local = probes.specular * (s.occlusion * frame.pre_exposure) * through, drawn = sky * open + local;
+        const float whole = dot(sky + local, vec3(1.0)), part = dot(drawn, vec3(1.0));
+        if (whole > 0.0 && part > 0.0) {
+          open = min(part / whole, 1.0);
+          sky = drawn / open;
+        }
+      }
     }
   }
   out_surface = pack_reflecting(r);

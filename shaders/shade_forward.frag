@@ -37,12 +37,14 @@ void main() {
   const BrdfTerms brdf = brdf_terms(s, to_viewer);
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) {
+    shade_probes(s, brdf, v.relative_position);
     vec3 ambient = HAS_OCCLUSION != 0
         ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
         : ambient_light(s, brdf);
 #ifdef FOG
     ambient *= fog_sky_through_surface(v.relative_position, s.normal);
 #endif
+    if (PROBE_COUNT != 0) ambient += probes.specular * s.occlusion;
     radiance += ambient;
   }
   if (HAS_LIGHTS != 0) {

@@ -81,10 +81,12 @@ void main() {
 #endif
 #if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
   AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
-  if (HAS_AMBIENT != 0 && IS_UNLIT == 0)
+  if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
+    shade_probes(s, brdf, v.relative_position);
     ambient = HAS_OCCLUSION != 0
         ? occluded_lobes(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
         : ambient_lobes(s, brdf, s.normal);
+  }
 #ifdef FOG
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
     const vec3 sky = fog_sky_through_surface(v.relative_position, s.normal);
@@ -92,6 +94,7 @@ void main() {
     ambient.specular *= sky;
   }
 #endif
+  if (PROBE_COUNT != 0) ambient.specular += probes.specular;
 #endif
 #ifdef AMBIENT_DIFFUSE
   out_ambient_diffuse = covering(ambient.diffuse * s.occlusion, coverage);

@@ -20,12 +20,14 @@ vec3 split_sum(float roughness, float n_v) {
       (at * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
 
-// By the lobes that reflect it, without the material's occlusion.
+#include "lib/probes.glsl"
+
+// By the lobes that reflect it, without the material's occlusion. Of the sky.
 struct AmbientLobes {
   vec3 diffuse, specular;
 };
 // facing: the direction about which diffuse light is gathered; the normal where nothing is hidden.
-AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
+AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   BrdfTerms in_image = b;
   in_image.normal = in_sky(b.normal);
   in_image.to_viewer = in_sky(b.to_viewer);
@@ -43,7 +45,8 @@ AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
   if (IBL_METHOD == ibl_split) {
     specular *= frame.sky_intensity * filtered_sky(in_sky(mirrored), slice_of_roughness(s.roughness));
   } else if (IBL_METHOD == ibl_lobe) {
-    const vec2 lobe = lobe_shape(s.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
+    const vec2 lobe = lobe_shape(frame.image_light.lobe_texture, frame.image_light.clamp_sampler, s.roughness,
+        clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
     specular *= filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
     specular += sky_lights(in_image, lobe.y);
     specular *= frame.sky_intensity;
@@ -51,6 +54,12 @@ AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
     specular *= ambient_radiance(mirrored);
   }
   return AmbientLobes(diffuse, specular);
+}
+// Without what probes give instead (shade_probes() goes before).
+AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
+  AmbientLobes lobes = whole_sky_lobes(s, b, facing);
+  if (PROBE_COUNT != 0) lobes.specular *= probes.left;
+  return lobes;
 }
 vec3 ambient_light(Surface s, BrdfTerms b) {
   const AmbientLobes lobes = ambient_lobes(s, b, s.normal);

@@ -23,6 +23,7 @@ const int ibl_split = 1, ibl_lobe = 2, ibl_sampled = 3;
 layout(constant_id = 19) const int HAS_LAMP_SHADOWS = 0;   // the same of point and spot lights
 layout(constant_id = 20) const int RAY_STACK = 1;          // of traced light: entries (lib/trace.glsl)
 layout(constant_id = 21) const int RAYS_MEET_BLENDED = 0;  // something lets a part of their light through
+layout(constant_id = 22) const int PROBE_COUNT = 0;        // reflection probes of the frame
 const int shadows_traced = 2, shadows_soft = 4, occlusion_traced_bent = -2;
 const bool SUNS_TRACED = (HAS_SUN_SHADOWS & shadows_traced) != 0, SUNS_SOFT = (HAS_SUN_SHADOWS & shadows_soft) != 0;
 const bool LAMPS_TRACED = (HAS_LAMP_SHADOWS & shadows_traced) != 0, LAMPS_SOFT = (HAS_LAMP_SHADOWS & shadows_soft) != 0;

@@ -30,11 +30,11 @@ vec3 sky_irradiance(vec3 n) {
 }
 
 // Where the lobe's middle lies, from the normal (0) to the mirror direction (1), and the slice as wide as the lobe.
-vec2 lobe_shape(float roughness, float n_v) {
+vec2 lobe_shape(uint lobe_texture, uint clamp_sampler, float roughness, float n_v) {
   const float size = float(sky_lobe_size), low = sqrt(least_roughness);
   const vec2 at = vec2(sqrt(n_v), (sqrt(max(roughness, least_roughness)) - low) / (1.0 - low));
-  return textureLod(sampler2D(textures[frame.image_light.lobe_texture], samplers[frame.image_light.clamp_sampler]),
-      (at * (size - 1.0) + 0.5) / size, 0.0).rg;
+  return textureLod(sampler2D(textures[lobe_texture], samplers[clamp_sampler]), (at * (size - 1.0) + 0.5) / size,
+      0.0).rg;
 }
 
 // The sky's bright spots, as far as they are not in the slice.

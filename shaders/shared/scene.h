@@ -3,6 +3,7 @@
 #include "shared/fog.h"
 #include "shared/image_light.h"
 #include "shared/lights.h"
+#include "shared/probes.h"
 #include "shared/types.h"
 
 SHARED_BEGIN
@@ -94,6 +95,7 @@ struct FrameConstants {
   vec2 sky_turn;  // cosine and sine of the sky's rotation about +Y
   float sky_intensity;
   uint sky_background;  // the sky as it is seen: its own image, or that blurred
+  ProbeLights probes;
 };
 
 SHARED_END
@@ -116,7 +118,7 @@ static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offseto
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 &&
               offsetof(FrameConstants, fog) == 504 && offsetof(FrameConstants, image_light) == 1432 &&
-              sizeof(FrameConstants) == 1504);
+              offsetof(FrameConstants, probes) == 1504 && sizeof(FrameConstants) == 1904);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

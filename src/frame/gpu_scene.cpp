@@ -61,7 +61,12 @@ void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, std::span<
 }  // namespace
 
 GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout)
-    : device_(device), bindless_(bindless), scene_(scene), layout_(layout), sky_(device, bindless) {
+    : device_(device),
+      bindless_(bindless),
+      scene_(scene),
+      layout_(layout),
+      sky_(device, bindless),
+      probes_(device, bindless) {
   for (const Material& m : scene.materials)
     for_each_slot(m, [&](const TextureSlot& slot, bool srgb) {
       if (slot) mipmapped_[{slot.image, srgb}] |= scene.samplers[size_t(slot.sampler)].mipmaps;
@@ -100,7 +105,8 @@ void GpuScene::set_samplers(const TextureKnobs& knobs) {
 
 // Once, for the first frame with ambient light on a surface, or with reflections.
 void GpuScene::load_split_sum(const PlannedFrame& frame) {
-  const bool wanted = frame.facts.environment || frame.request.neutral_light || frame.request.draws_reflections();
+  const bool wanted = frame.facts.environment || frame.request.neutral_light || frame.facts.probes > 0 ||
+                      frame.request.draws_reflections();
   if (!wanted || frame.facts.lit_items + frame.facts.blend_lit_items == 0 || split_sum_index_ != shared::absent) return;
   constexpr uint32_t columns = shared::split_sum_columns, rows = shared::split_sum_rows;
   std::vector<uint16_t> texels;
@@ -218,6 +224,7 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
     set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : Material{}, frame.upload.materials[m]);
   shared::FrameConstants& c = frame.upload.constants;
   sky_.load(frame, c, uploaded.keep);
+  if (frame.facts.probes > 0) probes_.write(c.probes);
   c.split_sum_texture = split_sum_index_;
   c.split_sum_sampler = split_sum_sampler_;
   const std::vector<UploadRow> rows = upload_table(frame, layout_);

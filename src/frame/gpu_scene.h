@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "frame/gpu_probes.h"
 #include "frame/gpu_sky.h"
 #include "frame/plan_frame.h"
 #include "frame/upload_table.h"
@@ -31,6 +32,8 @@ class GpuScene {
   // Fills every imported buffer of the plan. An image that no decoder takes is a warning and drawn as scene_images.h
   // says. Throws GpuError.
   Uploaded upload(PlannedFrame& frame);
+  // Frames with reflection probes need them loaded.
+  GpuProbes& probes() { return probes_; }
 
  private:
   struct TextureKey {
@@ -69,6 +72,7 @@ class GpuScene {
   std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers, filtered as the knobs say
   TextureKnobs texture_knobs_;
   GpuSky sky_;
+  GpuProbes probes_;
   gpu::Texture split_sum_;
   uint32_t split_sum_index_ = shared::absent, split_sum_sampler_ = 0;
 };

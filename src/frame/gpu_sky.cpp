@@ -19,7 +19,9 @@ VkSamplerCreateInfo image_sampler() {
   info.maxLod = VK_LOD_CLAMP_NONE;
   return info;
 }
-VkSamplerCreateInfo map_sampler() {
+}  // namespace
+
+VkSamplerCreateInfo sky_map_sampler() {
   VkSamplerCreateInfo info = image_sampler();
   info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
   info.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
@@ -27,14 +29,12 @@ VkSamplerCreateInfo map_sampler() {
   return info;
 }
 
-gpu::TextureData texture_data(VkFormat format, uint32_t width, uint32_t height, const std::vector<float>& texels) {
+gpu::TextureData sky_texture_data(VkFormat format, uint32_t width, uint32_t height, const std::vector<float>& texels) {
   gpu::TextureData data{format, width, height, {}};
   const auto bytes = std::as_bytes(std::span(texels));
   data.levels.emplace_back(bytes.begin(), bytes.end());
   return data;
 }
-
-}  // namespace
 
 uint32_t GpuSky::Indexed::add(const gpu::Texture& texture) {
   indices.push_back(bindless.add_sampled(texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL));
@@ -117,7 +117,7 @@ void GpuSky::load_filtered(Maps& maps, const FrameSky& frame_sky) {
   gpu::Uploader uploader(device_);
   const auto load = [&](gpu::Texture& texture, VkFormat format, uint32_t width, uint32_t height,
                         const std::vector<float>& texels, const char* name) {
-    const gpu::TextureData data = texture_data(format, width, height, texels);
+    const gpu::TextureData data = sky_texture_data(format, width, height, texels);
     texture = gpu::Texture(device_, data, name);
     uploader.to_texture(texture, data);
     return maps.add(texture);
@@ -130,7 +130,7 @@ void GpuSky::load_filtered(Maps& maps, const FrameSky& frame_sky) {
         load(maps.irradiance, VK_FORMAT_R32G32B32A32_SFLOAT, side, side, sky.irradiance, "sky.irradiance");
     light.irradiance_uv = {1 / float(side), float(side - 2) / float(side)};
   }
-  light.clamp_sampler = bindless_.add_sampler(map_sampler());
+  light.clamp_sampler = bindless_.add_sampler(sky_map_sampler());
   load_table(maps, uploader, sky.slices, sky.lights);
 }
 

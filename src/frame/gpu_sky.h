@@ -14,6 +14,10 @@ namespace candela {
 // Bindless textures that a sky takes, of each frame in flight and of the one that is being made.
 inline constexpr size_t gpu_sky_textures = 5;
 
+// Of octahedral maps, and such a map with one level.
+VkSamplerCreateInfo sky_map_sampler();
+gpu::TextureData sky_texture_data(VkFormat format, uint32_t width, uint32_t height, const std::vector<float>& texels);
+
 // Skies on a device: the image, the image as the background shows it, and what surfaces reflect of it. What a frame
 // uses is held by the frame, so that the next may have another sky. Where weights alone change, the parts' maps are
 // summed again and nothing is filtered.

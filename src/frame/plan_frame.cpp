@@ -13,6 +13,7 @@
 #include "frame/job_look.h"
 #include "frame/not_drawn.h"
 #include "frame/posed_scene.h"
+#include "frame/probe_image.h"
 #include "frame/upload_table.h"
 #include "passes/geometry/features.h"
 #include "scene/neutral_light.h"
@@ -165,7 +166,8 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.lamp_first_command = std::make_shared<const std::vector<uint32_t>>(f.lamps.views.first_command);
   s.rays = f.traced;
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
-  s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light);
+  s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
+  if (f.facts.probes > 0) s.features.push_back(probes_constant(f.facts.probes));
   if (f.facts.image_light) {
     const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;
     const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
@@ -182,11 +184,23 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   return s;
 }
 
+std::string probe_note(const PlannedFrame& f) {
+  const size_t count = f.request.look.probes.size();
+  if (count == 0) return {};
+  const std::string probes = fmt::format("{} reflection probe{}", count, count == 1 ? "" : "s");
+  if (!f.request.draws_probes()) return probes + " of the look left out (--effects)";
+  if (f.request.neutral_light) return probes + " of the look left out: under the neutral light there is no scene's own";
+  if (f.facts.probes == 0) return probes + " of the look left out: no surface takes light";
+  return fmt::format("{} of the look: surfaces in {} reflect an image of the scene, six views of {}x{} taken once",
+                     probes, count == 1 ? "its box" : "their boxes", f.probes.size_px, f.probes.size_px);
+}
+
 void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   for (const std::string& note : f.view.notes) f.notes.push_back(note);
   if (knobs.get<Supersample::Knobs>().n > 1 && knobs.get<Resolve::Knobs>().samples > 1)
     f.notes.push_back(fmt::format("supersampling ({0} x {0} a pixel) takes the place of multisampling",
                                   knobs.get<Supersample::Knobs>().n));
+  if (const std::string note = probe_note(f); !note.empty()) f.notes.push_back(note);
   for (const std::string& warning : f.pose.warnings) f.notes.push_back(warning);
   if (f.request.neutral_light)
     f.notes.push_back(
@@ -210,13 +224,15 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!knobs) return std::unexpected(knobs.error());
   auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
-  auto posed = pose_scene(context.scene, job, time_s, look->lights.radius_m);
+  if (context.face) look = seen_by_probe(std::move(*look));
+  auto posed = pose_scene(context.scene, job, time_s, look->lights.radius_m, context.face);
   if (!posed) return std::unexpected(posed.error());
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();
   f.image_light = knobs->get<IblKnobs>();
+  f.probes = knobs->get<ProbeKnobs>();
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
   add_sky_sun(f.sky, f.data);
   f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
@@ -226,8 +242,10 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false);
   }
-  f.facts.image_light = f.facts.environment && f.facts.lit_items + f.facts.blend_lit_items > 0 &&
-                        f.request.wants_true(ShadeForward::shading_effect);
+  f.facts.image_light =
+      f.facts.environment && f.facts.lit_items + f.facts.blend_lit_items > 0 && f.request.wants_true("ibl");
+  if (f.request.draws_probes() && !f.request.neutral_light && f.facts.lit_items + f.facts.blend_lit_items > 0)
+    f.facts.probes = uint32_t(f.request.look.probes.size());
   const float floor_lux = knobs->get<LightRangeKnobs>().floor_lux;
   const uint32_t bounded = apply_light_floor(f.data.lights, floor_lux);
   if (bounded > 0)
@@ -237,6 +255,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.draws = make_draw_list(context.scene, f.pose, f.data);
   const AmbientSh ambient = f.sky ? f.sky.ambient() : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
+  place_probes(std::span(f.request.look.probes).first(f.facts.probes), f.view, f.upload.constants.probes);
   f.animate_ms = ms_since(start);
 
   start = Clock::now();
@@ -336,8 +355,8 @@ std::vector<std::string> effect_names() {
     if constexpr (IsEffect<P>)
       if (std::find(names.begin(), names.end(), P::effect) == names.end()) names.emplace_back(P::effect);
     if constexpr (ShadesEffect<P>)
-      if (std::find(names.begin(), names.end(), P::shading_effect) == names.end())
-        names.emplace_back(P::shading_effect);
+      for (const std::string_view effect : P::shading_effects)
+        if (std::find(names.begin(), names.end(), effect) == names.end()) names.emplace_back(effect);
   });
   return names;
 }

@@ -14,6 +14,7 @@
 #include "graph/builder.h"
 #include "passes/lights/light_grid.h"
 #include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
@@ -45,6 +46,7 @@ struct PlannedFrame {
   TracedRays traced;                              // without handles
   TextureKnobs textures;
   IblKnobs image_light;
+  ProbeKnobs probes;
   FrameSky sky;
   CompiledGraph graph;
   // Of the plan without dumps, and as if nothing were kept from other frames: what is the same picture has the same.
@@ -72,6 +74,7 @@ struct PlanContext {
   const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
   // Asked once for each image that the frame could keep; empty: nothing is kept.
   std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
+  const View* face = nullptr;  // of a reflection probe's image, which takes the place of the job's camera
   std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
 };
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,

@@ -10,16 +10,21 @@ Expected<Scene> load_scene(const Job& job, LoadFor use) {
   return scene;
 }
 
-Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m) {
+Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m,
+                                const View* given) {
   const auto animations = choose_animations(scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   PosedScene out;
   out.pose = evaluate_pose(scene, *animations, time_s);
-  const DAabb bounds = world_bounds(scene, out.pose);
-  auto view = make_view(scene, out.pose, job.camera, job.width_px, job.height_px, bounds);
-  if (!view) return std::unexpected(view.error());
-  out.view = std::move(*view);
-  place_probe(scene, out.pose, out.view, bounds);
+  if (given) {
+    out.view = *given;
+  } else {
+    const DAabb bounds = world_bounds(scene, out.pose);
+    auto view = make_view(scene, out.pose, job.camera, job.width_px, job.height_px, bounds);
+    if (!view) return std::unexpected(view.error());
+    out.view = std::move(*view);
+    place_probe(scene, out.pose, out.view, bounds);
+  }
   out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m);
   return out;
 }

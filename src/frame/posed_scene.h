@@ -14,7 +14,8 @@ struct PosedScene {
   View view;
   FrameData data;
 };
-// lamp_radius_m: of lamps that say nothing of their own size.
-Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0);
+// lamp_radius_m: of lamps that say nothing of their own size. view: instead of the job's, and without its probe.
+Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0,
+                                const View* view = nullptr);
 
 }  // namespace candela

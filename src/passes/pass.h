@@ -77,10 +77,10 @@ concept IsEffect = requires {
   { P::effect } -> std::convertible_to<std::string_view>;
 };
 
-// An effect that is no pass but another way of its shading.
+// Effects that are no passes but other ways of its shading.
 template <class P>
 concept ShadesEffect = requires {
-  { P::shading_effect } -> std::convertible_to<std::string_view>;
+  {std::span<const std::string_view>(P::shading_effects)};
 };
 
 // Numbers that it counts for the host: Report is a struct of 32-bit words, Out::report a buffer of its size with memory

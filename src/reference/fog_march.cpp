@@ -314,7 +314,11 @@ glm::dvec3 Integrator::fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 
     }
   };
   for (const uint32_t index : world_.directional()) follow_all(index);
-  const LampsAlongRay lamps(world_, which, origin, direction, all.span());
+  const LampsAlongRay lamps(world_, origin, direction, all.span(), g,
+                            [&](double at_m, glm::dvec3 position, glm::dvec3 l, double distance_m) {
+                              return world_.through_fog(origin, direction, at_m) *
+                                     world_.through_fog(position, l, distance_m) * medium.density(position);
+                            });
   static thread_local std::vector<uint32_t> reaching;
   const size_t most = settings_.fog_lights > 0 ? size_t(settings_.fog_lights) : world_.punctual_lights().size();
   if (lamps.reaching(most, reaching)) {

@@ -61,8 +61,14 @@ Span lit_part(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 directio
   return {cone.begin_m + nearest_m, cone.end_m + nearest_m};
 }
 
-LampsAlongRay::LampsAlongRay(const World& world, size_t medium, glm::dvec3 origin, glm::dvec3 direction, Span span)
-    : world_(world), medium_(world.media()[medium]), origin_(origin), direction_(direction), span_(span) {}
+LampsAlongRay::LampsAlongRay(const World& world, glm::dvec3 origin, glm::dvec3 direction, Span span, double anisotropy,
+                             Left left)
+    : world_(world),
+      origin_(origin),
+      direction_(direction),
+      span_(span),
+      anisotropy_(anisotropy),
+      left_(std::move(left)) {}
 
 const PunctualLight& LampsAlongRay::lamp_of(const LightTree::Node& leaf) const {
   return world_.punctual_lights()[world_.tree_punctual()[leaf.light]];
@@ -103,7 +109,7 @@ bool LampsAlongRay::reaching(size_t most, std::vector<uint32_t>& lights) const {
   return true;
 }
 
-// The light of one lamp along the ray, what stands in its way aside, over the scattering coefficient.
+// The light of one lamp along the ray, what stands in its way aside, over what is the same for all.
 double LampsAlongRay::of_lamp(const PunctualLight& light) const {
   const Span lit = lit_part(light, origin_, direction_, span_);
   if (lit.empty()) return 0;
@@ -118,10 +124,9 @@ double LampsAlongRay::of_lamp(const PunctualLight& light) const {
     if (!std::isfinite(at)) continue;
     const glm::dvec3 p = origin_ + at * direction_;
     const Arrival a = arriving(light, p);
-    const glm::dvec3 left =
-        world_.through_fog(origin_, direction_, at) * world_.through_fog(p, a.l, a.distance_m) * medium_.density(p);
+    const glm::dvec3 left = left_(at, p, a.l, a.distance_m);
     shapeless += plain * largest(left) / places;
-    sum += luminance(a.illuminance * left) * henyey_greenstein(glm::dot(a.l, direction_), medium_.anisotropy()) /
+    sum += luminance(a.illuminance * left) * henyey_greenstein(glm::dot(a.l, direction_), anisotropy_) /
            (angles.density(at) * places);
   }
   return sum + without_shape * shapeless + without_fog * plain;
@@ -151,13 +156,12 @@ double LampsAlongRay::importance(const LightTree::Node& node) const {
   const glm::dvec3 p = origin_ + (nearest_m + middle) * direction_, to_light = node.centre - p;
   const double distance_m = glm::length(to_light);
   const glm::dvec3 l = distance_m > 0 ? to_light / distance_m : -direction_;
-  const double clear =
-      largest(world_.through_fog(origin_, direction_, std::max(nearest_m + middle - node.radius, 0.0)) *
-              world_.through_fog(p, l, std::max(distance_m - node.radius, 0.0)));
-  const double phase = 0.5 + 0.5 * 4 * pi *
-                                 henyey_greenstein(glm::dot(l, direction_) * distance_m / (distance_m + node.radius),
-                                                   medium_.anisotropy());
-  return plain * (clear * phase * medium_.density(p) + without_fog);
+  const double left =
+      largest(left_(std::max(nearest_m + middle - node.radius, 0.0), p, l, std::max(distance_m - node.radius, 0.0)));
+  const double phase =
+      0.5 +
+      0.5 * 4 * pi * henyey_greenstein(glm::dot(l, direction_) * distance_m / (distance_m + node.radius), anisotropy_);
+  return plain * (left * phase + without_fog);
 }
 
 LampsAlongRay::Cluster LampsAlongRay::cluster(int index) const {

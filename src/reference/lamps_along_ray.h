@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -13,8 +14,8 @@ namespace candela::reference {
 // Empty: none of it.
 Span lit_part(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 direction, Span span);
 
-// Point lights and spots as they light a ray's way through one of the world's media: which ones reach it, and points
-// among them all, each light as likely as its unhindered light along the ray is strong.
+// Point lights and spots as they light the air along a ray: which ones reach it, and points among them all, each light
+// as likely as its unhindered light along the ray is strong.
 //
 // The tree of lights is taken apart where clusters are strong for their distance (Conty Estévez and Kulla, "Importance
 // Sampling of Many Lights with Adaptive Tree Splitting", 2018), into about as many clusters as points are wanted, so
@@ -24,7 +25,10 @@ Span lit_part(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 directio
 // Neither knows what stands in the light's way. No light that can reach the ray has a share of 0.
 class LampsAlongRay {
  public:
-  LampsAlongRay(const World& world, size_t medium, glm::dvec3 origin, glm::dvec3 direction, Span span);
+  // What of a lamp's light a metre of the ray sends on to its origin, the phase function aside: at `at_m` on the ray,
+  // where it comes from unit direction l and a distance.
+  using Left = std::function<glm::dvec3(double at_m, glm::dvec3 position, glm::dvec3 l, double distance_m)>;
+  LampsAlongRay(const World& world, glm::dvec3 origin, glm::dvec3 direction, Span span, double anisotropy, Left left);
 
   // Those that reach the ray, ascending indices into World::punctual_lights(); false and no more than `most` of them
   // where there are more.
@@ -61,9 +65,10 @@ class LampsAlongRay {
   void share_out(int node, Part part, double begin, double width, std::vector<Point>& chosen) const;
 
   const World& world_;
-  const Medium& medium_;
   glm::dvec3 origin_, direction_;
   Span span_;
+  double anisotropy_;
+  Left left_;
 };
 
 }  // namespace candela::reference

@@ -1,10 +1,12 @@
 // The look's light of lamps in the air (scene/look.h, Volumetric), in both modes: every lamp's integral along the
 // camera ray up to the first opaque or masked surface, at fog_steps points that are equi-angular about the lamp, in
-// strata that share a random offset, with traced shadows.
+// strata that share a random offset, with traced shadows. Where more than fog_lights lamps reach the ray, all share the
+// points of so many (lamps_along_ray.h).
 #include <cmath>
 
 #include "reference/equi_angular.h"
 #include "reference/integrator.h"
+#include "reference/lamps_along_ray.h"
 #include "reference/visibility.h"
 
 namespace candela::reference {
@@ -27,33 +29,52 @@ glm::dvec3 Integrator::volumetric_light(glm::dvec3 origin, glm::dvec3 direction,
   const double first_offset = stream.next();
   const glm::dvec2 on_disc = stream.next2();
   glm::dvec3 sum(0);
-  uint32_t number = 0, place = 0;
-  for (const PunctualLight& light : world_.punctual_lights()) {
-    double offset = first_offset + 0.6180339887498949 * number++;
-    offset -= std::floor(offset);
-    if (light.type == LightType::directional) continue;
+  uint32_t place = 0;
+  const Span all{0, tau > 0 ? std::min(end_m, deepest / tau) : end_m};
+  if (all.empty()) return sum;
+  // A point of a lamp's light, of so many.
+  const auto follow = [&](const PunctualLight& light, const EquiAngular& angles, double points, double u) {
+    const double at = angles.distance_at(u);
+    const double density = angles.density(at) * points;
+    if (!std::isfinite(at) || !(density > 0)) return;
+    const glm::dvec3 position = origin + direction * at;
+    const Arrival a = arriving(light, position, own_place(on_disc, place++));
+    if (a.illuminance == glm::dvec3(0)) return;
+    const double share = glm::distance(position, light.position) / light.range_m,
+                 fourth = share * share * share * share;
+    const double scattered = look.by_attenuation ? std::max(1 - fourth, 0.0) : tau;
+    const double factor = look.phi * scattered * henyey_greenstein(glm::dot(a.l, direction), look.anisotropy) *
+                          std::exp(-tau * (at + a.distance_m)) / density;
+    if (!(factor > 0)) return;
+    sum += a.illuminance * factor *
+           (settings_.visibility ? transmittance(world_, {position, {}, 0}, a.l, a.distance_m, nullptr, true) : 1.0);
+  };
+  const auto angles_of = [&](const PunctualLight& light) {
     EquiAngular angles(origin, direction, light.position);
-    const Span near = angles.within(light.range_m);
-    Span span{std::max(near.begin_m, 0.0), std::min(near.end_m, end_m)};
-    if (tau > 0) span.end_m = std::min(span.end_m, deepest / tau);
-    if (span.empty()) continue;
-    angles.limit(span);
-    for (int j = 0; j < steps; ++j) {
-      const double at = angles.distance_at((j + (j % 2 == 0 ? offset : 1 - offset)) / steps);
-      const double density = angles.density(at) * steps;
-      if (!std::isfinite(at) || !(density > 0)) continue;
-      const glm::dvec3 position = origin + direction * at;
-      const Arrival a = arriving(light, position, own_place(on_disc, place++));
-      if (a.illuminance == glm::dvec3(0)) continue;
-      const double share = glm::distance(position, light.position) / light.range_m,
-                   fourth = share * share * share * share;
-      const double scattered = look.by_attenuation ? std::max(1 - fourth, 0.0) : tau;
-      const double factor = look.phi * scattered * henyey_greenstein(glm::dot(a.l, direction), look.anisotropy) *
-                            std::exp(-tau * (at + a.distance_m)) / density;
-      if (!(factor > 0)) continue;
-      sum += a.illuminance * factor *
-             (settings_.visibility ? transmittance(world_, {position, {}, 0}, a.l, a.distance_m, nullptr, true) : 1.0);
+    angles.limit(lit_part(light, origin, direction, all));
+    return angles;
+  };
+  const LampsAlongRay lamps(world_, origin, direction, all, look.anisotropy,
+                            [&](double at_m, glm::dvec3, glm::dvec3, double distance_m) {
+                              return glm::dvec3(std::exp(-tau * (at_m + distance_m)));
+                            });
+  static thread_local std::vector<uint32_t> reaching;
+  const size_t most = settings_.fog_lights > 0 ? size_t(settings_.fog_lights) : world_.punctual_lights().size();
+  if (lamps.reaching(most, reaching)) {
+    for (const uint32_t index : reaching) {
+      const PunctualLight& light = world_.punctual_lights()[index];
+      const EquiAngular angles = angles_of(light);
+      double offset = first_offset + 0.6180339887498949 * index;
+      offset -= std::floor(offset);
+      for (int j = 0; j < steps; ++j) follow(light, angles, steps, (j + (j % 2 == 0 ? offset : 1 - offset)) / steps);
     }
+    return sum;
+  }
+  static thread_local std::vector<LampsAlongRay::Point> chosen;
+  lamps.choose(steps * settings_.fog_lights, first_offset, chosen);
+  for (const LampsAlongRay::Point& p : chosen) {
+    const PunctualLight& light = world_.punctual_lights()[p.light];
+    follow(light, angles_of(light), p.expected, p.u);
   }
   return sum;
 }

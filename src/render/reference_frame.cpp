@@ -91,7 +91,7 @@ Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double 
   input.more_fog = look->more_fog;
   input.volumetric = look->volumetric;
   input.occlusion = look->occlusion;
-  input.reflections = look->reflections.has_value();
+  input.reflections = look->reflections.has_value() || !look->probes.empty();
   if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
   if (const FrameSky sky = job_sky->at(*look, frame->data, frame->notes)) {
     add_sky_sun(sky, frame->data);

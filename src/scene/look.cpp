@@ -328,9 +328,9 @@ Row<Look> shadows_row() {
 }
 
 const Rows<Look>& look_table() {
-  static const Rows<Look> rows = {fog_row(),     sun_row(),        lights_row(),     sky_row(),
-                                  bloom_row(),   occlusion_row(),  exposure_row(),   tone_row(),
-                                  shadows_row(), volumetric_row(), reflections_row()};
+  static const Rows<Look> rows = {fog_row(),     sun_row(),        lights_row(),      sky_row(),
+                                  bloom_row(),   occlusion_row(),  exposure_row(),    tone_row(),
+                                  shadows_row(), volumetric_row(), reflections_row(), probes_row()};
   return rows;
 }
 
@@ -338,6 +338,8 @@ Expected<Look> look_at(const std::string& text, const std::string& place, double
   auto j = read_json(text, place);
   if (!j) return std::unexpected(j.error());
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
+  if (j->contains("probes"))
+    if (auto fixed = check_fixed((*j)["probes"], place + ": /probes"); !fixed) return std::unexpected(fixed.error());
   if (auto evaluated = evaluate(*j, place + ": ", time_s, times); !evaluated) return std::unexpected(evaluated.error());
   Look look;
   if (auto read = read_rows(*j, place + ": ", look_table(), look); !read) return std::unexpected(read.error());
@@ -374,6 +376,7 @@ std::vector<std::string> switched_on(const Look& look) {
   add(look.bloom.has_value(), "bloom");
   add(look.occlusion.has_value(), "occlusion");
   add(look.reflections.has_value(), "reflections");
+  add(!look.probes.empty(), "reflection probes");
   add(!look.shadows.lights.empty(), "lights marked for shadows");
   add(look.exposure.ev.has_value(), "exposure");
   add(look.exposure.automatic.has_value(), "automatic exposure");

@@ -150,6 +150,15 @@ struct Volumetric {
 // from there, that of lamps and sky alone, in the place of the sky's. One reflection.
 struct ReflectionLook {};
 
+// An image of the scene about a point, taken once, that surfaces in the box reflect instead of the sky, as if what is
+// seen lay on the box's faces. World space, metres. The same for all times of a look.
+struct ReflectionProbe {
+  glm::dvec3 position{0}, lowest{0}, highest{0};
+  double fade_m = 0.1;  // outside the box, over which the light gives way to what there is without
+  double time_s = 0;    // of the scene that it shows
+};
+inline constexpr size_t most_reflection_probes = 8;
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
@@ -164,6 +173,7 @@ struct Look {
   ToneMapping tone_mapping;
   ShadowLook shadows;
   std::optional<Volumetric> volumetric;
+  std::vector<ReflectionProbe> probes;  // smaller boxes first, which go before larger ones
 };
 // How many media there are to sum; 0 where the one that there is has closed forms, which know no turned box.
 inline size_t summed_fog(const Look& look) {
@@ -210,6 +220,7 @@ struct LookKey {
   bool above_low = false;            // low itself is outside
   size_t least = 0, most = 0;        // of numbers: how many
   std::vector<std::string> choices;  // of text
+  bool fixed = false;                // the same at all times
   std::vector<LookKey> keys;         // of object, and of each of objects
 };
 const std::vector<LookKey>& look_keys();

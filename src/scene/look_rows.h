@@ -140,6 +140,9 @@ Row<T> objects_row(std::string name, size_t most, const Rows<Part>& rows,
 
 Row<Look> fog_row();  // look_fog.cpp
 Row<Look> volumetric_row();
+Row<Look> probes_row();  // look_probes.cpp
+// Keys over time in it are an error (input): it says what does not change.
+Expected<void> check_fixed(const Json& j, const std::string& place);
 
 // {"keys": ...} anywhere in it gives way to its value at a time. times: of all keys, where they are wanted.
 Expected<void> evaluate(Json& j, const std::string& place, double time_s, std::vector<double>* times);

@@ -41,8 +41,9 @@ Json schema_of(const LookKey& key) {
     case LookKey::Kind::objects:
       return {{"type", "array"}, {"items", object_schema(key.keys)}, {"maxItems", key.most}};
     case LookKey::Kind::number:
-      return over_time(number_schema(key));
+      return key.fixed ? number_schema(key) : over_time(number_schema(key));
     case LookKey::Kind::numbers:
+      if (key.fixed) return list_schema(number_schema(key), key.least, key.most);
       return over_time(list_schema(number_schema(key), key.least, key.most));
     case LookKey::Kind::color:
       return over_time({{"anyOf", Json::array({number_schema(key), list_schema(number_schema(key), 3, 3)})}});

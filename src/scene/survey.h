@@ -25,6 +25,7 @@ struct SceneFacts {
   bool emissive = false;     // a visible material emits
   bool environment = false;  // a sky image is given
   bool image_light = false;  // surfaces reflect it, not only its spherical harmonics
+  uint32_t probes = 0;       // reflection probes that surfaces reflect
   bool perspective = true;
   bool any_normal_texture = false, any_base_texture = false, any_orm_texture = false, any_occlusion_texture = false,
        any_emissive_texture = false, any_specular_texture = false, any_vertex_color = false, any_uv1 = false,
@@ -76,6 +77,7 @@ struct FrameRequest {
     return has_layer(name) || (name == "emission" && look.bloom && look.bloom->of_emission && draws_bloom());
   }
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
+  bool draws_probes() const { return !look.probes.empty() && wants_looked("probes", true); }
   bool draws_volumetric() const { return look.volumetric && wants_looked("volumetric", true); }
   bool has_layer(std::string_view name) const {
     for (const std::string& l : layers)

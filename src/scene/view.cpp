@@ -247,6 +247,19 @@ Expected<void> check_request(const CameraRequest& request, ImageSize size) {
 
 }  // namespace
 
+View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m) {
+  glm::dvec3 back(0);
+  back[face / 2] = face % 2 == 0 ? -1 : 1;
+  const glm::dvec3 up = face / 2 == 1 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+  View view;
+  place(view, position, glm::dmat3(glm::cross(up, back), up, back));
+  view.tan_x = view.tan_y = tan_half;
+  view.near_m = near_m;
+  view.clip_from_view = perspective_reversed_infinite(tan_half, tan_half, near_m);
+  view.name = fmt::format("face {} of a cube", face);
+  return finished(std::move(view));
+}
+
 Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
                          int height_px, const DAabb& bounds) {
   const ImageSize size{width_px, height_px};

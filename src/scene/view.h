@@ -34,4 +34,7 @@ struct View {
 Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
                          int height_px, const DAabb& bounds);
 
+// One of the six square views about a point: along +X, -X, +Y, -Y, +Z, -Z. tan_half: tangent of the half angle.
+View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m);
+
 }  // namespace candela

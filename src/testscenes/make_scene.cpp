@@ -43,6 +43,7 @@ constexpr SceneEntry table[] = {
     {"normal-mapped", "normal maps without tangents, straight and mirrored", make_normal_mapped},
     {"orthographic", "boxes under an orthographic camera", make_orthographic},
     {"primitive-modes", "all primitive modes, with vertex colours", make_primitive_modes},
+    {"room", "a closed room with a polished floor, walls of different colours and balls of metal", make_room, 0, false},
     {"skinned", "a bending tube with three joints", make_skinned},
     {"spheres", "metallic by roughness, under directional, point and spot lights", make_spheres},
     {"street", "a city at night that grows with its lights: street lamps, cars, windows and signs", make_street,

@@ -28,6 +28,7 @@ void make_orthographic(GlbWriter& out, SceneOptions& options);
 void make_animation_pointer(GlbWriter& out, SceneOptions& options);
 
 void make_cave(GlbWriter& out, SceneOptions& options);
+void make_room(GlbWriter& out, SceneOptions& options);
 void make_animated(GlbWriter& out, SceneOptions& options);
 
 void make_street(GlbWriter& out, SceneOptions& options);

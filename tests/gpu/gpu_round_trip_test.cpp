@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
                       shape<shared::CullGroup>("CullGroup", 6), shape<shared::DrawCommand>("DrawCommand", 7),
                       shape<shared::DeformJob>("DeformJob", 8), shape<shared::ImageLight>("ImageLight", 9),
                       shape<shared::SkySlice>("SkySlice", 10), shape<shared::SkyLight>("SkyLight", 11),
-                      shape<shared::FogMedium>("FogMedium", 12)),
+                      shape<shared::FogMedium>("FogMedium", 12), shape<shared::ProbeLights>("ProbeLights", 13)),
     [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace candela::gpu::test

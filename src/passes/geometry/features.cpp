@@ -26,7 +26,8 @@ SpecConstant constant(Feature f, uint32_t value = 1) {
                                       "HAS_SKY_IRRADIANCE",
                                       "HAS_LAMP_SHADOWS",
                                       "RAY_STACK",
-                                      "RAYS_MEET_BLENDED"};
+                                      "RAYS_MEET_BLENDED",
+                                      "PROBE_COUNT"};
   return {uint32_t(f), names[uint32_t(f)], value};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -95,6 +96,8 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map)
   if (irradiance_map) list.push_back(constant(Feature::sky_irradiance));
   return list;
 }
+
+SpecConstant probes_constant(uint32_t count) { return constant(Feature::probe_count, count); }
 
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features) {
   features.push_back(constant(Feature::subsample));

@@ -30,13 +30,16 @@ enum class Feature : uint32_t {
   lamp_shadows,
   ray_stack,
   rays_meet_blended,
+  probe_count,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
 std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient);
 // What the surfaces of a frame with image-based light need besides (passes/surfaces/ibl_knobs.h).
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map);
-// The same for a picture that is one of a supersampled frame's.
+// Of a frame with that many reflection probes, at least one.
+SpecConstant probes_constant(uint32_t count);
+// Scene-wide constants for a picture that is one of a supersampled frame's.
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // Of a pass that shades under lights with shadow maps.
 SpecConstant sun_shadows_constant(bool traced, bool soft);

@@ -3,6 +3,7 @@
 #include "passes/pass.h"
 #include "passes/reflections/reflected.h"
 #include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -38,7 +39,7 @@ struct Reflections {
     float roughest = 0.7f;
     static std::span<const Knob<Knobs>> table();
   };
-  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs>;
+  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -2,6 +2,7 @@
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
 #include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -17,9 +18,9 @@ namespace candela {
 template <bool lit>
 struct SurfacePass {
   static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";
-  using SharedKnobs =
-      std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>, std::tuple<TextureKnobs>>;
-  static constexpr std::string_view shading_effect = "ibl";  // image-based light
+  using SharedKnobs = std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>,
+                                         std::tuple<TextureKnobs>>;
+  static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};  // image-based light
   struct In {
     SceneInputs scene;
     Draws draws;

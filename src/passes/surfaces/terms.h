@@ -5,6 +5,7 @@
 #include "passes/pass.h"
 #include "passes/reflections/reflected.h"
 #include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -34,7 +35,7 @@ struct Terms {
   static constexpr LayerName layers[term_count] = {{"direct.sun"},      {"direct.point"},     {"direct.spot"},
                                                    {"ambient.diffuse"}, {"ambient.specular"}, {"emission"},
                                                    {"background"},      {"reflections"}};
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

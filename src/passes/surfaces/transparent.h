@@ -2,6 +2,7 @@
 #include "passes/geometry/draw_runs.h"
 #include "passes/pass.h"
 #include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -11,7 +12,7 @@ namespace candela {
 // triangles of one section among themselves, blend in the wrong order.
 struct Transparent {
   static constexpr std::string_view name = "transparent";
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

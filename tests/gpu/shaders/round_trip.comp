@@ -69,6 +69,13 @@ void put_image_light(ImageLight v) {
   put(v.slices); put(v.lights); put(v.texture); put(v.irradiance_texture); put(v.lobe_texture); put(v.clamp_sampler);
   put(v.light_count); put(v.pixel_samples); put(v.irradiance_uv); put(v.rest_px);
 }
+void put_probes(ProbeLights v) {
+  put(v.slices); put(v.lobe_texture); put(v.clamp_sampler);
+  for (uint i = 0u; i < most_probes; ++i) {
+    const Probe p = v.probe[i];
+    put(p.position); put(p.texture); put(p.lowest); put(p.fade_m); put(p.highest); put(p.unused);
+  }
+}
 void put_sky_slice(SkySlice v) { put(v.offset); put(v.scale); }
 void put_sky_light(SkyLight v) { put(v.direction); put(v.illuminance); }
 void put_group(CullGroup v) { put(v.first_item); put(v.item_count); put(v.run); put(v.first_group); put(v.is_last); }
@@ -96,4 +103,5 @@ void main() {
   if (kind == 10u) put_sky_slice(SkySlicesRef(push.source).s[1]);
   if (kind == 11u) put_sky_light(SkyLightsRef(push.source).s[1]);
   if (kind == 12u) put_fog(FogsRef(push.source).f[1]);
+  if (kind == 13u) put_probes(ProbeLightsRef(push.source).l[1]);
 }

@@ -1,0 +1,22 @@
+#include "passes/surfaces/probe_knobs.h"
+
+namespace candela {
+
+std::span<const Knob<ProbeKnobs>> ProbeKnobs::table() {
+  static const Knob<ProbeKnobs> rows[] = {
+      {.name = "size_px",
+       .member = &ProbeKnobs::size_px,
+       .unit = "px",
+       .lowest = 8,
+       .highest = 512,
+       .ladder = {64, 128, 256, 512},
+       .trades = "side of each of the six views that a reflection probe takes of the scene",
+       .walk = {16, 32, 64, 128, 256, 512},
+       .passes = {"shade_forward", "transparent", "terms", "reflections"}},
+  };
+  return rows;
+}
+
+bool ProbeKnobs::matter(const SceneFacts& facts) { return facts.probes > 0; }
+
+}  // namespace candela

@@ -1,0 +1,98 @@
+// Reflection probes of a look file.
+#include "scene/look_rows.h"
+
+namespace candela::look_rows {
+namespace {
+
+struct Box {
+  std::optional<glm::dvec3> lowest, highest;
+};
+struct Keys {
+  ReflectionProbe probe;
+  std::optional<glm::dvec3> position;
+  bool has_box = false;
+};
+
+template <class T>
+Row<T> point_row(std::string name, std::optional<glm::dvec3> T::*member, std::string help) {
+  LookKey key = key_of(std::move(name), LookKey::Kind::numbers, {}, std::move(help));
+  key.least = key.most = 3, key.fixed = true;
+  return {std::move(key), [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            if (!j.is_array() || j.size() != 3)
+              return wrong(place, "the value is not a list of three numbers: x, y, z");
+            glm::dvec3 point;
+            for (int c = 0; c < 3; ++c) {
+              const auto value = number(j[size_t(c)], fmt::format("{}/{}", place, c));
+              if (!value) return std::unexpected(value.error());
+              point[c] = *value;
+            }
+            into.*member = point;
+            return {};
+          }};
+}
+template <class T>
+Row<T> fixed_row(Row<T> row) {
+  row.key.fixed = true;
+  return row;
+}
+
+Expected<void> set_box(const Json&, const std::string& place, Box& box, Keys& keys) {
+  for (const auto& [corner, name] : {std::pair(&box.lowest, "min"), std::pair(&box.highest, "max")})
+    if (!*corner) return wrong(place, fmt::format("lacks {}", name));
+  for (int c = 0; c < 3; ++c)
+    if (!((*box.lowest)[c] < (*box.highest)[c]))
+      return wrong(place, fmt::format("{} of min, {}, is not below that of max, {}", "xyz"[c], (*box.lowest)[c],
+                                      (*box.highest)[c]));
+  keys.probe.lowest = *box.lowest, keys.probe.highest = *box.highest, keys.has_box = true;
+  return {};
+}
+
+Expected<void> add_probe(const Json&, const std::string& place, Keys& keys, Look& look) {
+  if (!keys.position) return wrong(place, "lacks position");
+  if (!keys.has_box) return wrong(place, "lacks box");
+  ReflectionProbe& probe = keys.probe;
+  probe.position = *keys.position;
+  for (int c = 0; c < 3; ++c)
+    if (!(probe.lowest[c] < probe.position[c] && probe.position[c] < probe.highest[c]))
+      return wrong(place + "/position", fmt::format("{} {} is not inside the box, between {} and {}", "xyz"[c],
+                                                    probe.position[c], probe.lowest[c], probe.highest[c]));
+  const auto volume = [](const ReflectionProbe& p) {
+    const glm::dvec3 size = p.highest - p.lowest;
+    return size.x * size.y * size.z;
+  };
+  const auto larger = std::upper_bound(look.probes.begin(), look.probes.end(), probe,
+                                       [&](const auto& a, const auto& b) { return volume(a) < volume(b); });
+  look.probes.insert(larger, probe);
+  return {};
+}
+
+}  // namespace
+
+Row<Look> probes_row() {
+  const Rows<Box> corners = {point_row("min", &Box::lowest, "x, y and z of the lowest corner"),
+                             point_row("max", &Box::highest, "x, y and z of the highest corner")};
+  const Rows<Keys> rows = {
+      point_row("position", &Keys::position, "metres, world: where the image is taken, inside the box"),
+      object_row<Keys, Box>(
+          "box", corners, [](Keys&) { return Box{}; }, set_box,
+          "metres, world: surfaces in it reflect the image, as if what is seen lay on its faces"),
+      fixed_row(number_row<Keys>(
+          "fade_m", above_zero(), [](Keys& k) -> double& { return k.probe.fade_m; },
+          "metres outside the box, over which the light gives way to the sky's")),
+      fixed_row(number_row<Keys>(
+          "time_s", {}, [](Keys& k) -> double& { return k.probe.time_s; }, "seconds: of the scene in the image")),
+  };
+  return objects_row<Look, Keys>("probes", most_reflection_probes, rows, add_probe,
+                                 "images of the scene about a point, which surfaces in a box reflect");
+}
+
+Expected<void> check_fixed(const Json& j, const std::string& place) {
+  if (!j.is_structured()) return {};
+  if (j.is_object() && j.contains("keys"))
+    return wrong(place, "the value has keys over time; probes are the same at all times");
+  for (const auto& [key, value] : j.items())
+    if (auto fixed = check_fixed(value, place + "/" + key); !fixed) return fixed;
+  return {};
+}
+
+}  // namespace candela::look_rows

@@ -1,6 +1,8 @@
 #include "render/outputs.h"
 
+#include <array>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
@@ -127,17 +129,47 @@ void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputIm
     channel.f.resize(count);
   }
   const float scale = carries_exposure(output.layer) ? float(1.0 / frame.pre_exposure) : 1.0f;
+  std::array<float*, 4> planes{};
+  for (size_t c = 0; c < names.size(); ++c) planes[c] = image.channels[first + c].f.data();
+  const size_t components = names.size();
+  const float most = as_float ? std::numeric_limits<float>::max() : 65504;
   for (size_t i = 0; i < count; ++i) {
     bool finite = true;
-    for (size_t c = 0; c < names.size(); ++c) {
+    for (size_t c = 0; c < components; ++c) {
       const float value = read(i, int(c));
       finite = finite && std::isfinite(value);
       const float stored = c == 3 ? value : value * scale;  // alpha carries no light
-      image.channels[first + c].f[i] = stored;
-      if (!as_float && std::isfinite(stored) && std::abs(stored) > 65504) ++nonfinite.clamped;
+      planes[c][i] = stored;
+      if (std::abs(stored) > most && std::isfinite(stored)) ++nonfinite.clamped;
     }
     if (!finite) count_nonfinite(frame, output.layer, i, nonfinite);
   }
+}
+
+// False where all samples, those of unused components too, are finite: seen by their exponents, many at a time.
+bool may_hold_nonfinite(const FrameResult& frame, const OutputImage& output) {
+  if (output.format == VK_FORMAT_R32_UINT) return false;
+  const std::span<const std::byte> all = readback_bytes(frame, output);
+  const size_t size = size_t(frame.width_px) * size_t(frame.height_px) * format_bytes(output.format);
+  const auto any = [&]<class Word>(Word exponent) {
+    constexpr size_t block = 1024;
+    for (size_t at = 0; at < size; at += block) {
+      std::array<Word, block / sizeof(Word)> words{};
+      std::memcpy(words.data(), all.data() + at, std::min(block, size - at));
+      Word found = 0;
+      for (const Word word : words) found |= Word((word & exponent) == exponent);
+      if (found) return true;
+    }
+    return false;
+  };
+  return output.format == VK_FORMAT_R16G16B16A16_SFLOAT ? any(uint16_t(0x7c00)) : any(uint32_t(0x7f800000));
+}
+
+// Whether the file of all layers has to be made to tell which pixels are not finite. Background depth is infinite.
+bool may_hold_nonfinite(const FrameResult& frame) {
+  return std::ranges::any_of(frame.outputs, [&](const OutputImage& output) {
+    return output.layer != "display" && may_hold_nonfinite(frame, output);
+  });
 }
 
 void add_metadata(FloatImage& image, const FrameResult& frame, const Job& job, const Session& session,
@@ -260,7 +292,8 @@ Expected<PreparedOutputs> prepare_outputs(FrameResult& frame, const Job& job, co
   {
     StageTimer timer(frame.timings, "read_back", "encode");
     NonFinite nonfinite;
-    if (any_exr || !job.allow_nonfinite) linear = linear_image(frame, job, session, frame_number, rate, nonfinite);
+    if (any_exr || (!job.allow_nonfinite && may_hold_nonfinite(frame)))
+      linear = linear_image(frame, job, session, frame_number, rate, nonfinite);
     if (nonfinite.count > 0 && !job.allow_nonfinite)
       return fail(ErrorKind::nonfinite, "",
                   "{} pixels are not finite, the first at x {}, y {} of layer {}; nothing was written", nonfinite.count,

@@ -410,7 +410,7 @@ TEST_F(FrameProbes, ComeNearTheTracedLight) {
     const double without = error(std::vector<glm::vec4>(size_t(width) * height, glm::vec4(0)));
     fmt::print("roughness {}: relMSE without {:.4f}; by size {:.5f}\n", roughness, without, fmt::join(errors, " "));
     EXPECT_GT(without, 0.8);
-    EXPECT_LT(errors.back(), 0.02);
+    EXPECT_LT(errors.back(), 0.002);  // 0.0028 of the rough ball with slices as wide as the lobe whatever the distances
     EXPECT_LE(errors[1], errors[0]);
     EXPECT_LE(errors[2], 1.05 * errors[1]);
   }

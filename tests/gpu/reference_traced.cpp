@@ -46,13 +46,14 @@ class ReferenceTraced : public ReferenceShadows {
   static ShadowAgreement lamps(const Job& job) {
     return compared(traced(job), "shadow.lamps", &reference::World::tree_punctual);
   }
-  static void expect_exact(const ShadowAgreement& a) {
+  // most_wrong: at outlines and in holes of masks, where the two see different surfaces (docs/shadows.md).
+  static void expect_exact(const ShadowAgreement& a, size_t most_wrong = 0) {
     fmt::print("{} wrong, {} of them where both see the same surface, as {} points do\n", a.acne + a.detached,
                a.wrong_inside, a.same_surface);
     EXPECT_GT(a.same_surface, a.facing * 9 / 10);
     EXPECT_GT(a.in_shadow, a.facing / 60);
     EXPECT_EQ(a.wrong_inside, 0u);
-    EXPECT_LT(a.acne + a.detached, a.facing / 100 + 1);
+    EXPECT_LE(a.acne + a.detached, most_wrong);
   }
   static std::string street(int lights) {
     const auto bytes = make_scene_bytes("street", 1, lights);
@@ -83,9 +84,9 @@ TEST_F(ReferenceTraced, SponzaUnderASunAndUnderALamp) {
                           {{"rotation", rotation_between({0, 0, -1}, {0.25, -1, 0.35})}}),
                     160, 90);
   look(job, {-9, 1.5, 0}, {0, 2, 0}, 60);
-  expect_exact(suns(job));
+  expect_exact(suns(job), 30);
   job.scene = under(file, *bytes, {{"type", "point"}, {"intensity", 500}}, {{"translation", {-1, 2.5, 0.3}}});
-  expect_exact(lamps(job));
+  expect_exact(lamps(job), 48);
 }
 
 // A card of leaves before a wall: holes of masks let light through, and blended glass a part of it.

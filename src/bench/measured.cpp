@@ -174,9 +174,12 @@ void Measured::close() {
 
 uint64_t Measured::device_bytes() const { return session_ ? session_->device().memory_use().peak : 0; }
 
-bool Measured::fits_in_memory(uint64_t others_bytes) const {
+bool Measured::fits_beside(int others, uint64_t others_bytes) const {
   if (!session_) return true;
   const gpu::DeviceInfo& device = session_->device().info();
+  // Each session has a VkDevice of its own. NVIDIA's driver 580 ends the process at about the fiftieth.
+  constexpr int most_devices = 32;
+  if (!device.is_cpu && others >= most_devices) return false;
   // A quarter stays free for what is opened next and for what else runs.
   const auto [available, total] = main_memory();
   if (available < total / 4) return false;

@@ -30,8 +30,8 @@ class Measured {
   bool can_sample() const { return row.error.empty() && row.left_out.empty(); }
   bool wants_sample() const;
   bool lacks_runs() const;  // fewer than the least number
-  // Whether this session may stay open beside others that hold so many bytes of the device.
-  bool fits_in_memory(uint64_t others_bytes) const;
+  // Whether this session may stay open beside so many others, which hold so many bytes of the device.
+  bool fits_beside(int others, uint64_t others_bytes) const;
   uint64_t device_bytes() const;
   double first_frame_ms() const { return first_frame_ms_; }
   const std::optional<Beauty>& beauty() const { return beauty_; }  // of the first frame

@@ -198,7 +198,7 @@ void SuiteRun::open_one(size_t i) {
 void SuiteRun::keep_or_close(size_t i) {
   const int most = items_[i].suite->sampling.max_sessions;
   Measured& measured = *measured_[i];
-  if (most > 0 ? open_ < most : measured.fits_in_memory(device_bytes_)) {
+  if (most > 0 ? open_ < most : measured.fits_beside(open_, device_bytes_)) {
     ++open_;
     device_bytes_ += measured.device_bytes();
   } else {
@@ -219,9 +219,10 @@ void SuiteRun::open_all() {
     keep_or_close(i);
   }
   if (reopened_ > 0)
-    result_.notes.push_back(fmt::format(
-        "{} of {} configurations were reopened for every sample: {}", reopened_, open_ + reopened_,
-        items_.front().suite->sampling.max_sessions > 0 ? "max_sessions says so" : "memory does not hold all at once"));
+    result_.notes.push_back(
+        fmt::format("{} of {} configurations were reopened for every sample: {}", reopened_, open_ + reopened_,
+                    items_.front().suite->sampling.max_sessions > 0 ? "max_sessions says so"
+                                                                    : "the device does not hold all at once"));
 }
 
 // All that want more runs; beyond the budget only those that lack their least number.

@@ -15,7 +15,7 @@ struct SamplingRules {
   int max_runs = 64;        // the cap; a row that hit it says so
   int max_warm_up = 10;     // frames
   double warm_up_s = 2;     // no longer than this, but at least one frame
-  int max_sessions = 0;     // configurations held open at once; 0: as memory allows
+  int max_sessions = 0;     // configurations held open at once; 0: as the device allows
   uint64_t order_seed = 1;  // of the order within a round
 };
 

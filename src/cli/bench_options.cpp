@@ -175,7 +175,7 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--warm-up-s", o.warm_up_s, "Longest warm-up of a configuration")
       ->check(positive_number())
       ->type_name("SECONDS");
-  command.add_option("--max-sessions", o.max_sessions, "Configurations open at once; 0: as memory allows")
+  command.add_option("--max-sessions", o.max_sessions, "Configurations open at once; 0: as the device allows")
       ->transform(whole_number<int>())
       ->check(non_negative_number())
       ->type_name("N");

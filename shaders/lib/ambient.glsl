@@ -71,21 +71,23 @@ vec3 ambient_light(Surface s, BrdfTerms b) {
 float specular_open(float open, float n_v, float roughness) {
   return clamp(pow(clamp(n_v, 0.0, 1.0) + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
 }
-// The solid angle that two cones share, over 2 pi; half angles and the angle between their axes in radians (Oat and
-// Sander, "Ambient Aperture Lighting", 2007).
+// What two cones share of the smaller one; half angles and the angle between their axes in radians (Oat and Sander,
+// "Ambient Aperture Lighting", 2007).
 float cones_share(float a, float b, float between) {
-  const float apart = abs(a - b), all = 1.0 - cos(min(a, b));
-  return all * smoothstep(0.0, 1.0, 1.0 - clamp((between - apart) / max(a + b - apart, 1e-4), 0.0, 1.0));
+  const float apart = abs(a - b);
+  return smoothstep(0.0, 1.0, 1.0 - clamp((between - apart) / max(a + b - apart, 1e-4), 0.0, 1.0));
 }
-// The same where the mean open direction is known: what is open is a cone about it, the lobe another about the mirror
-// direction (Jimenez, Wu, Pesce, Jarabo 2016), and the share is of what the whole hemisphere leaves the lobe.
-float specular_open_about(vec3 bent, float open, vec3 normal, vec3 v, float roughness) {
+// By how much more or less of the lobe is open where what is open leans: what is open is a cone, about the mean open
+// direction against about the normal, the lobe another about the mirror direction (cones after Jimenez, Wu, Pesce,
+// Jarabo 2016). 1 where it does not lean, and towards 1 where both cones miss the lobe, of which they then say nothing.
+float open_by_leaning(vec3 bent, float open, vec3 normal, vec3 v, float roughness) {
+  const float say_nothing = 0.1;
   const vec3 mirrored = reflect(-v, normal);
   const float lobe = max(acos(exp2(-3.32193 * roughness * roughness)), 0.02);
-  const float whole = cones_share(1.5707963, lobe, acos(clamp(dot(normal, mirrored), -1.0, 1.0)));
   const float cone = acos(sqrt(clamp(1.0 - open, 0.0, 1.0)));
-  const float left = cones_share(cone, lobe, acos(clamp(dot(bent, mirrored), -1.0, 1.0)));
-  return whole > 1e-6 ? clamp(left / whole, 0.0, 1.0) : open;
+  const float upright = cones_share(cone, lobe, acos(clamp(dot(normal, mirrored), -1.0, 1.0)));
+  const float leaning = cones_share(cone, lobe, acos(clamp(dot(bent, mirrored), -1.0, 1.0)));
+  return (leaning + say_nothing) / (upright + say_nothing);
 }
 // For a shading normal: bent as far off it as the triangle's is bent.
 vec3 bent_about(vec3 normal, vec3 bent, vec3 plane_normal) {
@@ -93,9 +95,10 @@ vec3 bent_about(vec3 normal, vec3 bent, vec3 plane_normal) {
   return dot(turned, turned) > 1e-6 ? normalize(turned) : normal;
 }
 float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
-  if (OCCLUSION_IS_BENT)
-    return specular_open_about(bent_about(s.normal, o.bent, plane_normal), o.share, s.normal, v, s.roughness);
-  return specular_open(o.share, dot(s.normal, v), s.roughness);
+  const float open = specular_open(o.share, dot(s.normal, v), s.roughness);
+  if (!OCCLUSION_IS_BENT) return open;
+  const vec3 bent = bent_about(s.normal, o.bent, plane_normal);
+  return clamp(open * open_by_leaning(bent, o.share, s.normal, v, s.roughness), 0.0, 1.0);
 }
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;

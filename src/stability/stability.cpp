@@ -203,7 +203,7 @@ Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job
   for (const auto& [pass, knob] : {std::pair("sun", "samples"), {"shadows", "samples"}, {"occlusion", "rays"}})
     job.settings.push_back({pass, knob, "2"});
   job.settings.push_back({"fog", "grid", "32x18x24"});
-  job.settings.push_back({"probes", "size_px", "64"});
+  job.settings.push_back({"probes", "size_px", "16"});
   count_faults("every effect", shot(job, scene.time_s, false, "auto"), nullptr, row);
   return {};
 }

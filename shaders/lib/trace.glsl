@@ -5,8 +5,8 @@
 // in twice the precision where they are zero. Which candidates count is what src/reference/visibility.cpp says: holes
 // of masks never, backs always, what glows all over not on the way to a lamp (src/scene/glow.h).
 //
-// lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch. So numbers
-// that name nothing are 0 where they are looked up, and no table is empty.
+// lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch, and for lanes
+// that have left a loop. So every look-up stays in its table (trace_entry), and no table is empty.
 //
 // The stack has one entry a level, a node and which of its children are still to be visited, so its size is the trees'
 // real depth, and no ray needs more. Needs lib/frame.glsl, lib/bindless.glsl, and before the include TRACE_ADDRESS (of
@@ -70,12 +70,26 @@ TraceFrame trace_frame(vec3 origin, vec3 d) {
   return f;
 }
 
-uint64_t trace_table(uint begin) { return TRACE_ADDRESS + uint64_t(begin) * trace_table_align; }
+// Of an entry in the table that ends where the next begins; of the first where there is no such entry: lavapipe loads
+// for lanes of a fragment's quad that have left a loop or took no part in it, too, with whatever number they hold.
+uint64_t trace_entry(uint begin, uint end, uint64_t bytes, uint entry) {
+  const uint64_t offset = bytes * uint64_t(entry);
+  const uint64_t size = uint64_t(end - begin) * trace_table_align;
+  return TRACE_ADDRESS + uint64_t(begin) * trace_table_align + (offset + bytes <= size ? offset : 0ul);
+}
+uint64_t trace_node(TraceScene s, uint node) { return trace_entry(s.nodes, s.blocks, 224ul, node); }
+uint64_t trace_block_of(TraceScene s, uint block) { return trace_entry(s.blocks, s.triangles, 160ul, block); }
+TraceTriangle trace_triangle(TraceScene s, uint triangle) {
+  return TraceTriangleRef(trace_entry(s.triangles, s.items, 8ul, triangle)).t;
+}
 TraceItem trace_item(TraceScene s, uint item) {
-  return TraceItemRef(trace_table(s.items) + 16ul * uint64_t(item)).i;
+  return TraceItemRef(trace_entry(s.items, s.instances, 16ul, item)).i;
 }
 TraceInstance trace_instance(TraceScene s, uint instance) {
-  return TraceInstanceRef(trace_table(s.instances) + 152ul * uint64_t(instance == no_trace ? 0u : instance)).i;
+  return TraceInstanceRef(trace_entry(s.instances, s.corners, 152ul, instance)).i;
+}
+TraceCorners trace_corners(TraceScene s, uint corners) {
+  return TraceCornersRef(trace_entry(s.corners, s.end, 36ul, corners)).c;
 }
 vec4 trace_vec4(uint64_t at) { return TraceVec4Ref(at).v; }
 
@@ -103,8 +117,7 @@ float trace_box(uint64_t node, uint child, TraceFrame f) {
 // Of the base colour at a hit: what it covers. Level 0 of the texture, as the reference reads it.
 float trace_coverage(TraceScene s, TraceItem item, uint primitive, float u, float v) {
   if ((item.flags & (trace_masked | trace_blended)) == 0u || item.first_corner == no_trace) return 1.0;
-  const uint corners = item.first_corner == no_trace ? 0u : item.first_corner + primitive;
-  const TraceCorners c = TraceCornersRef(trace_table(s.corners) + 36ul * uint64_t(corners)).c;
+  const TraceCorners c = trace_corners(s, item.first_corner + primitive);
   const vec3 weight = vec3(1.0 - u - v, u, v);
   MaterialsRef materials = MaterialsRef(frame.materials);
   float alpha = materials.m[item.material].base_color.a * dot(c.alpha, weight);
@@ -193,9 +206,7 @@ bool trace_exactly(vec2 a, vec2 b, vec2 c, vec3 z, TraceState state, inout Trace
 // The four triangles of a block. True: the search ends.
 bool trace_block(TraceScene s, uint block, uint instance, TraceFrame f, uint mode, TraceHit passed,
                  inout TraceState state) {
-  // lavapipe loads for lanes of a fragment's quad that have left the loop, too.
-  const uint64_t inside = 160ul * uint64_t(block) < uint64_t(s.triangles - s.blocks) * trace_table_align ? 1ul : 0ul;
-  const uint64_t at = trace_table(s.blocks) + inside * 160ul * uint64_t(block);
+  const uint64_t at = trace_block_of(s, block);
   vec4 x[3], y[3], z[3];
   for (int k = 0; k < 3; ++k) {
     const uint64_t corner = at + uint64_t(48 * k);
@@ -234,7 +245,7 @@ bool trace_block(TraceScene s, uint block, uint instance, TraceFrame f, uint mod
     h.place = 4u * block + lane;
     h.instance = instance;
     if (instance == no_trace) {
-      h.item = TraceTriangleRef(trace_table(s.triangles) + 8ul * uint64_t(instance == no_trace ? id[lane] : 0u)).t.item;
+      h.item = trace_triangle(s, id[lane]).item;
       const TraceItem item = trace_item(s, h.item);
       h.primitive = id[lane] - item.first;
       if ((item.flags & trace_mirrored) != 0u) h.back ^= 1u;
@@ -286,7 +297,6 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
     passed.t *= scale;
   }
   const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;
-  const uint64_t nodes = trace_table(s.nodes);
   TraceFrame f = trace_frame(ray.origin, ray.direction);
   uvec2 stack[TRACE_STACK];  // of a node: the children left, nearest lowest, three bits each, and above them how many.
                              // Of a leaf of instances: how many are left
@@ -298,7 +308,7 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
   child = child == no_trace ? 0u : child;
   while (true) {
     if ((child & trace_leaf_bit) == 0u) {
-      const uint64_t node = nodes + 224ul * uint64_t(child);
+      const uint64_t node = trace_node(s, child);
       vec4 near0, near1;
       const bvec4 met0 = trace_boxes(node, 0u, f, state.t_min, state.t_max, near0);
       const bvec4 met1 = trace_boxes(node, 1u, f, state.t_min, state.t_max, near1);
@@ -370,7 +380,7 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
         break;
       }
       const uint lane = entry.y & 7u, left = entry.y >> 24;
-      const uint64_t node = nodes + 224ul * uint64_t(entry.x);
+      const uint64_t node = trace_node(s, entry.x);
       if (left == 1u)
         --top;
       else
@@ -396,7 +406,7 @@ float trace_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 // The same bounds as Accel::surface's.
 TracePoint trace_point(TraceHit h) {
   const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;
-  const uint64_t at = trace_table(s.blocks) + 160ul * uint64_t(h.place >> 2u) + 4ul * uint64_t(h.place & 3u);
+  const uint64_t at = trace_block_of(s, h.place >> 2u) + 4ul * uint64_t(h.place & 3u);
   vec3 p[3];
   for (int k = 0; k < 3; ++k)
     for (int a = 0; a < 3; ++a) p[k][a] = TraceFloatRef(at + uint64_t(48 * k + 16 * a)).f;
@@ -422,10 +432,8 @@ TracePoint trace_point(TraceHit h) {
   const float size = length(scaled);
   point.normal = largest > 0.0 ? scaled / size * ((item.flags & trace_mirrored) != 0u ? -1.0 : 1.0) : vec3(0.0);
   if (h.instance == no_trace) {
-    const uint id = TraceUintRef(trace_table(s.blocks) + 160ul * uint64_t(h.place >> 2u) + 144ul +
-                        4ul * uint64_t(h.place & 3u)).u;
-    point.error_m =
-        TraceTriangleRef(trace_table(s.triangles) + 8ul * uint64_t(h.instance == no_trace ? id : 0u)).t.error_m;
+    const uint id = TraceUintRef(trace_block_of(s, h.place >> 2u) + 144ul + 4ul * uint64_t(h.place & 3u)).u;
+    point.error_m = trace_triangle(s, id).error_m;
     return point;
   }
   reach = max(reach, max(max(trace_largest(p[0]), trace_largest(p[1])), trace_largest(p[2])));

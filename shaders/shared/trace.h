@@ -23,6 +23,7 @@ const uint trace_asks_fronts = 1u, trace_asks_backs = 2u, trace_masked = 4u, tra
 // Where the tables begin, in units of trace_table_align bytes.
 struct TraceScene {
   uint nodes, blocks, triangles, items, instances, corners;
+  uint end;                   // of the last table
   uint world_root, top_root;  // nodes; no_trace: nothing is there
 };
 
@@ -78,7 +79,7 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 static_assert(sizeof(RaySettings) == 36);
-static_assert(sizeof(TraceScene) == 32 && sizeof(TraceNode) == 224 && sizeof(TraceBlock) == 160);
+static_assert(sizeof(TraceScene) == 36 && sizeof(TraceNode) == 224 && sizeof(TraceBlock) == 160);
 static_assert(sizeof(TraceTriangle) == 8 && sizeof(TraceItem) == 16 && sizeof(TraceInstance) == 152 &&
               sizeof(TraceCorners) == 36);
 }  // namespace candela::shared

@@ -24,8 +24,10 @@ void build_parser(CLI::App& app, Action& action) {
   add_plan(app, action);
   add_facts(app, action);
   add_compare(app, action);
+  add_sheet(app, action);
   add_golden(app, action);
   add_bench(app, action);
+  add_tune(app, action);
   add_make_scene(app, action);
   add_list(app, action);
   complete_help(app);

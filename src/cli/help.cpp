@@ -59,6 +59,8 @@ const std::map<std::string, std::string>& examples() {
       {"compare",
        "  candela compare truth.exr frame.exr --heatmap flip.png --limit flip=0.05\n"
        "  candela compare before.png after.png --html difference.html\n"},
+      {"tune", "  candela tune scene.glb --size 1920x1080 --seconds 120\n"},
+      {"sheet", "  candela sheet out/*.png -o sheet.png --columns 4\n"},
       {"bench",
        "  candela bench scene.glb --techniques clustered,forward-plus --report out\n"
        "  candela bench --error scene.glb --json rows.json\n"

@@ -25,11 +25,14 @@ Expected<int> done(Expected<void> printed) {
   return 0;
 }
 
-Expected<int> list_names(const std::vector<std::string>& names, bool json) {
+using Says = std::string_view (*)(std::string_view name);
+
+// A name and what it is on each line.
+Expected<int> list_names(const std::vector<std::string>& names, Says says, bool json) {
   if (json) return done(print_json(names));
-  std::string text;
-  for (const std::string& name : names) text += name + "\n";
-  return done(print(text));
+  std::vector<std::vector<std::string>> rows;
+  for (const std::string& name : names) rows.push_back({name, std::string(says ? says(name) : "")});
+  return done(print(table_text(rows)));
 }
 
 Expected<int> list_devices_table(const ListOptions& o) {
@@ -104,10 +107,11 @@ std::vector<std::string> generated_scenes() {
 }
 
 void add_names(CLI::App& list, Action& action, const std::shared_ptr<ListOptions>& o, const char* name,
-               const char* help, std::vector<std::string> (*names)()) {
+               const char* help, std::vector<std::string> (*names)(), Says says = nullptr) {
   CLI::App* command = list.add_subcommand(name, help);
   command->add_flag("--json", o->json, "As JSON");
-  command->callback([o, names, &action] { action = [o, names] { return list_names(names(), o->json); }; });
+  command->callback(
+      [o, names, says, &action] { action = [o, names, says] { return list_names(names(), says, o->json); }; });
 }
 
 }  // namespace
@@ -119,16 +123,17 @@ void add_list(CLI::App& app, Action& action) {
   CLI::App* devices = list->add_subcommand("devices", "Vulkan devices and whether they can be used");
   devices->add_flag("--json", o->json, "As JSON");
   devices->callback([o, &action] { action = [o] { return list_devices_table(*o); }; });
-  add_names(*list, action, o, "techniques", "Ways to make a frame (--technique)", technique_names);
+  add_names(*list, action, o, "techniques", "Ways to make a frame (--technique)", technique_names, technique_says);
   add_names(*list, action, o, "passes", "Passes, the keys of timings and knobs", pass_names);
   CLI::App* knobs = list->add_subcommand("knobs", "Knobs of all passes with their values (--set)");
   knobs->add_option("--quality", o->quality, "Values at this preset")->capture_default_str()->type_name("NAME");
   knobs->add_flag("--json", o->json, "As JSON");
   knobs->callback([o, &action] { action = [o] { return list_knobs(*o); }; });
-  add_names(*list, action, o, "layers", "EXR layers beside beauty (--layers)", layer_names);
+  add_names(*list, action, o, "layers", "EXR layers beside beauty (--layers)", layer_names, layer_says);
+  add_names(*list, action, o, "views", "What PNG and video can show (--view)", view_names, layer_says);
   CLI::App* look = list->add_subcommand("look-schema", "The JSON Schema of look files (docs/schemas)");
   look->callback([&action] { action = [] { return done(print(look_schema())); }; });
-  add_names(*list, action, o, "scenes", "Scenes that make-scene writes", generated_scenes);
+  add_names(*list, action, o, "scenes", "Scenes that make-scene writes", generated_scenes, scene_description);
 }
 
 }  // namespace candela::cli

@@ -163,6 +163,7 @@ class LayOut {
       CHECK_MSG(corners < shared::no_trace, "masked triangles");
     }
     head_.corners = tables_.place(corners * sizeof(shared::TraceCorners));
+    head_.end = tables_.place(0);
   }
 
   void fill_items() {

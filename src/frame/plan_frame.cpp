@@ -369,6 +369,20 @@ std::vector<std::string> view_names() {
   });
   return names;
 }
+std::string_view technique_says(std::string_view name) {
+  for (const Technique& t : techniques())
+    if (t.name == name) return t.description;
+  return {};
+}
+std::string_view layer_says(std::string_view name) {
+  std::string_view says;
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    if constexpr (HasLayers<P>)
+      for (const LayerName& layer : P::layers)
+        if (layer.name == name) says = layer.says;
+  });
+  return name == "beauty" ? "the picture itself" : says;
+}
 std::vector<std::string> tonemap_names() { return {tone_curve_names().begin(), tone_curve_names().end()}; }
 
 }  // namespace candela

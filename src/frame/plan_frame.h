@@ -88,6 +88,9 @@ std::vector<std::string> pass_names();
 std::vector<std::string> layer_names();
 std::vector<std::string> tonemap_names();
 std::vector<std::string> view_names();
+// A line about a technique or a layer; empty for what is none.
+std::string_view technique_says(std::string_view name);
+std::string_view layer_says(std::string_view name);
 std::vector<std::string> effect_names();
 struct KnobRow {
   std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names

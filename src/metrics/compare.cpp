@@ -114,8 +114,6 @@ double psnr(const std::vector<Plane>& a, const std::vector<Plane>& b, int width,
   return mse == 0 ? psnr_of_equal : std::min(psnr_of_equal, -10 * std::log10(mse));
 }
 
-float srgb_from_linear(float v) { return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f; }
-
 }  // namespace
 
 std::vector<std::vector<float>> display_planes(const FloatImage& image, Encoding encoding) {

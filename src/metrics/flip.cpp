@@ -55,8 +55,6 @@ Triple hunt_lab_from_linear(const Triple& rgb) {
 
 float hyab(const Triple& a, const Triple& b) { return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]); }
 
-float linear_from_srgb(float s) { return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f); }
-
 // Two weighted Gaussians a*sqrt(pi/b)*exp(-(pi x)^2/b), x in degrees: the contrast sensitivity of the eye in space.
 struct Sensitivity {
   double a1, b1, a2, b2;

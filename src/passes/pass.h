@@ -64,6 +64,7 @@ concept ChoosesQueue = requires {
 // colours with a legend (--view).
 struct LayerName {
   std::string_view name;
+  std::string_view says;  // one line
   bool viewable = false;
 };
 template <class P>

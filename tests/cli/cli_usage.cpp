@@ -82,9 +82,19 @@ TEST(Help, OptionsStandInGroupsWithExamplesBelow) {
   }
 }
 
+TEST(List, SaysALineAboutEachName) {
+  for (const char* what : {"techniques", "layers", "views", "scenes"}) {
+    std::istringstream lines(candela({"list", what}).out);
+    int count = 0;
+    for (std::string line; std::getline(lines, line); ++count)
+      EXPECT_NE(line.find("  "), std::string::npos) << what << ": " << line;
+    EXPECT_GT(count, 2) << what;
+  }
+}
+
 // Each example of the help must be taken by the parser: all that is wrong with it is that its files are not there.
 TEST(Help, ExamplesAreTaken) {
-  for (const char* command : {"render", "sequence", "reference", "plan", "compare"}) {
+  for (const char* command : {"render", "sequence", "reference", "plan", "compare", "sheet", "tune"}) {
     std::istringstream help(candela({command, "--help"}).out);
     int examples = 0;
     for (std::string line; std::getline(help, line);) {
@@ -178,6 +188,11 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--audio", "a.wav"}, "--video"},
       {{"sequence", box, "--frames", "0-9", "--video", "x.mp4", "--resume"}, "--resume"},
       {{"compare", "a.png"}, "two images"},
+      {{"sheet", "-o", "x.png"}, "PICTURE"},
+      {{"sheet", "a.png"}, "-o"},
+      {{"sheet", "a.png", "-o", "x.exr"}, ".png"},
+      {{"sheet", "a.png", "-o", "x.png", "--tile", "4x4"}, "--tile"},
+      {{"sheet", "a.png", "-o", "x.png", "--crop", "1,2"}, "--crop"},
       {{"compare", "a.png", "b.png", "--limit", "flap=1"}, "flip"},
       {{"list", "things"}, "things"},
       {{"make-scene", "nosuch", "-o", "x.glb"}, "nosuch"},

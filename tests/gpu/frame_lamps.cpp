@@ -316,4 +316,24 @@ TEST_F(FrameLamps, FarFromTheOriginNothingChanges) {
   EXPECT_LT(differing, 10u);
 }
 
+// Lamps and suns by rays in one shader, on a scene with many of both's casters: lavapipe also loads for lanes that have
+// left the search, and such a look-up once left its table and ended the program (lib/trace.glsl).
+TEST_F(FrameLamps, RaysOfSunsAndLampsInOneShader) {
+  Job job = job_for(std::string(CANDELA_SOURCE_DIR) + "/scenes/street/street.glb", 40, 22, 1);
+  job.settings = {
+      {"shadows", "method", "traced"}, {"shadows", "samples", "1"}, {"sun", "mode", "traced"}, {"sun", "samples", "1"}};
+  const auto mean = [](const Job& j) {
+    const auto session = open(j);
+    const Image beauty = images(render(*session))["beauty"];
+    double sum = 0;
+    for (const float v : beauty.values<float>()) sum += v / double(beauty.pixels());
+    return sum;
+  };
+  const double a = mean(job);
+  job.settings = {};
+  const double b = mean(job);
+  EXPECT_GT(a, 0);
+  EXPECT_NEAR(a / b, 1, 0.1);  // of the same lights in the same places
+}
+
 }  // namespace candela::test

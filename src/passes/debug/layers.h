@@ -17,8 +17,13 @@ inline constexpr uint32_t layer_count = 6;
 struct Layers {
   static constexpr std::string_view name = "layers";
   using SharedKnobs = std::tuple<TextureKnobs>;
-  static constexpr LayerName layers[layer_count] = {{"depth"},     {"normal"},      {"albedo"},
-                                                    {"object_id"}, {"material_id"}, {"direct"}};
+  static constexpr LayerName layers[layer_count] = {
+      {"depth", "metres along the view axis; 1e10 where there is nothing"},
+      {"normal", "world-space shading normal"},
+      {"albedo", "base colour"},
+      {"object_id", "index of the glTF node"},
+      {"material_id", "index into glTF's materials"},
+      {"direct", "light from the scene's lights alone"}};
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -9,7 +9,10 @@ namespace candela {
 // masked surface, at the pixel's centre. Walks every light for every pixel: for looking, not for frames that are timed.
 struct LightHeat {
   static constexpr std::string_view name = "light_heat";
-  static constexpr LayerName layers[3] = {{"heatmap.lights", true}, {"heatmap.waste", true}, {"heatmap.missed", true}};
+  static constexpr LayerName layers[3] = {
+      {"heatmap.lights", "how many lights the list of the point holds", true},
+      {"heatmap.waste", "of them, those that give nothing there", true},
+      {"heatmap.missed", "lights that give something there and are not listed", true}};
   struct In {
     SceneInputs scene;
     Draws draws;

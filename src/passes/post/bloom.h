@@ -16,7 +16,7 @@ namespace candela {
 struct BloomPass {
   static constexpr std::string_view name = "bloom";
   static constexpr std::string_view effect = "bloom";
-  static constexpr LayerName layers[] = {{"bloom"}};
+  static constexpr LayerName layers[] = {{"bloom", "what bloom adds to the picture"}};
   struct Knobs {
     static constexpr std::string_view name = "bloom";
     int levels = 8;

@@ -9,7 +9,8 @@ namespace candela {
 // brightest light: `debug.cascades`, 1 the finest, 0 none. Lights without maps count as unblocked. Background: 1 and 0.
 struct SunLayers {
   static constexpr std::string_view name = "sun_layers";
-  static constexpr LayerName layers[2] = {{"shadow"}, {"debug.cascades"}};
+  static constexpr LayerName layers[2] = {{"shadow", "the share of the directional lights' light that arrives"},
+                                          {"debug.cascades", "which cascade of shadow maps the point takes; 0: none"}};
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -32,9 +32,15 @@ static_assert(term_count <= 8, "lavapipe 25.0.7 ends the program at more than ei
 // sums. Units: as beauty. Costs about another frame; leaves wrong what beauty does.
 struct Terms {
   static constexpr std::string_view name = "terms";
-  static constexpr LayerName layers[term_count] = {{"direct.sun"},      {"direct.point"},     {"direct.spot"},
-                                                   {"ambient.diffuse"}, {"ambient.specular"}, {"emission"},
-                                                   {"background"},      {"reflections"}};
+  static constexpr LayerName layers[term_count] = {
+      {"direct.sun", "term of beauty: light of the directional lights"},
+      {"direct.point", "term of beauty: light of the point lights"},
+      {"direct.spot", "term of beauty: light of the spot lights"},
+      {"ambient.diffuse", "term of beauty: ambient light, reflected diffusely"},
+      {"ambient.specular", "term of beauty: ambient light, mirrored"},
+      {"emission", "term of beauty: what surfaces give off"},
+      {"background", "term of beauty: what is behind everything"},
+      {"reflections", "term of beauty: what surfaces mirror of each other"}};
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
   struct In {
     SceneInputs scene;

@@ -1,0 +1,128 @@
+#include "bench/tune.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "cli/command.h"
+#include "cli/job_options.h"
+#include "cli/signals.h"
+
+namespace candela::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct TuneCommand {
+  JobOptions job;
+  MomentOptions moment;
+  double seconds = 120;
+};
+
+constexpr std::array<double, 5> error_levels = {0.1, 0.03, 0.01, 0.003, 0.001};
+
+// Whole frame rates whose time lies between the fastest and the slowest of the front.
+std::vector<double> time_levels(const TuneReport& report) {
+  std::vector<double> levels;
+  const auto front = tune_front(report);
+  for (const double rate : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 24.0, 30.0, 60.0, 120.0, 240.0, 480.0, 1000.0, 2000.0})
+    if (!front.empty() && 1000 / rate >= front.front()->ms.high && 1000 / rate <= 4 * front.back()->ms.high)
+      levels.push_back(1000 / rate);
+  return levels;
+}
+
+std::vector<std::string> row_of(const std::string& wanted, const TuneChoice& choice) {
+  if (!choice.trial) return {wanted, "", "", "", "none was found"};
+  const TuneTrial& t = *choice.trial;
+  return {wanted, fmt::format("{:.3g} ({:.3g} to {:.3g})", t.median_ms, t.ms.low, t.ms.high),
+          fmt::format("{:.2g}", t.relmse), fmt::format("{:.3f}", t.flip), t.options};
+}
+
+std::string text_of(const TuneReport& report, const Job& job) {
+  std::vector<std::vector<std::string>> rows = {{"WANTED", "GPU MS (95 %)", "RELMSE", "FLIP", "OPTIONS"}};
+  for (const TuneChoice& c : cheapest_within(report, error_levels))
+    rows.push_back(row_of(fmt::format("relmse <= {}", c.wanted), c));
+  for (const TuneChoice& c : most_exact_within(report, time_levels(report)))
+    rows.push_back(row_of(fmt::format("{:.3g} ms", c.wanted), c));
+  std::string text = table_text(rows);
+  text += fmt::format(
+      "{}x{} on {}, {} settings in {:.0f} s; errors against quality exact of the same frame at {}x{}: what knobs leave "
+      "wrong,\nnot what the techniques approximate (candela reference traces that)\n",
+      job.width_px, job.height_px, report.device, report.trials.size(), report.wall_s, report.error_width_px,
+      report.error_height_px);
+  for (const std::string& note : report.notes) text += note + "\n";
+  return text;
+}
+
+Json choices_json(const std::vector<TuneChoice>& choices, const char* wanted) {
+  Json list = Json::array();
+  for (const TuneChoice& c : choices)
+    list.push_back({{wanted, c.wanted}, {"options", c.trial ? Json(c.trial->options) : Json()}});
+  return list;
+}
+
+Json json_of(const TuneReport& report) {
+  Json j;
+  j["device"] = report.device;
+  j["wall_s"] = report.wall_s;
+  j["errors_of"] = fmt::format("{}x{}", report.error_width_px, report.error_height_px);
+  j["exact_picture_ms"] = report.exact_ms;
+  j["errors"] = choices_json(cheapest_within(report, error_levels), "relmse");
+  j["times"] = choices_json(most_exact_within(report, time_levels(report)), "ms");
+  j["trials"] = Json::array();
+  for (const TuneTrial& t : report.trials) {
+    Json trial = {{"options", t.options}};
+    if (!t.failed.empty()) trial["failed"] = t.failed;
+    if (!t.same_as.empty()) trial["same_as"] = t.same_as;
+    if (t.usable())
+      trial.update({{"median_ms", t.median_ms},
+                    {"ms_ci", {t.ms.low, t.ms.high}},
+                    {"gpu_ms", t.gpu_ms},
+                    {"relmse", t.relmse},
+                    {"flip", t.flip}});
+    j["trials"].push_back(trial);
+  }
+  j["notes"] = report.notes;
+  return j;
+}
+
+Expected<int> run_tune(CLI::App& command, TuneCommand& o) {
+  if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
+  set_log_level(o.job);
+  if (!(o.seconds > 0) || !std::isfinite(o.seconds))
+    return fail(ErrorKind::usage, "--seconds", "{} s is no time to search", o.seconds);
+  for (const char* option : {"--technique", "--quality", "--set", "--samples"})
+    if (command.get_option(option)->count() > 0)
+      return fail(ErrorKind::usage, option, "is what tune looks for; leave it out");
+  const auto job = job_of(o.job);
+  if (!job) return std::unexpected(job.error());
+  const auto settings = run_settings_of(o.job);
+  if (!settings) return std::unexpected(settings.error());
+  const auto moment = moment_of(o.job, o.moment);
+  if (!moment) return std::unexpected(moment.error());
+  HeldSignals held;
+  const auto report = tune({*job, moment->time_s, o.seconds}, *settings, [&] { return held.pending() != 0; });
+  if (!report) return std::unexpected(report.error());
+  if (auto printed = o.job.json ? print_json(json_of(*report)) : print(text_of(*report, *job)); !printed)
+    return std::unexpected(printed.error());
+  if (held.pending()) return 128 + held.pending();
+  return 0;
+}
+
+}  // namespace
+
+void add_tune(CLI::App& app, Action& action) {
+  auto o = std::make_shared<TuneCommand>();
+  CLI::App* command =
+      app.add_subcommand("tune", "Find the cheapest settings for some errors, on this scene and device");
+  add_job_options(*command, o->job);
+  add_moment_options(*command, o->moment);
+  command->add_option("--seconds", o->seconds, "Of the whole search; a frame that was begun is finished")
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  add_run_options(*command, o->job);
+  command->callback([command, o, &action] { action = [command, o] { return run_tune(*command, *o); }; });
+}
+
+}  // namespace candela::cli

@@ -25,6 +25,7 @@ void build_parser(CLI::App& app, Action& action) {
   app.footer(exit_codes);
   add_render(app, action);
   add_sequence(app, action);
+  add_farm(app, action);
   add_reference(app, action);
   add_plan(app, action);
   add_facts(app, action);

@@ -1,0 +1,65 @@
+#include "cli/sequence_options.h"
+
+#include "cli/result.h"
+
+namespace candela::cli {
+
+void add_film_options(CLI::App& command, SequenceOptions& o) {
+  add_job_options(command, o.job);
+  command.add_option("--frames", o.frames, "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20")->type_name("LIST");
+  command
+      .add_option("-o,--output", o.outputs,
+                  "Files to write, with %04d or #### for the frame number; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("PATTERN");
+  command.add_option("--video", o.video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
+  command.add_option("--audio", o.audio, "Sound of the film")->type_name("FILE");
+  command
+      .add_option("--cache", o.cache,
+                  "on: shadow maps stay for later frames as long as nothing that casts moves, with the same pictures; "
+                  "off: every frame draws its own; auto: off where frames are timed")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  command.add_option("--in-flight", o.in_flight, "Frames on their way to the device at once; 0: as suits the device")
+      ->check(CLI::Range(0, 8))
+      ->capture_default_str()
+      ->type_name("N");
+  command.add_option("--encoders", o.encoders, "Threads that encode and write frames; 0: as many as cores")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str()
+      ->type_name("N");
+}
+
+Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& job) {
+  SequenceSettings settings;
+  if (o.frames.empty()) return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
+  const auto frames = parse_frame_list(o.frames);
+  if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
+  const auto shard = parse_shard(o.shard);
+  if (!shard) return std::unexpected(shard.error());
+  const auto rate = parse_frame_rate(o.job.fps);
+  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  for (const std::string& text : o.outputs) {
+    const auto pattern = parse_pattern(text);
+    if (!pattern) return std::unexpected(pattern.error());
+    settings.patterns.push_back(*pattern);
+  }
+  if (shard->count > 1 && !o.video.empty())
+    return fail(ErrorKind::usage, "--shard", "does not go with --video, which needs every frame of one run");
+  if (!o.video.empty() && job.png_bits != 8)
+    return fail(ErrorKind::usage, "--png-bits", "16 does not go with --video, which has 8 bits");
+  const bool exr_output = std::any_of(o.outputs.begin(), o.outputs.end(),
+                                      [](const auto& output) { return output_format(output) == OutputFormat::exr; });
+  if (auto good = check_layers(job, exr_output); !good) return std::unexpected(good.error());
+  settings.frames = shard_of(*frames, *shard);
+  settings.rate = *rate;
+  settings.resume = o.resume;
+  settings.in_flight = o.in_flight;
+  settings.encoders = o.encoders;
+  settings.video = o.video;
+  settings.audio = o.audio;
+  settings.keep_spans = !o.trace.empty();
+  return settings;
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cli/job_options.h"
+#include "render/sequence.h"
+
+namespace candela::cli {
+
+// What `sequence` takes, as text until all is read.
+struct SequenceOptions {
+  JobOptions job;
+  std::string frames, shard = "1/1", video, audio, timings, trace, record;
+  std::vector<std::string> outputs;
+  bool resume = false;
+  int in_flight = 0, encoders = 0;
+  std::string cache = "auto";
+};
+
+// Those that say which frames are made and how; `farm` takes them too. What belongs to one run is `sequence`'s alone.
+void add_film_options(CLI::App& command, SequenceOptions& options);
+
+// Checked, but for folders and files that are written.
+Expected<SequenceSettings> read_sequence(const SequenceOptions& options, const Job& job);
+
+}  // namespace candela::cli

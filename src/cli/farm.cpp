@@ -67,12 +67,17 @@ int shards_for(size_t frames) {
 // A film is made of PNG files: where none are written, in the job's folder.
 Expected<void> give_film_frames(FarmJob& job) {
   if (job.video.empty() || film_output(job.outputs) >= 0) return {};
-  std::string folder;
-  for (const char c : (job.folder / "film").string()) folder += c == '%' ? "%%" : std::string(1, c);
-  if (folder.find('#') != std::string::npos)
-    return fail(ErrorKind::usage, "--job", "the frames of the film go there, and a # stands for a frame number");
-  job.outputs.push_back(folder + "/%06d.png");
-  job.arguments.insert(job.arguments.end(), {"--output", job.outputs.back()});
+  const std::string folder = (job.folder / "film").string();
+  std::string pattern;
+  for (const char c : folder)
+    pattern += std::string(std::string_view("%{}").find(c) == std::string_view::npos ? 1 : 2, c);
+  pattern += "/%06d.png";
+  const auto read = parse_pattern(pattern);
+  if (!read || read->name(7) != folder + "/000007.png")
+    return fail(ErrorKind::usage, "--job",
+                "the frames of the film go there, and its name holds a place for their number");
+  job.outputs.push_back(pattern);
+  job.arguments.insert(job.arguments.end(), {"--output", pattern});
   return {};
 }
 
@@ -93,7 +98,7 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   job.work = fs::current_path();
   job.folder = fs::absolute(o.folder.empty() ? stem + ".farm" : o.folder).lexically_normal();
   job.program = o.program.empty() ? (program_folder() / "candela").string() : fs::absolute(o.program).string();
-  job.frames = s.frames;
+  job.frames = frames_text(s);
   job.fps = s.job.fps;
   job.outputs = s.outputs;
   job.video = s.video;

@@ -6,7 +6,11 @@ namespace candela::cli {
 
 void add_film_options(CLI::App& command, SequenceOptions& o) {
   add_job_options(command, o.job);
-  command.add_option("--frames", o.frames, "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20")->type_name("LIST");
+  command
+      .add_option(
+          "--frames", o.frames,
+          "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20; with --turntable N 0 to N - 1 where it is left out")
+      ->type_name("LIST");
   command
       .add_option("-o,--output", o.outputs,
                   "Files to write, with %04d or #### for the frame number; may be given again")
@@ -30,10 +34,15 @@ void add_film_options(CLI::App& command, SequenceOptions& o) {
       ->type_name("N");
 }
 
+std::string frames_text(const SequenceOptions& o) {
+  return o.frames.empty() && o.job.turntable > 0 ? fmt::format("0-{}", o.job.turntable - 1) : o.frames;
+}
+
 Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& job) {
   SequenceSettings settings;
-  if (o.frames.empty()) return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
-  const auto frames = parse_frame_list(o.frames);
+  const std::string list = frames_text(o);
+  if (list.empty()) return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
+  const auto frames = parse_frame_list(list);
   if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
   const auto shard = parse_shard(o.shard);
   if (!shard) return std::unexpected(shard.error());

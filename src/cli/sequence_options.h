@@ -20,6 +20,8 @@ struct SequenceOptions {
 // Those that say which frames are made and how; `farm` takes them too. What belongs to one run is `sequence`'s alone.
 void add_film_options(CLI::App& command, SequenceOptions& options);
 
+// The list as written, or the turn that stands for it; empty where neither is given.
+std::string frames_text(const SequenceOptions& options);
 // Checked, but for folders and files that are written.
 Expected<SequenceSettings> read_sequence(const SequenceOptions& options, const Job& job);
 

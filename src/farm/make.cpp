@@ -24,7 +24,7 @@ Expected<std::vector<FarmFile>> make_file(const FarmJob& job) {
   text += "all: $(shards:%=done/%)\n";
   text += fmt::format("\tcd -- {} && {} farm check {}\n\n", work, program, folder);
   text += "done/%:\n\t@mkdir -p done logs\n";
-  text += fmt::format("\tcd -- {} && {} sequence", work, program);
+  text += fmt::format("\tunset CANDELA_VIDEO CANDELA_AUDIO; cd -- {} && {} sequence", work, program);
   for (const std::string& word : job.arguments) text += " " + recipe_quoted(word);
   text += fmt::format(" \\\n\t  --shard $*/{} --resume --record {}/records >>{}/logs/shard-$*.log 2>&1\n", job.shards,
                       folder, folder);

@@ -24,6 +24,7 @@ run_shard() {  # SHARD OPTION...
 }
 
 cd -- "$work" || exit 1
+unset CANDELA_VIDEO CANDELA_AUDIO  # the film is made at the end
 mkdir -p -- "$folder/claims" "$folder/logs" || exit 1
 shard=0
 while [ $((shard += 1)) -le "$shards" ]; do

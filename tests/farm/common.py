@@ -12,8 +12,13 @@ SIZE = "64x36"
 HOSTILE = """it's "a" $(touch pwned) `touch pwned` $HOME %A_%a \\n ü;&|<>*?!~{}[]"""
 
 
+def pattern(name):
+    """A name in -o, in which places for frame numbers begin with these signs."""
+    return name.replace("%", "%%").replace("{", "{{").replace("}", "}}")
+
+
 def program():
-    return os.environ.get("CANDELA_PROGRAM", str(ROOT / "build/release/candela"))
+    return os.environ.get("TESTED_CANDELA", str(ROOT / "build/release/candela"))
 
 
 def scene(name):

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import unittest
 
-from common import HOSTILE, ROOT, SIZE, Folder, candela, contents, need, program, run, same, scene
+from common import HOSTILE, ROOT, SIZE, Folder, candela, contents, need, pattern, program, run, same, scene
 
 # Fails in the first run of each shard that TROUBLE/CODE.SHARD names, with a record as candela leaves one.
 WRAPPER = r"""#!/bin/bash
@@ -91,7 +91,7 @@ class Engines(unittest.TestCase):
         wrapper.chmod(0o755)
         for one in trouble:
             (troubles / one).touch()
-        made = candela("farm", engine, f"{name}.glb", *film, "-o", f"{name.replace('%', '%%')} out/%04d.exr",
+        made = candela("farm", engine, f"{name}.glb", *film, "-o", f"{pattern(name)} out/%04d.exr",
                        "--video", "film.mp4", "--shards", "5", "--job", "job", "--program", wrapper, *words, cwd=folder)
         self.assertEqual(f"{folder}/job", os.path.dirname(made.rstrip("\n")))
         return folder, troubles

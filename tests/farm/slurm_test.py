@@ -10,7 +10,7 @@ import unittest
 
 import cluster
 import common
-from common import HOSTILE, SIZE, Folder, candela, contents, find, need, run, same, scene
+from common import HOSTILE, SIZE, Folder, candela, contents, need, pattern, run, same, scene
 
 # Stands for candela where something is to go wrong in the first run of a shard. What goes wrong is real: too little
 # memory for the driver, no device, a run that hangs. $TROUBLE is a folder; TROUBLE/NAME.SHARD asks for trouble.
@@ -81,7 +81,7 @@ class Slurm(unittest.TestCase):
         folder = self.base / HOSTILE
         folder.mkdir()
         shutil.copy(self.scene, folder / f"{HOSTILE}.glb")
-        job, out = folder / f"{HOSTILE} job", f"{HOSTILE.replace('%', '%%')} out"
+        job, out = folder / f"{HOSTILE} job", f"{pattern(HOSTILE)} out"
         self.submit(folder, f"{HOSTILE}.glb", "--frames", "0-13", "-o", f"{out}/%04d.exr", "--video", f"{HOSTILE}.mp4",
                     "--job", job, "--shards", "7", "--slurm", "comment=it's $(touch pwned)")
         # The name of the scene, and what else a frame is made for, are in its header.

@@ -36,27 +36,6 @@ struct FarmOptions {
   bool submit = false;
 };
 
-// The words that give `candela sequence` the options that were given here, from the command line or a file.
-std::vector<std::string> words_of(const CLI::App& command, const std::set<std::string>& others) {
-  std::vector<std::string> words;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0 || option->get_positional() || option->get_lnames().empty() ||
-        others.contains(option->get_lnames().front()))
-      continue;
-    const std::string name = "--" + option->get_lnames().front();
-    if (option->get_expected_max() == 0) {
-      words.push_back(name);
-      continue;
-    }
-    for (const std::string& value : option->results())
-      if (value.starts_with('-'))
-        words.push_back(name + "=" + value);
-      else
-        words.insert(words.end(), {name, value});
-  }
-  return words;
-}
-
 // As many frames to a shard as make opening the device and the scene small beside them, and as many shards as an array
 // of Slurm holds by default.
 int shards_for(size_t frames) {
@@ -107,8 +86,7 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   job.needs = o.needs;
   job.engine_options = o.engine_options;
   job.job = *decided;
-  job.arguments = words_of(command, own);
-  job.arguments.insert(job.arguments.begin(), job.scene.starts_with('-') ? "./" + job.scene : job.scene);
+  job.arguments = given_words(command, own);
   if (auto given = give_film_frames(job); !given) return std::unexpected(given.error());
   s.outputs = job.outputs;
   const auto settings = read_sequence(s, *decided);

@@ -1,5 +1,7 @@
 #include "render/sequence.h"
 
+#include <sys/prctl.h>
+
 #include <CLI/CLI.hpp>
 
 #include "base/json.h"
@@ -14,6 +16,7 @@
 #include "frame/job_look.h"
 #include "frame/timings.h"
 #include "render/current_error.h"
+#include "render/shared_frames.h"
 
 namespace candela::cli {
 namespace {
@@ -96,6 +99,14 @@ Expected<int> render(SequenceOptions& o, std::optional<RunRecorder>& recorder) {
   if (const auto look = look_of(*job)) log_look(*job, *look);
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
 
+  std::unique_ptr<SharedFrames> shared;
+  if (!o.worker.empty()) {
+    auto opened = SharedFrames::open(o.worker, settings->frames.size());
+    if (!opened) return std::unexpected(opened.error());
+    shared = std::move(*opened);
+    settings->claim = [&](size_t i) { return shared->claim(i); };
+    settings->finished = [&](size_t i, bool rendered) { shared->finish(i, rendered); };
+  }
   std::vector<std::string> warnings;
   std::set<std::string> notes;
   ProgressLine progress(o.job.quiet);
@@ -130,9 +141,14 @@ Expected<int> render(SequenceOptions& o, std::optional<RunRecorder>& recorder) {
   return 0;
 }
 
+// A worker of --devices without its parent would render what nobody waits for.
+void end_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
+
 Expected<int> run(CLI::App& command, SequenceOptions& o) {
   if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
   set_log_level(o.job);
+  if (!o.devices.empty() && o.worker.empty()) return run_on_devices(command, o);
+  if (!o.worker.empty()) end_with_parent();
   std::optional<RunRecorder> recorder;
   if (const auto shard = parse_shard(o.shard); shard && !o.record.empty()) recorder.emplace(o.record, *shard);
   try {
@@ -156,6 +172,12 @@ void add_sequence(CLI::App& app, Action& action) {
   command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")
       ->capture_default_str()
       ->type_name("I/N");
+  command
+      ->add_option("--devices", o->devices,
+                   "A process for each of these devices, all on one list of frames: names as --device takes them, by "
+                   "commas, or all")
+      ->type_name("LIST");
+  command->add_option("--worker", o->worker)->group("")->configurable(false);  // what --devices starts
   command
       ->add_option(
           "--record", o->record,

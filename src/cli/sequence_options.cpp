@@ -38,6 +38,30 @@ std::string frames_text(const SequenceOptions& o) {
   return o.frames.empty() && o.job.turntable > 0 ? fmt::format("0-{}", o.job.turntable - 1) : o.frames;
 }
 
+std::vector<std::string> given_words(const CLI::App& command, const std::set<std::string>& without) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    if (option->get_positional()) {  // the scene
+      const std::string& value = option->results().front();
+      words.insert(words.begin(), value.starts_with('-') ? "./" + value : value);
+      continue;
+    }
+    if (option->get_lnames().empty() || without.contains(option->get_lnames().front())) continue;
+    const std::string name = "--" + option->get_lnames().front();
+    if (option->get_expected_max() == 0) {
+      words.push_back(name);
+      continue;
+    }
+    for (const std::string& value : option->results())
+      if (value.starts_with('-'))
+        words.push_back(name + "=" + value);
+      else
+        words.insert(words.end(), {name, value});
+  }
+  return words;
+}
+
 Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& job) {
   SequenceSettings settings;
   const std::string list = frames_text(o);

@@ -7,9 +7,11 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "base/hash.h"
@@ -52,7 +54,7 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path) {
 namespace {
 
 constexpr std::string_view temporary_prefix = ".candela-";
-constexpr size_t target_digits = 16;
+constexpr size_t target_digits = 16, machine_digits = 8;
 
 std::string target_mark(const fs::path& target) {
   return hash128(target.filename().string()).hex().substr(0, target_digits);
@@ -66,15 +68,44 @@ fs::path without_link(const fs::path& path) {
   return failed ? path : target;
 }
 
-// The process in ".candela-MARK-PROCESS-NUMBER.tmp.exr"; 0: no such name.
-int process_of(std::string_view name) {
-  if (!name.starts_with(temporary_prefix)) return 0;
-  const size_t begin = temporary_prefix.size() + target_digits + 1;
-  if (name.size() <= begin || name[begin - 1] != '-') return 0;
+// Who may ask the kernel whether a process lives: this boot of this machine, this space of process numbers. In
+// containers everybody may be process 1, and folders are shared.
+std::string machine_mark() {
+  static const std::string mark = [] {
+    std::string who(256, '\0');
+    gethostname(who.data(), who.size() - 1);
+    if (const auto boot = read_file("/proc/sys/kernel/random/boot_id"))
+      who.append(reinterpret_cast<const char*>(boot->data()), boot->size());
+    std::error_code failed;
+    who += fs::read_symlink("/proc/self/ns/pid", failed).string();
+    return hash128(who).hex().substr(0, machine_digits);
+  }();
+  return mark;
+}
+
+struct Temporary {
+  std::string_view target, machine;  // marks
   int process = 0;
-  const auto read = std::from_chars(name.data() + begin, name.data() + name.size(), process);
+};
+// The parts of ".candela-TARGET-MACHINE-PROCESS-NUMBER.tmp.exr"; nothing: no such name.
+std::optional<Temporary> temporary_of(std::string_view name) {
+  if (!name.starts_with(temporary_prefix)) return {};
+  const size_t machine = temporary_prefix.size() + target_digits + 1, process = machine + machine_digits + 1;
+  if (name.size() <= process || name[machine - 1] != '-' || name[process - 1] != '-') return {};
+  Temporary temporary{name.substr(temporary_prefix.size(), target_digits), name.substr(machine, machine_digits)};
+  const auto read = std::from_chars(name.data() + process, name.data() + name.size(), temporary.process);
   const std::string_view rest(read.ptr, size_t(name.data() + name.size() - read.ptr));
-  return read.ec == std::errc{} && rest.starts_with('-') && rest.find(".tmp") != rest.npos ? process : 0;
+  if (read.ec != std::errc{} || temporary.process <= 0 || !rest.starts_with('-') || rest.find(".tmp") == rest.npos)
+    return {};
+  return temporary;
+}
+
+// Nobody is writing it any more. Of other machines only the clock of the file tells: nothing is written for a day.
+bool is_stale(const Temporary& temporary, const fs::path& file) {
+  if (temporary.machine == machine_mark()) return kill(temporary.process, 0) != 0 && errno == ESRCH;
+  std::error_code failed;
+  const auto written = fs::last_write_time(file, failed);
+  return !failed && fs::file_time_type::clock::now() - written > std::chrono::hours(24);
 }
 
 }  // namespace
@@ -84,8 +115,8 @@ fs::path temporary_beside(const fs::path& target) {
   constexpr size_t longest_ending = 16;
   std::string ending = target.extension().string();  // programs choose the format by it
   if (ending.size() > longest_ending) ending.clear();
-  return target.parent_path() /
-         fmt::format("{}{}-{}-{}.tmp{}", temporary_prefix, target_mark(target), getpid(), counter++, ending);
+  return target.parent_path() / fmt::format("{}{}-{}-{}-{}.tmp{}", temporary_prefix, target_mark(target),
+                                            machine_mark(), getpid(), counter++, ending);
 }
 
 void remove_stale_temporaries(std::span<const fs::path> targets) {
@@ -98,9 +129,8 @@ void remove_stale_temporaries(std::span<const fs::path> targets) {
     std::error_code failed, ignored;
     for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
       const std::string name = entry->path().filename().string();
-      const int process = process_of(name);
-      if (process > 0 && marks.contains(name.substr(temporary_prefix.size(), target_digits)) && kill(process, 0) != 0 &&
-          errno == ESRCH)
+      const auto temporary = temporary_of(name);
+      if (temporary && marks.contains(std::string(temporary->target)) && is_stale(*temporary, entry->path()))
         fs::remove(entry->path(), ignored);
     }
   }

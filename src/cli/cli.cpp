@@ -20,6 +20,7 @@ void build_parser(CLI::App& app, Action& action) {
   app.set_help_all_flag("--help-all", "Print the help of every command");
   add_render(app, action);
   add_sequence(app, action);
+  add_farm(app, action);
   add_reference(app, action);
   add_plan(app, action);
   add_facts(app, action);

@@ -28,12 +28,12 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
       {"Light and look", {"sky", "look", "probe", "effects", "seed"}},
       {"How the frame is made",
        {"technique", "quality", "samples", "set", "time-budget", "error-budget", "sweep", "error-reference"}},
-      {"Film", {"video", "audio", "resume", "cache", "in-flight", "encoders", "shard"}},
+      {"Film", {"video", "audio", "resume", "cache", "in-flight", "encoders", "shard", "record"}},
       {"Tracing",
        {"mode", "spp", "seconds", "noise", "sampler", "bvh", "visibility", "ambient", "ambient-distance", "bounces",
         "fog-steps", "fog-lights", "threads", "state"}},
       {"Measuring", {"timings", "trace", "overlap", "check-determinism"}},
-      {"Device", {"device", "queues", "timeout", "validate", "shader-dir"}},
+      {"Device", {"device", "devices", "queues", "timeout", "validate", "shader-dir"}},
       {"Input", {"allow-path", "decode-budget-mb", "strict", "allow-blank", "config"}},
       {"Messages", {"quiet", "verbose", "json", "dot"}},
   };
@@ -52,6 +52,12 @@ const std::map<std::string, std::string>& examples() {
        "  candela sequence scene.glb --frames 0-249 --video film.mp4 --size 1920x1080\n"
        "  candela sequence model.glb --turntable 96 --animation none --video turn.mp4\n"
        "  candela sequence scene.glb --frames 0-9999 --shard 3/8 -o 'out/%05d.exr'\n"},
+      {"slurm",
+       "  candela farm slurm scene.glb --frames 0-9999 -o 'out/%04d.exr' --video film.mp4 --gpus 1 --submit\n"
+       "  candela farm status scene.farm\n"},
+      {"shell",
+       "  candela farm shell scene.glb --frames 0-9999 -o 'out/%04d.exr'\n"
+       "  sh scene.farm/job.sh                                  on every machine\n"},
       {"reference",
        "  candela reference scene.glb -o truth.exr --mode path --noise 0.01\n"
        "  candela reference scene.glb -o direct.exr --spp 256 --frame 120\n"},

@@ -3,6 +3,8 @@
 
 namespace candela::cli {
 
+std::string duration_text(double seconds);  // "2m05s"
+
 // Progress on stderr: one line that is written over on a terminal, a plain line every few seconds elsewhere.
 class ProgressLine {
  public:

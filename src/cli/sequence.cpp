@@ -1,17 +1,22 @@
 #include "render/sequence.h"
 
+#include <sys/prctl.h>
+
 #include <CLI/CLI.hpp>
 
 #include "base/json.h"
 #include "base/log.h"
 #include "cli/command.h"
-#include "cli/job_options.h"
 #include "cli/progress.h"
 #include "cli/result.h"
 #include "cli/scene_notes.h"
+#include "cli/sequence_options.h"
 #include "cli/signals.h"
+#include "farm/run_record.h"
 #include "frame/job_look.h"
 #include "frame/timings.h"
+#include "render/current_error.h"
+#include "render/shared_frames.h"
 
 namespace candela::cli {
 namespace {
@@ -21,46 +26,10 @@ using Json = nlohmann::ordered_json;
 // For images that frames with the same content share: three times the default maps of two suns.
 constexpr uint64_t kept_bytes = uint64_t(512) << 20;
 
-struct SequenceOptions {
-  JobOptions job;
-  std::string frames, shard = "1/1", video, audio, timings, trace;
-  std::vector<std::string> outputs;
-  bool resume = false;
-  int in_flight = 0, encoders = 0;
-  std::string cache = "auto";
-};
-
 Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job) {
-  SequenceSettings settings;
-  if (o.frames.empty() && o.job.turntable == 0)
-    return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
-  const auto frames = parse_frame_list(o.frames.empty() ? fmt::format("0-{}", o.job.turntable - 1) : o.frames);
-  if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
-  const auto shard = parse_shard(o.shard);
-  if (!shard) return std::unexpected(shard.error());
-  const auto rate = parse_frame_rate(o.job.fps);
-  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
-  for (const std::string& text : o.outputs) {
-    const auto pattern = parse_pattern(text);
-    if (!pattern) return std::unexpected(pattern.error());
-    settings.patterns.push_back(*pattern);
-  }
-  if (shard->count > 1 && !o.video.empty())
-    return fail(ErrorKind::usage, "--shard", "does not go with --video, which needs every frame of one run");
-  if (!o.video.empty() && job.png_bits != 8)
-    return fail(ErrorKind::usage, "--png-bits", "16 does not go with --video, which has 8 bits");
-  const bool exr_output = std::any_of(o.outputs.begin(), o.outputs.end(),
-                                      [](const auto& output) { return output_format(output) == OutputFormat::exr; });
-  if (auto good = check_layers(job, exr_output); !good) return std::unexpected(good.error());
-  settings.frames = shard_of(*frames, *shard);
-  settings.rate = *rate;
-  settings.resume = o.resume;
-  settings.in_flight = o.in_flight;
-  settings.encoders = o.encoders;
-  settings.video = o.video;
-  settings.audio = o.audio;
-  settings.keep_spans = !o.trace.empty();
-  if (auto good = check_sequence(settings); !good) return std::unexpected(good.error());
+  auto settings = read_sequence(o, job);
+  if (!settings) return settings;
+  if (auto good = check_sequence(*settings); !good) return std::unexpected(good.error());
   if (auto good = check_reports(o.timings, o.trace, o.job.json); !good) return std::unexpected(good.error());
   return settings;
 }
@@ -112,9 +81,7 @@ Error with_first_pass(Error error, Session& session, FrameRate rate) {
   return error;
 }
 
-Expected<int> run(CLI::App& command, SequenceOptions& o) {
-  if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
-  set_log_level(o.job);
+Expected<int> render(SequenceOptions& o, std::optional<RunRecorder>& recorder) {
   const auto job = job_of(o.job);
   if (!job) return std::unexpected(job.error());
   auto run_settings = run_settings_of(o.job);
@@ -122,16 +89,31 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
   auto settings = settings_of(o, *job);
   if (!settings) return std::unexpected(settings.error());
   run_settings->timed = !o.timings.empty() || !o.trace.empty() || job->timings_in_metadata;
+  if (o.cache == "on" || (o.cache == "auto" && !run_settings->timed)) run_settings->kept_bytes = kept_bytes;
   auto session = Session::open(*job, wanted_by(*settings, *job), *run_settings);
   if (!session) return std::unexpected(session.error());
-  log_device((*session)->device().info());
+  const gpu::DeviceInfo& device = (*session)->device().info();
+  log_device(device);
+  if (recorder)
+    recorder->opened((*session)->scene_content().hex(), device.name, device.driver, settings->frames.size());
   if (const auto look = look_of(*job)) log_look(*job, *look);
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
 
+  std::unique_ptr<SharedFrames> shared;
+  if (!o.worker.empty()) {
+    auto opened = SharedFrames::open(o.worker, settings->frames.size());
+    if (!opened) return std::unexpected(opened.error());
+    shared = std::move(*opened);
+    settings->claim = [&](size_t i) { return shared->claim(i); };
+    settings->finished = [&](size_t i, bool rendered) { shared->finish(i, rendered); };
+  }
   std::vector<std::string> warnings;
   std::set<std::string> notes;
   ProgressLine progress(o.job.quiet);
-  settings->progress = [&](const SequenceProgress& p) { progress.show(p); };
+  settings->progress = [&](const SequenceProgress& p) {
+    progress.show(p);
+    if (recorder) recorder->progress(p.done - p.skipped, p.skipped);
+  };
   settings->rendered = [&](int64_t frame, const FrameResult& result) -> Expected<void> {
     for (const std::string& note : result.notes)
       if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
@@ -150,6 +132,7 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
   if (result->stopped) {
     log::warning("interrupted after {} of {} frames; {}", result->rendered + result->skipped, settings->frames.size(),
                  o.video.empty() ? "the same command with --resume goes on" : "the video was not written");
+    if (recorder) recorder->end(128 + held.pending(), "interrupted");  // `held` lets the signal end the program
     return 128 + held.pending();
   }
   log::info("{} frames rendered, {} were there", result->rendered, result->skipped);
@@ -158,42 +141,48 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
   return 0;
 }
 
+// A worker of --devices without its parent would render what nobody waits for.
+void end_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
+
+Expected<int> run(CLI::App& command, SequenceOptions& o) {
+  if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
+  set_log_level(o.job);
+  if (!o.devices.empty() && o.worker.empty()) return run_on_devices(command, o);
+  if (!o.worker.empty()) end_with_parent();
+  std::optional<RunRecorder> recorder;
+  if (const auto shard = parse_shard(o.shard); shard && !o.record.empty()) recorder.emplace(o.record, *shard);
+  try {
+    auto code = render(o, recorder);
+    if (recorder) recorder->end(code ? *code : int(code.error().kind), code ? "" : code.error().text());
+    return code;
+  } catch (...) {
+    const Error error = current_error();
+    if (recorder) recorder->end(int(error.kind), error.text());
+    return std::unexpected(error);
+  }
+}
+
 }  // namespace
 
 void add_sequence(CLI::App& app, Action& action) {
   auto o = std::make_shared<SequenceOptions>();
   CLI::App* command = app.add_subcommand("sequence", "Render a list of frames to files or a video");
-  add_job_options(*command, o->job);
-  command
-      ->add_option(
-          "--frames", o->frames,
-          "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20; with --turntable N 0 to N - 1 where it is left out")
-      ->type_name("LIST");
-  command
-      ->add_option("-o,--output", o->outputs,
-                   "Files to write, with %04d or #### for the frame number; may be given again")
-      ->allow_extra_args(false)
-      ->type_name("PATTERN");
-  command->add_option("--video", o->video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
-  command->add_option("--audio", o->audio, "Sound of the film")->type_name("FILE");
+  add_film_options(*command, *o);
   command->add_flag("--resume", o->resume, "Leave out frames whose files are whole and hold this job's picture");
-  command
-      ->add_option("--cache", o->cache,
-                   "on: shadow maps stay for later frames as long as nothing that casts moves, with the same pictures; "
-                   "off: every frame draws its own; auto: off where frames are timed")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  command->add_option("--in-flight", o->in_flight, "Frames on their way to the device at once; 0: as suits the device")
-      ->check(CLI::Range(0, 8))
-      ->capture_default_str()
-      ->type_name("N");
-  command->add_option("--encoders", o->encoders, "Threads that encode and write frames; 0: as many as cores")
-      ->check(CLI::Range(0, 256))
-      ->capture_default_str()
-      ->type_name("N");
   command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")
       ->capture_default_str()
       ->type_name("I/N");
+  command
+      ->add_option("--devices", o->devices,
+                   "A process for each of these devices, all on one list of frames: names as --device takes them, by "
+                   "commas, or all")
+      ->type_name("LIST");
+  command->add_option("--worker", o->worker)->group("")->configurable(false);  // what --devices starts
+  command
+      ->add_option(
+          "--record", o->record,
+          "Folder for a file that says what became of this run: node, device, frames, exit code (docs/farm.md)")
+      ->type_name("DIR");
   command->add_option("--timings", o->timings, "Times summed over the frames as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace; - is stdout")->type_name("FILE");
   add_run_options(*command, o->job);

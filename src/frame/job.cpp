@@ -256,14 +256,14 @@ Expected<KnobSetting> parse_knob_setting(const std::string& text) {
   return KnobSetting{text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1)};
 }
 
-Hash128 frame_identity(const Job& job, const Hash128& scene_content, const std::string& device, double time_s) {
+Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s) {
   // The files' content is hashed, so where they lie does not matter.
   Job nowhere = job;
   nowhere.scene.clear();
   if (!nowhere.sky.empty() && !is_sky_word(nowhere.sky)) nowhere.sky = "sky";
   if (!nowhere.look.empty()) nowhere.look = "look";
-  return hash128(fmt::format("candela {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(nowhere), scene_content.hex(),
-                             device, time_s));
+  return hash128(
+      fmt::format("candela {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(nowhere), scene_content, device, time_s));
 }
 
 }  // namespace candela

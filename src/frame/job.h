@@ -60,8 +60,8 @@ Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720
 Expected<KnobSetting> parse_knob_setting(const std::string& text);  // "PASS.KNOB=VALUE"
 // Names and ranges: an unknown technique, layer or knob is an error that lists the names and suggests the nearest.
 Expected<void> check_job(const Job& job);
-// Identity of a frame's picture: the job, the scene's and the sky's content, the device and the version.
-Hash128 frame_identity(const Job& job, const Hash128& scene_content, const std::string& device, double time_s);
+// Identity of a frame's picture: the job, the scene's and the sky's content as hex digits, the device and the version.
+Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s);
 
 // How the run is made; none of it changes a pixel.
 struct RunSettings {

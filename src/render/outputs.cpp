@@ -254,7 +254,13 @@ DisplayImage display_image(const FrameResult& frame, const Job& job) {
 std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate) {
   const gpu::DeviceInfo& device = session.device().info();
-  const Hash128 picture = frame_identity(job, session.scene_content(), device.name + "\n" + device.driver, time_s);
+  return file_identity(job, session.scene_content().hex(), device.name, device.driver, time_s, frame_number, rate);
+}
+
+std::string file_identity(const Job& job, const std::string& scene_content, const std::string& device,
+                          const std::string& driver, double time_s, std::optional<int64_t> frame_number,
+                          FrameRate rate) {
+  const Hash128 picture = frame_identity(job, scene_content, device + "\n" + driver, time_s);
   return hash128(picture.hex() + "\n" + (frame_number ? fmt::format("{} at {}", *frame_number, rate.text()) : ""))
       .hex();
 }

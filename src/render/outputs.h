@@ -28,6 +28,10 @@ DisplayImage display_image(const FrameResult& frame, const Job& job);  // straig
 // scene's content, device, version, time, frame number and rate, as 32 hex digits.
 std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate);
+// The same where others have rendered: scene_content as hex digits, and the device that was theirs.
+std::string file_identity(const Job& job, const std::string& scene_content, const std::string& device,
+                          const std::string& driver, double time_s, std::optional<int64_t> frame_number,
+                          FrameRate rate);
 // True when the file is whole (it decodes to its end, and nothing follows) and holds that picture. A missing file is
 // simply not.
 bool holds_frame(const std::filesystem::path& path, const std::string& identity);

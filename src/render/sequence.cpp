@@ -116,8 +116,10 @@ class Run {
         result_.stopped = true;
         break;
       }
-      if (settings_.resume && is_done(i)) {
+      if (settings_.claim && !settings_.claim(i)) continue;
+      if (settings_.resume && (settings_.claim ? holds_its_frame(number) : is_done(i))) {
         ++result_.skipped;
+        if (settings_.finished) settings_.finished(i, false);
         report();
         continue;
       }
@@ -225,10 +227,15 @@ class Run {
     for (PreparedFile& file : prepared.files)
       if (auto placed = file.put_in_place(); !placed) return std::unexpected(in_frame(number, placed.error()));
     for (const std::string& warning : warnings) log::warning("frame {}: {}", number, warning);
+    if (settings_.finished) settings_.finished(place_of(number), true);
     if (video_)
       if (auto added = video_->add(prepared.display); !added) return added;
     add_sums(result_.timings, std::move(timings), settings_.keep_spans);  // read again after the threads have ended
     return {};
+  }
+
+  size_t place_of(int64_t number) const {
+    return size_t(std::find(settings_.frames.begin(), settings_.frames.end(), number) - settings_.frames.begin());
   }
 
   Session& session_;

@@ -26,6 +26,10 @@ struct SequenceSettings {
   bool keep_spans = false;                 // for a trace; grows with the number of frames
   const std::atomic<int>* stop = nullptr;  // not 0: end after the frames in hand
   std::function<void(const SequenceProgress&)> progress;  // after each frame, from the rendering thread
+  // Where several processes share the list, by the place in it: whether the frame is this one's, and that its files
+  // are there (false: they were).
+  std::function<bool(size_t)> claim;
+  std::function<void(size_t, bool)> finished;
   // Before a frame is encoded; an error ends the run, and the frame is not written.
   std::function<Expected<void>(int64_t, const FrameResult&)> rendered;
 };

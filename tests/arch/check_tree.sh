@@ -29,10 +29,11 @@ includes() {
       ours["reference"] = "base math image scene bvh"
       ours["frame"] = "base math image metrics scene gltf bvh graph gpu passes techniques reference shared"
       ours["render"] = ours["frame"] " frame"
+      ours["farm"] = ours["render"] " render"
       ours["bench"] = ours["render"] " render testscenes"
       ours["stability"] = ours["bench"] " bench"
       ours["report"] = ours["stability"] " stability"
-      ours["cli"] = ours["report"] " report"
+      ours["cli"] = ours["report"] " report farm"
       ours["main.cpp"] = "cli"
       ours["shared"] = ""
       # Libraries that stop at the modules named.

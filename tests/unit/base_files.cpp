@@ -103,5 +103,21 @@ TEST_F(Files, TemporariesOfDeadProcessesAreRemovedAndNoOthers) {
   EXPECT_TRUE(fs::exists(alive));
 }
 
+// On a shared folder, process 7 of one container is not process 7 of another.
+TEST_F(Files, TemporariesOfOtherMachinesStayForADay) {
+  const fs::path target = folder / "frame.exr";
+  std::string name = temporary_beside(target).filename().string();  // .candela-TARGET-MACHINE-PROCESS-NUMBER.tmp.exr
+  const size_t machine = name.find('-', std::string(".candela-").size()) + 1;
+  name.replace(machine, 8, name[machine] == '0' ? "11111111" : "00000000");
+  const size_t process = machine + 9;
+  name.replace(process, name.find('-', process) - process, "999999999");  // of no process here
+  std::ofstream(folder / name) << "part";
+  remove_stale_temporaries(std::span(&target, 1));
+  EXPECT_TRUE(fs::exists(folder / name));
+  fs::last_write_time(folder / name, fs::file_time_type::clock::now() - std::chrono::hours(25));
+  remove_stale_temporaries(std::span(&target, 1));
+  EXPECT_FALSE(fs::exists(folder / name));
+}
+
 }  // namespace
 }  // namespace candela

@@ -1,0 +1,329 @@
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <map>
+
+#include "base/files.h"
+#include "base/json.h"
+#include "base/log.h"
+#include "base/text.h"
+#include "cli/command.h"
+#include "cli/progress.h"
+#include "cli/sequence_options.h"
+#include "farm/farm_state.h"
+#include "farm/film.h"
+#include "farm/quote.h"
+#include "farm/writers.h"
+
+extern char** environ;
+
+namespace candela::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Writer = Expected<std::vector<FarmFile>> (*)(const FarmJob&);
+
+struct FarmOptions {
+  SequenceOptions sequence;
+  std::string folder, name, program;
+  int shards = 0, rounds = 3;
+  FarmNeeds needs;
+  std::vector<std::string> engine_options;
+  bool submit = false;
+};
+
+// As many frames to a shard as make opening the device and the scene small beside them, and as many shards as an array
+// of Slurm holds by default.
+int shards_for(size_t frames) {
+  constexpr size_t frames_a_shard = 8, most = 1000;
+  return int(std::clamp<size_t>((frames + frames_a_shard - 1) / frames_a_shard, 1, most));
+}
+
+// A film is made of PNG files: where none are written, in the job's folder.
+Expected<void> give_film_frames(FarmJob& job) {
+  if (job.video.empty() || film_output(job.outputs) >= 0) return {};
+  const std::string folder = (job.folder / "film").string();
+  std::string pattern;
+  for (const char c : folder)
+    pattern += std::string(std::string_view("%{}").find(c) == std::string_view::npos ? 1 : 2, c);
+  pattern += "/%06d.png";
+  const auto read = parse_pattern(pattern);
+  if (!read || read->name(7) != folder + "/000007.png")
+    return fail(ErrorKind::usage, "--job",
+                "the frames of the film go there, and its name holds a place for their number");
+  job.outputs.push_back(pattern);
+  job.arguments.insert(job.arguments.end(), {"--output", pattern});
+  return {};
+}
+
+Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std::string>& own) {
+  SequenceOptions& s = o.sequence;
+  if (auto read = read_config(command, s.job.config); !read) return std::unexpected(read.error());
+  set_log_level(s.job);
+  const auto decided = job_of(s.job);
+  if (!decided) return std::unexpected(decided.error());
+  if (auto settings = run_settings_of(s.job); !settings) return std::unexpected(settings.error());
+  if (decided->timings_in_metadata)
+    return fail(ErrorKind::usage, "--metadata-timings",
+                "does not go with farms, where a frame is the same from anywhere");
+  FarmJob job;
+  job.scene = s.job.scene;
+  const std::string stem = fs::path(job.scene).stem().string();
+  job.name = plain_name(o.name.empty() ? stem : o.name);
+  job.work = fs::current_path();
+  job.folder = fs::absolute(o.folder.empty() ? stem + ".farm" : o.folder).lexically_normal();
+  job.program = o.program.empty() ? (program_folder() / "candela").string() : fs::absolute(o.program).string();
+  job.frames = frames_text(s);
+  job.fps = s.job.fps;
+  job.outputs = s.outputs;
+  job.video = s.video;
+  job.audio = s.audio;
+  job.rounds = o.rounds;
+  job.needs = o.needs;
+  job.engine_options = o.engine_options;
+  job.job = *decided;
+  job.arguments = given_words(command, own);
+  if (auto given = give_film_frames(job); !given) return std::unexpected(given.error());
+  s.outputs = job.outputs;
+  const auto settings = read_sequence(s, *decided);
+  if (!settings) return std::unexpected(settings.error());
+  if (auto good = check_sequence(*settings); !good) return std::unexpected(good.error());
+  job.shards = o.shards > 0 ? o.shards : shards_for(settings->frames.size());
+  if (size_t(job.shards) > settings->frames.size())
+    return fail(ErrorKind::usage, "--shards", "{} are more than the {} frames", job.shards, settings->frames.size());
+  return job;
+}
+
+Expected<void> submit(const fs::path& file) {
+  std::string program = "bash", path = file.string();
+  char* words[] = {program.data(), path.data(), nullptr};
+  pid_t process = -1;
+  if (const int error = posix_spawnp(&process, "bash", nullptr, nullptr, words, environ); error != 0)
+    return fail(ErrorKind::device, path, "cannot start bash: {}", std::strerror(error));
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  return fail(ErrorKind::device, path, "could not be submitted (the reason is above)");
+}
+
+Expected<int> run_writer(CLI::App& command, FarmOptions& o, const std::set<std::string>& own, Writer writer) {
+  const auto job = farm_job(command, o, own);
+  if (!job) return std::unexpected(job.error());
+  const auto files = writer(*job);
+  if (!files) return std::unexpected(files.error());
+  if (auto written = write_farm_job(*job); !written) return std::unexpected(written.error());
+  for (const FarmFile& file : *files)
+    if (auto written = write_file_atomically(job->folder / file.name, file.text); !written)
+      return std::unexpected(written.error());
+  const fs::path path = job->folder / files->front().name;
+  log::info("{} frames in {} shards", job->frame_list().size(), job->shards);
+  if (auto printed = print(path.string() + "\n"); !printed) return std::unexpected(printed.error());
+  if (!o.submit) return 0;
+  if (auto submitted = submit(path); !submitted) return std::unexpected(submitted.error());
+  return 0;
+}
+
+struct StatusOptions {
+  std::string folder;
+  bool json = false, whole = false;
+  double lost_after_s = 600;
+};
+
+// With the names of failed shards' last runs; schema: docs/schemas/farm-status.schema.json.
+Json status_json(const FarmJob& job, const FarmState& state) {
+  Json j;
+  j["version"] = CANDELA_VERSION;
+  j["name"] = job.name;
+  j["complete"] = state.complete();
+  j["frames"] = {{"total", state.frames}, {"done", state.done}, {"failed", state.failed}, {"missing", state.missing}};
+  std::map<ShardStage, size_t> count;
+  for (const ShardState& shard : state.shards) ++count[shard.stage];
+  j["shards"] = {{"total", state.shards.size()}};
+  for (const ShardStage stage : {ShardStage::done, ShardStage::running, ShardStage::failed, ShardStage::waiting})
+    j["shards"][stage_name(stage)] = count[stage];
+  j["frames_per_s"] = state.rendered_per_s > 0 ? Json(state.rendered_per_s) : Json();
+  j["seconds_left"] = state.rendered_per_s > 0 ? Json(state.seconds_left) : Json();
+  j["devices"] = state.devices;
+  j["failures"] = Json::array();
+  for (const ShardState& shard : state.shards) {
+    if (shard.stage != ShardStage::failed) continue;
+    const RunRecord& last = shard.runs.back();
+    const Remedy remedy = remedy_of(shard);
+    j["failures"].push_back({{"shard", shard.index},
+                             {"node", last.node},
+                             {"code", last.code ? Json(*last.code) : Json()},
+                             {"error", last.error},
+                             {"runs", shard.runs.size()},
+                             {"missing", shard.missing.size()},
+                             {"remedy", remedy_name(remedy.kind)}});
+  }
+  return j;
+}
+
+std::string status_text(const FarmState& state) {
+  std::string text = fmt::format("frames   {} of {} done, {} failed, {} missing\n", state.done, state.frames,
+                                 state.failed, state.missing);
+  std::map<ShardStage, size_t> count;
+  for (const ShardState& shard : state.shards) ++count[shard.stage];
+  text += fmt::format("shards   {} of {} done, {} running, {} failed, {} waiting\n", count[ShardStage::done],
+                      state.shards.size(), count[ShardStage::running], count[ShardStage::failed],
+                      count[ShardStage::waiting]);
+  if (state.rendered_per_s > 0)
+    text += fmt::format("rate     {:.2f} frames/s{}\n", state.rendered_per_s,
+                        state.complete() ? "" : ", " + duration_text(state.seconds_left) + " left");
+  for (const std::string& device : state.devices) text += "device   " + device + "\n";
+  std::vector<std::vector<std::string>> rows = {{"SHARD", "NODE", "CODE", "RUNS", "NEXT", "ERROR"}};
+  for (const ShardState& shard : state.shards) {
+    if (shard.stage != ShardStage::failed) continue;
+    const RunRecord& last = shard.runs.back();
+    rows.push_back({fmt::format("{}", shard.index), last.node, last.code ? fmt::format("{}", *last.code) : "killed",
+                    fmt::format("{}", shard.runs.size()), remedy_name(remedy_of(shard).kind), last.error});
+  }
+  return rows.size() > 1 ? text + table_text(rows) : text;
+}
+
+Expected<int> run_status(const StatusOptions& o) {
+  const auto job = read_farm_job(o.folder);
+  if (!job) return std::unexpected(job.error());
+  const auto state =
+      look_at_farm(*job, {.frames = o.whole ? FrameLook::whole : FrameLook::header, .lost_after_s = o.lost_after_s});
+  if (!state) return std::unexpected(state.error());
+  if (auto printed = o.json ? print_json(status_json(*job, *state)) : print(status_text(*state)); !printed)
+    return std::unexpected(printed.error());
+  return 0;
+}
+
+// A line for each thing to be done: WHAT EXCLUDED_NODES|- MEMORY_FACTOR SHARDS.
+std::string remedy_lines(const FarmState& state) {
+  std::map<Remedy, std::vector<std::string>> shards;
+  for (const ShardState& shard : state.shards)
+    if (!shard.missing.empty()) shards[remedy_of(shard)].push_back(fmt::format("{}", shard.index));
+  std::string text;
+  for (const auto& [remedy, list] : shards) {
+    const std::vector<std::string> nodes(remedy.exclude.begin(), remedy.exclude.end());
+    text += fmt::format("{} {} {} {}\n", remedy_name(remedy.kind), nodes.empty() ? "-" : joined(nodes, ","),
+                        remedy.memory_factor, joined(list, ","));
+  }
+  return text;
+}
+
+Expected<int> run_check(const StatusOptions& o) {
+  const auto job = read_farm_job(o.folder);
+  if (!job) return std::unexpected(job.error());
+  const auto state = look_at_farm(*job, {.frames = FrameLook::whole, .lost_after_s = o.lost_after_s});
+  if (!state) return std::unexpected(state.error());
+  if (!state->complete()) {
+    log::error("{} of {} frames are not there or not whole", state->frames - state->done, state->frames);
+    if (auto printed = print(remedy_lines(*state)); !printed) return std::unexpected(printed.error());
+    return int(ErrorKind::comparison);
+  }
+  log::info("all {} frames are there and whole", state->frames);
+  if (state->devices.size() > 1)
+    log::warning("different devices made them, so their last bits may differ: {}", joined(state->devices));
+  std::vector<fs::path> files;
+  for (const int64_t frame : job->frame_list())
+    for (fs::path& file : job->files(frame)) files.push_back(std::move(file));
+  remove_stale_temporaries(files);
+  if (job->video.empty()) return 0;
+  if (auto made = make_farm_film(*job); !made) return std::unexpected(made.error());
+  log::info("film {}", (job->work / job->video).string());
+  return 0;
+}
+
+std::set<std::string> names_of(const CLI::App& command) {
+  std::set<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.insert(name);
+  return names;
+}
+
+void add_writer(CLI::App& farm, const char* name, const char* help, Writer writer,
+                const std::shared_ptr<FarmOptions>& o, Action& action) {
+  CLI::App* command = farm.add_subcommand(name, help);
+  command->add_option("--job", o->folder, "Folder of the job, for all machines; SCENE.farm where nothing is given")
+      ->type_name("DIR");
+  command->add_option("--name", o->name, "Name of the job; the scene's where nothing is given")->type_name("NAME");
+  command
+      ->add_option("--shards", o->shards,
+                   "Parts that the frames are shared out to; 0: a part for 8 frames, at most 1000")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--rounds", o->rounds, "How often a part is tried")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--cpus", o->needs.cpus, "Cores for a part")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--memory-mb", o->needs.memory_mb, "Memory for a part, MiB; doubled where it was not enough")
+      ->check(CLI::Range(1, 1 << 26))
+      ->capture_default_str()
+      ->type_name("MIB");
+  command->add_option("--gpus", o->needs.gpus, "GPUs for a part")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--minutes", o->needs.minutes, "Longest time for a part; 0: as the engine says")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--program", o->program, "The candela that machines run; this one where nothing is given")
+      ->type_name("FILE");
+  if (writer == slurm_file) {
+    command->add_option("--slurm", o->engine_options, "An option of sbatch, as partition=night; may be given again")
+        ->allow_extra_args(false)
+        ->type_name("NAME=VALUE");
+    command->add_flag("--submit", o->submit, "Submit it");
+  }
+  std::set<std::string> own = names_of(*command);
+  own.insert({"video", "audio", "config"});
+  add_film_options(*command, o->sequence);
+  add_run_options(*command, o->sequence.job);
+  command->remove_option(command->get_option("--json"));
+  command->callback([command, o, own, writer, &action] {
+    action = [command, o, own, writer] { return run_writer(*command, *o, own, writer); };
+  });
+}
+
+CLI::App* add_folder_command(CLI::App& farm, const char* name, const char* help,
+                             const std::shared_ptr<StatusOptions>& o) {
+  CLI::App* command = farm.add_subcommand(name, help);
+  command->add_option("folder", o->folder, "Folder of the job")->required()->type_name("DIR");
+  command->add_option("--lost-after", o->lost_after_s, "A run of which nothing was heard for so long is taken for dead")
+      ->check(non_negative_number())
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  return command;
+}
+
+}  // namespace
+
+void add_farm(CLI::App& app, Action& action) {
+  CLI::App* farm = app.add_subcommand("farm", "Let several machines make a film, by an engine that is there");
+  farm->require_subcommand(1);
+  const auto writer = [&](const char* name, const char* help, Writer write) {
+    add_writer(*farm, name, help, write, std::make_shared<FarmOptions>(), action);
+  };
+  writer("slurm", "Write a file for sbatch (docs/farm.md)", slurm_file);
+  writer("opencue", "Write an outline for OpenCue", opencue_files);
+  writer("make", "Write a file for GNU make", make_file);
+  writer("shell", "Write a shell script that any number of machines may run at the same time", shell_file);
+  auto o = std::make_shared<StatusOptions>();
+  CLI::App* status = add_folder_command(*farm, "status", "Say what is done, failed and missing, and the time left", o);
+  status->add_flag("--whole", o->whole, "Decode each file instead of reading its header");
+  status->add_flag("--json", o->json, "As JSON");
+  status->callback([o, &action] { action = [o] { return run_status(*o); }; });
+  CLI::App* check = add_folder_command(
+      *farm, "check", "See whether all frames are there and whole, then make the film; exit 1 and what to do otherwise",
+      o);
+  check->callback([o, &action] { action = [o] { return run_check(*o); }; });
+}
+
+}  // namespace candela::cli

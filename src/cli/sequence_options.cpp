@@ -1,0 +1,98 @@
+#include "cli/sequence_options.h"
+
+#include "cli/result.h"
+
+namespace candela::cli {
+
+void add_film_options(CLI::App& command, SequenceOptions& o) {
+  add_job_options(command, o.job);
+  command
+      .add_option(
+          "--frames", o.frames,
+          "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20; with --turntable N 0 to N - 1 where it is left out")
+      ->type_name("LIST");
+  command
+      .add_option("-o,--output", o.outputs,
+                  "Files to write, with %04d or #### for the frame number; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("PATTERN");
+  command.add_option("--video", o.video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
+  command.add_option("--audio", o.audio, "Sound of the film")->type_name("FILE");
+  command
+      .add_option("--cache", o.cache,
+                  "on: shadow maps stay for later frames as long as nothing that casts moves, with the same pictures; "
+                  "off: every frame draws its own; auto: off where frames are timed")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  command.add_option("--in-flight", o.in_flight, "Frames on their way to the device at once; 0: as suits the device")
+      ->check(CLI::Range(0, 8))
+      ->capture_default_str()
+      ->type_name("N");
+  command.add_option("--encoders", o.encoders, "Threads that encode and write frames; 0: as many as cores")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str()
+      ->type_name("N");
+}
+
+std::string frames_text(const SequenceOptions& o) {
+  return o.frames.empty() && o.job.turntable > 0 ? fmt::format("0-{}", o.job.turntable - 1) : o.frames;
+}
+
+std::vector<std::string> given_words(const CLI::App& command, const std::set<std::string>& without) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    if (option->get_positional()) {  // the scene
+      const std::string& value = option->results().front();
+      words.insert(words.begin(), value.starts_with('-') ? "./" + value : value);
+      continue;
+    }
+    if (option->get_lnames().empty() || without.contains(option->get_lnames().front())) continue;
+    const std::string name = "--" + option->get_lnames().front();
+    if (option->get_expected_max() == 0) {
+      words.push_back(name);
+      continue;
+    }
+    for (const std::string& value : option->results())
+      if (value.starts_with('-'))
+        words.push_back(name + "=" + value);
+      else
+        words.insert(words.end(), {name, value});
+  }
+  return words;
+}
+
+Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& job) {
+  SequenceSettings settings;
+  const std::string list = frames_text(o);
+  if (list.empty()) return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
+  const auto frames = parse_frame_list(list);
+  if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
+  const auto shard = parse_shard(o.shard);
+  if (!shard) return std::unexpected(shard.error());
+  const auto rate = parse_frame_rate(o.job.fps);
+  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  for (const std::string& text : o.outputs) {
+    const auto pattern = parse_pattern(text);
+    if (!pattern) return std::unexpected(pattern.error());
+    settings.patterns.push_back(*pattern);
+  }
+  if (shard->count > 1 && !o.video.empty())
+    return fail(ErrorKind::usage, "--shard", "does not go with --video, which needs every frame of one run");
+  if (!o.video.empty() && job.png_bits != 8)
+    return fail(ErrorKind::usage, "--png-bits", "16 does not go with --video, which has 8 bits");
+  const bool exr_output = std::any_of(o.outputs.begin(), o.outputs.end(),
+                                      [](const auto& output) { return output_format(output) == OutputFormat::exr; });
+  if (auto good = check_layers(job, exr_output); !good) return std::unexpected(good.error());
+  settings.frames = shard_of(*frames, *shard);
+  settings.rate = *rate;
+  settings.resume = o.resume;
+  settings.in_flight = o.in_flight;
+  settings.encoders = o.encoders;
+  settings.video = o.video;
+  settings.audio = o.audio;
+  settings.keep_spans = !o.trace.empty();
+  return settings;
+}
+
+}  // namespace candela::cli

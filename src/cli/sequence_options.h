@@ -1,0 +1,35 @@
+#pragma once
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cli/job_options.h"
+#include "render/sequence.h"
+
+namespace candela::cli {
+
+// What `sequence` takes, as text until all is read.
+struct SequenceOptions {
+  JobOptions job;
+  std::string frames, shard = "1/1", video, audio, timings, trace, record, devices, worker;
+  std::vector<std::string> outputs;
+  bool resume = false;
+  int in_flight = 0, encoders = 0;
+  std::string cache = "auto";
+};
+
+// Those that say which frames are made and how; `farm` takes them too. What belongs to one run is `sequence`'s alone.
+void add_film_options(CLI::App& command, SequenceOptions& options);
+
+// The list as written, or the turn that stands for it; empty where neither is given.
+std::string frames_text(const SequenceOptions& options);
+// The words that give another candela the options that were given here, by the command line, a file or the environment,
+// but for `without`.
+std::vector<std::string> given_words(const CLI::App& command, const std::set<std::string>& without);
+// Checked, but for folders and files that are written.
+Expected<SequenceSettings> read_sequence(const SequenceOptions& options, const Job& job);
+
+// sequence --devices: a process a device over one list of frames.
+Expected<int> run_on_devices(CLI::App& command, SequenceOptions& options);
+
+}  // namespace candela::cli

@@ -1,0 +1,182 @@
+#include "farm/farm_state.h"
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <map>
+#include <thread>
+#include <tuple>
+
+#include "farm/quote.h"
+#include "render/outputs.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+namespace {
+
+// What, beside the job, decides the bytes of a frame. Several where machines differ.
+using Maker = std::tuple<std::string, std::string, std::string>;  // scene content, device, driver
+
+std::vector<Maker> makers_of(const std::vector<RunRecord>& records) {
+  std::set<Maker> makers;
+  for (const RunRecord& record : records)
+    if (!record.device.empty()) makers.emplace(record.scene_content, record.device, record.driver);
+  return {makers.begin(), makers.end()};
+}
+
+// Both formats have the identity near their beginning.
+bool header_says(const fs::path& file, const std::string& identity) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string head(size_t(256) << 10, '\0');
+  stream.read(head.data(), std::streamsize(head.size()));
+  head.resize(size_t(stream.gcount()));
+  return head.find(identity) != std::string::npos;
+}
+
+class Frames {
+ public:
+  Frames(const FarmJob& job, const FarmLook& look, const std::vector<RunRecord>& records)
+      : job_(job), look_(look), makers_(makers_of(records)), list_(job.frame_list()), rate_(job.rate()) {}
+
+  // By the place in the list, several files at once: their reading takes most of the time.
+  std::vector<uint8_t> there() const {
+    std::vector<uint8_t> result(list_.size());
+    std::atomic<size_t> next = 0;
+    const auto work = [&] {
+      for (size_t i = next++; i < list_.size(); i = next++) result[i] = is_there(list_[i]);
+    };
+    const size_t most = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, 16);
+    std::vector<std::jthread> others;
+    while (others.size() + 1 < std::min(most, list_.size())) others.emplace_back(work);
+    work();
+    others.clear();
+    return result;
+  }
+
+ private:
+  bool is_there(int64_t frame) const {
+    const std::vector<fs::path> files = job_.files(frame);
+    std::error_code failed;
+    for (const fs::path& file : files)
+      if (!fs::exists(file, failed)) return false;
+    for (const auto& [content, device, driver] : makers_) {
+      const std::string identity = file_identity(job_.job, content, device, driver, rate_.seconds(frame), frame, rate_);
+      const auto holds = [&](const fs::path& file) {
+        return look_.frames == FrameLook::whole ? holds_frame(file, identity) : header_says(file, identity);
+      };
+      if (std::all_of(files.begin(), files.end(), holds)) return true;
+    }
+    return false;
+  }
+
+  const FarmJob& job_;
+  const FarmLook& look_;
+  std::vector<Maker> makers_;
+  std::vector<int64_t> list_;
+  FrameRate rate_;
+};
+
+ShardStage stage_of(const ShardState& shard, double lost_after_s) {
+  if (shard.missing.empty()) return ShardStage::done;
+  if (shard.runs.empty()) return ShardStage::waiting;
+  const RunRecord& last = shard.runs.back();
+  if (!last.code) return unix_seconds() - last.updated_s < lost_after_s ? ShardStage::running : ShardStage::failed;
+  return *last.code == 0 ? ShardStage::waiting : ShardStage::failed;
+}
+
+// Seconds in which at least one of the runs was going.
+double busy_seconds(const std::vector<RunRecord>& records) {
+  double sum = 0, until = 0;
+  for (const RunRecord& record : records) {  // by their start
+    const double from = std::max(record.started_s, until);
+    if (record.updated_s > from) sum += record.updated_s - from;
+    until = std::max(until, record.updated_s);
+  }
+  return sum;
+}
+
+}  // namespace
+
+const char* stage_name(ShardStage stage) {
+  switch (stage) {
+    case ShardStage::done:
+      return "done";
+    case ShardStage::running:
+      return "running";
+    case ShardStage::failed:
+      return "failed";
+    case ShardStage::waiting:
+      return "waiting";
+  }
+  return "";
+}
+
+const char* remedy_name(Remedy::Kind kind) {
+  switch (kind) {
+    case Remedy::Kind::again:
+      return "again";
+    case Remedy::Kind::never:
+      return "never";
+    case Remedy::Kind::wait:
+      return "wait";
+  }
+  return "";
+}
+
+Expected<FarmState> look_at_farm(const FarmJob& job, const FarmLook& look) {
+  std::vector<RunRecord> records = read_run_records(farm_records(job.folder));
+  std::erase_if(records, [&](const RunRecord& record) {
+    return record.shard.count != job.shards || record.shard.index < 1 || record.shard.index > job.shards;
+  });
+  const std::vector<int64_t> frames = job.frame_list();
+  const std::vector<uint8_t> there = Frames(job, look, records).there();
+  FarmState state{.frames = frames.size()};
+  state.shards.resize(size_t(job.shards));
+  for (int i = 0; i < job.shards; ++i) state.shards[size_t(i)].index = i + 1;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    ShardState& shard = state.shards[i % state.shards.size()];
+    ++shard.frames;
+    if (!there[i]) shard.missing.push_back(frames[i]);
+    state.done += there[i];
+  }
+  size_t rendered = 0;
+  std::set<std::string> devices;
+  for (RunRecord& record : records) {
+    rendered += record.rendered;
+    if (record.rendered > 0) devices.insert(record.device + " (" + record.driver + ")");
+    state.shards[size_t(record.shard.index - 1)].runs.push_back(record);
+  }
+  state.devices.assign(devices.begin(), devices.end());
+  for (ShardState& shard : state.shards) {
+    shard.stage = stage_of(shard, look.lost_after_s);
+    (shard.stage == ShardStage::failed ? state.failed : state.missing) += shard.missing.size();
+  }
+  const double busy_s = busy_seconds(records);
+  if (rendered > 0 && busy_s > 0) {
+    state.rendered_per_s = double(rendered) / busy_s;
+    state.seconds_left = double(state.frames - state.done) / state.rendered_per_s;
+  }
+  return state;
+}
+
+Remedy remedy_of(const ShardState& shard) {
+  Remedy remedy;
+  if (shard.stage == ShardStage::running) return {.kind = Remedy::Kind::wait};
+  if (shard.runs.empty()) return remedy;
+  constexpr int most_memory = 64;
+  for (const RunRecord& run : shard.runs) {
+    const int code = run.code.value_or(int(ErrorKind::out_of_memory));
+    if (code == int(ErrorKind::device) && plain_name(run.node) == run.node) remedy.exclude.insert(run.node);
+    if (code == int(ErrorKind::out_of_memory) && remedy.memory_factor < most_memory) remedy.memory_factor *= 2;
+  }
+  switch (shard.runs.back().code.value_or(int(ErrorKind::out_of_memory))) {
+    case int(ErrorKind::usage):
+    case int(ErrorKind::input):
+    case int(ErrorKind::nonfinite):
+      return {.kind = Remedy::Kind::never};
+    default:
+      return remedy;
+  }
+}
+
+}  // namespace candela

@@ -89,7 +89,7 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
     return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
   if (o.check_determinism && *o.check_determinism < 2)
     return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
-  plan.wanted = {.linear = !job->allow_nonfinite, .display = false, .display_bits = job->png_bits};
+  plan.wanted = {.linear = false, .display = false, .display_bits = job->png_bits, .files = true};
   bool exr_output = o.outputs.empty();
   auto paths = output_paths(o.outputs, moment->frame.value_or(0));
   if (!paths) return std::unexpected(paths.error());

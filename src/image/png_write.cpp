@@ -46,7 +46,7 @@ void on_write(png_structp png, png_bytep data, size_t size) {
 void on_flush(png_structp) {}
 
 // False: the reason lies in the sink.
-bool encode(const DisplayImage& image, Sink& sink) {
+bool encode(const DisplayView& image, Sink& sink) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   if (!info) {
@@ -66,9 +66,8 @@ bool encode(const DisplayImage& image, Sink& sink) {
   png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_ABSOLUTE);
   png_write_info(png, info);
   if (image.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
-  const auto* row = reinterpret_cast<png_const_bytep>(image.pixels.data());
-  for (int y = 0; y < image.height; ++y, row += size_t(image.width) * size_t(image.channels) * size_t(image.bits / 8))
-    png_write_row(png, row);
+  const auto* row = reinterpret_cast<png_const_bytep>(image.pixels);
+  for (int y = 0; y < image.height; ++y, row += image.row_bytes) png_write_row(png, row);
   png_write_end(png, nullptr);
   png_destroy_write_struct(&png, &info);
   return true;
@@ -76,11 +75,10 @@ bool encode(const DisplayImage& image, Sink& sink) {
 
 }  // namespace
 
-Expected<std::vector<std::byte>> encode_png(const DisplayImage& image, const std::string& place) {
+Expected<std::vector<std::byte>> encode_png(const DisplayView& image, const std::string& place) {
   CHECK(image.width > 0 && image.height > 0 && (image.channels == 3 || image.channels == 4) &&
         (image.bits == 8 || image.bits == 16));
-  CHECK(image.pixels.size() ==
-        size_t(image.width) * size_t(image.height) * size_t(image.channels) * size_t(image.bits / 8));
+  CHECK(image.row_bytes >= size_t(image.width) * size_t(image.channels) * size_t(image.bits / 8));
   Sink sink;
   if (encode(image, sink)) return std::move(sink.bytes);
   if (sink.out_of_memory) return fail(ErrorKind::out_of_memory, place, "not enough memory to encode PNG");

@@ -7,7 +7,9 @@ namespace candela {
 // write_exr and write_png without their last step, the rename.
 Expected<PreparedFile> prepare_exr(const std::filesystem::path& path, const FloatImage& image,
                                    ExrCompression compression);
-Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const DisplayImage& image,
+Expected<PreparedFile> prepare_exr(const std::filesystem::path& path, const PictureView& image,
+                                   ExrCompression compression);
+Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const DisplayView& image,
                                    const std::vector<PngText>& texts);
 
 // Threads that all EXR files being encoded or decoded share; 0: each file has the thread that asks for it alone.

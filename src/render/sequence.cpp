@@ -279,9 +279,8 @@ Expected<void> check_sequence(const SequenceSettings& settings) {
 }
 
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job) {
-  // Non-finite pixels are looked for in the linear image, whatever is written.
   WantedOutputs wanted{
-      .linear = !job.allow_nonfinite, .display = !settings.video.empty(), .display_bits = job.png_bits};
+      .linear = false, .display = !settings.video.empty(), .display_bits = job.png_bits, .files = true};
   for (const FramePattern& pattern : settings.patterns) {
     const auto format = output_format(pattern.name(0));
     (format && *format == OutputFormat::exr ? wanted.linear : wanted.display) = true;

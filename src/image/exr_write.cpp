@@ -22,6 +22,7 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "image/exr.h"
+#include "image/file_threads.h"
 #include "image/prepare.h"
 
 namespace candela {
@@ -108,13 +109,6 @@ std::vector<uint16_t> to_half(const std::vector<float>& values) {
   return halves;
 }
 
-// Threads compress blocks of lines; the blocks are written in order, so the bytes do not depend on how many there are.
-void start_threads() {
-  static std::once_flag once;
-  std::call_once(
-      once, [] { Imf::setGlobalThreadCount(int(std::min(8u, std::max(1u, std::thread::hardware_concurrency())))); });
-}
-
 Imf::Header header_of(const PictureView& image, ExrCompression compression) {
   const Imath::Box2i data(Imath::V2i(image.origin_x, image.origin_y),
                           Imath::V2i(image.origin_x + image.width - 1, image.origin_y + image.height - 1));
@@ -134,11 +128,14 @@ Imf::PixelType pixel_type(ChannelType type) {
 
 }  // namespace
 
-int set_exr_threads(int threads) {
-  start_threads();
-  const int before = Imf::globalThreadCount();
-  Imf::setGlobalThreadCount(threads);
-  return before;
+// Threads compress blocks of lines; the blocks are written in order, so the bytes do not depend on how many there are.
+void set_exr_threads(bool own) {
+  const int most = int(std::min(8u, std::max(1u, std::thread::hardware_concurrency())));
+  Imf::setGlobalThreadCount(own ? most : 0);
+}
+void start_exr_threads() {
+  static std::once_flag once;
+  std::call_once(once, [] { set_exr_threads(file_threads()); });
 }
 
 Expected<ExrCompression> exr_compression_from_name(std::string_view name) {
@@ -174,7 +171,7 @@ Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compres
 
 Expected<std::string> encode_exr(const PictureView& image, ExrCompression compression, const std::string& place) try {
   CHECK(image.width > 0 && image.height > 0 && !image.planes.empty());
-  start_threads();
+  start_exr_threads();
   Imf::Header header = header_of(image, compression);
   for (const MetadataEntry& entry : image.metadata)
     if (auto added = add_metadata(header, entry, place); !added) return std::unexpected(added.error());

@@ -8,21 +8,16 @@
 #include "base/process.h"
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/help.h"
 #include "render/current_error.h"
 
 namespace candela::cli {
 namespace {
 
-constexpr const char* exit_codes =
-    "Exit codes: 0 fine; 1 a comparison failed; 2 usage; 3 input (scene or file); 4 device or driver; 5 output could "
-    "not be\n"
-    "written; 6 out of memory; 7 the image holds non-finite pixels. Data goes to stdout, log and progress to stderr.";
-
 void build_parser(CLI::App& app, Action& action) {
   app.require_subcommand(0, 1);
   app.set_version_flag("--version", std::string("candela ") + CANDELA_VERSION);
   app.set_help_all_flag("--help-all", "Print the help of every command");
-  app.footer(exit_codes);
   add_render(app, action);
   add_sequence(app, action);
   add_reference(app, action);
@@ -33,6 +28,7 @@ void build_parser(CLI::App& app, Action& action) {
   add_bench(app, action);
   add_make_scene(app, action);
   add_list(app, action);
+  complete_help(app);
 }
 
 std::string command_of(const CLI::App& app) {

@@ -22,6 +22,7 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "image/exr.h"
+#include "image/exr_zip.h"
 #include "image/file_threads.h"
 #include "image/prepare.h"
 
@@ -171,17 +172,23 @@ Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compres
 
 Expected<std::string> encode_exr(const PictureView& image, ExrCompression compression, const std::string& place) try {
   CHECK(image.width > 0 && image.height > 0 && !image.planes.empty());
-  start_exr_threads();
   Imf::Header header = header_of(image, compression);
   for (const MetadataEntry& entry : image.metadata)
     if (auto added = add_metadata(header, entry, place); !added) return std::unexpected(added.error());
 
+  for (const PlaneView& plane : image.planes) {
+    CHECK_MSG(!header.channels().findChannel(plane.name.c_str()), "two channels have the same name: " + plane.name);
+    header.channels().insert(plane.name.c_str(), Imf::Channel(pixel_type(plane.type)));
+  }
+  if (compression == ExrCompression::zip || compression == ExrCompression::zips) {
+    header.sanityCheck();
+    return encode_exr_zip(header, image, compression == ExrCompression::zip ? 16 : 1);
+  }
+  start_exr_threads();
   Imf::FrameBuffer frame;
   const Imath::V2i corner(image.origin_x, image.origin_y);
   for (const PlaneView& plane : image.planes) {
-    CHECK_MSG(!header.channels().findChannel(plane.name.c_str()), "two channels have the same name: " + plane.name);
     const Imf::PixelType type = pixel_type(plane.type);
-    header.channels().insert(plane.name.c_str(), Imf::Channel(type));
     frame.insert(plane.name.c_str(),
                  Imf::Slice::Make(type, plane.data, corner, int64_t(image.width), int64_t(image.height),
                                   size_t(type == Imf::HALF ? 2 : 4), plane.row_bytes));

@@ -5,8 +5,8 @@
 // in twice the precision where they are zero. Which candidates count is what src/reference/visibility.cpp says: holes
 // of masks never, backs always, what glows all over not on the way to a lamp (src/scene/glow.h).
 //
-// lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch, and for lanes
-// that have left a loop. So every look-up stays in its table (trace_entry), and no table is empty.
+// lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch, and for
+// lanes that have left a loop. So every look-up stays in its table (trace_entry), and no table is empty.
 //
 // The stack has one entry a level, a node and which of its children are still to be visited, so its size is the trees'
 // real depth, and no ray needs more. Needs lib/frame.glsl, lib/bindless.glsl, and before the include TRACE_ADDRESS (of

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
                                       const fs::path& picture) {
   const WantedOutputs wanted{
-      .linear = golden.exr || !golden.job.allow_nonfinite, .display = !golden.exr, .display_bits = golden.job.png_bits};
+      .linear = golden.exr, .display = !golden.exr, .display_bits = golden.job.png_bits, .files = true};
   Job job = golden.job;
   SceneStore made;
   for (std::string* file : {&job.scene, &job.sky}) {

@@ -31,7 +31,7 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
   const auto moment = moment_of(o.job, o.moment);
   if (!moment) return std::unexpected(moment.error());
   WantedOutputs wanted{
-      .linear = o.outputs.empty() || !job.allow_nonfinite, .display = false, .display_bits = job.png_bits};
+      .linear = o.outputs.empty(), .display = false, .display_bits = job.png_bits, .files = !o.outputs.empty()};
   for (const std::string& output : o.outputs) {
     const auto format = output_format(output);
     if (!format) return std::unexpected(format.error());

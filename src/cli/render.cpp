@@ -174,7 +174,7 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
   if (o.check_determinism && *o.check_determinism < 2)
     return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
   if (auto good = check_one_shot(o, plan); !good) return std::unexpected(good.error());
-  plan.wanted = {.linear = !job->allow_nonfinite, .display = false, .display_bits = job->png_bits};
+  plan.wanted = {.linear = false, .display = false, .display_bits = job->png_bits, .files = true};
   bool exr_output = o.outputs.empty();
   for (const std::string& output : o.outputs) {
     const auto format = output_format(output);

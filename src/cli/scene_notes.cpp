@@ -68,6 +68,9 @@ namespace {
 // Alpha of every pixel is 0; nullopt where the frame has no alpha to tell by.
 std::optional<bool> is_transparent(const FrameResult& frame) {
   for (const OutputImage& output : frame.outputs) {
+    if (output.layer == "beauty" && output.counts >= 0 && frame.request.shows_through)
+      return frame.counts.at(size_t(output.counts)).covered == 0;
+    if (output.packing != Packing::texels) continue;
     size_t pixel = 0, offset = 0, length = 0;  // bytes of a pixel, of its alpha, and the alpha's length
     if (output.layer == "beauty" && output.format == VK_FORMAT_R32G32B32A32_SFLOAT)
       pixel = 16, offset = 12, length = 4;

@@ -134,6 +134,7 @@ DecodedImage sum_of(const std::vector<SkyPart>& parts) {
 }
 
 bool has_sky(const Job& job, const Look& look) { return source_of(job, look) != Source::none || has_second(job, look); }
+bool shows_through(const Job& job, const Look& look) { return job.background == "transparent" && !has_sky(job, look); }
 
 Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look) {
   std::vector<std::string> files;

@@ -68,6 +68,10 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.exposure_ev = display.exposure_ev;
   request.pre_exposure_ev = std::clamp(display.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
   request.display_bits = wanted.display_bits;
+  request.for_files = wanted.files;
+  request.exr_float = job.exr_float;
+  request.look_nonfinite = wanted.files && !job.allow_nonfinite;
+  request.shows_through = shows_through(job, request.look);
   request.dither = job.dither;
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
@@ -302,6 +306,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     build_frame(frame, inputs, *technique);
     if (wanted.dumps.empty()) builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump)");
     f.outputs = std::move(frame.outputs);
+    f.counts = frame.counts;
     f.reports = std::move(frame.reports);
     f.kept = std::move(frame.kept);
     f.graph = compile_graph(builder);

@@ -54,6 +54,7 @@ struct PlannedFrame {
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
   std::vector<FrameReport> reports;
   std::vector<OutputImage> outputs;
+  int counts = -1;  // the buffer of shared::PackCounts in the plan
   std::vector<FrameDump> dumps;
   std::vector<KeptUse> kept;  // images of the plan that outlive it
   std::vector<std::string> notes;
@@ -63,6 +64,9 @@ struct WantedOutputs {
   bool linear = true;    // EXR
   bool display = false;  // PNG, video
   int display_bits = 8;  // 8 or 16
+  // For prepare_outputs() and nothing else: packed on the device as the job's files hold it. linear is then of EXR
+  // files alone: pixels that are not finite are counted on the device.
+  bool files = false;
   std::vector<DumpRequest> dumps = {};
 };
 

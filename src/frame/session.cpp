@@ -44,6 +44,7 @@ class DeviceSession : public Session {
   struct Begun {
     FrameResult result;
     std::vector<FrameReport> reports;
+    int counts = -1;
     double submit_us = 0;  // when recording began
   };
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
@@ -181,6 +182,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.notes = std::move(planned->notes);
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
     begun.reports = std::move(planned->reports);
+    begun.counts = planned->counts;
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
   } catch (const gpu::GpuError& e) {
@@ -298,6 +300,11 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
   t.frame_gpu_ms = run.frame_gpu_ms;
   result.readbacks = std::move(run.readbacks);
   result.hashes = std::move(run.hashes);
+  if (const auto found = result.readbacks.find(begun.counts); found != result.readbacks.end()) {
+    const std::span<const std::byte> bytes = found->second->bytes();
+    result.counts.resize(bytes.size() / sizeof(shared::PackCounts));
+    std::memcpy(result.counts.data(), bytes.data(), result.counts.size() * sizeof(shared::PackCounts));
+  }
   for (const FrameReport& report : begun.reports) {
     const auto found = result.readbacks.find(report.resource);
     if (found == result.readbacks.end()) continue;

@@ -49,6 +49,7 @@ struct FrameResult {
   std::vector<OutputImage> outputs;                         // what each readback holds
   std::map<int, std::shared_ptr<gpu::Readback>> readbacks;  // by OutputImage::resource
   std::vector<FrameDump> dumps;                             // likewise
+  std::vector<shared::PackCounts> counts;                   // by OutputImage::counts
   double pre_exposure = 1;                                  // linear outputs are divided by it when encoded
   Hash128 plan_hash;
   FramePlan plan;

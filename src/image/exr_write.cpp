@@ -14,6 +14,7 @@
 #include <OpenEXR/ImfThreading.h>
 
 #include <cstring>
+#include <deque>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -21,6 +22,8 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "image/exr.h"
+#include "image/exr_zip.h"
+#include "image/file_threads.h"
 #include "image/prepare.h"
 
 namespace candela {
@@ -107,14 +110,7 @@ std::vector<uint16_t> to_half(const std::vector<float>& values) {
   return halves;
 }
 
-// Threads compress blocks of lines; the blocks are written in order, so the bytes do not depend on how many there are.
-void start_threads() {
-  static std::once_flag once;
-  std::call_once(
-      once, [] { Imf::setGlobalThreadCount(int(std::min(8u, std::max(1u, std::thread::hardware_concurrency())))); });
-}
-
-Imf::Header header_of(const FloatImage& image, ExrCompression compression) {
+Imf::Header header_of(const PictureView& image, ExrCompression compression) {
   const Imath::Box2i data(Imath::V2i(image.origin_x, image.origin_y),
                           Imath::V2i(image.origin_x + image.width - 1, image.origin_y + image.height - 1));
   const bool own_display = image.display_width > 0 && image.display_height > 0;
@@ -127,13 +123,20 @@ Imf::Header header_of(const FloatImage& image, ExrCompression compression) {
   return header;
 }
 
+Imf::PixelType pixel_type(ChannelType type) {
+  return type == ChannelType::half ? Imf::HALF : type == ChannelType::uint32 ? Imf::UINT : Imf::FLOAT;
+}
+
 }  // namespace
 
-int set_exr_threads(int threads) {
-  start_threads();
-  const int before = Imf::globalThreadCount();
-  Imf::setGlobalThreadCount(threads);
-  return before;
+// Threads compress blocks of lines; the blocks are written in order, so the bytes do not depend on how many there are.
+void set_exr_threads(bool own) {
+  const int most = int(std::min(8u, std::max(1u, std::thread::hardware_concurrency())));
+  Imf::setGlobalThreadCount(own ? most : 0);
+}
+void start_exr_threads() {
+  static std::once_flag once;
+  std::call_once(once, [] { set_exr_threads(file_threads()); });
 }
 
 Expected<ExrCompression> exr_compression_from_name(std::string_view name) {
@@ -146,34 +149,49 @@ Expected<ExrCompression> exr_compression_from_name(std::string_view name) {
 }
 
 Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compression, const std::string& place) try {
-  CHECK(image.width > 0 && image.height > 0 && !image.channels.empty());
-  start_threads();
+  PictureView view{image.width,          image.height, image.origin_x, image.origin_y, image.display_width,
+                   image.display_height, {},           image.metadata};
+  const size_t width = size_t(image.width), count = width * size_t(image.height);
+  std::deque<std::vector<uint16_t>> halves;
+  for (const Channel& channel : image.channels) {
+    CHECK_MSG((channel.type == ChannelType::uint32 ? channel.u.size() : channel.f.size()) == count, channel.name);
+    PlaneView& plane = view.planes.emplace_back(PlaneView{channel.name, channel.type, nullptr, width * 4});
+    if (channel.type == ChannelType::half) {
+      plane.data = reinterpret_cast<const std::byte*>(halves.emplace_back(to_half(channel.f)).data());
+      plane.row_bytes = width * 2;
+    } else if (channel.type == ChannelType::uint32) {
+      plane.data = reinterpret_cast<const std::byte*>(channel.u.data());
+    } else {
+      plane.data = reinterpret_cast<const std::byte*>(channel.f.data());
+    }
+  }
+  return encode_exr(view, compression, place);
+} catch (const std::bad_alloc&) {
+  return fail(ErrorKind::out_of_memory, place, "not enough memory to encode the image");
+}
+
+Expected<std::string> encode_exr(const PictureView& image, ExrCompression compression, const std::string& place) try {
+  CHECK(image.width > 0 && image.height > 0 && !image.planes.empty());
   Imf::Header header = header_of(image, compression);
   for (const MetadataEntry& entry : image.metadata)
     if (auto added = add_metadata(header, entry, place); !added) return std::unexpected(added.error());
 
-  const size_t count = size_t(image.width) * size_t(image.height);
-  std::vector<std::vector<uint16_t>> halves(image.channels.size());
+  for (const PlaneView& plane : image.planes) {
+    CHECK_MSG(!header.channels().findChannel(plane.name.c_str()), "two channels have the same name: " + plane.name);
+    header.channels().insert(plane.name.c_str(), Imf::Channel(pixel_type(plane.type)));
+  }
+  if (compression == ExrCompression::zip || compression == ExrCompression::zips) {
+    header.sanityCheck();
+    return encode_exr_zip(header, image, compression == ExrCompression::zip ? 16 : 1);
+  }
+  start_exr_threads();
   Imf::FrameBuffer frame;
   const Imath::V2i corner(image.origin_x, image.origin_y);
-  for (size_t i = 0; i < image.channels.size(); ++i) {
-    const Channel& channel = image.channels[i];
-    CHECK_MSG(!header.channels().findChannel(channel.name), "two channels have the same name: " + channel.name);
-    CHECK_MSG((channel.type == ChannelType::uint32 ? channel.u.size() : channel.f.size()) == count, channel.name);
-    const void* pixels = channel.f.data();
-    Imf::PixelType type = Imf::FLOAT;
-    if (channel.type == ChannelType::half) {
-      halves[i] = to_half(channel.f);
-      pixels = halves[i].data();
-      type = Imf::HALF;
-    } else if (channel.type == ChannelType::uint32) {
-      pixels = channel.u.data();
-      type = Imf::UINT;
-    }
-    const size_t size = type == Imf::HALF ? 2 : 4;
-    header.channels().insert(channel.name, Imf::Channel(type));
-    frame.insert(channel.name,
-                 Imf::Slice::Make(type, pixels, corner, image.width, image.height, size, size * size_t(image.width)));
+  for (const PlaneView& plane : image.planes) {
+    const Imf::PixelType type = pixel_type(plane.type);
+    frame.insert(plane.name.c_str(),
+                 Imf::Slice::Make(type, plane.data, corner, int64_t(image.width), int64_t(image.height),
+                                  size_t(type == Imf::HALF ? 2 : 4), plane.row_bytes));
   }
   MemoryOutput output;
   {
@@ -191,6 +209,13 @@ Expected<std::string> encode_exr(const FloatImage& image, ExrCompression compres
 }
 
 Expected<PreparedFile> prepare_exr(const std::filesystem::path& path, const FloatImage& image,
+                                   ExrCompression compression) {
+  auto bytes = encode_exr(image, compression, path.string());
+  if (!bytes) return std::unexpected(bytes.error());
+  return prepare_file(path, std::as_bytes(std::span(bytes->data(), bytes->size())));
+}
+
+Expected<PreparedFile> prepare_exr(const std::filesystem::path& path, const PictureView& image,
                                    ExrCompression compression) {
   auto bytes = encode_exr(image, compression, path.string());
   if (!bytes) return std::unexpected(bytes.error());

@@ -41,10 +41,35 @@ struct FloatImage {
   }
 };
 
+// A plane whose samples somebody else keeps: rows from the top, as a file stores them.
+struct PlaneView {
+  std::string name;
+  ChannelType type = ChannelType::float32;
+  const std::byte* data = nullptr;
+  size_t row_bytes = 0;  // from one row to the next
+};
+struct PictureView {
+  int width = 0, height = 0;
+  int origin_x = 0, origin_y = 0, display_width = 0, display_height = 0;  // as in FloatImage
+  std::vector<PlaneView> planes;
+  std::vector<MetadataEntry> metadata;
+};
+
 // 8- or 16-bit display-referred pixels, interleaved, rows from the top.
 struct DisplayImage {
   int width = 0, height = 0, channels = 3, bits = 8;  // bits 8 or 16 (native endian)
   std::vector<std::byte> pixels;
 };
+struct DisplayView {
+  int width = 0, height = 0, channels = 3, bits = 8;
+  const std::byte* pixels = nullptr;
+  size_t row_bytes = 0;  // from one row to the next
+};
+inline size_t row_bytes(const DisplayImage& image) {
+  return size_t(image.width) * size_t(image.channels) * size_t(image.bits / 8);
+}
+inline DisplayView view_of(const DisplayImage& image) {
+  return {image.width, image.height, image.channels, image.bits, image.pixels.data(), row_bytes(image)};
+}
 
 }  // namespace candela

@@ -149,7 +149,7 @@ void make_usable(DecodedImage& image, const std::string& place, std::vector<std:
 
 }  // namespace
 
-Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const DisplayImage& image,
+Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const DisplayView& image,
                                    const std::vector<PngText>& texts) {
   auto encoded = encode_png(image, path.string());
   if (!encoded) return std::unexpected(encoded.error());
@@ -160,7 +160,7 @@ Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const Disp
 
 Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& image,
                          const std::vector<PngText>& texts) {
-  auto prepared = prepare_png(path, image, texts);
+  auto prepared = prepare_png(path, view_of(image), texts);
   if (!prepared) return std::unexpected(prepared.error());
   return prepared->put_in_place();
 }

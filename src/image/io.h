@@ -6,7 +6,7 @@
 #include "image/image.h"
 
 // All file formats stop here. EXR goes through OpenEXR, encoded PNG, JPEG and HDR textures in memory through stb (the
-// decoder that tinygltf carries), PNG output through libpng, every other format through OpenImageIO, which lives in a
+// decoder that tinygltf carries), PNG output is written here, every other format through OpenImageIO, which lives in a
 // module opened at first use.
 namespace candela {
 

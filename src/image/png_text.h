@@ -11,6 +11,9 @@
 // 5).
 namespace candela {
 
+// CRC-32 of ISO 3309, as PNG takes it over a chunk's type and data.
+uint32_t png_crc(std::span<const std::byte> bytes);
+
 // The same file with one tEXt chunk before its pixels. keyword: 1 to 79 bytes; text: no zero byte.
 std::vector<std::byte> with_png_text(std::span<const std::byte> png, std::string_view keyword, std::string_view text);
 

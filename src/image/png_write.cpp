@@ -1,90 +1,105 @@
-// PNG through libpng. Its errors leave by longjmp, which may not pass over a C++ object that has a destructor: the one
-// function that calls setjmp and everything below it therefore hold plain values and pointers only.
 #include "image/png_write.h"
 
-#include <png.h>
+#include <tbb/parallel_for.h>
 
 #include <array>
-#include <bit>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <new>
+#include <string_view>
 
 #include "base/check.h"
+#include "image/deflate.h"
+#include "image/file_threads.h"
+#include "image/png_filter.h"
+#include "image/png_text.h"
 
 namespace candela {
 namespace {
 
-// Measured on renders (docs/decisions.md).
-constexpr int compression_level = 4;
+void put_word(std::vector<std::byte>& out, uint32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(std::byte(value >> shift));
+}
 
-struct Sink {
-  std::vector<std::byte> bytes;
-  bool out_of_memory = false;
-  std::array<char, 256> reason{};
+// Opens a chunk; closing it fills in its length and adds its checksum.
+class Chunk {
+ public:
+  Chunk(std::vector<std::byte>& out, std::string_view type) : out_(out), begin_(out.size()) {
+    put_word(out, 0);
+    for (const char c : type) out.push_back(std::byte(c));
+  }
+  ~Chunk() = default;
+  Chunk(const Chunk&) = delete;
+  Chunk& operator=(const Chunk&) = delete;
+  void close() {
+    const size_t length = out_.size() - begin_ - 8;
+    CHECK(length < size_t(1) << 31);
+    for (size_t i = 0; i < 4; ++i) out_[begin_ + i] = std::byte(length >> (24 - 8 * i));
+    put_word(out_, png_crc(std::span(out_).subspan(begin_ + 4)));
+  }
+
+ private:
+  std::vector<std::byte>& out_;
+  size_t begin_;
 };
 
-void on_error(png_structp png, png_const_charp message) {
-  auto& sink = *static_cast<Sink*>(png_get_error_ptr(png));
-  std::snprintf(sink.reason.data(), sink.reason.size(), "%s", message);
-  png_longjmp(png, 1);
+void put_words(std::vector<std::byte>& out, std::string_view type, std::span<const uint32_t> words) {
+  Chunk chunk(out, type);
+  for (const uint32_t word : words) put_word(out, word);
+  chunk.close();
 }
-void on_warning(png_structp, png_const_charp) {}
 
-bool append(Sink& sink, const png_byte* data, size_t size) noexcept try {
-  const auto* bytes = reinterpret_cast<const std::byte*>(data);
-  sink.bytes.insert(sink.bytes.end(), bytes, bytes + size);
-  return true;
-} catch (const std::bad_alloc&) {
-  sink.out_of_memory = true;
-  return false;
+// sRGB, and for readers that do not know it the gamma and primaries that the PNG specification gives for it.
+void put_colour(std::vector<std::byte>& out) {
+  put_words(out, "gAMA", std::array<uint32_t, 1>{45455});
+  Chunk chunk(out, "sRGB");
+  out.push_back(std::byte{3});  // absolute colorimetric
+  chunk.close();
+  put_words(out, "cHRM", std::array<uint32_t, 8>{31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000});
 }
-void on_write(png_structp png, png_bytep data, size_t size) {
-  if (!append(*static_cast<Sink*>(png_get_io_ptr(png)), data, size)) png_error(png, "not enough memory");
-}
-void on_flush(png_structp) {}
 
-// False: the reason lies in the sink.
-bool encode(const DisplayImage& image, Sink& sink) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, on_error, on_warning);
-  png_infop info = png ? png_create_info_struct(png) : nullptr;
-  if (!info) {
-    png_destroy_write_struct(&png, nullptr);
-    sink.out_of_memory = true;
-    return false;
-  }
-  if (setjmp(png_jmpbuf(png))) {
-    png_destroy_write_struct(&png, &info);
-    return false;
-  }
-  png_set_write_fn(png, &sink, on_write, on_flush);
-  png_set_compression_level(png, compression_level);
-  png_set_IHDR(png, info, png_uint_32(image.width), png_uint_32(image.height), image.bits,
-               image.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_ABSOLUTE);
-  png_write_info(png, info);
-  if (image.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
-  const auto* row = reinterpret_cast<png_const_bytep>(image.pixels.data());
-  for (int y = 0; y < image.height; ++y, row += size_t(image.width) * size_t(image.channels) * size_t(image.bits / 8))
-    png_write_row(png, row);
-  png_write_end(png, nullptr);
-  png_destroy_write_struct(&png, &info);
-  return true;
+std::vector<std::byte> filtered(const DisplayView& image, bool threads) {
+  const size_t row = 1 + size_t(image.width) * size_t(image.channels) * size_t(image.bits / 8);
+  std::vector<std::byte> rows(row * size_t(image.height));
+  constexpr int part = 32;
+  const int parts = (image.height + part - 1) / part;
+  const auto filter = [&](int i) {
+    const int first = i * part, last = std::min(first + part, image.height);
+    filter_png_rows(image, first, last, rows.data() + size_t(first) * row);
+  };
+  if (threads)
+    tbb::parallel_for(0, parts, filter);
+  else
+    for (int i = 0; i < parts; ++i) filter(i);
+  return rows;
 }
 
 }  // namespace
 
-Expected<std::vector<std::byte>> encode_png(const DisplayImage& image, const std::string& place) {
+Expected<std::vector<std::byte>> encode_png(const DisplayView& image, const std::string& place) try {
   CHECK(image.width > 0 && image.height > 0 && (image.channels == 3 || image.channels == 4) &&
         (image.bits == 8 || image.bits == 16));
-  CHECK(image.pixels.size() ==
-        size_t(image.width) * size_t(image.height) * size_t(image.channels) * size_t(image.bits / 8));
-  Sink sink;
-  if (encode(image, sink)) return std::move(sink.bytes);
-  if (sink.out_of_memory) return fail(ErrorKind::out_of_memory, place, "not enough memory to encode PNG");
-  return fail(ErrorKind::output, place, "cannot encode PNG: {}", sink.reason.data());
+  CHECK(image.row_bytes >= size_t(image.width) * size_t(image.channels) * size_t(image.bits / 8));
+  std::vector<std::byte> out;
+  for (const uint8_t byte : {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a}) out.push_back(std::byte(byte));
+  Chunk header(out, "IHDR");
+  put_word(out, uint32_t(image.width));
+  put_word(out, uint32_t(image.height));
+  for (const int value : {image.bits, image.channels == 4 ? 6 : 2, 0, 0, 0}) out.push_back(std::byte(value));
+  header.close();
+  put_colour(out);
+  const bool threads = file_threads();
+  const std::vector<std::byte> pixels = zlib_stream(filtered(image, threads), threads);
+  out.reserve(out.size() + pixels.size() + pixels.size() / 4096 + 64);
+  constexpr size_t most = size_t(1) << 30;  // of a chunk
+  for (size_t from = 0; from < pixels.size(); from += most) {
+    Chunk chunk(out, "IDAT");
+    const auto part = std::span(pixels).subspan(from, std::min(most, pixels.size() - from));
+    out.insert(out.end(), part.begin(), part.end());
+    chunk.close();
+  }
+  Chunk end(out, "IEND");
+  end.close();
+  return out;
+} catch (const std::bad_alloc&) {
+  return fail(ErrorKind::out_of_memory, place, "not enough memory to encode PNG");
 }
 
 }  // namespace candela

@@ -18,6 +18,7 @@
 #include "passes/occlusion/occlusion_layer.h"
 #include "passes/post/bloom.h"
 #include "passes/post/exposure.h"
+#include "passes/post/pack.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
@@ -52,7 +53,7 @@ using AllPasses =
     PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
              LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
              ReflectionsOver, Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
-             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Readback, Dump>;
+             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

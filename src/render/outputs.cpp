@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstring>
+#include <deque>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -65,12 +66,16 @@ FloatReader reader_of(const OutputImage& output, const std::byte* bytes) {
   }
 }
 
+PackLayout layout_of(const FrameResult& frame, const OutputImage& output) {
+  return pack_layout(output.packing, output.format, output.components, uint32_t(frame.width_px),
+                     uint32_t(frame.height_px));
+}
+
 std::span<const std::byte> readback_bytes(const FrameResult& frame, const OutputImage& output) {
   const auto found = frame.readbacks.find(output.resource);
   CHECK_MSG(found != frame.readbacks.end(), output.layer);
   const std::span<const std::byte> bytes = found->second->bytes();
-  CHECK_MSG(bytes.size() >= size_t(frame.width_px) * size_t(frame.height_px) * format_bytes(output.format),
-            output.layer);
+  CHECK_MSG(bytes.size() >= layout_of(frame, output).bytes, output.layer);
   return bytes;
 }
 
@@ -80,12 +85,6 @@ void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t 
     nonfinite.y = int(pixel / size_t(frame.width_px));
     nonfinite.layer = layer;
   }
-}
-
-// Layers whose values grow with the light and thus carry the pre-exposure.
-bool carries_exposure(const std::string& layer) {
-  return layer == "beauty" || layer == "direct" || layer == "fog" || layer == "volumetric" ||
-         std::ranges::any_of(Terms::layers, [&](const LayerName& term) { return term.name == layer; });
 }
 
 std::vector<std::string> channel_names(const OutputImage& output) {
@@ -128,7 +127,7 @@ void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputIm
     channel.type = as_float ? ChannelType::float32 : ChannelType::half;
     channel.f.resize(count);
   }
-  const float scale = carries_exposure(output.layer) ? float(1.0 / frame.pre_exposure) : 1.0f;
+  const float scale = output.carries_exposure ? float(1.0 / frame.pre_exposure) : 1.0f;
   std::array<float*, 4> planes{};
   for (size_t c = 0; c < names.size(); ++c) planes[c] = image.channels[first + c].f.data();
   const size_t components = names.size();
@@ -172,10 +171,11 @@ bool may_hold_nonfinite(const FrameResult& frame) {
   });
 }
 
-void add_metadata(FloatImage& image, const FrameResult& frame, const Job& job, const Session& session,
-                  std::optional<int64_t> frame_number, FrameRate rate) {
+std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job, const Session& session,
+                                       std::optional<int64_t> frame_number, FrameRate rate) {
+  FloatImage image;
   add_view_metadata(image, frame.view, frame.time_s, frame_number, rate);
-  auto& metadata = image.metadata;
+  std::vector<MetadataEntry> metadata = std::move(image.metadata);
   metadata.push_back(text_entry("candela:job", job_json(job)));
   metadata.push_back(text_entry("candela:plan", frame.plan_hash.hex()));
   metadata.push_back(text_entry("candela:device", session.device().info().name));
@@ -184,10 +184,69 @@ void add_metadata(FloatImage& image, const FrameResult& frame, const Job& job, c
   metadata.push_back(text_entry(identity_name, file_identity(job, session, frame.time_s, frame_number, rate)));
   if (job.timings_in_metadata)
     metadata.push_back(text_entry("candela:timings", timings_json(frame, job, session).dump()));
+  return metadata;
 }
 
-// By the job and not by the pixels, so that all frames of a sequence have the same channels.
-bool shows_through(const Job& job, const Look& look) { return job.background == "transparent" && !has_sky(job, look); }
+// Display output is no layer, and a layer that only --view asks for is in no file.
+bool in_exr(const OutputImage& output, const Job& job) {
+  if (output.layer == "display" || output.resource < 0) return false;
+  return job.view == "beauty" || output.layer != job.view ||
+         std::find(job.layers.begin(), job.layers.end(), job.view) != job.layers.end();
+}
+
+void add_clamped(std::vector<MetadataEntry>& metadata, const NonFinite& nonfinite) {
+  if (nonfinite.clamped > 0) metadata.push_back(text_entry("candela:clamped", fmt::format("{}", nonfinite.clamped)));
+}
+
+// What the device counted.
+NonFinite counted(const FrameResult& frame, const Job& job) {
+  NonFinite found;
+  for (const OutputImage& output : frame.outputs) {
+    if (output.counts < 0) continue;
+    const shared::PackCounts& counts = frame.counts.at(size_t(output.counts));
+    if (in_exr(output, job)) found.clamped += counts.clamped;
+    if (counts.nonfinite == 0) continue;
+    if (found.count == 0) {
+      const uint32_t pixel = ~counts.first_from_end;
+      found.x = int(pixel % uint32_t(frame.width_px)), found.y = int(pixel / uint32_t(frame.width_px));
+      found.layer = output.layer;
+    }
+    found.count += counts.nonfinite;
+  }
+  return found;
+}
+
+// A frame for EXR, whose planes lie in its read-back or here.
+struct LinearFile {
+  PictureView view;
+  std::deque<std::vector<float>> scaled;
+};
+
+// What the device does not scale: bits of floats are stored as they are where no exposure is in them.
+const std::byte* without_exposure(LinearFile& file, const std::byte* plane, size_t count, float scale) {
+  std::vector<float>& values = file.scaled.emplace_back(count);
+  std::memcpy(values.data(), plane, count * sizeof(float));
+  for (float& value : values) value *= scale;
+  return reinterpret_cast<const std::byte*>(values.data());
+}
+
+void add_planes(LinearFile& file, const FrameResult& frame, const OutputImage& output) {
+  const PackLayout layout = layout_of(frame, output);
+  const std::byte* bytes = readback_bytes(frame, output).data();
+  if (output.format == VK_FORMAT_R32_UINT) {
+    file.view.planes.push_back({output.layer, ChannelType::uint32, bytes, layout.row_bytes});
+    return;
+  }
+  const bool half = output.packing == Packing::half_planes;
+  const float scale = output.carries_exposure ? float(1.0 / frame.pre_exposure) : 1.0f;
+  const std::vector<std::string> names = channel_names(output);
+  CHECK_MSG(names.size() == output.components, output.layer);
+  for (size_t c = 0; c < names.size(); ++c) {
+    const std::byte* plane = bytes + c * layout.plane_bytes;
+    if (!half && scale != 1 && c < 3) plane = without_exposure(file, plane, layout.plane_bytes / sizeof(float), scale);
+    file.view.planes.push_back({names[c], half ? ChannelType::half : ChannelType::float32, plane, layout.row_bytes});
+  }
+}
 
 }  // namespace
 
@@ -197,10 +256,8 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   image.width = frame.width_px;
   image.height = frame.height_px;
   for (const OutputImage& output : frame.outputs) {
-    if (output.layer == "display") continue;
-    if (job.view != "beauty" && output.layer == job.view &&
-        std::find(job.layers.begin(), job.layers.end(), job.view) == job.layers.end())
-      continue;
+    if (!in_exr(output, job)) continue;
+    CHECK_MSG(output.packing == Packing::texels, output.layer);
     if (output.format == VK_FORMAT_R32_UINT)
       add_id_layer(image, output, readback_bytes(frame, output));
     else if (output.layer == "depth")
@@ -209,9 +266,8 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
       add_color_layer(image, frame, output, job.exr_float || output.layer.starts_with("heatmap."),
                       nonfinite);  // counts
   }
-  add_metadata(image, frame, job, session, frame_number, rate);
-  if (nonfinite.clamped > 0)
-    image.metadata.push_back(text_entry("candela:clamped", fmt::format("{}", nonfinite.clamped)));
+  image.metadata = metadata_of(frame, job, session, frame_number, rate);
+  add_clamped(image.metadata, nonfinite);
   return image;
 }
 
@@ -241,15 +297,75 @@ DisplayImage display_image(const FrameResult& frame, const Job& job) {
     if (output.layer != "display") continue;
     CHECK(output.format == VK_FORMAT_R8G8B8A8_UNORM || output.format == VK_FORMAT_R16G16B16A16_UNORM);
     image.bits = output.format == VK_FORMAT_R8G8B8A8_UNORM ? 8 : 16;
-    const std::span<const std::byte> bytes = readback_bytes(frame, output);
-    const size_t count = size_t(image.width) * size_t(image.height), sample = size_t(image.bits) / 8;
-    const size_t from = sample * 4, to = sample * size_t(image.channels);
-    image.pixels.resize(count * to);
-    for (size_t i = 0; i < count; ++i) std::memcpy(image.pixels.data() + i * to, bytes.data() + i * from, to);
+    const std::byte* bytes = readback_bytes(frame, output).data();
+    const PackLayout layout = layout_of(frame, output);
+    const size_t sample = size_t(image.bits) / 8, to = sample * size_t(image.channels), row = row_bytes(image);
+    const size_t from = output.packing == Packing::rgb ? to : sample * 4;
+    image.pixels.resize(row * size_t(image.height));
+    for (size_t y = 0; y < size_t(image.height); ++y) {
+      if (from == to) {
+        std::memcpy(image.pixels.data() + y * row, bytes + y * layout.row_bytes, row);
+        continue;
+      }
+      for (size_t x = 0; x < size_t(image.width); ++x)
+        std::memcpy(image.pixels.data() + y * row + x * to, bytes + y * layout.row_bytes + x * from, to);
+    }
   }
   CHECK_MSG(!image.pixels.empty(), "the frame has no display output");
   return image;
 }
+
+namespace {
+
+// A display picture, which lies in the frame's read-back where that has the file's form.
+struct DisplayFile {
+  DisplayView view;
+  DisplayImage own;
+};
+DisplayFile display_file(const FrameResult& frame, const Job& job, bool owned) {
+  DisplayFile file;
+  const auto display =
+      std::ranges::find_if(frame.outputs, [](const OutputImage& output) { return output.layer == "display"; });
+  const bool alpha = shows_through(job, frame.request.look);
+  if (!owned && job.view == "beauty" && display != frame.outputs.end() && (display->packing == Packing::rgb) != alpha) {
+    file.view = {frame.width_px,
+                 frame.height_px,
+                 alpha ? 4 : 3,
+                 display->format == VK_FORMAT_R8G8B8A8_UNORM ? 8 : 16,
+                 readback_bytes(frame, *display).data(),
+                 layout_of(frame, *display).row_bytes};
+    return file;
+  }
+  file.own = display_image(frame, job);
+  file.view = view_of(file.own);
+  return file;
+}
+
+// One of the two, as the frame has its pictures.
+struct LinearPicture {
+  LinearFile file;
+  FloatImage image;
+};
+LinearPicture linear_picture(const FrameResult& frame, const Job& job, const Session& session,
+                             std::optional<int64_t> frame_number, FrameRate rate, bool wanted, NonFinite& nonfinite) {
+  LinearPicture picture;
+  if (!frame.request.for_files) {
+    if (wanted || (!job.allow_nonfinite && may_hold_nonfinite(frame)))
+      picture.image = linear_image(frame, job, session, frame_number, rate, nonfinite);
+    return picture;
+  }
+  nonfinite = counted(frame, job);
+  if (!wanted || (nonfinite.count > 0 && !job.allow_nonfinite)) return picture;
+  PictureView& view = picture.file.view;
+  view.width = frame.width_px, view.height = frame.height_px;
+  for (const OutputImage& output : frame.outputs)
+    if (in_exr(output, job)) add_planes(picture.file, frame, output);
+  view.metadata = metadata_of(frame, job, session, frame_number, rate);
+  add_clamped(view.metadata, nonfinite);
+  return picture;
+}
+
+}  // namespace
 
 std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate) {
@@ -293,13 +409,13 @@ Expected<PreparedOutputs> prepare_outputs(FrameResult& frame, const Job& job, co
   }
   const bool any_png = std::find(formats.begin(), formats.end(), OutputFormat::png) != formats.end();
   const bool any_exr = std::find(formats.begin(), formats.end(), OutputFormat::exr) != formats.end();
-  FloatImage linear;
+  LinearPicture linear;
+  DisplayFile display;
   PreparedOutputs prepared;
   {
     StageTimer timer(frame.timings, "read_back", "encode");
     NonFinite nonfinite;
-    if (any_exr || (!job.allow_nonfinite && may_hold_nonfinite(frame)))
-      linear = linear_image(frame, job, session, frame_number, rate, nonfinite);
+    linear = linear_picture(frame, job, session, frame_number, rate, any_exr, nonfinite);
     if (nonfinite.count > 0 && !job.allow_nonfinite)
       return fail(ErrorKind::nonfinite, "",
                   "{} pixels are not finite, the first at x {}, y {} of layer {}; nothing was written", nonfinite.count,
@@ -308,16 +424,18 @@ Expected<PreparedOutputs> prepare_outputs(FrameResult& frame, const Job& job, co
       frame.warnings.push_back(fmt::format(
           "{} values are beyond what half floats hold and are stored as 65504 (--exr-type float keeps them)",
           nonfinite.clamped));
-    if (any_png || display_wanted) prepared.display = display_image(frame, job);
+    if (any_png || display_wanted) display = display_file(frame, job, display_wanted);
   }
   StageTimer timer(frame.timings, "encode", "encode");
   const std::string identity = file_identity(job, session, frame.time_s, frame_number, rate);
   for (size_t i = 0; i < paths.size(); ++i) {
-    auto file = formats[i] == OutputFormat::exr ? prepare_exr(paths[i], linear, job.exr_compression)
-                                                : prepare_png(paths[i], prepared.display, {{identity_name, identity}});
+    auto file = formats[i] != OutputFormat::exr ? prepare_png(paths[i], display.view, {{identity_name, identity}})
+                : frame.request.for_files       ? prepare_exr(paths[i], linear.file.view, job.exr_compression)
+                                                : prepare_exr(paths[i], linear.image, job.exr_compression);
     if (!file) return std::unexpected(file.error());
     prepared.files.push_back(std::move(*file));
   }
+  prepared.display = std::move(display.own);
   return prepared;
 }
 

@@ -45,17 +45,15 @@ void add_sums(Timings& sums, Timings frame, bool keep_spans) {
 }
 
 // Files side by side need no threads of their own; few frames do, for then there are workers with nothing to do.
-class ExrThreads {
+class FileThreads {
  public:
-  explicit ExrThreads(bool own) {
-    if (!own) before_ = set_exr_threads(0);
-  }
-  ~ExrThreads() {
-    if (before_) set_exr_threads(*before_);
-  }
+  explicit FileThreads(bool own) : before_(set_file_threads(own)) {}
+  ~FileThreads() { set_file_threads(before_); }
+  FileThreads(const FileThreads&) = delete;
+  FileThreads& operator=(const FileThreads&) = delete;
 
  private:
-  std::optional<int> before_;
+  bool before_;
 };
 
 // What a frame takes until its files are there. Beside the read-back in 16 bytes a pixel of a colour stand the planes
@@ -86,7 +84,7 @@ class Run {
 
  private:
   Expected<void> render_all() {
-    const ExrThreads threads(limits_.workers == 1 || settings_.frames.size() < limits_.workers);
+    const FileThreads threads(limits_.workers == 1 || settings_.frames.size() < limits_.workers);
     EncoderPool encoder(limits_, [this](FinishedFrame& frame, size_t worker) { return encode(frame, worker); });
     log::debug("{} encoders; at most {} frames and {} MiB in memory", limits_.workers, limits_.frames,
                limits_.bytes >> 20);
@@ -288,9 +286,8 @@ Expected<void> check_sequence(const SequenceSettings& settings) {
 }
 
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job) {
-  // Non-finite pixels are looked for in the linear image, whatever is written.
   WantedOutputs wanted{
-      .linear = !job.allow_nonfinite, .display = !settings.video.empty(), .display_bits = job.png_bits};
+      .linear = false, .display = !settings.video.empty(), .display_bits = job.png_bits, .files = true};
   for (const FramePattern& pattern : settings.patterns) {
     const auto format = output_format(pattern.name(0));
     (format && *format == OutputFormat::exr ? wanted.linear : wanted.display) = true;

@@ -41,6 +41,11 @@ struct FrameRequest {
   int samples = 4;            // MSAA: 1 or 4
   bool want_linear = true;    // EXR: linear beauty
   bool want_display = false;  // PNG or video: tone-mapped
+  // What is read back is packed as files hold it (passes/post/pack.h); else it is texels.
+  bool for_files = false;
+  bool exr_float = false;       // colours are stored in 32 bits
+  bool look_nonfinite = false;  // count pixels that are not finite, also of a beauty that is not read back
+  bool shows_through = false;   // display output has alpha
   bool draw_background = true;
   std::vector<std::string> layers;  // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
   std::string view = "beauty";      // what display output shows: beauty, or a layer

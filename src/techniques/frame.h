@@ -11,11 +11,16 @@
 
 namespace candela {
 
-// An image that the frame gives to the host, in a buffer of tightly packed rows from the top.
+// An image that the frame gives to the host, in a buffer of rows from the top: tightly packed texels, or as files hold
+// it (pack_layout).
 struct FrameOutput {
   std::string layer;  // "beauty" (linear, pre-exposed, premultiplied alpha), "display" (tone-mapped), "depth", ...
   VkFormat format = VK_FORMAT_UNDEFINED;
-  int resource = -1;  // the buffer in the plan
+  int resource = -1;  // the buffer in the plan; none of what is only looked at
+  Packing packing = Packing::texels;
+  int counts = -1;                // place among what Pack counted
+  uint32_t components = 4;        // that a file stores, from red on
+  bool carries_exposure = false;  // values grow with the light and thus have the pre-exposure; alpha has not
 };
 
 // What a pass counted, by the buffer in the plan, and how to say it.
@@ -37,6 +42,7 @@ struct Frame {
   // What is known of images that may be kept from frame to frame, by key; and which this frame could use.
   std::map<Hash128, KeptState> kept_states = {};
   std::vector<KeptUse> kept = {};
+  int counts = -1;  // the buffer of shared::PackCounts in the plan
 
   // An image that a pass is going to fill with what `key` is a hash of. Empty: of this frame alone, the pass makes it.
   // `filled`: an earlier frame did, and this one leaves out the passes that would. Else the pass

@@ -51,20 +51,8 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;
   const ImageHandle display = frame.add(Tonemap{}, shown).display;
 
-  Readback::In readback;
-  const auto want = [&](const std::string& layer, ImageHandle image) {
-    if (!image) return;
-    const VkFormat format = std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format;
-    readback.sources.push_back({layer, image, uint64_t(width) * height * format_bytes(format)});
-    frame.outputs.push_back({layer, format, -1});
-  };
   const std::optional<Bloom>& bloom = frame.request.look.bloom;
-  if (frame.request.want_linear) want("beauty", bloom && bloom->in_beauty ? bloomed : linear);
-  want("display", display);
-  for (const auto& [layer, image] : frame.builder.published())
-    if (frame.request.has_layer(layer)) want(layer, image);
-  const auto buffers = frame.add(Readback{}, readback).buffers;
-  for (size_t i = 0; i < buffers.size(); ++i) frame.outputs[i].resource = buffers[i].resource;
+  read_back(frame, scene, bloom && bloom->in_beauty ? bloomed : linear, display);
 }
 
 }  // namespace candela

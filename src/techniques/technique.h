@@ -71,6 +71,10 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                      std::string_view instance = {});
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
+// The sinks of the frame: beauty, display output and layers, as far as they are asked for, each as it is or, for files,
+// as they hold it.
+void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, ImageHandle display);
+
 // From a frame's radiance to what the host gets: resolve, light in the air, bloom, tone mapping, read-back of all
 // outputs and layers that are asked for. emission: resolved, where the look's bloom is of that alone.
 void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,

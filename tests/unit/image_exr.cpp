@@ -8,8 +8,10 @@
 #include <limits>
 
 #include "base/files.h"
+#include "base/rng.h"
 #include "image/exr.h"
 #include "image/io.h"
+#include "image/prepare.h"
 
 namespace candela {
 namespace {
@@ -98,6 +100,36 @@ TEST(Exr, BytesAreTheSameTwiceAndHoldNoDate) {
     EXPECT_TRUE(*first == *second);
     EXPECT_EQ(first->find("capDate"), std::string::npos);
   }
+}
+
+// Blocks that are not whole, sides that are odd, and content that cannot be compressed; on one thread and on many.
+TEST(Exr, OwnZipIsReadByOpenExr) {
+  for (const ExrCompression compression : {ExrCompression::zip, ExrCompression::zips})
+    for (const auto& [width, height] : {std::pair(1, 1), {1, 17}, {33, 16}, {101, 47}}) {
+      FloatImage image = every_type(width, height);
+      Rng rng(3);
+      Channel& noise = image.channels.emplace_back(Channel{"noise", ChannelType::uint32, {}, {}});
+      for (int i = 0; i < width * height; ++i) noise.u.push_back(uint32_t(rng.next()));
+      image.origin_x = -3, image.origin_y = 5, image.display_width = 200, image.display_height = 100;
+      image.metadata.push_back({.name = std::string(40, 'n'), .text = "a name that needs the flag of long names"});
+      const bool before = set_file_threads(false);
+      const auto one = encode_exr(image, compression, "");
+      set_file_threads(true);
+      const auto many = encode_exr(image, compression, "");
+      set_file_threads(before);
+      ASSERT_TRUE(one && many);
+      EXPECT_TRUE(*one == *many);
+      const auto back = decode_exr(std::as_bytes(std::span(*one)), "image", true);
+      ASSERT_TRUE(back) << back.error().text();
+      EXPECT_EQ(back->origin_y, 5);
+      ASSERT_EQ(back->channels.size(), image.channels.size());
+      for (const Channel& channel : image.channels) {
+        const Channel* read = back->find(channel.name);
+        ASSERT_NE(read, nullptr);
+        EXPECT_EQ(read->u, channel.u) << channel.name;
+        EXPECT_EQ(read->f, channel.f) << channel.name;
+      }
+    }
 }
 
 TEST(Exr, MetadataAndWindows) {

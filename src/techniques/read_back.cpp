@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <cmath>
+
+#include "graph/formats.h"
+#include "techniques/technique.h"
+
+namespace candela {
+namespace {
+
+// Layers whose values grow with the light and thus carry the pre-exposure.
+bool carries_exposure(const std::string& layer) {
+  return layer == "beauty" || layer == "direct" || layer == "fog" || layer == "volumetric" ||
+         std::ranges::any_of(Terms::layers, [&](const LayerName& term) { return term.name == layer; });
+}
+
+uint32_t components_of(const std::string& layer, VkFormat format) {
+  if (layer == "beauty" || layer == "display") return 4;
+  return format_channels(format) == 1 ? 1 : 3;
+}
+
+Packing packing_of(const FrameRequest& request, const FrameOutput& output) {
+  if (!request.for_files || output.format == VK_FORMAT_R32_UINT) return Packing::texels;
+  if (output.layer == "display") return request.shows_through ? Packing::texels : Packing::rgb;
+  const bool exact = request.exr_float || output.layer == "depth" || output.layer.starts_with("heatmap.");
+  return exact ? Packing::float_planes : Packing::half_planes;
+}
+
+// What is read back or looked at, in the order in which outputs are told.
+struct Wanted {
+  FrameOutput output;
+  ImageHandle image;
+  bool stored = true;
+};
+
+}  // namespace
+
+void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, ImageHandle display) {
+  const FrameRequest& request = frame.request;
+  std::vector<Wanted> wanted;
+  const auto want = [&](const std::string& layer, ImageHandle image, bool stored) {
+    if (!image) return;
+    FrameOutput output{layer, std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format};
+    output.components = components_of(layer, output.format);
+    output.carries_exposure = carries_exposure(layer);
+    output.packing = packing_of(request, output);
+    wanted.push_back({output, image, stored});
+  };
+  if (request.want_linear || request.look_nonfinite) want("beauty", beauty, request.want_linear);
+  want("display", display, true);
+  for (const auto& [layer, image] : frame.builder.published())
+    if (request.has_layer(layer)) want(layer, image, true);
+
+  Pack::In packed{{}, scene.width_px, scene.height_px};
+  Readback::In copied;
+  for (Wanted& each : wanted) {
+    FrameOutput& output = each.output;
+    if (output.packing == Packing::texels) {
+      const uint64_t bytes = uint64_t(scene.width_px) * scene.height_px * format_bytes(output.format);
+      copied.sources.push_back({output.layer, each.image, bytes});
+      continue;
+    }
+    Pack::In::Source source{output.layer, each.image, output.format};
+    if (each.stored) source.packing = output.packing;
+    source.components = output.components;
+    if (output.carries_exposure) source.scale = float(1.0 / double(std::exp2(request.pre_exposure_ev)));
+    source.look = request.look_nonfinite && output.layer != "display";
+    source.cover = output.layer == "beauty" && request.shows_through;
+    source.depth = output.layer == "depth";
+    output.counts = int(packed.sources.size());
+    packed.sources.push_back(std::move(source));
+  }
+  std::vector<BufferHandle> packs, copies;
+  if (!packed.sources.empty() || !request.for_files) {
+    const Pack::Out out = frame.add(Pack{}, packed);
+    packs = out.buffers;
+    frame.counts = out.counts.resource;
+  } else {
+    frame.builder.leave_out(std::string(Pack::name), "no picture has to be packed");
+  }
+  if (!copied.sources.empty())
+    copies = frame.add(Readback{}, copied).buffers;
+  else
+    frame.builder.leave_out(std::string(Readback::name), "files hold nothing as it lies in images");
+  size_t next_copy = 0;
+  for (Wanted& each : wanted) {
+    FrameOutput& output = each.output;
+    if (output.packing == Packing::texels)
+      output.resource = copies[next_copy++].resource;
+    else if (each.stored)
+      output.resource = packs[size_t(output.counts)].resource;
+    frame.outputs.push_back(std::move(output));
+  }
+}
+
+}  // namespace candela

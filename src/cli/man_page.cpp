@@ -131,7 +131,9 @@ std::string man_page(const CommandEntry& command, const CommandEntry& program) {
   if (!whole)
     for (const CommandEntry& c : command.commands)
       text += options_text(c, (".SH OPTIONS OF " + roff(c.path) + "\n").c_str());
-  text += footer_text(command.footer.empty() ? program.footer : command.footer);
+  // A footer of its own takes the place of the program's, which says the exit codes.
+  const bool says_codes = command.footer.find("Exit codes:") != std::string::npos;
+  text += footer_text(says_codes ? command.footer : command.footer + "\n" + program.footer);
   if (whole) text += environment;
   text += ".SH SEE ALSO\n";
   std::vector<std::string> others;

@@ -129,7 +129,8 @@ std::string bash_completion(const CommandEntry& program) {
   });
   std::string text = R"(# bash completion for candela; made from its parser.
 _candela() {
-  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command='' options='' kind='' words='' head='' i
+  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
+  local command='' options='' kind='' words='' head='' i
   # Bash cuts words at =: --option=value are three.
   if [[ $cur == = ]]; then
     cur=''

@@ -19,7 +19,7 @@ Expected<Seen> see(const Scene& scene, const Job& job, double time_s) {
   if (!animations) return std::unexpected(animations.error());
   const Pose pose = evaluate_pose(scene, *animations, time_s);
   const DAabb bounds = world_bounds(scene, pose);
-  auto view = make_view(scene, pose, job.camera, job.width_px, job.height_px, bounds);
+  auto view = make_view(scene, pose, camera_at(job.camera, time_s), job.width_px, job.height_px, bounds);
   if (!view) return std::unexpected(view.error());
   return Seen{std::move(*view), bounds};
 }

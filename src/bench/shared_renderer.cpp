@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "frame/device_samples.h"
+#include "frame/draw_probes.h"
 #include "frame/job_look.h"
 #include "gltf/gltf.h"
 
@@ -47,7 +48,7 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
-  if (2 * scene_.images.size() + 1 + 2 * gpu_sky_textures > textures)
+  if (2 * scene_.images.size() + 1 + 2 * gpu_sky_textures + GpuProbes::textures > textures)
     return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {
@@ -77,6 +78,10 @@ Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs&
   auto planned = plan_frame(job, PlanContext{scene_, layout_, &sky_}, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
+    std::vector<std::string> of_probes;
+    if (planned->facts.probes > 0)  // of each job its own
+      if (auto drawn = draw_probes(job, {scene_, layout_, &sky_}, *planned, *runner_, *gpu_scene_, of_probes); !drawn)
+        return std::unexpected(drawn.error());
     const GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
     if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());
     FrameResult frame;
@@ -86,7 +91,8 @@ Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs&
     frame.readbacks = runner_->run(planned->graph, uploaded.imports, {}).readbacks;
     frame.pre_exposure = planned->upload.constants.pre_exposure;
     frame.notes = std::move(planned->notes);
-    frame.warnings = uploaded.warnings;
+    frame.warnings = std::move(of_probes);
+    frame.warnings.insert(frame.warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
     if (settings_.validate)
       if (const auto messages = device_->validation_messages(); !messages.empty())
         return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),

@@ -8,12 +8,17 @@
 #include "base/process.h"
 #include "base/text.h"
 #include "cli/command.h"
+<<<<<<< HEAD
 #include "cli/version.h"
+=======
+#include "cli/help.h"
+>>>>>>> main
 #include "render/current_error.h"
 
 namespace candela::cli {
 namespace {
 
+<<<<<<< HEAD
 constexpr const char* exit_codes =
     "Exit codes: 0 fine; 1 a comparison failed; 2 usage; 3 input (scene or file); 4 device or driver; 5 output could "
     "not be\n"
@@ -24,11 +29,13 @@ struct VersionOptions {
 };
 
 void build_parser(CLI::App& app, VersionOptions& o, Action& action) {
+=======
+void build_parser(CLI::App& app, Action& action) {
+>>>>>>> main
   app.require_subcommand(0, 1);
   CLI::Option* version = app.add_flag("--version", o.version, "Print the version and exit");
   app.add_flag("--json", o.json, "With --version: what was built in, as JSON")->needs(version);
   app.set_help_all_flag("--help-all", "Print the help of every command");
-  app.footer(exit_codes);
   add_render(app, action);
   add_sequence(app, action);
   add_reference(app, action);
@@ -39,7 +46,11 @@ void build_parser(CLI::App& app, VersionOptions& o, Action& action) {
   add_bench(app, action);
   add_make_scene(app, action);
   add_list(app, action);
+<<<<<<< HEAD
   add_manual(app, action);
+=======
+  complete_help(app);
+>>>>>>> main
 }
 
 std::string command_of(const CLI::App& app) {

@@ -55,15 +55,28 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->capture_default_str()
       ->type_name("NAME");
   command
-      .add_option("--camera", o.camera,
-                  "Camera of the scene by name or index; without one the first, else the bounds are framed")
+      .add_option(
+          "--camera", o.camera,
+          "Camera of the scene by name or index; without one the first, else the bounds are framed; render takes all, "
+          "one picture each")
       ->type_name("NAME");
   command.add_option("--eye", o.eye, "Camera position, metres; goes with --target")->type_name("X,Y,Z");
   command.add_option("--target", o.target, "Point that the camera looks at, metres")->type_name("X,Y,Z");
+  command.add_option("--yfov", o.yfov_deg, "Vertical field of view")->type_name("DEGREES");
   command
-      .add_option_function<double>(
-          "--yfov", [&o](double value) { o.yfov_deg = value, o.has_yfov = true; }, "Vertical field of view")
+      .add_option("--azimuth", o.azimuth_deg,
+                  "Frames the bounds, seen from so far to the right of the front; 30 where only --elevation is given")
       ->type_name("DEGREES");
+  command.add_option("--elevation", o.elevation_deg, "The same, from so far above; 20 where only --azimuth is given")
+      ->type_name("DEGREES");
+  command.add_flag("--fit", o.fit, "The camera moves, looking the same way, until the bounds fill the picture");
+  command
+      .add_option(
+          "--turntable", o.turntable,
+          "The camera goes once about the bounds in N frames, from --azimuth on; with --animation none all else "
+          "stands")
+      ->check(CLI::Range(1, 1000000))
+      ->type_name("N");
   command.add_option("--size", o.size, "Size of the image in pixels")->capture_default_str()->type_name("WxH");
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   command
@@ -256,7 +269,14 @@ Expected<Job> job_of(const JobOptions& o) {
   job.scene = o.scene;
   job.animation = o.animation;
   job.camera.camera = o.camera;
-  if (o.has_yfov) job.camera.yfov_deg = o.yfov_deg;
+  job.camera.yfov_deg = o.yfov_deg;
+  job.camera.azimuth_deg = o.azimuth_deg, job.camera.elevation_deg = o.elevation_deg;
+  job.camera.fit = o.fit;
+  if (o.turntable > 0) {
+    const auto rate = parse_frame_rate(o.fps);
+    if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+    job.camera.turn_s = rate->seconds(o.turntable);
+  }
   job.samples = o.samples;
   job.technique = o.technique;
   job.quality = o.quality;

@@ -18,8 +18,9 @@ struct JobOptions {
                      background = "transparent", exr_type = "half", exr_compression = "zip", fps = "24", device,
                      shader_folder, config;
   std::vector<std::string> settings;
-  double yfov_deg = 0;
-  bool has_yfov = false;
+  std::optional<double> yfov_deg, azimuth_deg, elevation_deg;
+  bool fit = false;
+  int turntable = 0;  // frames of a turn
   int samples = 0, png_bits = 8, queues = 2;
   std::optional<float> exposure_ev;
   uint64_t seed = 0;

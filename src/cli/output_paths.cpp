@@ -6,12 +6,15 @@
 
 namespace candela::cli {
 
-Expected<std::vector<std::filesystem::path>> output_paths(const std::vector<std::string>& outputs, int64_t frame) {
+Expected<std::vector<std::filesystem::path>> output_paths(const std::vector<std::string>& outputs, int64_t frame,
+                                                          const std::string& camera) {
   std::vector<std::filesystem::path> paths;
   for (const std::string& text : outputs) {
     const auto pattern = parse_pattern(text);
     if (!pattern) return std::unexpected(pattern.error());
-    std::filesystem::path path = pattern->name(frame);
+    if (pattern->by_camera && camera.empty())
+      return fail(ErrorKind::usage, "-o", "'{}': {{camera}} goes with --camera all", text);
+    std::filesystem::path path = pattern->name(frame, camera);
     if (const auto format = output_format(path); !format) return std::unexpected(format.error());
     if (std::find(paths.begin(), paths.end(), path) != paths.end())
       return fail(ErrorKind::usage, "-o", "'{}' is named twice", path.string());

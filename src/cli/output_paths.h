@@ -7,8 +7,9 @@
 
 namespace candela::cli {
 
-// The files that -o names for one frame, in the order given. Errors (usage): a pattern or an ending that is none, a
-// file that is named twice.
-Expected<std::vector<std::filesystem::path>> output_paths(const std::vector<std::string>& outputs, int64_t frame);
+// The files that -o names for one frame, of one camera where there are several, in the order given. Errors (usage): a
+// pattern or an ending that is none, a file that is named twice.
+Expected<std::vector<std::filesystem::path>> output_paths(const std::vector<std::string>& outputs, int64_t frame,
+                                                          const std::string& camera = {});
 
 }  // namespace candela::cli

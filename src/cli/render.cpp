@@ -1,5 +1,8 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/log.h"
 #include "cli/budget.h"
@@ -24,21 +27,33 @@ struct RenderOptions {
   JobOptions job;
   MomentOptions moment;
   BudgetOptions budget;
+  std::string frames;
   std::vector<std::string> outputs, dumps;
   std::string timings, trace;
   bool overlap = false;
   std::optional<int> check_determinism;  // number of runs
 };
 
+// One picture of a call: a camera at a moment.
+struct Shot {
+  Moment moment;
+  std::string camera;       // index; empty: the job's own
+  std::string camera_name;  // for {camera} in file names
+  std::vector<fs::path> paths;
+};
+
 struct RenderPlan {
   Job job;
-  Moment moment;
   WantedOutputs wanted;
-  std::vector<fs::path> paths, dump_paths;
+  std::vector<Moment> moments;
+  bool all_cameras = false;  // then the shots are known when the scene is
+  std::vector<Shot> shots;
+  std::vector<fs::path> dump_paths;
 };
 
 // PASS.IMAGE[mip,layer]=FILE; without a file the name stands beside the first output: "out.resolve.resolved.exr".
 Expected<void> plan_dumps(const RenderOptions& o, RenderPlan& plan) {
+  if (o.dumps.empty()) return {};
   std::vector<std::string> files = o.outputs;
   for (const std::string& text : o.dumps) {
     const size_t equals = text.find('=');
@@ -47,7 +62,7 @@ Expected<void> plan_dumps(const RenderOptions& o, RenderPlan& plan) {
     plan.wanted.dumps.push_back(*request);
     if (equals != std::string::npos) {
       files.push_back(text.substr(equals + 1));
-    } else if (plan.paths.empty()) {
+    } else if (o.outputs.empty()) {
       return fail(ErrorKind::usage, "--dump", "'{}' needs a file without -o: {}=FILE.exr", text, text);
     } else {
       const std::string part =
@@ -59,7 +74,7 @@ Expected<void> plan_dumps(const RenderOptions& o, RenderPlan& plan) {
     if (!format || *format != OutputFormat::exr)
       return fail(ErrorKind::usage, "--dump", "'{}' does not end in .exr", files.back());
   }
-  auto all = output_paths(files, plan.moment.frame.value_or(0));
+  auto all = output_paths(files, plan.moments.front().frame.value_or(0));
   if (!all) return std::unexpected(all.error());
   plan.dump_paths.assign(all->begin() + long(o.outputs.size()), all->end());
   for (const fs::path& path : plan.dump_paths)
@@ -67,9 +82,78 @@ Expected<void> plan_dumps(const RenderOptions& o, RenderPlan& plan) {
   return {};
 }
 
+Expected<std::vector<Moment>> moments_of(const RenderOptions& o) {
+  if (o.frames.empty()) {
+    const auto moment = moment_of(o.job, o.moment);
+    if (!moment) return std::unexpected(moment.error());
+    return std::vector{*moment};
+  }
+  if (o.moment.frame_option->count() > 0 || o.moment.time_option->count() > 0)
+    return fail(ErrorKind::usage, "--frames", "does not go with --frame and --time");
+  const auto frames = parse_frame_list(o.frames);
+  if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
+  const auto rate = parse_frame_rate(o.job.fps);
+  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  std::vector<Moment> moments;
+  for (const int64_t frame : *frames) moments.push_back({frame, *rate, rate->seconds(frame)});
+  return moments;
+}
+
+// Fills the paths in, which must differ, and makes sure that they can be written.
+Expected<void> name_shots(const RenderOptions& o, std::vector<Shot>& shots) {
+  std::set<fs::path> seen;
+  for (Shot& shot : shots) {
+    auto paths = output_paths(o.outputs, shot.moment.frame.value_or(0), shot.camera_name);
+    if (!paths) return std::unexpected(paths.error());
+    shot.paths = std::move(*paths);
+    for (const fs::path& path : shot.paths) {
+      if (!seen.insert(path).second)
+        return fail(ErrorKind::usage, "-o", "'{}' would hold several pictures; write {}", path.string(),
+                    shot.camera.empty() ? "#### where the frame number goes"
+                                        : "{camera} where the camera's name goes, and #### for the frame number");
+      if (auto ready = prepare_output(path); !ready) return ready;
+    }
+  }
+  return {};
+}
+
+// Every camera that a node carries, by name; without one, or where another has it too, by index.
+std::vector<Shot> shots_of_cameras(const Scene& scene, const std::vector<Moment>& moments) {
+  std::set<int> cameras;
+  for (const int node : scene.order)
+    if (scene.nodes[size_t(node)].camera >= 0) cameras.insert(scene.nodes[size_t(node)].camera);
+  std::map<std::string, int> uses;
+  for (const int camera : cameras) ++uses[scene.cameras[size_t(camera)].name];
+  std::vector<Shot> shots;
+  for (const int camera : cameras) {
+    std::string name = scene.cameras[size_t(camera)].name;
+    if (name.empty() || uses[name] > 1) name += fmt::format("{}{}", name.empty() ? "camera" : "-", camera);
+    std::replace(name.begin(), name.end(), '/', '_');
+    for (const Moment& moment : moments) shots.push_back({moment, std::to_string(camera), name});
+  }
+  return shots;
+}
+
+Expected<void> check_one_shot(const RenderOptions& o, const RenderPlan& plan) {
+  if (plan.moments.size() == 1 && !plan.all_cameras) return {};
+  const char* several = plan.all_cameras ? "--camera" : "--frames";
+  for (const auto& [option, given] : {std::pair("--timings", !o.timings.empty()),
+                                      {"--trace", !o.trace.empty()},
+                                      {"--dump", !o.dumps.empty()},
+                                      {"--check-determinism", bool(o.check_determinism)}})
+    if (given) return fail(ErrorKind::usage, option, "is of one picture; it does not go with several ({})", several);
+  if (plan.all_cameras && (plan.job.camera.eye || plan.job.camera.azimuth_deg || plan.job.camera.elevation_deg ||
+                           plan.job.camera.turn_s > 0))
+    return fail(ErrorKind::usage, "--camera", "all does not go with options that place the camera");
+  return {};
+}
+
 Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o) {
   RenderPlan plan;
-  auto job = job_of(o.job);
+  JobOptions options = o.job;
+  plan.all_cameras = options.camera == "all";
+  if (plan.all_cameras) options.camera.clear();
+  auto job = job_of(options);
   if (!job) return std::unexpected(job.error());
   const auto chosen = choice_within(command, o.budget, *job, o.job.device);
   if (!chosen) return std::unexpected(chosen.error());
@@ -81,28 +165,29 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
               choice->text, choice->ms, choice->ms_ci.low, choice->ms_ci.high, choice->error, choice->error_ci.low,
               choice->error_ci.high);
   }
-  const auto moment = moment_of(o.job, o.moment);
-  if (!moment) return std::unexpected(moment.error());
+  auto moments = moments_of(o);
+  if (!moments) return std::unexpected(moments.error());
   plan.job = *job;
-  plan.moment = *moment;
+  plan.moments = std::move(*moments);
   if (o.outputs.empty() && o.dumps.empty() && !o.check_determinism)
     return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
   if (o.check_determinism && *o.check_determinism < 2)
     return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
+  if (auto good = check_one_shot(o, plan); !good) return std::unexpected(good.error());
   plan.wanted = {.linear = !job->allow_nonfinite, .display = false, .display_bits = job->png_bits};
   bool exr_output = o.outputs.empty();
-  auto paths = output_paths(o.outputs, moment->frame.value_or(0));
-  if (!paths) return std::unexpected(paths.error());
-  plan.paths = std::move(*paths);
-  for (const fs::path& path : plan.paths) {
-    const bool exr = *output_format(path) == OutputFormat::exr;
-    (exr ? plan.wanted.linear : plan.wanted.display) = true;
-    exr_output |= exr;
+  for (const std::string& output : o.outputs) {
+    const auto format = output_format(output);
+    if (!format) return std::unexpected(format.error());
+    (*format == OutputFormat::exr ? plan.wanted.linear : plan.wanted.display) = true;
+    exr_output |= *format == OutputFormat::exr;
   }
   if (auto good = check_layers(*job, exr_output); !good) return std::unexpected(good.error());
-  if (plan.paths.empty()) plan.wanted.linear = true;
-  for (const fs::path& path : plan.paths)
-    if (auto ready = prepare_output(path); !ready) return std::unexpected(ready.error());
+  if (o.outputs.empty()) plan.wanted.linear = true;
+  if (!plan.all_cameras) {
+    for (const Moment& moment : plan.moments) plan.shots.push_back({moment, "", ""});
+    if (auto named = name_shots(o, plan.shots); !named) return std::unexpected(named.error());
+  }
   if (auto ready = plan_dumps(o, plan); !ready) return std::unexpected(ready.error());
   if (auto ready = check_reports(o.timings, o.trace, o.job.json); !ready) return std::unexpected(ready.error());
   return plan;
@@ -113,7 +198,7 @@ Expected<int> check_determinism(Session& session, const RenderOptions& o, const 
                                 std::vector<std::string>& warnings) {
   std::vector<gpu::PassHash> first;
   for (int run = 1; run <= *o.check_determinism; ++run) {
-    const auto frame = session.render(plan.moment.time_s, true);
+    const auto frame = session.render(plan.moments.front().time_s, true);
     if (!frame) return std::unexpected(frame.error());
     if (auto noted = note_frame(*frame, session.scene(), o.job.strict, warnings); !noted)
       return std::unexpected(noted.error());
@@ -148,7 +233,20 @@ Expected<int> check_determinism(Session& session, const RenderOptions& o, const 
   return 0;
 }
 
-Expected<void> write_reports(const RenderOptions& o, const RenderPlan& plan, const FrameResult& frame,
+Json picture_json(const Shot& shot, const FrameResult& frame) {
+  Json j;
+  j["outputs"] = Json::array();
+  for (const fs::path& path : shot.paths) j["outputs"].push_back(path.string());
+  if (shot.moment.frame) j["frame"] = *shot.moment.frame, j["fps"] = shot.moment.rate.text();
+  j["time_s"] = shot.moment.time_s;
+  j["camera"] = frame.view.name;
+  j["plan_hash"] = frame.plan_hash.hex();
+  j["notes"] = frame.notes;
+  return j;
+}
+
+// Of a call for one picture.
+Expected<void> write_reports(const RenderOptions& o, const RenderPlan& plan, const Shot& shot, const FrameResult& frame,
                              const Session& session, const std::vector<std::string>& warnings) {
   if (!o.timings.empty())
     if (auto written = write_text_output(o.timings, timings_json(frame, plan.job, session).dump(2) + "\n"); !written)
@@ -160,18 +258,46 @@ Expected<void> write_reports(const RenderOptions& o, const RenderPlan& plan, con
   }
   if (!o.job.json) return {};
   Json j = result_head(plan.job, session, warnings);
-  j["outputs"] = Json::array();
-  for (const fs::path& path : plan.paths) j["outputs"].push_back(path.string());
+  j.update(picture_json(shot, frame));
   if (!plan.dump_paths.empty()) j["dumps"] = Json::array();
   for (const fs::path& path : plan.dump_paths) j["dumps"].push_back(path.string());
-  if (plan.moment.frame) j["frame"] = *plan.moment.frame, j["fps"] = plan.moment.rate.text();
-  j["time_s"] = plan.moment.time_s;
-  j["camera"] = frame.view.name;
-  j["plan_hash"] = frame.plan_hash.hex();
-  j["notes"] = frame.notes;
   j["timings"] = timings_json(frame, plan.job, session);
   j["timings"].erase("job");
   return print_json(j);
+}
+
+Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan, const Shot& shot, Session& session,
+                                  std::vector<std::string>& warnings) {
+  Job job = plan.job;
+  if (!shot.camera.empty()) {
+    job.camera.camera = shot.camera;
+    session.set_camera(job.camera);
+  }
+  auto frame = session.render(shot.moment.time_s);
+  if (!frame) return frame;
+  log_look(job, frame->request.look);
+  for (const std::string& note : frame->notes) log::info("{}", note);
+  if (auto noted = note_frame(*frame, session.scene(), o.job.strict, warnings); !noted)
+    return std::unexpected(noted.error());
+  const bool several = plan.shots.size() > 1;
+  const BlankRules rules{
+      .strict = o.job.strict, .allowed = o.job.allow_blank, .frame = several ? shot.moment.frame : std::nullopt};
+  if (auto noted = note_blank(*frame, job, session.scene(), rules, warnings); !noted)
+    return std::unexpected(noted.error());
+  {
+    HeldSignals held;
+    if (auto written = write_outputs(*frame, job, session, shot.moment.frame, shot.moment.rate, shot.paths); !written) {
+      Error error = written.error();
+      if (error.kind == ErrorKind::nonfinite) error.message += first_nonfinite_pass(session, shot.moment.time_s);
+      return std::unexpected(error);
+    }
+    if (auto written = write_dumps(*frame, job, session, plan.dump_paths); !written)
+      return std::unexpected(written.error());
+  }
+  // What writing warns of is not the scene's fault, which --strict is about.
+  if (auto noted = note_frame(*frame, session.scene(), false, warnings); !noted) return std::unexpected(noted.error());
+  for (const fs::path& path : shot.paths) log::info("wrote {}", path.string());
+  return frame;
 }
 
 Expected<int> run_render(CLI::App& command, RenderOptions& o) {
@@ -179,7 +305,7 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   set_log_level(o.job);
   auto settings = run_settings_of(o.job);
   if (!settings) return std::unexpected(settings.error());
-  const auto plan = plan_render(command, o);
+  auto plan = plan_render(command, o);
   if (!plan) return std::unexpected(plan.error());
   if (o.overlap && o.timings.empty() && !o.job.json)
     return fail(ErrorKind::usage, "--overlap", "is written with the times; add --timings FILE or --json");
@@ -189,38 +315,33 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
+  if (plan->all_cameras) {
+    plan->shots = shots_of_cameras((*session)->scene(), plan->moments);
+    if (plan->shots.empty()) return fail(ErrorKind::usage, "--camera", "all: {} has no cameras", plan->job.scene);
+    if (auto named = name_shots(o, plan->shots); !named) return std::unexpected(named.error());
+  }
   std::vector<std::string> warnings;
   if (o.check_determinism)
-    if (const auto same = check_determinism(**session, o, *plan, warnings); !same || *same != 0 || plan->paths.empty())
+    if (const auto same = check_determinism(**session, o, *plan, warnings);
+        !same || *same != 0 || plan->shots.front().paths.empty())
       return same;
-  auto frame = (*session)->render(plan->moment.time_s);
-  if (!frame) return std::unexpected(frame.error());
-  log_look(plan->job, frame->request.look);
-  for (const std::string& note : frame->notes) log::info("{}", note);
-  if (auto noted = note_frame(*frame, (*session)->scene(), o.job.strict, warnings); !noted)
-    return std::unexpected(noted.error());
-  if (auto noted = note_blank(*frame, plan->job, (*session)->scene(),
-                              {.strict = o.job.strict, .allowed = o.job.allow_blank}, warnings);
-      !noted)
-    return std::unexpected(noted.error());
-  {
-    HeldSignals held;
-    if (auto written = write_outputs(*frame, plan->job, **session, plan->moment.frame, plan->moment.rate, plan->paths);
-        !written) {
-      Error error = written.error();
-      if (error.kind == ErrorKind::nonfinite) error.message += first_nonfinite_pass(**session, plan->moment.time_s);
-      return std::unexpected(error);
+  Json pictures = Json::array();
+  for (const Shot& shot : plan->shots) {
+    const auto frame = render_shot(o, *plan, shot, **session, warnings);
+    if (!frame) return std::unexpected(frame.error());
+    if (plan->shots.size() > 1 || plan->all_cameras) {
+      if (o.job.json) pictures.push_back(picture_json(shot, *frame));
+      continue;
     }
-    if (auto written = write_dumps(*frame, plan->job, **session, plan->dump_paths); !written)
-      return std::unexpected(written.error());
+    for (const fs::path& path : plan->dump_paths) log::info("wrote {}", path.string());
+    if (auto reported = write_reports(o, *plan, shot, *frame, **session, warnings); !reported)
+      return std::unexpected(reported.error());
   }
-  // What writing warns of is not the scene's fault, which --strict is about.
-  if (auto noted = note_frame(*frame, (*session)->scene(), false, warnings); !noted)
-    return std::unexpected(noted.error());
-  for (const auto& paths : {plan->paths, plan->dump_paths})
-    for (const fs::path& path : paths) log::info("wrote {}", path.string());
-  if (auto reported = write_reports(o, *plan, *frame, **session, warnings); !reported)
-    return std::unexpected(reported.error());
+  if (o.job.json && !pictures.empty()) {
+    Json j = result_head(plan->job, **session, warnings);
+    j["pictures"] = std::move(pictures);
+    if (auto printed = print_json(j); !printed) return std::unexpected(printed.error());
+  }
   return 0;
 }
 
@@ -231,7 +352,14 @@ void add_render(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("render", "Render one frame to EXR or PNG");
   add_job_options(*command, o->job);
   add_moment_options(*command, o->moment);
-  command->add_option("-o,--output", o->outputs, "File to write; the ending chooses EXR or PNG; may be given again")
+  command
+      ->add_option("--frames", o->frames,
+                   "Several frames: 0-249, 1-100x5 or 2,4,10-20 (candela sequence is faster, resumes and makes films)")
+      ->type_name("LIST");
+  command
+      ->add_option("-o,--output", o->outputs,
+                   "File to write; the ending chooses EXR or PNG; {frame:04}, %04d, #### or $F4 is the frame number, "
+                   "{camera} the camera's name; may be given again")
       ->allow_extra_args(false)
       ->type_name("FILE");
   command

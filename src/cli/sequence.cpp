@@ -32,8 +32,9 @@ struct SequenceOptions {
 
 Expected<SequenceSettings> settings_of(const SequenceOptions& o, const Job& job) {
   SequenceSettings settings;
-  if (o.frames.empty()) return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
-  const auto frames = parse_frame_list(o.frames);
+  if (o.frames.empty() && o.job.turntable == 0)
+    return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
+  const auto frames = parse_frame_list(o.frames.empty() ? fmt::format("0-{}", o.job.turntable - 1) : o.frames);
   if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
   const auto shard = parse_shard(o.shard);
   if (!shard) return std::unexpected(shard.error());
@@ -163,7 +164,11 @@ void add_sequence(CLI::App& app, Action& action) {
   auto o = std::make_shared<SequenceOptions>();
   CLI::App* command = app.add_subcommand("sequence", "Render a list of frames to files or a video");
   add_job_options(*command, o->job);
-  command->add_option("--frames", o->frames, "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20")->type_name("LIST");
+  command
+      ->add_option(
+          "--frames", o->frames,
+          "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20; with --turntable N 0 to N - 1 where it is left out")
+      ->type_name("LIST");
   command
       ->add_option("-o,--output", o->outputs,
                    "Files to write, with %04d or #### for the frame number; may be given again")

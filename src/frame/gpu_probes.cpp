@@ -5,8 +5,12 @@
 
 namespace candela {
 
-GpuProbes::~GpuProbes() {
+GpuProbes::~GpuProbes() { clear(); }
+
+void GpuProbes::clear() {
   for (const uint32_t index : indices_) bindless_.remove_sampled(index);
+  indices_.clear();
+  images_.clear();
 }
 
 uint32_t GpuProbes::add(const gpu::Texture& texture) {
@@ -15,7 +19,8 @@ uint32_t GpuProbes::add(const gpu::Texture& texture) {
 }
 
 void GpuProbes::load(const std::vector<FilteredSky>& probes) {
-  CHECK(!probes.empty() && !loaded() && probes.size() <= shared::most_probes);
+  CHECK(!probes.empty() && probes.size() <= shared::most_probes);
+  clear();
   gpu::Uploader uploader(device_);
   const auto upload = [&](VkFormat format, uint32_t width, uint32_t height, const std::vector<float>& texels,
                           const char* name) {

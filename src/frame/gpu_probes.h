@@ -15,12 +15,14 @@ class GpuProbes {
   static constexpr size_t textures = shared::most_probes + 1;  // bindless, at most
   GpuProbes(gpu::Device& device, gpu::Bindless& bindless) : device_(device), bindless_(bindless) {}
   ~GpuProbes();
-  // In the look's order, of one size; at least one. Throws GpuError.
+  // In the look's order, of one size; at least one. They take the place of those before, which no frame in flight may
+  // use. Throws GpuError.
   void load(const std::vector<FilteredSky>& probes);
   bool loaded() const { return !images_.empty(); }
   void write(shared::ProbeLights& lights) const;
 
  private:
+  void clear();
   uint32_t add(const gpu::Texture& texture);
 
   gpu::Device& device_;

@@ -43,6 +43,10 @@ std::string job_json(const Job& job) {
   if (job.camera.eye) j["eye"] = to_json(*job.camera.eye);
   if (job.camera.target) j["target"] = to_json(*job.camera.target);
   if (job.camera.yfov_deg) j["yfov"] = *job.camera.yfov_deg;
+  if (job.camera.azimuth_deg) j["azimuth"] = *job.camera.azimuth_deg;
+  if (job.camera.elevation_deg) j["elevation"] = *job.camera.elevation_deg;
+  if (job.camera.fit) j["fit"] = true;
+  if (job.camera.turn_s > 0) j["turn_s"] = job.camera.turn_s;
   j["size"] = fmt::format("{}x{}", job.width_px, job.height_px);
   j["samples"] = job.samples;
   j["technique"] = job.technique;
@@ -107,6 +111,13 @@ Reader vector_into(std::optional<glm::dvec3> CameraRequest::*member) {
     return {};
   };
 }
+Reader number_into(std::optional<double> CameraRequest::*member) {
+  return [member](const Json& v, Job& job) -> std::string {
+    if (!v.is_number()) return "is not a number";
+    job.camera.*member = v.get<double>();
+    return {};
+  };
+}
 std::string read_size(const Json& v, Job& job) {
   const auto size = v.is_string() ? parse_size(v.get<std::string>()) : fail(ErrorKind::input, "", "");
   if (!size) return "is not a size such as \"1280x720\"";
@@ -144,10 +155,19 @@ const std::map<std::string, Reader>& readers() {
        }},
       {"eye", vector_into(&CameraRequest::eye)},
       {"target", vector_into(&CameraRequest::target)},
-      {"yfov",
+      {"yfov", number_into(&CameraRequest::yfov_deg)},
+      {"azimuth", number_into(&CameraRequest::azimuth_deg)},
+      {"elevation", number_into(&CameraRequest::elevation_deg)},
+      {"fit",
+       [](const Json& v, Job& job) -> std::string {
+         if (!v.is_boolean()) return "is not true or false";
+         job.camera.fit = v.get<bool>();
+         return {};
+       }},
+      {"turn_s",
        [](const Json& v, Job& job) -> std::string {
          if (!v.is_number()) return "is not a number";
-         job.camera.yfov_deg = v.get<double>();
+         job.camera.turn_s = v.get<double>();
          return {};
        }},
       {"size", read_size},

@@ -42,6 +42,22 @@ Expected<void> check_background(const std::string& background) {
   return {};
 }
 
+Expected<void> check_direction(const CameraRequest& camera) {
+  const bool turns = camera.turn_s > 0, direction = camera.azimuth_deg || camera.elevation_deg || turns;
+  const char* option = turns ? "--turntable" : camera.azimuth_deg ? "--azimuth" : "--elevation";
+  if (camera.azimuth_deg && !std::isfinite(*camera.azimuth_deg))
+    return fail(ErrorKind::usage, "--azimuth", "{} is no angle", *camera.azimuth_deg);
+  if (camera.elevation_deg && !(std::abs(*camera.elevation_deg) <= 90))
+    return fail(ErrorKind::usage, "--elevation", "{} is outside -90 to 90 degrees", *camera.elevation_deg);
+  if (!(camera.turn_s >= 0) || !std::isfinite(camera.turn_s))
+    return fail(ErrorKind::usage, "--turntable", "a turn in {} s is none", camera.turn_s);
+  if (direction && (camera.eye || !camera.camera.empty()))
+    return fail(ErrorKind::usage, option, "frames the bounds; it does not go with --camera, --eye and --target");
+  if (camera.fit && camera.eye)
+    return fail(ErrorKind::usage, "--fit", "places the camera itself; it does not go with --eye and --target");
+  return {};
+}
+
 }  // namespace
 
 Expected<void> check_job(const Job& job) {
@@ -63,6 +79,7 @@ Expected<void> check_job(const Job& job) {
     return fail(ErrorKind::usage, "--camera", "a camera is chosen either by --camera or by --eye and --target");
   if (job.camera.yfov_deg && !(*job.camera.yfov_deg > 0 && *job.camera.yfov_deg < 180))
     return fail(ErrorKind::usage, "--yfov", "{} is outside 0 to 180 degrees", *job.camera.yfov_deg);
+  if (auto good = check_direction(job.camera); !good) return good;
   static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
   if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;

@@ -20,7 +20,7 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
     out.view = *given;
   } else {
     const DAabb bounds = world_bounds(scene, out.pose);
-    auto view = make_view(scene, out.pose, job.camera, job.width_px, job.height_px, bounds);
+    auto view = make_view(scene, out.pose, camera_at(job.camera, time_s), job.width_px, job.height_px, bounds);
     if (!view) return std::unexpected(view.error());
     out.view = std::move(*view);
     place_probe(scene, out.pose, out.view, bounds);

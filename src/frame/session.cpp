@@ -1,6 +1,5 @@
 #include "frame/session.h"
 
-#include <cstring>
 #include <future>
 
 #include "base/check.h"
@@ -9,11 +8,11 @@
 #include "base/statistics.h"
 #include "frame/content_hash.h"
 #include "frame/device_samples.h"
+#include "frame/draw_probes.h"
 #include "frame/gpu_scene.h"
 #include "frame/gpu_sky.h"
 #include "frame/job_look.h"
 #include "frame/posed_scene.h"
-#include "frame/probe_image.h"
 #include "frame/timings.h"
 #include "gpu/kept_image.h"
 
@@ -54,9 +53,6 @@ class DeviceSession : public Session {
     std::vector<std::pair<Hash128, std::shared_ptr<gpu::KeptImage>>> filled;  // by this frame
   };
   KeptImages kept_images(const PlannedFrame& planned);
-  Expected<void> load_probes(const PlannedFrame& planned, std::vector<std::string>& warnings);
-  Expected<DecodedImage> image_of(const ReflectionProbe& probe, const ProbeKnobs& knobs,
-                                  std::vector<std::string>& warnings);
   Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports,
                                    const KeptImages& kept);
   void take_run(gpu::FrameRun run, Begun& begun);
@@ -157,7 +153,9 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     FrameResult& result = begun.result;
     if (planned->facts.probes > 0 && !gpu_scene_->probes().loaded()) {
       const StageTimer timer(result.timings, "probes");
-      if (auto loaded = load_probes(*planned, result.warnings); !loaded) return std::unexpected(loaded.error());
+      const PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
+      if (auto drawn = draw_probes(job_, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
+        return std::unexpected(drawn.error());
     }
     result.time_s = time_s;
     result.timings.spans = {
@@ -193,53 +191,6 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     }
     return std::unexpected(as_error(e));
   }
-}
-
-// Once, for the first frame with reflection probes. Their images depend on the job and their own times, and on no
-// frame.
-Expected<void> DeviceSession::load_probes(const PlannedFrame& planned, std::vector<std::string>& warnings) {
-  std::vector<FilteredSky> filtered;
-  for (const ReflectionProbe& probe : planned.request.look.probes) {
-    const auto image = image_of(probe, planned.probes, warnings);
-    if (!image) return std::unexpected(image.error());
-    filtered.push_back(filtered_sky(*image, probe_filter(planned.probes, planned.image_light), cache_folder()));
-  }
-  gpu_scene_->probes().load(filtered);
-  return {};
-}
-
-Expected<DecodedImage> DeviceSession::image_of(const ReflectionProbe& probe, const ProbeKnobs& knobs,
-                                               std::vector<std::string>& warnings) {
-  const Job job = probe_job(job_, knobs);
-  PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
-  std::array<ProbeFace, 6> faces;
-  double pre_exposure = 1;
-  for (int f = 0; f < 6; ++f) {
-    const View view = probe_view(probe, f, knobs);
-    context.face = &view;
-    auto planned = plan_frame(job, context, WantedOutputs{}, probe.time_s);
-    if (!planned) return std::unexpected(planned.error());
-    context.rays = planned->rays;
-    pre_exposure = planned->upload.constants.pre_exposure;
-    GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
-    warnings.insert(warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
-    if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());
-    const gpu::FrameRun run = runner_->run(planned->graph, uploaded.imports, {}, std::move(uploaded.keep));
-    for (const OutputImage& output : planned->outputs) {
-      if (output.layer != "beauty") continue;
-      CHECK(output.format == VK_FORMAT_R32G32B32A32_SFLOAT);
-      const std::span<const std::byte> bytes = run.readbacks.at(output.resource)->bytes();
-      faces[size_t(f)].resize(size_t(job.width_px) * size_t(job.height_px) * 4);
-      CHECK(bytes.size() >= faces[size_t(f)].size() * sizeof(float));
-      std::memcpy(faces[size_t(f)].data(), bytes.data(), faces[size_t(f)].size() * sizeof(float));
-    }
-  }
-  size_t dropped = 0;
-  DecodedImage image = probe_image(faces, knobs, float(1 / pre_exposure), dropped);
-  if (dropped > 0)
-    warnings.push_back(
-        fmt::format("{} texels of a reflection probe are not finite or beyond 1e30: they are black in it", dropped));
-  return image;
 }
 
 // The images of the plan that outlive it; to be submitted with the frame, and held until it is done.

@@ -7,6 +7,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <optional>
+#include <string_view>
+#include <utility>
 
 #include "base/files.h"
 
@@ -21,47 +24,90 @@ Expected<OutputFormat> output_format(const fs::path& path) {
   return fail(ErrorKind::usage, "-o", "'{}' ends in neither .exr nor .png", path.string());
 }
 
-std::string FramePattern::name(int64_t frame) const {
-  if (!numbered) return before;
-  return before + fmt::format("{:0{}d}", frame, digits + (frame < 0 && digits > 0)) + after;
+std::string FramePattern::name(int64_t frame, const std::string& camera) const {
+  std::string name;
+  for (const Piece& piece : pieces) {
+    if (piece.kind == Piece::Kind::frame)
+      name += fmt::format("{:0{}d}", frame, piece.digits + (frame < 0 && piece.digits > 0));
+    else
+      name += piece.kind == Piece::Kind::camera ? camera : piece.text;
+  }
+  return name;
 }
 
+namespace {
+
+using Piece = FramePattern::Piece;
+
+// A piece and the length of its text.
+struct Read {
+  Piece piece;
+  size_t length = 0;
+};
+
+// Digits at the beginning of a text, at most 20; absent where they say too much. `zero`: they begin with 0, for %4d
+// would fill with spaces in C.
+std::optional<Read> width_at(std::string_view text, bool zero) {
+  Read read{{Piece::Kind::frame, "", 0}};
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), read.piece.digits).ptr;
+  read.length = size_t(end - text.data());
+  if (read.length > 0 && (read.piece.digits > 20 || read.piece.digits < 0 || (zero && text.front() != '0')))
+    return std::nullopt;
+  return read;
+}
+
+// Between `open` and `close`, with `colon` before a width.
+std::optional<Read> enclosed_number(std::string_view text, std::string_view open, std::string_view colon, char close) {
+  if (!text.starts_with(open)) return std::nullopt;
+  std::string_view rest = text.substr(open.size());
+  const bool wide = !colon.empty() && rest.starts_with(colon);
+  if (wide) rest.remove_prefix(colon.size());
+  auto read = width_at(rest, true);
+  if (!read || (!colon.empty() && wide != (read->length > 0))) return std::nullopt;
+  if (!rest.substr(read->length).starts_with(close)) return std::nullopt;
+  read->length += text.size() - rest.size() + 1;
+  return read;
+}
+
+// What a text begins with; absent where it begins like a place for a number and is none.
+std::optional<Read> piece_at(std::string_view text) {
+  const auto sign = [&](size_t length) { return Read{{Piece::Kind::text, std::string(1, text.front())}, length}; };
+  for (const char* twice : {"%%", "{{", "}}"})
+    if (text.starts_with(twice)) return sign(2);
+  if (text.starts_with("{camera}")) return Read{{Piece::Kind::camera}, 8};
+  if (text.starts_with('#')) {
+    const size_t end = std::min(text.find_first_not_of('#'), text.size());
+    return Read{{Piece::Kind::frame, "", int(end)}, end};
+  }
+  if (text.starts_with('%')) return enclosed_number(text, "%", "", 'd');
+  if (text.starts_with('{')) return enclosed_number(text, "{frame", ":", '}');
+  if (text.starts_with('}')) return std::nullopt;
+  if (text.starts_with("$F")) {
+    auto read = width_at(text.substr(2), false);
+    if (!read) return std::nullopt;
+    read->length += 2;
+    const bool word = read->length < text.size() && std::isalpha(static_cast<unsigned char>(text[read->length]));
+    return word ? sign(1) : *read;
+  }
+  return sign(1);
+}
+
+}  // namespace
+
 Expected<FramePattern> parse_pattern(const std::string& text) {
-  FramePattern pattern;
-  std::string* target = &pattern.before;
-  const auto number = [&](int digits) {
-    const bool first = !pattern.numbered;
-    pattern.numbered = true;
-    pattern.digits = digits;
-    target = &pattern.after;
-    return first;
-  };
-  const auto twice = [&] {
-    return fail(ErrorKind::usage, "-o", "'{}' has more than one place for the frame number", text);
-  };
+  FramePattern pattern{.given = text};
   for (size_t i = 0; i < text.size();) {
-    if (text[i] == '#') {
-      size_t end = text.find_first_not_of('#', i);
-      if (end == std::string::npos) end = text.size();
-      if (!number(int(end - i))) return twice();
-      i = end;
-    } else if (text[i] == '%' && i + 1 < text.size() && text[i + 1] == '%') {
-      *target += '%';
-      i += 2;
-    } else if (text[i] == '%') {
-      int digits = 0;
-      const char *begin = text.data() + i + 1, *end = text.data() + text.size();
-      const auto read = std::from_chars(begin, end, digits);
-      // %4d would fill with spaces in C; only %d and %0Nd are names that the field uses.
-      const bool plain = read.ptr == begin;
-      if (read.ptr == end || *read.ptr != 'd' || digits > 20 || (!plain && *begin != '0'))
-        return fail(ErrorKind::usage, "-o",
-                    "the % in '{}' is no frame number; write %04d or ####, and %% for a percent sign", text);
-      if (!number(digits)) return twice();
-      i = size_t(read.ptr + 1 - text.data());
-    } else {
-      *target += text[i++];
-    }
+    const auto read = piece_at(std::string_view(text).substr(i));
+    if (!read)
+      return fail(ErrorKind::usage, "-o",
+                  "the {0} in '{1}' is no frame number; write %04d, ####, {{frame:04}} or $F4, {{camera}} for the "
+                  "camera, and {0}{0} for the sign itself",
+                  text[i], text);
+    if (read->piece.kind == Piece::Kind::frame && std::exchange(pattern.numbered, true))
+      return fail(ErrorKind::usage, "-o", "'{}' has more than one place for the frame number", text);
+    pattern.by_camera |= read->piece.kind == Piece::Kind::camera;
+    pattern.pieces.push_back(read->piece);
+    i += read->length;
   }
   return pattern;
 }

@@ -12,14 +12,20 @@ enum class OutputFormat { exr, png };
 // By the ending, in any case. Error usage for anything else.
 Expected<OutputFormat> output_format(const std::filesystem::path& path);
 
-// An output name with a place for the frame number: %04d, %d or ####. "%%" is a plain percent sign.
+// An output name with places for the frame number: %04d, ####, {frame:04} or $F4, and %d, {frame} and $F, which fill
+// nothing up; and for the camera's name: {camera}. "%%", "{{" and "}}" are plain signs.
 struct FramePattern {
-  std::string before, after;
-  int digits = 0;         // filled up with zeros to this width; 0: as it is
-  bool numbered = false;  // false: the same name for every frame
-  std::string name(int64_t frame) const;
+  struct Piece {
+    enum class Kind { text, frame, camera } kind = Kind::text;
+    std::string text;
+    int digits = 0;  // of a frame number, filled up with zeros to this width; 0: as it is
+  };
+  std::vector<Piece> pieces;
+  std::string given;
+  bool numbered = false, by_camera = false;  // false: the same name for every frame, or camera
+  std::string name(int64_t frame, const std::string& camera = {}) const;
 };
-// Errors (usage): more than one place for the number, or a % that is not one.
+// Errors (usage): more than one place for the number, or a sign that begins one and is none.
 Expected<FramePattern> parse_pattern(const std::string& text);
 
 // Makes the folder of an output where it is missing, removes what killed runs left of it there, and shows that the name

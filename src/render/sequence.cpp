@@ -255,8 +255,10 @@ Expected<void> check_sequence(const SequenceSettings& settings) {
     return fail(ErrorKind::usage, "--shard", "there are fewer frames than shards: this shard has none");
   std::map<std::string, int64_t> names;
   for (const FramePattern& pattern : settings.patterns) {
+    if (pattern.by_camera)
+      return fail(ErrorKind::usage, "-o", "'{}': {{camera}} belongs to render, a sequence has one", pattern.given);
     if (!pattern.numbered && settings.frames.size() > 1)
-      return fail(ErrorKind::usage, "-o", "'{}' has no place for the frame number; write %04d or ####", pattern.before);
+      return fail(ErrorKind::usage, "-o", "'{}' has no place for the frame number; write %04d or ####", pattern.given);
     if (const auto format = output_format(pattern.name(0)); !format) return std::unexpected(format.error());
     for (const int64_t frame : settings.frames) {
       const std::string name = fs::path(pattern.name(frame)).lexically_normal().string();

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "math/transforms.h"
+#include "scene/fit_view.h"
 
 namespace candela {
 namespace {
@@ -81,6 +82,23 @@ DAabb box_to_frame(const DAabb& bounds, std::vector<std::string>& notes) {
   return {glm::dvec3(-1), glm::dvec3(1)};
 }
 
+// A far plane behind everything that is drawn.
+double far_from_bounds(const View& view, const DAabb& bounds) {
+  double far_m = view.near_m + 1;
+  if (!bounds.empty() && is_finite(bounds.extent())) {
+    const DAabb in_view = transformed(bounds, view.view_from_relative * relative_from_world(view.position));
+    far_m = std::max(far_m, -in_view.min.z * 1.001);
+  }
+  return far_m;
+}
+
+constexpr double default_azimuth_deg = 30, default_elevation_deg = 20;
+constexpr double fit_margin = 0.05;
+
+bool from_direction(const CameraRequest& request) {
+  return request.azimuth_deg || request.elevation_deg || request.turn_s > 0;
+}
+
 // From where a viewer shows a model: its front is +Z (glTF 3.4), seen from slightly right and above. The bounding
 // sphere fits into the narrower field of view, with a margin of 5 %.
 View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const DAabb& bounds) {
@@ -90,12 +108,35 @@ View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const
   const double radius = glm::length(box.extent()) + glm::length(box.centre() - target);
   const double tan_y = std::tan(yfov_rad / 2), narrow = std::atan(tan_y * std::min(1.0, size.aspect()));
   const double distance = 1.05 * radius / std::sin(narrow);
-  const double yaw = radians(30), pitch = radians(20);
+  const double yaw = radians(request.azimuth_deg.value_or(default_azimuth_deg));
+  const double pitch = radians(request.elevation_deg.value_or(default_elevation_deg));
   const glm::dvec3 back(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch));
   const glm::dvec3 eye = target + back * distance;
   place(view, eye, glm::dmat3(look_at_pose(back, glm::dvec3(0))));
   set_perspective(view, yfov_rad, std::min({largest_near_m, 0.01 * distance, 0.5 * (distance - radius)}), size);
   view.name = "framed bounds";
+  return finished(std::move(view));
+}
+
+// The same camera where the bounds fill its picture.
+View fitted(View view, const CameraRequest& request, ImageSize size, const DAabb& bounds) {
+  const DAabb box = box_to_frame(bounds, view.notes);
+  const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));
+  const std::vector<glm::dvec3> points = request.turn_s > 0 ? turned_once(box, axes[0]) : corners_of(box);
+  if (view.perspective) {
+    const Fit fit = fit_perspective(points, axes, view.tan_x, view.tan_y, fit_margin);
+    view.position = fit.position;
+    view.near_m = std::min(largest_near_m, 0.5 * fit.nearest_m);
+    view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m);
+  } else {
+    const Fit fit = fit_orthographic(points, axes, size.aspect(), fit_margin);
+    view.position = fit.position;
+    view.tan_y = fit.half_height, view.tan_x = fit.half_height * size.aspect();
+    view.near_m = 0;
+    view.far_m = far_from_bounds(view, bounds);
+    view.clip_from_view = orthographic_reversed(view.tan_x, view.tan_y, view.near_m, view.far_m);
+  }
+  view.name = "fitted bounds";
   return finished(std::move(view));
 }
 
@@ -183,16 +224,6 @@ Expected<void> set_file_perspective(View& view, const Camera& camera, const Came
   return {};
 }
 
-// A far plane behind everything that is drawn.
-double far_from_bounds(const View& view, const DAabb& bounds) {
-  double far_m = view.near_m + 1;
-  if (!bounds.empty() && is_finite(bounds.extent())) {
-    const DAabb in_view = transformed(bounds, view.view_from_relative * relative_from_world(view.position));
-    far_m = std::max(far_m, -in_view.min.z * 1.001);
-  }
-  return far_m;
-}
-
 Expected<void> set_file_orthographic(View& view, const Camera& camera, const CameraRequest& request, ImageSize size,
                                      const DAabb& bounds, const std::string& place_of) {
   const double xmag = std::abs(camera.xmag), ymag = std::abs(camera.ymag);
@@ -242,7 +273,25 @@ Expected<void> check_request(const CameraRequest& request, ImageSize size) {
     return fail(ErrorKind::usage, "", "yfov is {} degrees; it must lie between 0 and 180", *request.yfov_deg);
   if (!request.camera.empty() && (request.eye || request.target))
     return fail(ErrorKind::usage, "", "give either camera '{}' or an eye and a target, not both", request.camera);
+  if (from_direction(request) && (request.eye || !request.camera.empty()))
+    return fail(ErrorKind::usage, "", "azimuth, elevation and turntable frame the bounds: not with a camera or an eye");
+  if ((request.fit || request.turn_s > 0) && (request.eye || request.target))
+    return fail(ErrorKind::usage, "", "fit and turntable place the camera themselves: not with an eye or a target");
   return {};
+}
+
+Expected<View> seen_from(const Scene& scene, const Pose& pose, const CameraRequest& request, ImageSize size,
+                         const DAabb& bounds) {
+  const double yfov_rad = request.yfov_deg ? radians(*request.yfov_deg) : default_yfov_rad;
+  if (request.eye) return from_eye(request, yfov_rad, size, bounds);
+  if (!request.camera.empty()) {
+    const Expected<int> node = find_camera_node(scene, request.camera);
+    if (!node) return std::unexpected(node.error());
+    return from_file(scene, pose, *node, request, size, bounds);
+  }
+  const int first = request.target || from_direction(request) ? -1 : node_of_camera(scene, -1);
+  if (first >= 0) return from_file(scene, pose, first, request, size, bounds);
+  return framed(request, yfov_rad, size, bounds);
 }
 
 }  // namespace
@@ -264,16 +313,16 @@ Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraReque
                          int height_px, const DAabb& bounds) {
   const ImageSize size{width_px, height_px};
   if (const Expected<void> checked = check_request(request, size); !checked) return std::unexpected(checked.error());
-  const double yfov_rad = request.yfov_deg ? radians(*request.yfov_deg) : default_yfov_rad;
-  if (request.eye) return from_eye(request, yfov_rad, size, bounds);
-  if (!request.camera.empty()) {
-    const Expected<int> node = find_camera_node(scene, request.camera);
-    if (!node) return std::unexpected(node.error());
-    return from_file(scene, pose, *node, request, size, bounds);
-  }
-  const int first = request.target ? -1 : node_of_camera(scene, -1);
-  if (first >= 0) return from_file(scene, pose, first, request, size, bounds);
-  return framed(request, yfov_rad, size, bounds);
+  auto view = seen_from(scene, pose, request, size, bounds);
+  if (!view || !(request.fit || request.turn_s > 0)) return view;
+  return fitted(std::move(*view), request, size, bounds);
+}
+
+CameraRequest camera_at(CameraRequest request, double time_s) {
+  if (request.turn_s > 0)
+    request.azimuth_deg =
+        request.azimuth_deg.value_or(default_azimuth_deg) + 360 * std::fmod(time_s / request.turn_s, 1.0);
+  return request;
 }
 
 }  // namespace candela

@@ -14,7 +14,13 @@ struct CameraRequest {
   std::optional<glm::dvec3> eye, target;
   std::optional<double> yfov_deg;
   std::string camera;  // name or index; empty: the first camera in node order, else framing
+  // A view of the bounds from a direction: degrees to the right of the front (+Z), and above the horizon.
+  std::optional<double> azimuth_deg, elevation_deg;
+  bool fit = false;   // moves the camera, looking the same way, until the bounds fill the picture
+  double turn_s = 0;  // above 0: the azimuth grows by 360 degrees in that time, about the bounds' middle
 };
+// The request at a moment: a turntable's azimuth.
+CameraRequest camera_at(CameraRequest request, double time_s);
 
 // A camera placed in the world, for one image size. Depth is reversed; projections are in double.
 struct View {

@@ -193,6 +193,7 @@ Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job
   constexpr std::string_view look = R"({"sun": {"angular_radius_deg": 0.5}, "lights": {"radius_m": 0.05},
     "fog": {"scattering": 0.05, "absorption": 0.01, "anisotropy": 0.6, "falloff": 0.3, "emission": 0.01},
     "volumetric": {"phi": 5, "tau": 0.05, "anisotropy": 0.2}, "reflections": {},
+    "probes": [{"position": [0, 1, 0], "box": {"min": [-50, -50, -50], "max": [50, 50, 50]}}],
     "bloom": {"strength": 0.1, "beauty": true}, "occlusion": {"radius_m": 2}})";
   job.technique = techniques_.front();
   job.look = path("every-effect.json");
@@ -202,6 +203,7 @@ Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job
   for (const auto& [pass, knob] : {std::pair("sun", "samples"), {"shadows", "samples"}, {"occlusion", "rays"}})
     job.settings.push_back({pass, knob, "2"});
   job.settings.push_back({"fog", "grid", "32x18x24"});
+  job.settings.push_back({"probes", "size_px", "16"});
   count_faults("every effect", shot(job, scene.time_s, false, "auto"), nullptr, row);
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "program.h"
 
@@ -68,6 +69,39 @@ TEST(Help, ListsEveryOption) {
   }
 }
 
+// Long lists are found by group; what is left in the first is the help alone.
+TEST(Help, OptionsStandInGroupsWithExamplesBelow) {
+  for (const char* command : {"render", "sequence", "reference", "plan"}) {
+    const std::string help = candela({command, "--help"}).out;
+    for (const char* group : {"\nMoment:\n", "\nCamera:\n", "\nPicture:\n", "\nLight and look:\n", "\nExamples:\n"})
+      EXPECT_TRUE(contains(help, group)) << command << group;
+    const size_t options = help.find("\nOptions:\n"), next = help.find("\n\n", options);
+    const std::string first = help.substr(options, next - options);
+    EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 3) << first;
+    EXPECT_FALSE(contains(help, "Env:")) << command;
+  }
+}
+
+// Each example of the help must be taken by the parser: all that is wrong with it is that its files are not there.
+TEST(Help, ExamplesAreTaken) {
+  for (const char* command : {"render", "sequence", "reference", "plan", "compare"}) {
+    std::istringstream help(candela({command, "--help"}).out);
+    int examples = 0;
+    for (std::string line; std::getline(help, line);) {
+      if (!line.starts_with("  candela ")) continue;
+      std::erase(line, '\'');
+      std::istringstream words(line.substr(10, line.find_first_of("|>") - 10));
+      std::vector<std::string> arguments;
+      for (std::string word; words >> word;) arguments.push_back(word);
+      const TestFolder folder;
+      const Ended ended = candela(arguments, folder.path());
+      EXPECT_EQ(ended.code, 3) << line << "\n" << ended.err;
+      ++examples;
+    }
+    EXPECT_GT(examples, 0) << command;
+  }
+}
+
 TEST(Help, VersionIsOneLineOnStdout) {
   const Ended version = candela({"--version"});
   EXPECT_EQ(version.code, 0);
@@ -120,6 +154,15 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"render", box, "-o", "x.exr", "--eye", "1,2", "--target", "0,0,0"}, "--eye"},
       {{"render", box, "-o", "x.exr", "--frame", "1", "--time", "2"}, "--time"},
       {{"render", box, "-o", "x.exr", "--fps", "0"}, "--fps"},
+      {{"render", box, "-o", "x.exr", "--frames", "0-3"}, "several pictures"},
+      {{"render", box, "-o", "####.exr", "--frames", "0-3", "--frame", "1"}, "--frames"},
+      {{"render", box, "-o", "####.exr", "--frames", "0-3", "--timings", "-"}, "--timings"},
+      {{"render", box, "-o", "{camera}.exr"}, "--camera all"},
+      {{"render", box, "-o", "{frme}.exr"}, "{frame:04}"},
+      {{"render", box, "-o", "x.exr", "--azimuth", "3", "--camera", "0"}, "--azimuth"},
+      {{"render", box, "-o", "x.exr", "--elevation", "91"}, "--elevation"},
+      {{"render", box, "-o", "x.exr", "--fit", "--eye", "1,2,3", "--target", "0,0,0"}, "--fit"},
+      {{"render", box, "-o", "x.exr", "--turntable", "0"}, "--turntable"},
       {{"render", box, "-o", "x.exr", "--exr-compression", "lz4"}, "--exr-compression"},
       {{"render", box, "-o", "x.exr", "-o", "x.exr"}, "twice"},
       {{"render", box, "-o", "x.exr", "--json", "--timings", "-"}, "--timings"},

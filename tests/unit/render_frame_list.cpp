@@ -80,8 +80,21 @@ TEST(FramePattern, NumbersWithPercentAndHashes) {
   EXPECT_EQ(parse_pattern("a/%03d.exr")->name(-7), "a/-007.exr");
   EXPECT_EQ(parse_pattern("100%%.exr")->name(7), "100%.exr");
   EXPECT_FALSE(parse_pattern("plain.exr")->numbered);
-  for (const char* text : {"%04d-%04d.exr", "##-##.exr", "%s.exr", "%4d.exr", "%", "%0", "%099d.exr"})
+  for (const char* text :
+       {"%04d-%04d.exr", "##-##.exr", "%s.exr", "%4d.exr", "%", "%0", "%099d.exr", "$F4-####.exr", "{frame}-%d.exr",
+        "{frme:04}.exr", "{frame:4}.exr", "{frame:}.exr", "{frame", "}.exr", "$F99.exr"})
     EXPECT_FALSE(parse_pattern(text)) << text;
+}
+
+TEST(FramePattern, NumbersWithBracesAndDollars) {
+  EXPECT_EQ(parse_pattern("a/{frame:05}.exr")->name(7), "a/00007.exr");
+  EXPECT_EQ(parse_pattern("a/{frame}.exr")->name(-7), "a/-7.exr");
+  EXPECT_EQ(parse_pattern("a/$F4.exr")->name(7), "a/0007.exr");
+  EXPECT_EQ(parse_pattern("a.$F.exr")->name(7), "a.7.exr");
+  EXPECT_EQ(parse_pattern("$Four$.exr")->name(7), "$Four$.exr");
+  EXPECT_EQ(parse_pattern("{{a}}.exr")->name(7), "{a}.exr");
+  EXPECT_EQ(parse_pattern("{camera}-####.exr")->name(7, "100%{x}"), "100%{x}-0007.exr");
+  EXPECT_TRUE(parse_pattern("{camera}.exr")->by_camera);
 }
 
 TEST(Shard, EveryFrameBelongsToExactlyOne) {

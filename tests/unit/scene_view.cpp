@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "math/transforms.h"
+#include "scene/fit_view.h"
 
 namespace candela {
 namespace {
@@ -221,6 +222,82 @@ TEST(View, NothingToFrameStillGivesAView) {
     EXPECT_TRUE(std::isfinite(view.position.x + view.clip_from_relative[0][0]));
     EXPECT_GT(view.near_m, 0);
   }
+}
+
+// Largest |x| and |y| of the box's corners in the picture, and how far from centred it is.
+struct Extent {
+  double x = 0, y = 0, off_x = 0, off_y = 0;
+};
+Extent extent_in(const View& view, const std::vector<glm::dvec3>& points) {
+  glm::dvec3 least(1e9), most(-1e9);
+  for (const glm::dvec3& p : points) {
+    const glm::dvec4 clip = view.clip_from_relative * glm::dvec4(p - view.position, 1.0);
+    EXPECT_GT(clip.w, 0);
+    least = glm::min(least, glm::dvec3(clip) / clip.w), most = glm::max(most, glm::dvec3(clip) / clip.w);
+  }
+  return {std::max(-least.x, most.x), std::max(-least.y, most.y), most.x + least.x, most.y + least.y};
+}
+
+TEST(View, FitFillsThePictureWithTheBox) {
+  const CameraScene s;
+  for (const glm::dvec3 half : {glm::dvec3(1, 1, 1), glm::dvec3(5, 0.1, 2), glm::dvec3(0.01, 3, 0.01)})
+    for (const glm::dvec3 centre : {glm::dvec3(0), glm::dvec3(1e5, -3, 7)})
+      for (const double azimuth : {0.0, 30.0, 123.0, -90.0})
+        for (const double elevation : {-90.0, 0.0, 20.0, 90.0})
+          for (const auto& [width, height] : {std::pair(200, 100), {100, 200}}) {
+            const DAabb box{centre - half, centre + half};
+            const CameraRequest request{.azimuth_deg = azimuth, .elevation_deg = elevation, .fit = true};
+            const auto view = s.view(request, width, height, box);
+            ASSERT_TRUE(view) << view.error().text();
+            const Extent e = extent_in(*view, corners_of(box));
+            EXPECT_LT(std::max(e.x, e.y), 0.951) << azimuth << " " << elevation;
+            EXPECT_GT(std::max(e.x, e.y), 0.949) << azimuth << " " << elevation;
+            EXPECT_NEAR(e.x > e.y ? e.off_x : e.off_y, 0, 1e-6);
+            EXPECT_EQ(view->name, "fitted bounds");
+          }
+}
+
+TEST(View, FitKeepsACamerasDirectionAndKind) {
+  const DAabb box{{-1, 0, -2}, {3, 2, 2}};
+  const glm::dquat q = glm::normalize(glm::dquat(0.9, 0.1, 0.3, -0.2));
+  for (const bool perspective : {true, false}) {
+    Camera camera;
+    camera.perspective = perspective, camera.xmag = camera.ymag = 7;
+    const CameraScene s(camera, compose_trs({50, 60, 70}, q, {1, 1, 1}));
+    const View plain = *s.view({}, 160, 90, box), fitted = *s.view({.fit = true}, 160, 90, box);
+    EXPECT_EQ(plain.view_from_relative, fitted.view_from_relative);
+    EXPECT_EQ(plain.perspective, fitted.perspective);
+    const Extent e = extent_in(fitted, corners_of(box));
+    EXPECT_NEAR(std::max(e.x, e.y), 0.95, 1e-6);
+  }
+}
+
+TEST(View, ATurntableKeepsItsDistanceAndTheBoxInThePicture) {
+  const CameraScene s;
+  const DAabb box{{-1, 0, -4}, {1, 2, 4}};
+  const glm::dvec3 centre = box.centre();
+  double distance = 0, largest = 0;
+  for (int frame = 0; frame < 48; ++frame) {
+    const CameraRequest request = camera_at({.azimuth_deg = 10, .turn_s = 2}, frame / 24.0);
+    const auto view = s.view(request, 160, 90, box);
+    ASSERT_TRUE(view);
+    if (frame > 0) EXPECT_NEAR(glm::length(view->position - centre), distance, 1e-9);
+    distance = glm::length(view->position - centre);
+    const glm::dvec3 from = view->position - centre;
+    EXPECT_NEAR(std::remainder(std::atan2(from.x, from.z) - (10 + 7.5 * frame) * pi / 180, 2 * pi), 0, 1e-9);
+    const Extent e = extent_in(*view, corners_of(box));
+    largest = std::max({largest, e.x, e.y});
+  }
+  EXPECT_LT(largest, 0.951);
+  EXPECT_GT(largest, 0.9);
+}
+
+TEST(View, DirectionsDoNotGoWithACameraOrAnEye) {
+  const CameraScene s;
+  EXPECT_FALSE(s.view({.camera = "0", .azimuth_deg = 1}));
+  EXPECT_FALSE(s.view({.eye = glm::dvec3(1), .target = glm::dvec3(0), .elevation_deg = 1}));
+  EXPECT_FALSE(s.view({.eye = glm::dvec3(1), .target = glm::dvec3(0), .fit = true}));
+  EXPECT_EQ(s.view({.azimuth_deg = 30}, 200, 100, {{-1, -1, -1}, {1, 1, 1}})->name, "framed bounds");
 }
 
 }  // namespace

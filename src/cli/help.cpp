@@ -1,0 +1,129 @@
+#include "cli/help.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/text.h"
+
+namespace candela::cli {
+namespace {
+
+constexpr const char* exit_codes =
+    "Exit codes: 0 fine; 1 a comparison failed; 2 usage; 3 input (scene or file); 4 device or driver; 5 output could "
+    "not be\n"
+    "written; 6 out of memory; 7 the image holds non-finite pixels. Data goes to stdout, log and progress to stderr.\n"
+    "An option can also stand in the environment: CANDELA_DEVICE=cpu is --device cpu. The command line goes first.";
+
+// In the order of the help. What stands in none is the command's own.
+const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
+  static const std::vector<std::pair<std::string, std::vector<std::string>>> table = {
+      {"Moment", {"frame", "frames", "time", "fps", "animation"}},
+      {"Camera", {"camera", "eye", "target", "yfov", "azimuth", "elevation", "fit", "turntable"}},
+      {"Picture",
+       {"output", "size", "view", "layers", "exposure", "tonemap", "background", "exr-type", "exr-compression",
+        "png-bits", "no-dither", "metadata-timings", "allow-nonfinite", "dump"}},
+      {"Light and look", {"sky", "look", "probe", "effects", "seed"}},
+      {"How the frame is made",
+       {"technique", "quality", "samples", "set", "time-budget", "error-budget", "sweep", "error-reference"}},
+      {"Film", {"video", "audio", "resume", "cache", "in-flight", "encoders", "shard"}},
+      {"Tracing",
+       {"mode", "spp", "seconds", "noise", "sampler", "bvh", "visibility", "ambient", "ambient-distance", "bounces",
+        "fog-steps", "fog-lights", "threads", "state"}},
+      {"Measuring", {"timings", "trace", "overlap", "check-determinism"}},
+      {"Device", {"device", "queues", "timeout", "validate", "shader-dir"}},
+      {"Input", {"allow-path", "decode-budget-mb", "strict", "allow-blank", "config"}},
+      {"Messages", {"quiet", "verbose", "json", "dot"}},
+  };
+  return table;
+}
+
+const std::map<std::string, std::string>& examples() {
+  static const std::map<std::string, std::string> table = {
+      {"render",
+       "  candela render scene.glb -o frame.exr -o frame.png --frame 120\n"
+       "  candela render model.glb -o model.png --fit --azimuth 210 --sky studio.hdr\n"
+       "  candela render scene.glb -o 'out/{camera}.{frame:04}.png' --camera all --frames 0-48x24\n"
+       "  candela render scene.glb -o light.exr --layers depth,normal,direct,ambient.diffuse --timings -\n"},
+      {"sequence",
+       "  candela sequence scene.glb --frames 0-249 -o 'out/%04d.exr' --resume\n"
+       "  candela sequence scene.glb --frames 0-249 --video film.mp4 --size 1920x1080\n"
+       "  candela sequence model.glb --turntable 96 --animation none --video turn.mp4\n"
+       "  candela sequence scene.glb --frames 0-9999 --shard 3/8 -o 'out/%05d.exr'\n"},
+      {"reference",
+       "  candela reference scene.glb -o truth.exr --mode path --noise 0.01\n"
+       "  candela reference scene.glb -o direct.exr --spp 256 --frame 120\n"},
+      {"plan", "  candela plan scene.glb\n  candela plan scene.glb --dot | dot -Tsvg > frame.svg\n"},
+      {"compare", "  candela compare truth.exr frame.exr --heatmap flip.png --limit flip=0.05\n"},
+      {"bench",
+       "  candela bench scene.glb --techniques clustered,forward-plus --report out\n"
+       "  candela bench --error scene.glb --json rows.json\n"
+       "  candela bench suite.json --compare before.json\n"},
+  };
+  return table;
+}
+
+// In lines of at most `width` characters.
+std::string wrapped(const std::string& text, size_t width) {
+  std::string lines;
+  size_t used = 0;
+  for (const std::string& word : split(text, ' ')) {
+    const bool fits = used + 1 + word.size() <= width;
+    if (used > 0) lines += fits ? ' ' : '\n';
+    used = (used > 0 && fits ? used + 1 : 0) + word.size();
+    lines += word;
+  }
+  return lines;
+}
+
+// Without the name of each option's variable: they follow from the options'.
+class Formatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrapped(CLI::Formatter::make_option_desc(option), 90);
+  }
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string text = CLI::Formatter::make_help(app, name, mode);
+    for (size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
+    return text;
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_opts(option);
+    const std::string variable = " (Env:" + option->get_envname() + ")";
+    if (const size_t at = text.find(variable); at != std::string::npos) text.erase(at, variable.size());
+    return text;
+  }
+};
+
+std::string variable_of(const std::string& option) {
+  std::string name = "CANDELA_" + option;
+  for (char& c : name) c = c == '-' ? '_' : char(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+void complete_options(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_lnames().empty()) continue;
+    const std::string name = option->get_lnames().front();
+    for (const auto& [group, names] : groups())
+      if (std::find(names.begin(), names.end(), name) != names.end()) option->group(group);
+    if (option->get_configurable() && name != "config") option->envname(variable_of(name));
+  }
+}
+
+}  // namespace
+
+void complete_help(CLI::App& app) {
+  app.formatter(std::make_shared<Formatter>());
+  app.footer(exit_codes);
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    complete_help(*command);
+    complete_options(*command);
+    const auto example = examples().find(command->get_name());
+    if (example != examples().end()) command->footer("Examples:\n" + example->second + "\n" + exit_codes);
+  }
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace candela::cli {
+
+// What the help of all commands has in common, once all options are added: options stand in groups, each command ends
+// with examples, and CANDELA_NAME in the environment gives --name.
+void complete_help(CLI::App& app);
+
+}  // namespace candela::cli

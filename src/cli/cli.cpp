@@ -8,30 +8,18 @@
 #include "base/process.h"
 #include "base/text.h"
 #include "cli/command.h"
-<<<<<<< HEAD
-#include "cli/version.h"
-=======
 #include "cli/help.h"
->>>>>>> main
+#include "cli/version.h"
 #include "render/current_error.h"
 
 namespace candela::cli {
 namespace {
-
-<<<<<<< HEAD
-constexpr const char* exit_codes =
-    "Exit codes: 0 fine; 1 a comparison failed; 2 usage; 3 input (scene or file); 4 device or driver; 5 output could "
-    "not be\n"
-    "written; 6 out of memory; 7 the image holds non-finite pixels. Data goes to stdout, log and progress to stderr.";
 
 struct VersionOptions {
   bool version = false, json = false;
 };
 
 void build_parser(CLI::App& app, VersionOptions& o, Action& action) {
-=======
-void build_parser(CLI::App& app, Action& action) {
->>>>>>> main
   app.require_subcommand(0, 1);
   CLI::Option* version = app.add_flag("--version", o.version, "Print the version and exit");
   app.add_flag("--json", o.json, "With --version: what was built in, as JSON")->needs(version);
@@ -46,11 +34,8 @@ void build_parser(CLI::App& app, Action& action) {
   add_bench(app, action);
   add_make_scene(app, action);
   add_list(app, action);
-<<<<<<< HEAD
   add_manual(app, action);
-=======
   complete_help(app);
->>>>>>> main
 }
 
 std::string command_of(const CLI::App& app) {

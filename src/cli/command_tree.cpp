@@ -96,7 +96,6 @@ OptionEntry entry_of(const std::string& command, const CLI::Option& option) {
   }
   entry.help = option.get_description();
   entry.group = option.get_group();
-  entry.environment = option.get_envname();
   if (option.get_items_expected_max() == 0) return entry;  // a flag
   read_type(option.get_type_name(), entry);
   entry.default_value = option.get_default_str();

@@ -14,7 +14,7 @@ struct OptionEntry {
   std::vector<std::string> names;  // "-o", "--output"; of a positional one name without dashes
   std::string value;               // what follows it: FILE, N; empty of flags
   std::string range;               // "0 to 8", or empty
-  std::string default_value, help, group, environment;
+  std::string default_value, help, group;
   bool positional = false, repeats = false;
   enum class Files : uint8_t { none, files, folders } files = Files::none;
   std::vector<std::string> choices;  // values that completion offers

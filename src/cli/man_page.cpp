@@ -10,8 +10,7 @@
 namespace candela::cli {
 namespace {
 
-constexpr const char* environment = R"(.SH ENVIRONMENT
-.TP
+constexpr const char* environment = R"(.TP
 .B CANDELA_CACHE_DIR
 Folder of what is kept between runs: compiled shaders and filtered skies. Without it candela below
 .BR XDG_CACHE_HOME ,
@@ -57,7 +56,6 @@ std::string option_text(const OptionEntry& o) {
   text += "\n" + roff(help);
   if (!o.range.empty()) text += roff(fmt::format(" {}.", o.range));
   if (!o.default_value.empty()) text += " Default: " + bold(o.default_value) + ".";
-  if (!o.environment.empty()) text += " Environment: " + bold(o.environment) + ".";
   return text + "\n";
 }
 
@@ -84,10 +82,10 @@ std::string synopsis(const CommandEntry& command) {
   return line + "\n";
 }
 
-// A footer in its parts: lines after "Examples:" stay as they are, those after "Exit codes:" are a text.
+// A footer in its parts: lines after "Examples:" stay as they are, others are a text.
 std::string footer_text(const std::string& footer) {
-  enum class Part : uint8_t { notes, examples, codes } part = Part::notes;
-  std::string notes, examples, codes;
+  enum class Part : uint8_t { notes, examples, codes, environment } part = Part::notes;
+  std::string notes, examples, codes, variables;
   for (const std::string& line : split(footer, '\n')) {
     std::string rest = line;
     for (const auto& [word, begins] : {std::pair{"Examples:", Part::examples}, std::pair{"Exit codes:", Part::codes}}) {
@@ -96,14 +94,19 @@ std::string footer_text(const std::string& footer) {
       rest = line.substr(std::string(word).size());
       rest.erase(0, rest.find_first_not_of(' '));
     }
+    if (line.starts_with("An option can also stand in the environment")) part = Part::environment;
     if (rest.empty() && part != Part::notes) continue;
-    (part == Part::notes ? notes : part == Part::examples ? examples : codes) += roff(rest) + "\n";
+    (part == Part::notes      ? notes
+     : part == Part::examples ? examples
+     : part == Part::codes    ? codes
+                              : variables) += roff(rest) + "\n";
   }
   if (notes.find_first_not_of('\n') == std::string::npos) notes.clear();
   std::string text;
   if (!notes.empty()) text += ".SH NOTES\n" + notes;
   if (!examples.empty()) text += ".SH EXAMPLES\n.nf\n" + examples + ".fi\n";
   if (!codes.empty()) text += ".SH EXIT STATUS\n" + codes;
+  if (!variables.empty()) text += ".SH ENVIRONMENT\n" + variables;
   return text;
 }
 
@@ -134,6 +137,7 @@ std::string man_page(const CommandEntry& command, const CommandEntry& program) {
   // A footer of its own takes the place of the program's, which says the exit codes.
   const bool says_codes = command.footer.find("Exit codes:") != std::string::npos;
   text += footer_text(says_codes ? command.footer : command.footer + "\n" + program.footer);
+  if (whole && text.find(".SH ENVIRONMENT\n") == std::string::npos) text += ".SH ENVIRONMENT\n";
   if (whole) text += environment;
   text += ".SH SEE ALSO\n";
   std::vector<std::string> others;

@@ -55,7 +55,6 @@ void add_manual(CLI::App& app, Action& action) {
   auto o = std::make_shared<ManualOptions>();
   CLI::App* completion = app.add_subcommand("completion", "Print a script that completes candela's words in a shell");
   completion->add_option("shell", o->shell, "bash, zsh or fish")->type_name("SHELL")->required();
-  completion->footer("Examples:\n  source <(candela completion bash)\n");
   completion->callback([o, &app, &action] { action = [o, &app] { return run_completion(app, *o); }; });
   // For the build alone, therefore hidden.
   CLI::App* manual = app.add_subcommand("manual", "Write man pages and completion as an installation has them");

@@ -3,20 +3,23 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/files.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/input_options.h"
 #include "image/io.h"
+#include "image/png_write.h"
 #include "metrics/heatmap.h"
 #include "metrics/limits.h"
 #include "render/frame_names.h"
+#include "report/compare_report.h"
 
 namespace candela::cli {
 namespace {
 
 struct CompareCommand {
-  std::string a, b, heatmap, hdr_flip = "auto";
+  std::string a, b, heatmap, html, hdr_flip = "auto";
   std::vector<std::string> limits, regions;
   bool allow_nonfinite = false, json = false, quiet = false;
 };
@@ -111,6 +114,38 @@ Expected<void> write_heatmap(const std::string& file, const Comparison& comparis
   return write_png(file, heatmap(comparison.flip_map, comparison.width, comparison.height));
 }
 
+// As the display shows them: scene-linear colour through its encoding, clamped.
+Expected<std::vector<std::byte>> shown_png(const std::string& file) {
+  const auto image = read_image(file);
+  if (!image) return std::unexpected(image.error());
+  const auto planes = display_planes(*image, encoding_of(file));
+  if (planes.size() != 3) return fail(ErrorKind::input, file, "has no colour to show");
+  return encode_png(as_display(planes, image->width, image->height), file);
+}
+
+Expected<void> write_html(const CompareCommand& o, const Comparison& c, const std::vector<LimitVerdict>& verdicts) {
+  if (o.html.empty()) return {};
+  if (!c.refusal.empty()) {
+    log::warning("{} is not written: the images cannot be compared", o.html);
+    return {};
+  }
+  CompareReport report{.reference = o.a, .test = o.b, .metrics = c.metrics};
+  for (const LimitVerdict& v : verdicts)
+    report.limits.push_back(
+        {v.limit.metric + (v.region.empty() ? "" : " of " + v.region), v.measured, v.limit.value, v.pass});
+  auto reference = shown_png(o.a), test = shown_png(o.b);
+  if (!reference) return std::unexpected(reference.error());
+  if (!test) return std::unexpected(test.error());
+  report.pictures = {
+      .first = "reference", .second = "test", .first_png = std::move(*reference), .second_png = std::move(*test)};
+  if (!c.flip_map.empty()) {
+    auto heat = encode_png(heatmap(c.flip_map, c.width, c.height), o.html);
+    if (!heat) return std::unexpected(heat.error());
+    report.pictures.heat_png = std::move(*heat);
+  }
+  return write_file_atomically(o.html, compare_html(report));
+}
+
 // Equal values that are not finite are no difference, but both images are broken.
 void refuse_nonfinite(Comparison& comparison) {
   if (comparison.nonfinite_in_both == 0 || !comparison.refusal.empty()) return;
@@ -138,6 +173,8 @@ Expected<int> run_compare(const CompareCommand& o) {
       return fail(ErrorKind::usage, "--heatmap", "'{}' does not end in .png", o.heatmap);
     if (auto ready = prepare_output(o.heatmap); !ready) return std::unexpected(ready.error());
   }
+  if (!o.html.empty())
+    if (auto ready = prepare_output(o.html); !ready) return std::unexpected(ready.error());
   const auto options = options_of(o);
   if (!options) return std::unexpected(options.error());
   auto comparison = compare_files(o.a, o.b, *options);
@@ -153,6 +190,7 @@ Expected<int> run_compare(const CompareCommand& o) {
   auto printed =
       o.json ? print(comparison_json(*comparison, verdicts) + "\n") : print(comparison_table(*comparison, verdicts));
   if (printed) printed = write_heatmap(o.heatmap, *comparison);
+  if (printed) printed = write_html(o, *comparison, verdicts);
   if (!printed) return std::unexpected(printed.error());
   return passes(*comparison, verdicts) ? 0 : int(ErrorKind::comparison);
 }
@@ -183,6 +221,8 @@ void add_compare(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->type_name("auto|off|START,STOP,COUNT");
   command->add_option("--heatmap", o->heatmap, "FLIP of every pixel as colours")->type_name("FILE.png");
+  command->add_option("--html", o->html, "A page with both pictures, to slide, blink and zoom, and what was measured")
+      ->type_name("FILE");
   add_decode_budget(*command);
   command->add_flag("--allow-nonfinite", o->allow_nonfinite,
                     "NaN and infinity at the same place in both images are no difference; else they are exit 1");

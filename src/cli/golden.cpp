@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 
 #include "base/files.h"
@@ -8,6 +6,7 @@
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/golden_run.h"
+#include "cli/golden_update.h"
 #include "cli/input_options.h"
 #include "render/frame_names.h"
 #include "report/golden_report.h"
@@ -39,24 +38,6 @@ Expected<std::vector<GoldenManifest>> goldens_of(const GoldenOptions& o) {
 
 RunSettings run_settings(const GoldenOptions& o) { return {.device = o.device, .validate = o.validate}; }
 
-// A folder of this process below the system's temporary one, removed with everything in it.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_(fs::temp_directory_path() / fmt::format("candela-golden-{}", getpid())) {
-    fs::create_directories(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 std::string verdict(const GoldenOutcome& outcome) {
   if (outcome.kind == Kind::skipped) return "skipped";
   return outcome.missing ? "missing golden" : std::string(gate_rung_name(outcome.gate.rung));
@@ -74,7 +55,17 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
   row.time_s = outcome.seconds;
   row.metrics = outcome.gate.comparison.metrics;
   row.golden = outcome.golden_png, row.actual = outcome.actual_png;
-  row.heat_map = outcome.heat_map, row.side_by_side = outcome.side_by_side;
+  row.heat_map = outcome.heat_map;
+  if (!outcome.gate.comparison.flip_map.empty()) {
+    const GateLimits& l = outcome.limits;
+    const auto& metrics = outcome.gate.comparison.metrics;
+    const auto metric = [&](const char* name) { return metrics.contains(name) ? metrics.at(name) : NAN; };
+    row.bounds = {{"FLIP, mean", metric("flip"), l.flip_mean},
+                  {"FLIP, 99th percentile", outcome.gate.flip_p99, l.flip_p99}};
+    if (!golden.exr) row.bounds.push_back({"largest difference", metric("max"), l.max_abs});
+    row.bounds.push_back(
+        {fmt::format("share of pixels off by more than {:.4g}", l.small_abs), outcome.gate.small_share, l.small_share});
+  }
   return row;
 }
 
@@ -130,67 +121,6 @@ Expected<int> run_check(const GoldenOptions& o) {
   return count[Kind::failed] > 0 ? int(ErrorKind::comparison) : 0;
 }
 
-// The manifest with where its picture was made.
-Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture& picture) {
-  Json j = own_json(golden.text);  // read once already
-  // A new golden starts with the limits that the program proposes, written out so that they can be seen and changed.
-  const Json proposed = own_json(gate_limits_json({}));
-  for (const auto& [limit, value] : proposed["gate"].items())
-    if (!j["gate"].contains(limit)) j["gate"][limit] = value;
-  j["made"] = {{"device_class", picture.device_class},
-               {"device", picture.device},
-               {"driver", picture.driver},
-               {"version", CANDELA_VERSION}};
-  return write_file_atomically(golden.folder / "golden.json", j.dump(2) + "\n");
-}
-
-// One entry, before the older ones.
-Expected<void> note_changes(const fs::path& root, const std::vector<std::string>& names, const GoldenPicture& picture,
-                            const std::string& why) {
-  const fs::path file = root / "CHANGES.md";
-  std::string text = "# Why goldens changed\n\nWritten by `candela golden update`, newest first.\n";
-  std::error_code failed;
-  if (fs::exists(file, failed)) {
-    const auto bytes = read_file(file);
-    if (!bytes) return std::unexpected(bytes.error());
-    text.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  }
-  std::string heading = why;
-  std::replace(heading.begin(), heading.end(), '\n', ' ');
-  const std::string entry =
-      fmt::format("\n## {}\n{} (candela {}, {})\n", heading, joined(names), CANDELA_VERSION, picture.device_class);
-  const size_t newest = text.find("\n\n## ");  // the blank line before it ends the introduction
-  text.insert(newest == std::string::npos ? text.size() : newest + 1, entry);
-  return write_file_atomically(file, std::string_view(text));
-}
-
-// True when the picture changed.
-Expected<bool> update_one(const GoldenOptions& o, const GoldenManifest& golden, const fs::path& scratch,
-                          GoldenPicture& picture) {
-  const fs::path fresh = scratch / (golden.name + golden.picture().extension().string());
-  const auto rendered = render_golden(golden, run_settings(o), o.allow_blank, fresh);
-  if (!rendered) return std::unexpected(Error{rendered.error().kind, rendered.error().text(), golden.name});
-  picture = *rendered;
-  if (!o.device_class.empty() && o.device_class != picture.device_class)
-    return fail(ErrorKind::usage, "--device-class", "the device is {} ({}), not {}", picture.device_class,
-                picture.device, o.device_class);
-  if (!golden.made_on.empty() && golden.made_on != picture.device_class && o.device_class.empty())
-    return fail(ErrorKind::usage, golden.name,
-                "was made on {}, this device is {}; --device-class {} says that this is meant", golden.made_on,
-                picture.device_class, picture.device_class);
-  const auto bytes = read_file(fresh);
-  if (!bytes) return std::unexpected(bytes.error());
-  std::error_code failed;
-  if (fs::exists(golden.picture(), failed)) {
-    const auto before = read_image(golden.picture()), after = read_image(fresh);
-    if (before && after && picture_digest(*before) == picture_digest(*after)) return false;
-  }
-  if (auto written = write_file_atomically(golden.picture(), std::span<const std::byte>(*bytes)); !written)
-    return std::unexpected(written.error());
-  if (auto written = write_manifest(golden, picture); !written) return std::unexpected(written.error());
-  return true;
-}
-
 Expected<int> run_update(const GoldenOptions& o) {
   if (o.quiet) log::set_level(log::Level::warning);
   if (o.why.empty()) return fail(ErrorKind::usage, "--why", "say why the pictures change; it is kept in CHANGES.md");
@@ -205,7 +135,8 @@ Expected<int> run_update(const GoldenOptions& o) {
       log::warning("{} skipped: no assets at {}", golden.name, assets_of(o).string());
       continue;
     }
-    const auto updated = update_one(o, golden, scratch.path(), picture);
+    const auto updated =
+        update_golden(golden, {run_settings(o), o.allow_blank, o.device_class}, scratch.path(), picture);
     if (!updated) {
       failed = std::unexpected(updated.error());
       break;
@@ -249,10 +180,13 @@ void add_golden(CLI::App& app, Action& action) {
   check->add_option("--report", o->report, "Folder for an HTML page of failures and a JUnit file")->type_name("DIR");
   check->add_flag("--json", o->json, "As JSON");
   check->callback([o, &action] { action = [o] { return run_check(*o); }; });
+  add_golden_add(*golden, action);
   CLI::App* update = golden->add_subcommand("update", "Render every golden and keep what changed");
   add_shared(*update, *o);
   update->add_option("--why", o->why, "Why they change; noted in CHANGES.md")->type_name("TEXT");
-  update->add_option("--device-class", o->device_class, "Allows goldens that were made on another class of device")
+  update
+      ->add_option("--device-class", o->device_class,
+                   "Of a golden that was made on another class of device: keeps a picture of this class beside it")
       ->type_name("NAME");
   update->callback([o, &action] { action = [o] { return run_update(*o); }; });
 }

@@ -16,7 +16,9 @@ namespace candela::cli {
 //   frame, fps  or  time
 //   gate     limits of the ladder (metrics/gate.h)
 //   accepted  per device class the digests of decoded pixels that are right there besides the picture's own
-//   made     device class, device, driver and version of the last update
+//   made     device class, device, driver and version of the last update, who made it and at which commit
+//   also_made  the same of pictures of other device classes: golden.CLASS.png or .exr
+// docs/goldens.md is the page for users, docs/schemas/golden.schema.json the schema.
 inline constexpr std::string_view made_prefix = "made:";  // of job.scene and job.sky
 struct GoldenManifest {
   std::string name;
@@ -30,7 +32,18 @@ struct GoldenManifest {
   std::string text;  // the file
   std::map<std::string, std::vector<std::string>> accepted;
   std::string made_on;  // device class; empty: never made
-  std::filesystem::path picture() const { return folder / (exr ? "golden.exr" : "golden.png"); }
+  const char* ending() const { return exr ? ".exr" : ".png"; }
+  std::filesystem::path picture() const { return folder / (std::string("golden") + ending()); }
+  // Of a device class that does not draw the golden's own.
+  std::filesystem::path own_picture(const std::string& device_class) const {
+    return folder / ("golden." + device_class + ending());
+  }
+  // What a device of that class has to draw: its own picture where there is one.
+  std::filesystem::path picture_for(const std::string& device_class) const {
+    std::error_code failed;
+    const std::filesystem::path own = own_picture(device_class);
+    return std::filesystem::exists(own, failed) ? own : picture();
+  }
 };
 
 // All goldens below root whose name contains `filter`, by name. A broken manifest is an error that names file and key.

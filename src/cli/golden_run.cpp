@@ -47,14 +47,6 @@ std::string picture_digest(const FloatImage& image) {
 
 namespace {
 
-DisplayImage as_display(const std::vector<Plane>& planes, int width, int height) {
-  DisplayImage image{.width = width, .height = height, .channels = 3, .bits = 8};
-  image.pixels.resize(size_t(width) * size_t(height) * 3);
-  for (size_t i = 0; i < image.pixels.size(); ++i)
-    image.pixels[i] = std::byte(int(std::clamp(planes[i % 3][i / 3], 0.0f, 1.0f) * 255.0f + 0.5f));
-  return image;
-}
-
 // What a person needs to judge a golden that is not simply equal. A picture that cannot be written is only a warning.
 void write_pictures(const GoldenManifest& golden, const FloatImage* expected, const FloatImage& actual,
                     const fs::path& folder, GoldenOutcome& outcome) {
@@ -96,14 +88,16 @@ void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {
     }
   }
   std::error_code failed;
-  if (!fs::exists(golden.picture(), failed)) {
+  const fs::path kept = golden.picture_for(outcome.device_class);
+  if (!fs::exists(kept, failed)) {
     outcome.missing = true;
     write_pictures(golden, nullptr, *actual, outcome.actual.parent_path(), outcome);
-    return fail_with(fmt::format("{} is missing; look at the new picture, then `candela golden update`",
-                                 golden.picture().filename().string()));
+    return fail_with(
+        fmt::format("{} is missing; look at the new picture, then `candela golden update`", kept.filename().string()));
   }
-  const auto expected = read_image(golden.picture());
+  const auto expected = read_image(kept);
   if (!expected) return fail_with(expected.error().text());
+  outcome.limits = *limits;
   outcome.gate = judge_golden(*expected, *actual, *limits, golden.exr ? Encoding::linear : Encoding::display);
   outcome.message = outcome.gate.message;
   if (outcome.gate.passed())
@@ -126,7 +120,7 @@ GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& sett
     return outcome;
   }
   const double start_us = process_clock_us();
-  const fs::path actual = folder / (golden.name + (golden.exr ? ".exr" : ".png"));
+  const fs::path actual = folder / (golden.name + golden.ending());
   const auto picture = render_golden(golden, settings, allow_blank, actual);
   if (picture) {
     outcome.actual = actual;

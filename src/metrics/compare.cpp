@@ -250,19 +250,20 @@ std::vector<std::string> layers_alone(const FloatImage& from, const FloatImage& 
 
 }  // namespace
 
+Encoding encoding_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return ending == ".exr" || ending == ".hdr" ? Encoding::linear : Encoding::display;
+}
+
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                                    CompareOptions options) {
-  const auto encoding = [](const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-    return ending == ".exr" || ending == ".hdr" ? Encoding::linear : Encoding::display;
-  };
   auto a = read_image(reference);
   if (!a) return std::unexpected(a.error());
   auto b = read_image(test);
   if (!b) return std::unexpected(b.error());
-  options.encoding = encoding(reference);
-  if (options.encoding != encoding(test))
+  options.encoding = encoding_of(reference);
+  if (options.encoding != encoding_of(test))
     return Comparison{.refusal = "one file is scene-linear, the other display-encoded: no metric has a meaning",
                       .width = a->width,
                       .height = a->height};

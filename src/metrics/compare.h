@@ -73,6 +73,8 @@ Comparison compare(const FloatImage& reference, const FloatImage& test, const Co
 // Reads both; EXR and Radiance HDR are linear, everything else display-encoded (options.encoding is not asked); one of
 // each is a refusal. Layers that one file alone has are a refusal, and named. Errors: a file that cannot be read
 // (input).
+// Of a file, by its ending: .exr and .hdr are scene-linear.
+Encoding encoding_of(const std::filesystem::path& path);
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                                    CompareOptions options = {});
 

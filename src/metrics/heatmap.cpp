@@ -36,6 +36,14 @@ DisplayImage heatmap(const Plane& map, int width, int height) {
   return image;
 }
 
+DisplayImage as_display(const std::vector<Plane>& planes, int width, int height) {
+  DisplayImage image{.width = width, .height = height, .channels = 3, .bits = 8};
+  image.pixels.resize(size_t(width) * size_t(height) * 3);
+  for (size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = std::byte(int(std::clamp(planes[i % 3][i / 3], 0.0f, 1.0f) * 255.0f + 0.5f));
+  return image;
+}
+
 DisplayImage side_by_side(const std::vector<Plane>& reference, const std::vector<Plane>& test, const Plane& map,
                           int width, int height) {
   CHECK(reference.size() == 3 && test.size() == 3 && map.size() == size_t(width) * size_t(height));

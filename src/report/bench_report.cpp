@@ -4,6 +4,7 @@
 #include "report/bench_tables.h"
 #include "report/error_report.h"
 #include "report/golden_report.h"
+#include "report/picture_viewer.h"
 #include "report/plot.h"
 
 namespace candela {

@@ -8,6 +8,7 @@
 #include "report/error_rows.h"
 #include "report/error_tables.h"
 #include "report/golden_report.h"
+#include "report/picture_viewer.h"
 #include "report/scatter.h"
 
 namespace candela {

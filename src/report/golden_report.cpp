@@ -1,6 +1,7 @@
 #include "report/golden_report.h"
 
 #include "base/files.h"
+#include "report/picture_viewer.h"
 
 namespace candela {
 namespace {
@@ -20,10 +21,31 @@ std::vector<const GoldenRow*> sorted(std::span<const GoldenRow> rows) {
 std::string figure(const std::filesystem::path& path, std::string_view caption) {
   if (path.empty()) return {};
   const auto bytes = read_file(path);
-  const std::string picture =
-      bytes ? fmt::format("<img src=\"data:image/png;base64,{}\" alt=\"{}\">", base64(*bytes), caption)
-            : fmt::format("<p class=\"absent\">{}</p>", escape_markup(bytes.error().text()));
+  const std::string picture = bytes ? fmt::format("<img src=\"{}\" alt=\"{}\">", data_url(*bytes), caption)
+                                    : fmt::format("<p class=\"absent\">{}</p>", escape_markup(bytes.error().text()));
   return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", picture, caption);
+}
+
+// All that there are, in a viewer where there are two to compare.
+std::string pictures(const GoldenRow& row) {
+  const auto golden = read_file(row.golden), actual = read_file(row.actual), heat = read_file(row.heat_map);
+  if (!golden || !actual)
+    return figure(row.golden, "golden") + figure(row.actual, "new") + figure(row.heat_map, "FLIP heat map");
+  return viewer_html({.first = row.golden_is,
+                      .second = row.actual_is,
+                      .first_png = *golden,
+                      .second_png = *actual,
+                      .heat_png = heat ? *heat : std::vector<std::byte>{}});
+}
+
+// What was measured beside what is allowed.
+std::string bounds_table(const GoldenRow& row) {
+  if (row.bounds.empty()) return {};
+  std::string html = "<table><tr><th>measured</th><th>value</th><th>limit</th></tr>\n";
+  for (const GoldenRow::Bound& b : row.bounds)
+    html += fmt::format("<tr{}><td>{}</td><td>{:.4g}</td><td>{:.4g}</td></tr>\n",
+                        b.value <= b.limit ? "" : " class=\"beyond\"", escape_markup(b.name), b.value, b.limit);
+  return html + "</table>\n";
 }
 
 std::string metrics_text(const GoldenRow& row) {
@@ -41,9 +63,7 @@ std::string section(const GoldenRow& row) {
   if (!row.message.empty()) html += fmt::format("<p>{}</p>\n", escape_markup(row.message));
   html += fmt::format("<p class=\"numbers\">{} &middot; {:.2f} s{}{}</p>\n", escape_markup(row.device_class),
                       row.time_s, row.metrics.empty() ? "" : " &middot; ", escape_markup(metrics_text(row)));
-  if (urgency(row) < 2)
-    html += figure(row.golden, "golden") + figure(row.actual, "new") + figure(row.heat_map, "FLIP heat map") +
-            figure(row.side_by_side, "side by side");
+  if (urgency(row) < 2) html += bounds_table(row) + pictures(row);
   return html + "</section>\n";
 }
 
@@ -51,12 +71,13 @@ size_t count(std::span<const GoldenRow> rows, int wanted) {
   return size_t(std::count_if(rows.begin(), rows.end(), [&](const GoldenRow& row) { return urgency(row) == wanted; }));
 }
 
-constexpr std::string_view style =
+const std::string style =
     "body{font:14px sans-serif;margin:2em;background:#fff;color:#222}"
     "section{border-left:6px solid #4a4;padding:.2em 1em;margin:1em 0}"
     "section.failed{border-color:#c22}section.flagged{border-color:#d90}"
     "h2{font-size:1.1em}small{font-weight:normal}figure{display:inline-block;margin:.5em}"
-    "img{max-width:100%;image-rendering:pixelated}.blank,.absent{color:#c22;font-weight:bold}.numbers{color:#666}";
+    "img{max-width:100%;image-rendering:pixelated}.blank,.absent{color:#c22;font-weight:bold}.numbers{color:#666}"
+    "table{border-collapse:collapse}td,th{text-align:left;padding:.1em 1em .1em 0}.beyond{color:#c22;font-weight:bold}";
 
 }  // namespace
 
@@ -89,26 +110,14 @@ std::string escape_markup(std::string_view text) {
   return result;
 }
 
-std::string base64(std::span<const std::byte> bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? uint32_t(bytes[i + k]) : 0);
-    for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 std::string golden_html(std::span<const GoldenRow> rows, const std::string& title) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
       "charset=\"utf-8\"><title>{0}</title><style>{1}</style></head><body>\n"
       "<h1>{0}</h1>\n<p>{2} failed, {3} to look at, {4} passed</p>\n",
-      escape_markup(title), style, count(rows, 0), count(rows, 1), count(rows, 2));
+      escape_markup(title), style + viewer_style(), count(rows, 0), count(rows, 1), count(rows, 2));
   for (const GoldenRow* row : sorted(rows)) html += section(*row);
-  return html + "</body></html>\n";
+  return html + std::string(viewer_script()) + "</body></html>\n";
 }
 
 std::string golden_junit(std::span<const GoldenRow> rows, const std::string& suite) {

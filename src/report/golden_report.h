@@ -21,12 +21,18 @@ struct GoldenRow {
   std::string device_class;
   double time_s = 0;
   std::map<std::string, double> metrics;
-  std::filesystem::path golden, actual, heat_map, side_by_side;  // PNG
+  struct Bound {
+    std::string name;
+    double value = 0, limit = 0;
+  };
+  std::vector<Bound> bounds;                       // what the gate compared
+  std::filesystem::path golden, actual, heat_map;  // PNG
+  std::string golden_is = "golden", actual_is = "new";
 };
 
-// One HTML page without other files: pictures lie inside as base64. Failures first, then flagged and blank, then the
-// rest by name; the pictures of clean passes are left out. A picture that cannot be read is named in its place, not an
-// error.
+// One HTML page without other files: pictures lie inside as base64, in viewers (report/picture_viewer.h). Failures
+// first, then flagged and blank, then the rest by name; the pictures of clean passes are left out. A picture that
+// cannot be read is named in its place, not an error.
 std::string golden_html(std::span<const GoldenRow> rows, const std::string& title);
 // JUnit XML as CI systems read it: a test case a row, class name "golden.<device class>".
 std::string golden_junit(std::span<const GoldenRow> rows, const std::string& suite);
@@ -38,6 +44,5 @@ Expected<void> write_golden_junit(const std::filesystem::path& path, std::span<c
 
 // Text for HTML and XML, in elements and in quoted attributes; control characters that XML forbids become U+FFFD.
 std::string escape_markup(std::string_view text);
-std::string base64(std::span<const std::byte> bytes);
 
 }  // namespace candela

@@ -80,6 +80,18 @@ TEST_F(CompareImages, ALimitIsBrokenByARegionAlone) {
   EXPECT_LE(broken, 2);
 }
 
+TEST_F(CompareImages, APageShowsBothPicturesAndWhatBroke) {
+  const std::string a = made("render", "a.exr", {}), b = made("render", "b.exr", {"--exposure", "1"});
+  EXPECT_EQ(compared(a, b, {"--limit", "flip=0.001", "--limit", "max=100", "--html", folder / "page.html"}).code, 1);
+  const std::string page = bytes_of(folder / "page.html");
+  EXPECT_EQ(page.find("<tr class=\"broken\"><td>flip"), page.rfind("<tr class=\"broken\">"));
+  EXPECT_NE(page.find("<tr class=\"broken\"><td>flip"), std::string::npos);
+  size_t pictures = 0;
+  for (size_t at = page.find("data:image/png"); at != std::string::npos; at = page.find("data:image/png", at + 1))
+    ++pictures;
+  EXPECT_EQ(pictures, 3u);
+}
+
 TEST_F(CompareImages, WhatWasNotMeasuredIsSaid) {
   const std::string a = made("render", "a.png", {}), b = made("render", "b.png", {"--set", "resolve.samples=1"});
   const Ended display = compared(a, b, {"--limit", "hdr-flip=1"});

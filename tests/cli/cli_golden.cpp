@@ -141,8 +141,50 @@ TEST_F(Golden, AnotherDeviceClassIsRefusedUnlessMeant) {
   write_manifest(folder, "box", manifest);
   EXPECT_EQ(update("second").code, 2);
   EXPECT_EQ(update("second", {"--device-class", "another"}).code, 2);
+  const std::string theirs = bytes_of(folder / "golden/box/golden.png");
   EXPECT_EQ(update("second", {"--device-class", here}).code, 0);
+  // This class has its own picture now, and the other's is as it was.
+  EXPECT_EQ(bytes_of(folder / "golden/box/golden.png"), theirs);
+  EXPECT_NE(bytes_of(folder / ("golden/box/golden." + here + ".png")), theirs);
+  manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));
+  EXPECT_EQ(manifest["made"]["device_class"], "another");
+  EXPECT_EQ(manifest["also_made"][here]["device_class"], here);
   EXPECT_EQ(check().code, 0);
+}
+
+TEST_F(Golden, AddKeepsAPictureOfAnyJobAndCheckPassesIt) {
+  const std::vector<std::string> job = {"--size", "400x200", "--azimuth",      "200", "--fit", "--exposure",
+                                        "1",      "--root",  folder / "golden"};
+  const auto add = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"golden", "add", folder / "scenes/box.glb"});
+    more.insert(more.end(), job.begin(), job.end());
+    return candela(more);
+  };
+  ASSERT_EQ(update("first").code, 0);
+  const Ended added = add({"--name", "turned", "--why", "the back of it"});
+  ASSERT_EQ(added.code, 0) << added.err;
+  const Json manifest = Json::parse(bytes_of(folder / "golden/turned/golden.json"));
+  EXPECT_EQ(manifest["scene"], "scenes/box.glb");
+  EXPECT_EQ(manifest["job"], Json({{"size", "400x200"}, {"azimuth", 200.0}, {"fit", true}, {"exposure", 1.0}}));
+  EXPECT_TRUE(manifest["gate"].contains("flip_mean"));
+  EXPECT_NE(bytes_of(folder / "golden/CHANGES.md").find("## the back of it\nturned ("), std::string::npos);
+  const Ended passed = check();
+  EXPECT_EQ(passed.code, 0) << passed.err;
+  EXPECT_EQ(Json::parse(passed.out)["passed"], 2);
+  // What the golden holds is render's picture.
+  ASSERT_EQ(candela({"render", folder / "scenes/box.glb", "--size", "400x200", "--azimuth", "200", "--fit",
+                     "--exposure", "1", "-o", folder / "same.png"})
+                .code,
+            0);
+  const auto kept = read_image(folder / "golden/turned/golden.png"), same = read_image(folder / "same.png");
+  ASSERT_TRUE(kept && same);
+  EXPECT_EQ(kept->channels[0].f, same->channels[0].f);
+  EXPECT_EQ(add({"--name", "turned"}).code, 2);
+  EXPECT_EQ(add({"--name", "a/b"}).code, 2);
+  // A scene that the goldens' repository does not hold.
+  const Ended outside = candela({"golden", "add", scene("unlit-box"), "--root", folder / "golden"});
+  EXPECT_EQ(outside.code, 2);
+  EXPECT_NE(outside.err.find("does not lie in"), std::string::npos) << outside.err;
 }
 
 TEST_F(Golden, AssetsThatAreNotThereAreSkippedAndCounted) {

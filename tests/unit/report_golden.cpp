@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/files.h"
+#include "report/compare_report.h"
 #include "report/golden_report.h"
 
 namespace candela {
@@ -57,6 +58,32 @@ TEST(GoldenHtml, FailuresFirstAndPicturesInside) {
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(html.find("data:image/png", first + 1), std::string::npos);
   std::filesystem::remove(picture);
+}
+
+TEST(PictureViewer, HoldsEachPictureOnceAndEveryMode) {
+  const auto bytes = [](std::string_view text) {
+    const auto span = std::as_bytes(std::span(text.data(), text.size()));
+    return std::vector<std::byte>(span.begin(), span.end());
+  };
+  CompareReport report{.reference = "a<b>.exr", .test = "c.exr", .metrics = {{"flip", 0.125}}};
+  report.limits = {{"flip", 0.125, 0.1, false}};
+  report.pictures = {.first_png = bytes("f"), .second_png = bytes("fo"), .heat_png = bytes("foo")};
+  const std::string html = compare_html(report);
+  const auto times = [&](std::string_view text) {
+    int count = 0;
+    for (size_t at = html.find(text); at != std::string::npos; at = html.find(text, at + 1)) ++count;
+    return count;
+  };
+  for (const char* picture : {"base64,Zg==\"", "base64,Zm8=\"", "base64,Zm9v\""})
+    EXPECT_EQ(times(picture), 1) << picture;
+  for (const char* mode : {"beside", "slide", "blink", "heat"})
+    EXPECT_EQ(times("<button type=\"button\" data-mode=\"" + std::string(mode)), 1) << mode;
+  EXPECT_EQ(times("a&lt;b&gt;.exr"), 2);  // title and heading
+  EXPECT_EQ(times("<tr class=\"broken\"><td>flip</td><td>0.125</td><td>0.1</td></tr>"), 1);
+  EXPECT_EQ(times("#000004"), 1);  // the colour bar begins with magma's first
+  EXPECT_EQ(times("http"), 0);     // nothing from outside
+  report.pictures.heat_png.clear();
+  EXPECT_EQ(compare_html(report).find("data-mode=\"heat\">"), std::string::npos);
 }
 
 TEST(GoldenJunit, CountsAndFailures) {

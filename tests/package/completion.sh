@@ -18,7 +18,7 @@ offers "render reference" candela re
 offers "--technique" candela render --te
 offers "clustered forward-plus brute-force" candela render --technique ""
 offers "forward-plus" candela render --technique = f
-offers "check update" candela golden ""
+offers "check" candela golden ch
 offers "--root --report" candela golden check --r
 offers "street street-dense street-dusk" candela make-scene st
 offers "depth,normal" candela render --layers depth,nor
@@ -48,6 +48,6 @@ if command -v fish >/dev/null; then
   }
   fish_offers "reference render" "candela re"
   fish_offers "--technique" "candela render --te"
-  fish_offers "check update" "candela golden "
+  fish_offers "check" "candela golden ch"
 fi
 finish

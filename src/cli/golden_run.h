@@ -7,7 +7,7 @@ namespace candela::cli {
 // One golden, rendered and judged.
 struct GoldenOutcome {
   enum class Kind { passed, failed, skipped } kind = Kind::failed;
-  GateLimits limits;         // of a judged one
+  GateLimits limits;  // of a judged one
   GateResult gate;
   std::string message;       // why it failed, was skipped, or is flagged
   std::string device_class;  // where it was rendered; empty when it was not

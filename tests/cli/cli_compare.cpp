@@ -81,7 +81,7 @@ TEST_F(CompareImages, ALimitIsBrokenByARegionAlone) {
 }
 
 TEST_F(CompareImages, APageShowsBothPicturesAndWhatBroke) {
-  const std::string a = made("render", "a.exr", {}), b = made("render", "b.exr", {"--exposure", "1"});
+  const std::string a = made("render", "a.png", {}), b = made("render", "b.png", {"--exposure", "1"});
   EXPECT_EQ(compared(a, b, {"--limit", "flip=0.001", "--limit", "max=100", "--html", folder / "page.html"}).code, 1);
   const std::string page = bytes_of(folder / "page.html");
   EXPECT_EQ(page.find("<tr class=\"broken\"><td>flip"), page.rfind("<tr class=\"broken\">"));

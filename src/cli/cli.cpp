@@ -9,14 +9,20 @@
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/help.h"
+#include "cli/version.h"
 #include "render/current_error.h"
 
 namespace candela::cli {
 namespace {
 
-void build_parser(CLI::App& app, Action& action) {
+struct VersionOptions {
+  bool version = false, json = false;
+};
+
+void build_parser(CLI::App& app, VersionOptions& o, Action& action) {
   app.require_subcommand(0, 1);
-  app.set_version_flag("--version", std::string("candela ") + CANDELA_VERSION);
+  CLI::Option* version = app.add_flag("--version", o.version, "Print the version and exit");
+  app.add_flag("--json", o.json, "With --version: what was built in, as JSON")->needs(version);
   app.set_help_all_flag("--help-all", "Print the help of every command");
   add_render(app, action);
   add_sequence(app, action);
@@ -31,6 +37,7 @@ void build_parser(CLI::App& app, Action& action) {
   add_tune(app, action);
   add_make_scene(app, action);
   add_list(app, action);
+  add_manual(app, action);
   complete_help(app);
 }
 
@@ -48,7 +55,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 
 std::vector<std::string> subcommand_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App* a) { return !a->get_group().empty(); }))
     names.push_back(sub->get_name());
   return names;
 }
@@ -104,12 +111,14 @@ int failed(const CLI::App& app, const Error& error) {
 
 int parse_and_run(CLI::App& app, int argc, char** argv) {
   Action action;
-  build_parser(app, action);
+  VersionOptions version;
+  build_parser(app, version, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return parse_failed(app, error, argc, argv);
   }
+  if (version.version) action = [&version] { return print_version(version.json); };
   if (!action) {
     log::write(log::Level::error, "no command given\n" + app.help());
     return int(ErrorKind::usage);

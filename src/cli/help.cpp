@@ -62,6 +62,7 @@ const std::map<std::string, std::string>& examples() {
        "  candela reference scene.glb -o truth.exr --mode path --noise 0.01\n"
        "  candela reference scene.glb -o direct.exr --spp 256 --frame 120\n"},
       {"plan", "  candela plan scene.glb\n  candela plan scene.glb --dot | dot -Tsvg > frame.svg\n"},
+      {"completion", "  source <(candela completion bash)\n"},
       {"compare",
        "  candela compare truth.exr frame.exr --heatmap flip.png --limit flip=0.05\n"
        "  candela compare before.png after.png --html difference.html\n"},

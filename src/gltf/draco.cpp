@@ -2,28 +2,28 @@
 
 #include <dlfcn.h>
 
-#include "base/files.h"
+#include "base/modules.h"
 #include "gltf/modules/draco_module.h"
 
 namespace candela::gltf {
 namespace {
 
-struct Module {
+struct Decoder {
   CandelaDracoDecode* decode = nullptr;
   std::string why;
 };
 
-// Opened once; never closed, because other threads may be inside.
-const Module& draco_module() {
-  static const Module module = [] {
-    Module m;
-    const std::filesystem::path path = program_folder() / "candela_draco.so";
-    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library) m.decode = reinterpret_cast<CandelaDracoDecode*>(dlsym(library, "candela_draco_decode"));
-    if (!m.decode) m.why = fmt::format("the Draco module cannot be opened ({})", dlerror());
-    return m;
+const Decoder& draco_decoder() {
+  static const Decoder decoder = [] {
+    Decoder d;
+    const Module module = open_module("candela_draco.so");
+    if (module.library) d.decode = reinterpret_cast<CandelaDracoDecode*>(dlsym(module.library, "candela_draco_decode"));
+    if (!d.decode)
+      d.why = fmt::format("the Draco module cannot be opened ({})",
+                          module.library ? "candela_draco.so is of another version of candela" : module.reason);
+    return d;
   }();
-  return module;
+  return decoder;
 }
 
 struct Target {  // what the module writes into
@@ -61,9 +61,9 @@ void* make_attribute(void* user, uint32_t request, size_t vertex_count) try {
 
 std::optional<DracoPrimitive> decode_draco(Document& document, const Json& draco, const tinygltf::Primitive& primitive,
                                            const std::string& path, std::string& why) {
-  const Module& module = draco_module();
-  if (!module.decode) {
-    why = module.why;
+  const Decoder& decoder = draco_decoder();
+  if (!decoder.decode) {
+    why = decoder.why;
     return std::nullopt;
   }
   const int view = index_of(document, draco, "bufferView", size_t(document.missing_view), path);
@@ -97,7 +97,7 @@ std::optional<DracoPrimitive> decode_draco(Document& document, const Json& draco
   }
   Target target{&document, &out, &semantics, &path};
   const CandelaDracoSink sink{&target, make_indices, make_attribute};
-  if (const char* error = module.decode(bytes.data(), bytes.size(), requests.data(), uint32_t(requests.size()), &sink))
+  if (const char* error = decoder.decode(bytes.data(), bytes.size(), requests.data(), uint32_t(requests.size()), &sink))
     document.refuse(path, "{}", error);
   return out;
 }

@@ -2,45 +2,35 @@
 
 #include <dlfcn.h>
 
-#include "base/files.h"
+#include "base/modules.h"
 
 namespace candela {
 namespace {
 
-struct Module {
+struct Opened {
   const oiio::Table* table = nullptr;
   std::string reason;
 };
 
-// Beside the program in a build folder, in ../lib/candela when installed. Never closed: its libraries do not expect to
-// be.
-Module load_module() {
-  const std::filesystem::path folder = program_folder();
-  Module module;
-  for (const auto& path : {folder / "candela_oiio.so", folder / "../lib/candela/candela_oiio.so"}) {
-    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library) {
-      if (module.reason.empty() || std::filesystem::exists(path)) module.reason = dlerror();
-      continue;
-    }
-    module.table = static_cast<const oiio::Table*>(dlsym(library, oiio::table_symbol));
-    if (module.table && module.table->version == oiio::abi_version) return module;
-    module.table = nullptr;
-    module.reason = path.string() + " is of another version of candela";
-  }
-  return module;
+Opened open_table() {
+  const Module module = open_module("candela_oiio.so");
+  if (!module.library) return {nullptr, module.reason};
+  const auto* table = static_cast<const oiio::Table*>(dlsym(module.library, oiio::table_symbol));
+  if (table && table->version == oiio::abi_version) return {table, {}};
+  return {nullptr, "candela_oiio.so is of another version of candela"};
 }
 
 }  // namespace
 
 Expected<const oiio::Table*> open_oiio(const std::string& place) {
-  static const Module module = load_module();
-  if (module.table) return module.table;
+  static const Opened opened = open_table();
+  if (opened.table) return opened.table;
   return fail(
       ErrorKind::input, place,
-      "this file format needs the module candela_oiio.so beside the program: install libopenimageio-dev and build with "
-      "CANDELA_OIIO=ON, or use EXR or PNG ({})",
-      module.reason);
+      "this picture is neither EXR, PNG, JPEG nor HDR: other formats need the module candela_oiio.so, which this "
+      "installation lacks or cannot open. Convert the picture to one of those, or install the Debian package of "
+      "candela with libopenimageio2.4 ({})",
+      opened.reason);
 }
 
 }  // namespace candela

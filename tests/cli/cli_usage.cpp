@@ -119,6 +119,20 @@ TEST(Help, VersionIsOneLineOnStdout) {
   EXPECT_EQ(std::count(version.out.begin(), version.out.end(), '\n'), 1);
 }
 
+TEST(Help, VersionAsJsonSaysWhatWasBuiltIn) {
+  const Ended version = candela({"--version", "--json"});
+  ASSERT_EQ(version.code, 0) << version.err;
+  const Json j = Json::parse(version.out);
+  EXPECT_TRUE(contains(candela({"--version"}).out, "candela " + j["version"].get<std::string>()));
+  EXPECT_TRUE(contains(candela({"--version"}).out, j["source"].get<std::string>()));
+  EXPECT_EQ(j["build"]["libraries_linked"], "shared");
+  for (const char* library : {"OpenEXR", "libdeflate", "fmt", "glm", "glslang", "oneTBB"})
+    EXPECT_TRUE(contains(j["libraries"].value(library, ""), ".")) << library;
+  for (const auto& [name, module] : j["modules"].items())
+    EXPECT_TRUE(module["opens"]) << name << ": " << module["reason"];
+  EXPECT_EQ(candela({"--json"}).code, 2);
+}
+
 struct Refusal {
   std::vector<std::string> arguments;
   std::string says;

@@ -1,0 +1,32 @@
+# Read by CPack for each kind of package.
+if(CPACK_GENERATOR STREQUAL "DEB")
+  set(CPACK_COMPONENTS_ALL program share zsh-debian)
+  set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+  # Debian's own tool finds which packages hold the libraries. Those of the module for more picture formats are 258 with all that
+  # they need, and few jobs use it: recommended, not needed.
+  set(work ${CPACK_CANDELA_BUILD_FOLDER}/generated/shlibdeps)
+  file(WRITE ${work}/debian/control "Source: candela\n\nPackage: candela\nArchitecture: any\n")
+  function(needed_packages out)  # FILE...
+    execute_process(COMMAND dpkg-shlibdeps -O ${ARGN} WORKING_DIRECTORY ${work} OUTPUT_VARIABLE said ERROR_VARIABLE errors RESULT_VARIABLE failed)
+    if(failed OR NOT said MATCHES "shlibs:Depends=([^\n]+)")
+      message(FATAL_ERROR "dpkg-shlibdeps: ${errors}")
+    endif()
+    set(${out} ${CMAKE_MATCH_1} PARENT_SCOPE)
+  endfunction()
+  set(modules "")
+  if(EXISTS ${CPACK_CANDELA_BUILD_FOLDER}/candela_draco.so)
+    set(modules ${CPACK_CANDELA_BUILD_FOLDER}/candela_draco.so)
+  endif()
+  needed_packages(CPACK_DEBIAN_PACKAGE_DEPENDS ${CPACK_CANDELA_BUILD_FOLDER}/candela ${modules})
+  # lavapipe before this version has no descriptor indexing (Debian 12 has it in backports); a GPU's driver does as well.
+  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "mesa-vulkan-drivers (>= 25.0.7) | nvidia-vulkan-icd")
+  if(EXISTS ${CPACK_CANDELA_BUILD_FOLDER}/candela_oiio.so)
+    needed_packages(oiio ${CPACK_CANDELA_BUILD_FOLDER}/candela_oiio.so)
+    string(REGEX MATCH "libopenimageio[^,]*" oiio "${oiio}")
+    string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", ${oiio}")
+  endif()
+  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ffmpeg, gnuplot-nox")
+else()
+  set(CPACK_COMPONENTS_ALL portable share zsh)
+  set(CPACK_COMPONENT_INCLUDE_TOPLEVEL_DIRECTORY ON)
+endif()

@@ -1,0 +1,150 @@
+#include "cli/man_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/text.h"
+
+namespace candela::cli {
+namespace {
+
+constexpr const char* environment = R"(.TP
+.B CANDELA_CACHE_DIR
+Folder of what is kept between runs: compiled shaders and filtered skies. Without it candela below
+.BR XDG_CACHE_HOME ,
+else below .cache in the home folder. It may be deleted at any time.
+.TP
+.BR VK_DRIVER_FILES ", " VK_ICD_FILENAMES
+Read by the Vulkan loader: which drivers there are.
+)";
+
+// A line that begins with . or ' would be a request; a bare - would be set as a hyphen, which cannot be copied.
+std::string roff(const std::string& text) {
+  std::string out;
+  bool line_begins = true;
+  for (const char c : text) {
+    if (line_begins && (c == '.' || c == '\'')) out += "\\&";
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else
+      out += c;
+    line_begins = c == '\n';
+  }
+  return out;
+}
+
+std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
+std::string italic(const std::string& text) { return "\\fI" + roff(text) + "\\fR"; }
+
+std::string option_text(const OptionEntry& o) {
+  std::string text = ".TP\n";
+  if (o.positional) {
+    text += italic(o.value.empty() ? o.names.front() : o.value);
+  } else {
+    std::vector<std::string> names;
+    for (const std::string& name : o.names) names.push_back(bold(name));
+    text += joined(names);
+    if (!o.value.empty()) text += " " + italic(o.value);
+  }
+  if (o.repeats) text += " ...";
+  std::string help = o.help;
+  if (!help.empty() && help.back() != '.') help += '.';
+  text += "\n" + roff(help);
+  if (!o.range.empty()) text += roff(fmt::format(" {}.", o.range));
+  if (!o.default_value.empty()) text += " Default: " + bold(o.default_value) + ".";
+  return text + "\n";
+}
+
+// Options by their groups; the first group needs no heading of its own.
+std::string options_text(const CommandEntry& command, const char* heading) {
+  std::vector<std::string> groups;
+  for (const OptionEntry& o : command.options)
+    if (std::find(groups.begin(), groups.end(), o.group) == groups.end()) groups.push_back(o.group);
+  std::string text;
+  for (const std::string& group : groups) {
+    text += group == groups.front() ? std::string(heading) : ".SS " + roff(group) + "\n";
+    for (const OptionEntry& o : command.options)
+      if (o.group == group) text += option_text(o);
+  }
+  return text;
+}
+
+std::string synopsis(const CommandEntry& command) {
+  std::string line = bold(command.path);
+  if (!command.commands.empty()) line += " " + italic("COMMAND");
+  line += " [" + italic("OPTIONS") + "]";
+  for (const OptionEntry& o : command.options)
+    if (o.positional) line += " [" + italic(o.value) + (o.repeats ? " ...]" : "]");
+  return line + "\n";
+}
+
+// A footer in its parts: lines after "Examples:" stay as they are, others are a text.
+std::string footer_text(const std::string& footer) {
+  enum class Part : uint8_t { notes, examples, codes, environment } part = Part::notes;
+  std::string notes, examples, codes, variables;
+  for (const std::string& line : split(footer, '\n')) {
+    std::string rest = line;
+    for (const auto& [word, begins] : {std::pair{"Examples:", Part::examples}, std::pair{"Exit codes:", Part::codes}}) {
+      if (!line.starts_with(word)) continue;
+      part = begins;
+      rest = line.substr(std::string(word).size());
+      rest.erase(0, rest.find_first_not_of(' '));
+    }
+    if (line.starts_with("An option can also stand in the environment")) part = Part::environment;
+    if (rest.empty() && part != Part::notes) continue;
+    (part == Part::notes      ? notes
+     : part == Part::examples ? examples
+     : part == Part::codes    ? codes
+                              : variables) += roff(rest) + "\n";
+  }
+  if (notes.find_first_not_of('\n') == std::string::npos) notes.clear();
+  std::string text;
+  if (!notes.empty()) text += ".SH NOTES\n" + notes;
+  if (!examples.empty()) text += ".SH EXAMPLES\n.nf\n" + examples + ".fi\n";
+  if (!codes.empty()) text += ".SH EXIT STATUS\n" + codes;
+  if (!variables.empty()) text += ".SH ENVIRONMENT\n" + variables;
+  return text;
+}
+
+}  // namespace
+
+std::string page_name(const CommandEntry& command) {
+  std::string name = command.path;
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return name;
+}
+
+std::string man_page(const CommandEntry& command, const CommandEntry& program) {
+  const bool whole = command.path == program.path;
+  std::string help = command.help;
+  if (!help.empty() && help.back() == '.') help.pop_back();
+  std::string text =
+      fmt::format(".TH {} 1 \"\" \"candela {}\" \"candela\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}", page_name(command),
+                  CANDELA_VERSION, roff(page_name(command)), roff(help), synopsis(command));
+  if (!command.commands.empty()) {
+    text += ".SH COMMANDS\n";
+    for (const CommandEntry& c : command.commands)
+      text += ".TP\n" + (whole ? "\\fB" + roff(page_name(c)) + "\\fR(1)" : bold(c.name)) + "\n" + roff(c.help) + ".\n";
+  }
+  text += options_text(command, ".SH OPTIONS\n");
+  if (!whole)
+    for (const CommandEntry& c : command.commands)
+      text += options_text(c, (".SH OPTIONS OF " + roff(c.path) + "\n").c_str());
+  // A footer of its own takes the place of the program's, which says the exit codes.
+  const bool says_codes = command.footer.find("Exit codes:") != std::string::npos;
+  text += footer_text(says_codes ? command.footer : command.footer + "\n" + program.footer);
+  if (whole && text.find(".SH ENVIRONMENT\n") == std::string::npos) text += ".SH ENVIRONMENT\n";
+  if (whole) text += environment;
+  text += ".SH SEE ALSO\n";
+  std::vector<std::string> others;
+  if (!whole) others.push_back("\\fBcandela\\fR(1)");
+  for (const CommandEntry& c : program.commands)
+    if (c.path != command.path) others.push_back(bold(page_name(c)) + "(1)");
+  return text + joined(others, ",\n") + "\n";
+}
+
+}  // namespace candela::cli

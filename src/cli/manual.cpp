@@ -1,0 +1,66 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "base/files.h"
+#include "base/text.h"
+#include "cli/command.h"
+#include "cli/command_tree.h"
+#include "cli/completion.h"
+#include "cli/man_page.h"
+
+namespace candela::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ManualOptions {
+  std::string shell, folder;
+};
+
+Expected<int> run_completion(const CLI::App& app, const ManualOptions& o) {
+  const CommandEntry program = command_tree(app);
+  const std::vector<std::string> shells = {"bash", "zsh", "fish"};
+  if (std::find(shells.begin(), shells.end(), o.shell) == shells.end())
+    return fail(ErrorKind::usage, "SHELL", "{}", unknown_name("shell", o.shell, shells));
+  const auto printed = print(o.shell == "bash"  ? bash_completion(program)
+                             : o.shell == "zsh" ? zsh_completion(program)
+                                                : fish_completion(program));
+  if (!printed) return std::unexpected(printed.error());
+  return 0;
+}
+
+// As they lie below share/ of an installation.
+Expected<int> write_manual(const CLI::App& app, const ManualOptions& o) {
+  const CommandEntry program = command_tree(app);
+  std::vector<std::pair<fs::path, std::string>> files = {
+      {"bash-completion/completions/candela", bash_completion(program)},
+      {"zsh/site-functions/_candela", zsh_completion(program)},
+      {"fish/vendor_completions.d/candela.fish", fish_completion(program)},
+      {"man/man1/candela.1", man_page(program, program)}};
+  for (const CommandEntry& c : program.commands)
+    files.emplace_back("man/man1/" + page_name(c) + ".1", man_page(c, program));
+  for (const auto& [name, text] : files) {
+    const fs::path path = fs::path(o.folder) / name;
+    std::error_code failed;
+    fs::create_directories(path.parent_path(), failed);
+    if (failed) return fail(ErrorKind::output, path.parent_path().string(), "{}", failed.message());
+    if (auto written = write_file_atomically(path, text); !written) return std::unexpected(written.error());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_manual(CLI::App& app, Action& action) {
+  auto o = std::make_shared<ManualOptions>();
+  CLI::App* completion = app.add_subcommand("completion", "Print a script that completes candela's words in a shell");
+  completion->add_option("shell", o->shell, "bash, zsh or fish")->type_name("SHELL")->required();
+  completion->callback([o, &app, &action] { action = [o, &app] { return run_completion(app, *o); }; });
+  // For the build alone, therefore hidden.
+  CLI::App* manual = app.add_subcommand("manual", "Write man pages and completion as an installation has them");
+  manual->group("");
+  manual->add_option("folder", o->folder, "Folder for man/, bash-completion/ and so on")->type_name("DIR")->required();
+  manual->callback([o, &app, &action] { action = [o, &app] { return write_manual(app, *o); }; });
+}
+
+}  // namespace candela::cli

@@ -95,12 +95,12 @@ TEST(JobJson, NamesWhatIsWrong) {
 }
 
 TEST(FrameIdentity, DependsOnWhatDecidesThePicture) {
-  const Hash128 content{1, 2};
+  const std::string content = Hash128{1, 2}.hex();
   const Hash128 base = frame_identity(Job{}, content, "device", 0.5);
   Job other;
   other.seed = 1;
   EXPECT_NE(frame_identity(other, content, "device", 0.5), base);
-  EXPECT_NE(frame_identity(Job{}, Hash128{1, 3}, "device", 0.5), base);
+  EXPECT_NE(frame_identity(Job{}, Hash128{1, 3}.hex(), "device", 0.5), base);
   EXPECT_NE(frame_identity(Job{}, content, "device 2", 0.5), base);
   EXPECT_NE(frame_identity(Job{}, content, "device", std::nextafter(0.5, 1.0)), base);
   Job moved;

@@ -38,7 +38,7 @@ struct TuneReport {
   std::vector<TuneTrial> trials;
   std::string device;
   int error_width_px = 0, error_height_px = 0;  // of the pictures that errors are of
-  double exact_ms = 0;                          // wall time of the exact picture
+  double exact_ms = 0;                          // wall time of a frame of the exact picture
   std::vector<std::string> notes;               // what was not found out
   double wall_s = 0;
 };

@@ -268,6 +268,42 @@ TEST_F(FrameLookSky, TakesTheSunOutOfTheImage) {
   EXPECT_NE(render(*session).notes[0].find("no spot"), std::string::npos);
 }
 
+// The light that was a spot of the image stands in the way of: behind a small square the floor has the rest of the
+// sky alone, beside its shadow all.
+TEST_F(FrameLookSky, TheExtractedSunCastsShadows) {
+  const glm::dvec3 sun(0, 1, 0);
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  const int white = add_material(b, diffuse_material(1, 1, 1));
+  const Json lying = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // +Z becomes +Y
+  add_node(b, {{"mesh", add_square_mesh(b, 20, white)}, {"rotation", lying}});
+  add_node(b, {{"mesh", add_square_mesh(b, 1, white)}, {"rotation", lying}, {"translation", {0, 3, 0}}});
+  Job job = job_for(write(b), width, height);
+  job.sky = ::testing::TempDir() + write_sky("noon", 128, [&](glm::dvec3 d) {
+              return glm::dot(d, sun) > std::cos(0.03) ? glm::dvec3(900) : glm::dvec3(0.5);
+            });
+  job.effects = "ibl,shadows";
+  // From the side, below the square: its shadow's middle, and the floor four metres beside it.
+  FrameTest::look(job, {0, 2, 8}, {0, 0, 0}, 60);
+  const auto floor_at = [&](const Images& picture, double x_m) {
+    const glm::dvec3 eye(0, 2, 8), back = glm::normalize(eye), right(1, 0, 0), up = glm::cross(back, right);
+    const glm::dvec3 to = glm::dvec3(x_m, 0, 0) - eye;
+    const double depth = -glm::dot(to, back), tan_y = std::tan(std::numbers::pi / 6), tan_x = tan_y * width / height;
+    const int x = int((glm::dot(to, right) / depth / tan_x + 1) * width / 2),
+              y = int((1 - glm::dot(to, up) / depth / tan_y) * height / 2);
+    return double(picture["beauty"].at<glm::vec4>(x, y).x);
+  };
+  job.look = write_look(R"({"sky": {}})");
+  const Images whole = images_of(job);
+  job.look = write_look(R"({"sky": {"extract_sun": true}})");
+  const Images divided = images_of(job);
+  // The image's uppermost row alone lies in the spot; irradiance over pi.
+  const double spot = 900 * 2 * (1 - std::cos(std::numbers::pi / 128));
+  EXPECT_NEAR(floor_at(whole, 0), 0.5 + spot, 0.05 * spot);  // the image alone casts no shadow
+  EXPECT_NEAR(floor_at(divided, 0), 0.5, 0.03);
+  EXPECT_NEAR(floor_at(divided, 4), 0.5 + spot, 0.05 * spot);
+}
+
 // The frame's own luminance, whatever the exposure asked for before; EXR does not know of it.
 TEST_F(FrameLookSky, ExposesByTheFramesLuminance) {
   const WantedOutputs both{.linear = true, .display = true};

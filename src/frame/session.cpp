@@ -186,11 +186,8 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
   } catch (const gpu::GpuError& e) {
-    // The pictures come before what is kept to make them sooner.
-    if (e.out_of_memory() && kept_) {
-      kept_.reset();
-      return begin(time_s, hash_outputs);
-    }
+    // Not begun again with less in memory: what was half made when memory ended, an image on the device without its
+    // content, would be taken for whole, and the frame would be another.
     return std::unexpected(as_error(e));
   }
 }

@@ -80,10 +80,16 @@ void Physical::make_step_sets(const FramePlan& plan, StepSets& into) {
   info.poolSizeCount = uint32_t(sizes.size());
   info.pPoolSizes = sizes.data();
   VK_CHECK(vkCreateDescriptorPool(device_.handle(), &info, nullptr, &into.pool));
-  for (const PlanPass& pass : plan.passes) {
-    into.passes.emplace_back(pass.steps());
-    for (uint32_t step = 0; step < pass.steps(); ++step)
-      write_step_set(plan, pass, step, into.pool, into.passes.back()[step]);
+  try {
+    for (const PlanPass& pass : plan.passes) {
+      into.passes.emplace_back(pass.steps());
+      for (uint32_t step = 0; step < pass.steps(); ++step)
+        write_step_set(plan, pass, step, into.pool, into.passes.back()[step]);
+    }
+  } catch (...) {  // half of the sets are none
+    vkDestroyDescriptorPool(device_.handle(), into.pool, nullptr);
+    into = {};
+    throw;
   }
 }
 

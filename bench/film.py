@@ -45,18 +45,19 @@ for count in options.encoders.split(","):
     variants[f"{programs[0][0]}, {said}"] = [programs[0][1], count]
 
 
-def run(program, encoders, scene, folder, ending):
-    command = [program, "sequence", scene, "--frames", f"0-{options.frames - 1}", "--size", options.size, "--quiet",
-               "--device", options.device, "-o", f"{folder}/%04d.{ending}"]
+def timed(program, scene, folder, ending, frames, encoders, *more):
+    """Wall and CPU seconds, and what the program says, of a film of so many frames."""
+    command = [program, "sequence", scene, "--frames", f"0-{frames - 1}", "--size", options.size, "--quiet",
+               "--device", options.device, "-o", f"{folder}/%04d.{ending}", *more]
     if encoders is not None:
-        command += ["--encoders", encoders]
+        command += ["--encoders", str(encoders)]
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     ended = subprocess.run(command, capture_output=True, text=True)
     wall = time.monotonic() - start
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if ended.returncode != 0:
         sys.exit(f"{' '.join(command)}\n{ended.stderr}")
-    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, ended.stdout
 
 
 def make_scene(work):
@@ -67,19 +68,10 @@ def make_scene(work):
 
 
 def film(scene, work, ending, frames, encoders):
-    """Wall and CPU seconds, and what the program says, of a film of so many frames."""
     folder = f"{work}/out"
     shutil.rmtree(folder, ignore_errors=True)
-    command = [programs[0][1], "sequence", scene, "--frames", f"0-{frames - 1}", "--size", options.size, "--quiet",
-               "--device", options.device, "--json", "--encoders", str(encoders), "-o", f"{folder}/%04d.{ending}"]
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    ended = subprocess.run(command, capture_output=True, text=True)
-    wall = time.monotonic() - start
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if ended.returncode != 0:
-        sys.exit(f"{' '.join(command)}\n{ended.stderr}")
-    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return wall, cpu, json.loads(ended.stdout)
+    wall, cpu, said = timed(programs[0][1], scene, folder, ending, frames, encoders, "--json")
+    return wall, cpu, json.loads(said)
 
 
 def device_ms(scene, work, ending):
@@ -137,7 +129,7 @@ with tempfile.TemporaryDirectory() as work:
             for name, (program, *encoders) in variants.items():
                 folder = f"{work}/out"
                 shutil.rmtree(folder, ignore_errors=True)
-                wall, cpu = run(program, encoders[0] if encoders else None, scene, folder, ending)
+                wall, cpu, _ = timed(program, scene, folder, ending, options.frames, encoders[0] if encoders else None)
                 row = samples.setdefault(f"{ending}, {name}", {"wall_ms": [], "cpu_ms": []})
                 row["wall_ms"].append(round(1000 * wall / options.frames, 2))
                 row["cpu_ms"].append(round(1000 * cpu / options.frames, 2))

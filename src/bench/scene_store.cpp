@@ -1,26 +1,13 @@
 #include "bench/scene_store.h"
 
-#include <unistd.h>
-
 #include "testscenes/make_scene.h"
 
 namespace candela {
 namespace fs = std::filesystem;
 
-SceneStore::SceneStore() {
-  static int count = 0;
-  folder_ = fs::temp_directory_path() / fmt::format("candela-bench-{}-{}", getpid(), count++);
-}
-
-SceneStore::~SceneStore() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
-
 Expected<std::string> SceneStore::generated(const std::string& name, uint64_t seed, int lights) {
   std::error_code failed;
-  fs::create_directories(folder_, failed);
-  const fs::path file = folder_ / fmt::format("{}-{}-{}.glb", name, seed, lights);
+  const fs::path file = folder() / fmt::format("{}-{}-{}.glb", name, seed, lights);
   if (!fs::exists(file, failed))
     if (auto made = make_scene(name, seed, lights, file); !made) return std::unexpected(made.error());
   return file.string();

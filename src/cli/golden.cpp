@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "base/log.h"
+#include "base/scratch_folder.h"
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/golden_run.h"
@@ -87,7 +88,7 @@ Expected<int> run_check(const GoldenOptions& o) {
   if (o.quiet) log::set_level(log::Level::warning);
   const auto goldens = goldens_of(o);
   if (!goldens) return std::unexpected(goldens.error());
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("golden");
   if (!o.report.empty())
     if (auto ready = prepare_output(fs::path(o.report) / "index.html"); !ready) return std::unexpected(ready.error());
   std::vector<std::vector<std::string>> rows = {{"GOLDEN", "VERDICT", "FLIP", "SECONDS", "MESSAGE"}};
@@ -126,7 +127,7 @@ Expected<int> run_update(const GoldenOptions& o) {
   if (o.why.empty()) return fail(ErrorKind::usage, "--why", "say why the pictures change; it is kept in CHANGES.md");
   const auto goldens = goldens_of(o);
   if (!goldens) return std::unexpected(goldens.error());
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("golden");
   std::vector<std::string> changed;
   GoldenPicture picture;
   Expected<void> failed;

@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "base/log.h"
+#include "base/scratch_folder.h"
 #include "cli/golden_update.h"
 #include "cli/job_options.h"
 #include "render/frame_names.h"
@@ -93,7 +94,7 @@ Expected<int> run_add(CLI::App& command, AddOptions& o) {
   GoldenManifest golden{.name = name, .folder = folder, .job = *job, .exr = o.format == "exr"};
   golden.frame = moment->frame, golden.rate = moment->rate, golden.time_s = moment->time_s;
   golden.text = manifest->dump();
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("golden");
   GoldenPicture picture;
   const auto made = update_golden(golden, {*settings, o.job.allow_blank, /*device_class=*/{}}, scratch.path(), picture);
   if (!made) {

@@ -1,7 +1,5 @@
 #include "cli/golden_update.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdlib>
 
@@ -71,14 +69,6 @@ Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture&
 }
 
 }  // namespace
-
-ScratchFolder::ScratchFolder() : path_(fs::temp_directory_path() / fmt::format("candela-golden-{}", getpid())) {
-  fs::create_directories(path_);
-}
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
 
 Expected<void> note_changes(const fs::path& root, const std::vector<std::string>& names, const GoldenPicture& picture,
                             const std::string& why) {

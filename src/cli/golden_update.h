@@ -24,19 +24,6 @@ Expected<bool> update_golden(const GoldenManifest& golden, const GoldenUpdate& u
 Expected<void> note_changes(const std::filesystem::path& root, const std::vector<std::string>& names,
                             const GoldenPicture& picture, const std::string& why);
 
-// A folder of this process below the system's temporary one, removed with everything in it.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 // `golden add`: src/cli/golden_add.cpp.
 void add_golden_add(CLI::App& golden, Action& action);
 

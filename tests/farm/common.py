@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIZE = "64x36"
@@ -52,15 +53,13 @@ def same(expected, found, what):
             raise AssertionError(f"{what}: {name} differs from that of a plain sequence")
 
 
-class Folder:
-    """A temporary folder, removed at the end."""
+class FolderTest(unittest.TestCase):
+    """Tests with a temporary folder, `base`, removed at the end."""
 
-    def __enter__(self):
-        self.path = pathlib.Path(tempfile.mkdtemp(prefix="candela-farm-"))
-        return self.path
-
-    def __exit__(self, *_):
-        shutil.rmtree(self.path, ignore_errors=True)
+    @classmethod
+    def setUpClass(cls):
+        cls.base = pathlib.Path(tempfile.mkdtemp(prefix="candela-farm-"))
+        cls.addClassCleanup(shutil.rmtree, cls.base, ignore_errors=True)
 
 
 def need(programs):

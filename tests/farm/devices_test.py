@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from common import SIZE, Folder, candela, contents, program, run, same, scene
+from common import SIZE, FolderTest, candela, contents, program, run, same, scene
 
 FRAMES = 24
 
@@ -27,12 +27,10 @@ def workers_of(process):
     return found
 
 
-class Devices(unittest.TestCase):
+class Devices(FolderTest):
     @classmethod
     def setUpClass(cls):
-        folder = Folder()
-        cls.base = folder.__enter__()
-        cls.addClassCleanup(folder.__exit__)
+        super().setUpClass()
         cls.words = ["sequence", scene("animated"), "--frames", f"0-{FRAMES - 1}", "--size", SIZE]
         candela(*cls.words, "--device", "cpu", "-o", cls.base / "plain" / "%04d.exr", "-o", cls.base / "plain" / "%04d.png")
         cls.plain = contents(cls.base / "plain")

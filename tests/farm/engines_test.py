@@ -8,7 +8,7 @@ import subprocess
 import sys
 import unittest
 
-from common import HOSTILE, ROOT, SIZE, Folder, candela, contents, need, pattern, program, run, same, scene
+from common import HOSTILE, ROOT, SIZE, FolderTest, candela, contents, need, pattern, program, run, same, scene
 
 # Fails in the first run of each shard that TROUBLE/CODE.SHARD names, with a record as candela leaves one.
 WRAPPER = r"""#!/bin/bash
@@ -70,13 +70,7 @@ def check_schema(value, schema, at=""):
         check_schema(inner, schema["items"], f"{at}/{i}")
 
 
-class Engines(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        folder = Folder()
-        cls.base = folder.__enter__()
-        cls.addClassCleanup(folder.__exit__)
-
+class Engines(FolderTest):
     def prepare(self, engine, name, *words, trouble=()):
         """A scene in a folder of that name, the frames of a plain sequence, and the job."""
         folder = self.base / engine / name

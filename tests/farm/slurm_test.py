@@ -10,7 +10,7 @@ import unittest
 
 import cluster
 import common
-from common import HOSTILE, SIZE, Folder, candela, contents, need, pattern, run, same, scene
+from common import HOSTILE, SIZE, FolderTest, candela, contents, need, pattern, run, same, scene
 
 # Stands for candela where something is to go wrong in the first run of a shard. What goes wrong is real: too little
 # memory for the driver, no device, a run that hangs. $TROUBLE is a folder; TROUBLE/NAME.SHARD asks for trouble.
@@ -38,14 +38,12 @@ exec "$program" "$@"
 """
 
 
-class Slurm(unittest.TestCase):
+class Slurm(FolderTest):
     """One cluster for all; jobs of different tests run on it at the same time."""
 
     @classmethod
     def setUpClass(cls):
-        cls.folder = Folder()
-        cls.base = cls.folder.__enter__()
-        cls.addClassCleanup(cls.folder.__exit__)
+        super().setUpClass()
         (cls.base / "slurm").mkdir()
         # Longer lists than 4 need several arrays.
         cls.cluster = cluster.Cluster(cls.base / "slurm", ["n1", "n2", "n3"], array_size=4)

@@ -200,10 +200,10 @@ class Tuner {
     double saved_ms = 0, added = 0;  // per step: time and error against the base's
   };
 
-  // The next value of each knob towards the cheap end, alone; then those that helped, one after the other.
+  // The values of each knob beside its own, alone; then those that were surely faster, one after the other.
   void try_knobs(Job base) {
     const TuneTrial from = *find(base);
-    std::vector<Step> steps;
+    std::vector<Step> cheaper;
     for (const KnobRow& knob : knob_rows(base.quality)) {
       if (knob.kind == "look") continue;
       const auto now = std::find(knob.walk.begin(), knob.walk.end(), knob.value_now);
@@ -215,16 +215,11 @@ class Tuner {
         job.settings.push_back({knob.pass, knob.knob, value});
         if (!check_job(job)) continue;
         const TuneTrial* trial = add(job);
-        if (!trial || !trial->usable()) continue;
-        const double saved = from.median_ms - trial->median_ms;
-        if (trial->ms.high < from.ms.low || trial->relmse < from.relmse)
-          steps.push_back({job.settings.back(), saved, trial->relmse - from.relmse});
+        if (trial && trial->usable() && trial->ms.high < from.ms.low)
+          cheaper.push_back({job.settings.back(), from.median_ms - trial->median_ms, trial->relmse - from.relmse});
       }
     }
     // What is cheaper and no worse first, then by error added for each millisecond saved.
-    std::vector<Step> cheaper;
-    for (const Step& step : steps)
-      if (step.saved_ms > 0) cheaper.push_back(step);
     std::sort(cheaper.begin(), cheaper.end(), [](const Step& a, const Step& b) {
       return std::max(a.added, 0.0) / a.saved_ms < std::max(b.added, 0.0) / b.saved_ms;
     });

@@ -67,8 +67,6 @@ void write_pictures(const GoldenManifest& golden, const FloatImage* expected, co
   const Comparison& comparison = outcome.gate.comparison;
   if (comparison.flip_map.empty() || kept.size() != 3 || shown.size() != 3) return;
   outcome.heat_map = write("-heat.png", heatmap(comparison.flip_map, comparison.width, comparison.height));
-  outcome.side_by_side =
-      write("-side.png", side_by_side(kept, shown, comparison.flip_map, comparison.width, comparison.height));
 }
 
 void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {

@@ -12,8 +12,8 @@ struct GoldenOutcome {
   std::string message;       // why it failed, was skipped, or is flagged
   std::string device_class;  // where it was rendered; empty when it was not
   std::string device;
-  std::filesystem::path actual;                                          // the new picture; empty when there is none
-  std::filesystem::path golden_png, actual_png, heat_map, side_by_side;  // for the report; of failed and flagged ones
+  std::filesystem::path actual;                            // the new picture; empty when there is none
+  std::filesystem::path golden_png, actual_png, heat_map;  // for the report; of failed and flagged ones
   double seconds = 0;
   bool missing = false;  // there is no golden picture
 };

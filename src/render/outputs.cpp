@@ -22,7 +22,6 @@ namespace candela {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* identity_name = "candela:identity";
 // What Blender and Nuke's readers take for "nothing here"; infinity breaks filters that blend depths.
 constexpr float background_depth_m = 1e10f;
 

@@ -9,6 +9,7 @@
 #include "frame/job_sky.h"
 #include "frame/posed_scene.h"
 #include "reference/leaf_view.h"
+#include "render/id_names.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "scene/neutral_light.h"
@@ -266,6 +267,8 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
   metadata.push_back(number_entry("candela:mse", MetadataEntry::Kind::number, film.mean_square_error()));
   metadata.push_back(text_entry("candela:device", "reference"));
   metadata.push_back(text_entry("candela:version", CANDELA_VERSION));
+  metadata.push_back(text_entry("software", "candela " CANDELA_VERSION));
+  add_id_names(image, frame.scene());
   return image;
 }
 

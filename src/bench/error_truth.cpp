@@ -101,7 +101,7 @@ std::vector<Truth> traced_truths(const Job& job, double time_s, const TruthLimit
   auto frame = open_reference(job, time_s, {});
   for (Truth& truth : truths) {
     // The last: paths go through what the others take as opaque.
-    if (truth.name == "path" && frame && has_transmission((*frame)->scene))
+    if (truth.name == "path" && frame && has_transmission((*frame)->scene()))
       frame = open_reference(job, time_s, {}, reference::Mode::path);
     if (frame)
       trace(truth, **frame, job, limits, stop);

@@ -32,9 +32,20 @@ Names knob_settings() {
   return names;
 }
 
+// With --technique reference.
+bool makes_films(const std::string& command) {
+  const Names names = {"sequence", "slurm", "opencue", "make", "shell"};
+  return std::find(names.begin(), names.end(), command) != names.end();
+}
+
 // What the parser cannot tell by itself: options whose values have names.
 Names choices_of(const std::string& command, const std::string& option) {
+  if (option == "--technique" && makes_films(command)) return with(technique_names(), {traced_technique});
   if (option == "--technique" || option == "--techniques") return technique_names();
+  if (option == "--mode") return {"direct", "path"};
+  if (option == "--bvh") return {"equal-counts", "sah", "sbvh"};
+  if (option == "--sampler") return {"sobol", "jittered", "uniform"};
+  if (option == "--ambient") return {"traced", "occlusion", "off"};
   if (option == "--quality") return {"draft", "normal", "high", "exact"};
   if (option == "--effects") return with({"auto", "none"}, effect_names());
   if (option == "--tonemap") return tonemap_names();
@@ -50,10 +61,6 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (command == "reference") {
     if (option == "--layers") return with({"none"}, reference_layer_names());
     if (option == "--view") return with({"beauty"}, reference_view_names());
-    if (option == "--mode") return {"direct", "path"};
-    if (option == "--bvh") return {"equal-counts", "sah", "sbvh"};
-    if (option == "--sampler") return {"sobol", "jittered", "uniform"};
-    if (option == "--ambient") return {"traced", "direct", "off"};
   }
   if (option == "--layers") return layer_names();
   if (option == "--view") return view_names();

@@ -64,8 +64,9 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   SequenceOptions& s = o.sequence;
   if (auto read = read_config(command, s.job.config); !read) return std::unexpected(read.error());
   set_log_level(s.job);
-  const auto decided = job_of(s.job);
-  if (!decided) return std::unexpected(decided.error());
+  const auto film = film_job(command, s);
+  if (!film) return std::unexpected(film.error());
+  const Job* decided = &film->job;
   if (auto settings = run_settings_of(s.job); !settings) return std::unexpected(settings.error());
   if (decided->timings_in_metadata)
     return fail(ErrorKind::usage, "--metadata-timings",

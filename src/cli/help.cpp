@@ -51,7 +51,8 @@ const std::map<std::string, std::string>& examples() {
        "  candela sequence scene.glb --frames 0-249 -o 'out/%04d.exr' --resume\n"
        "  candela sequence scene.glb --frames 0-249 --video film.mp4 --size 1920x1080\n"
        "  candela sequence model.glb --turntable 96 --animation none --video turn.mp4\n"
-       "  candela sequence scene.glb --frames 0-9999 --shard 3/8 -o 'out/%05d.exr'\n"},
+       "  candela sequence scene.glb --frames 0-9999 --shard 3/8 -o 'out/%05d.exr'\n"
+       "  candela sequence scene.glb --frames 0-249 -o 'truth/%04d.exr' --technique reference --mode path --spp 256\n"},
       {"slurm",
        "  candela farm slurm scene.glb --frames 0-9999 -o 'out/%04d.exr' --video film.mp4 --gpus 1 --submit\n"
        "  candela farm status scene.farm\n"},

@@ -1,6 +1,7 @@
 #include "render/sequence.h"
 
 #include <sys/prctl.h>
+#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 
@@ -17,6 +18,7 @@
 #include "frame/timings.h"
 #include "render/current_error.h"
 #include "render/shared_frames.h"
+#include "render/traced_frames.h"
 
 namespace candela::cli {
 namespace {
@@ -48,6 +50,16 @@ Json sequence_timings(const SequenceResult& result, const Session& session) {
   return j;
 }
 
+void add_film(Json& j, const SequenceOptions& o, const SequenceResult& result) {
+  j["outputs"] = o.outputs;
+  if (!o.video.empty()) j["video"] = o.video;
+  j["frames"] = o.frames;
+  j["shard"] = o.shard;
+  j["fps"] = o.job.fps;
+  j["rendered"] = result.rendered;
+  j["skipped"] = result.skipped;
+}
+
 Expected<void> write_reports(const SequenceOptions& o, const Job& job, const SequenceResult& result,
                              const Session& session, const std::vector<std::string>& warnings) {
   if (!o.timings.empty()) {
@@ -62,13 +74,7 @@ Expected<void> write_reports(const SequenceOptions& o, const Job& job, const Seq
   }
   if (!o.job.json) return {};
   Json j = result_head(job, session, warnings);
-  j["outputs"] = o.outputs;
-  if (!o.video.empty()) j["video"] = o.video;
-  j["frames"] = o.frames;
-  j["shard"] = o.shard;
-  j["fps"] = o.job.fps;
-  j["rendered"] = result.rendered;
-  j["skipped"] = result.skipped;
+  add_film(j, o, result);
   j["timings"] = sequence_timings(result, session);
   return print_json(j);
 }
@@ -81,22 +87,41 @@ Error with_first_pass(Error error, Session& session, FrameRate rate) {
   return error;
 }
 
-Expected<int> render(SequenceOptions& o, std::optional<RunRecorder>& recorder) {
-  const auto job = job_of(o.job);
-  if (!job) return std::unexpected(job.error());
+void warn_of_odd_sides(const SequenceSettings& settings, const Job& job) {
+  if (!settings.video.empty() && (job.width_px % 2 != 0 || job.height_px % 2 != 0))
+    log::warning("the film is {}x{}: H.264 with 4:2:0 chroma takes even sides, so {}x{} grows by a black row or column",
+                 job.width_px + job.width_px % 2, job.height_px + job.height_px % 2, job.width_px, job.height_px);
+}
+
+auto progress_of(ProgressLine& line, std::optional<RunRecorder>& recorder) {
+  return [&](const SequenceProgress& p) {
+    line.show(p);
+    if (recorder) recorder->progress(p.done - p.skipped, p.skipped);
+  };
+}
+
+int interrupted(const SequenceOptions& o, const SequenceSettings& settings, const SequenceResult& result,
+                HeldSignals& held, std::optional<RunRecorder>& recorder) {
+  log::warning("interrupted after {} of {} frames; {}", result.rendered + result.skipped, settings.frames.size(),
+               o.video.empty() ? "the same command with --resume goes on" : "the video was not written");
+  if (recorder) recorder->end(128 + held.pending(), "interrupted");  // `held` lets the signal end the program
+  return 128 + held.pending();
+}
+
+Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<RunRecorder>& recorder) {
   auto run_settings = run_settings_of(o.job);
   if (!run_settings) return std::unexpected(run_settings.error());
-  auto settings = settings_of(o, *job);
+  auto settings = settings_of(o, job);
   if (!settings) return std::unexpected(settings.error());
-  run_settings->timed = !o.timings.empty() || !o.trace.empty() || job->timings_in_metadata;
+  run_settings->timed = !o.timings.empty() || !o.trace.empty() || job.timings_in_metadata;
   if (o.cache == "on" || (o.cache == "auto" && !run_settings->timed)) run_settings->kept_bytes = kept_bytes;
-  auto session = Session::open(*job, wanted_by(*settings, *job), *run_settings);
+  auto session = Session::open(job, wanted_by(*settings, job), *run_settings);
   if (!session) return std::unexpected(session.error());
   const gpu::DeviceInfo& device = (*session)->device().info();
   log_device(device);
   if (recorder)
     recorder->opened((*session)->scene_content().hex(), device.name, device.driver, settings->frames.size());
-  if (const auto look = look_of(*job)) log_look(*job, *look);
+  if (const auto look = look_of(job)) log_look(job, *look);
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
 
   std::unique_ptr<SharedFrames> shared;
@@ -110,35 +135,75 @@ Expected<int> render(SequenceOptions& o, std::optional<RunRecorder>& recorder) {
   std::vector<std::string> warnings;
   std::set<std::string> notes;
   ProgressLine progress(o.job.quiet);
-  settings->progress = [&](const SequenceProgress& p) {
-    progress.show(p);
-    if (recorder) recorder->progress(p.done - p.skipped, p.skipped);
-  };
+  settings->progress = progress_of(progress, recorder);
   settings->rendered = [&](int64_t frame, const FrameResult& result) -> Expected<void> {
     for (const std::string& note : result.notes)
       if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
     if (auto noted = note_frame(result, (*session)->scene(), o.job.strict, warnings); !noted) return noted;
-    return note_blank(result, *job, (*session)->scene(),
+    return note_blank(result, job, (*session)->scene(),
                       {.strict = o.job.strict, .allowed = o.job.allow_blank, .frame = frame}, warnings);
   };
-  if (!settings->video.empty() && (job->width_px % 2 != 0 || job->height_px % 2 != 0))
-    log::warning("the film is {}x{}: H.264 with 4:2:0 chroma takes even sides, so {}x{} grows by a black row or column",
-                 job->width_px + job->width_px % 2, job->height_px + job->height_px % 2, job->width_px, job->height_px);
+  warn_of_odd_sides(*settings, job);
   HeldSignals held;
   settings->stop = &held.pending();
-  const auto result = run_sequence(**session, *job, *settings);
+  const auto result = run_sequence(**session, job, *settings);
   progress.end();
   if (!result) return std::unexpected(with_first_pass(result.error(), **session, settings->rate));
-  if (result->stopped) {
-    log::warning("interrupted after {} of {} frames; {}", result->rendered + result->skipped, settings->frames.size(),
-                 o.video.empty() ? "the same command with --resume goes on" : "the video was not written");
-    if (recorder) recorder->end(128 + held.pending(), "interrupted");  // `held` lets the signal end the program
-    return 128 + held.pending();
-  }
+  if (result->stopped) return interrupted(o, *settings, *result, held, recorder);
   log::info("{} frames rendered, {} were there", result->rendered, result->skipped);
-  if (auto reported = write_reports(o, *job, *result, **session, warnings); !reported)
+  if (auto reported = write_reports(o, job, *result, **session, warnings); !reported)
     return std::unexpected(reported.error());
   return 0;
+}
+
+// A film of --technique reference.
+Expected<int> trace(const SequenceOptions& o, const FilmJob& film, std::optional<RunRecorder>& recorder) {
+  const Job& job = film.job;
+  auto settings = settings_of(o, job);
+  if (!settings) return std::unexpected(settings.error());
+  std::optional<tbb::global_control> threads;
+  if (o.tracing.threads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(o.tracing.threads));
+  const auto maker = TracedFrames::open(job, *film.traced, settings->rate, wanted_by(*settings, job));
+  if (!maker) return std::unexpected(maker.error());
+  const Scene& scene = (*maker)->scene();
+  const std::string content = (*maker)->scene_content().hex();
+  if (recorder) recorder->opened(content, traced_technique, (*maker)->request_text(), settings->frames.size());
+  if (const auto look = look_of(job)) log_look(job, *look);
+  if (auto noted = note_scene(scene, o.job.strict); !noted) return std::unexpected(noted.error());
+  std::vector<std::string> warnings;
+  std::set<std::string> notes;
+  ProgressLine progress(o.job.quiet);
+  settings->progress = progress_of(progress, recorder);
+  settings->rendered = [&](int64_t, const FrameResult& result) {
+    for (const std::string& note : result.notes)
+      if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
+    return note_frame(result, scene, o.job.strict, warnings);
+  };
+  warn_of_odd_sides(*settings, job);
+  HeldSignals held;
+  settings->stop = &held.pending();
+  (*maker)->set_stop(settings->stop);
+  const auto result = run_sequence(**maker, job, *settings);
+  progress.end();
+  if (!result) return std::unexpected(result.error());
+  if (result->stopped) return interrupted(o, *settings, *result, held, recorder);
+  log::info("{} frames traced, {} were there", result->rendered, result->skipped);
+  if (!o.job.json) return 0;
+  Json j;
+  j["version"] = CANDELA_VERSION;
+  j["job"] = own_json(job_json(job));
+  j["reference"] = own_json(settings_json(film.traced->settings, film.traced->accel));
+  j["scene_content"] = content;
+  j["warnings"] = warnings;
+  add_film(j, o, *result);
+  if (auto printed = print_json(j); !printed) return std::unexpected(printed.error());
+  return 0;
+}
+
+Expected<int> make_film(const CLI::App& command, const SequenceOptions& o, std::optional<RunRecorder>& recorder) {
+  const auto film = film_job(command, o);
+  if (!film) return std::unexpected(film.error());
+  return film->traced ? trace(o, *film, recorder) : render(o, film->job, recorder);
 }
 
 // A worker of --devices without its parent would render what nobody waits for.
@@ -152,7 +217,7 @@ Expected<int> run(CLI::App& command, SequenceOptions& o) {
   std::optional<RunRecorder> recorder;
   if (const auto shard = parse_shard(o.shard); shard && !o.record.empty()) recorder.emplace(o.record, *shard);
   try {
-    auto code = render(o, recorder);
+    auto code = make_film(command, o, recorder);
     if (recorder) recorder->end(code ? *code : int(code.error().kind), code ? "" : code.error().text());
     return code;
   } catch (...) {

@@ -198,9 +198,9 @@ Expected<void> print_result(const SequenceOptions& o, const std::vector<std::str
 
 Expected<int> run_on_devices(CLI::App& command, SequenceOptions& o) {
   if (auto good = check_options(o); !good) return std::unexpected(good.error());
-  const auto job = job_of(o.job);
-  if (!job) return std::unexpected(job.error());
-  const auto settings = read_sequence(o, *job);
+  const auto film = film_job(command, o);
+  if (!film) return std::unexpected(film.error());
+  const auto settings = read_sequence(o, film->job);
   if (!settings) return std::unexpected(settings.error());
   if (auto good = check_sequence(*settings); !good) return std::unexpected(good.error());
   const auto devices = devices_of(o.devices);

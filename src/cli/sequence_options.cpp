@@ -1,5 +1,8 @@
 #include "cli/sequence_options.h"
 
+#include <cstdlib>
+
+#include "base/text.h"
 #include "cli/result.h"
 
 namespace candela::cli {
@@ -32,6 +35,64 @@ void add_film_options(CLI::App& command, SequenceOptions& o) {
       ->check(CLI::Range(0, 256))
       ->capture_default_str()
       ->type_name("N");
+  add_trace_options(command, o.tracing);
+  command.get_option("--technique")
+      ->description("How frames are made (candela list techniques); reference traces them, as `reference` does");
+}
+
+namespace {
+
+// One that the environment gives is meant for the commands that have it.
+Expected<void> refuse(const CLI::App& command, std::initializer_list<const char*> names, const char* why) {
+  for (const char* name : names) {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    if (!option || option->count() == 0) continue;
+    if (!option->get_envname().empty() && std::getenv(option->get_envname().c_str())) continue;
+    return fail(ErrorKind::usage, name, "{}", why);
+  }
+  return {};
+}
+
+Expected<Job> traced_job(const JobOptions& o) {
+  JobOptions common = o;
+  common.technique = JobOptions().technique;
+  common.layers.clear();
+  common.view = JobOptions().view;
+  auto job = job_of(common);
+  if (!job) return job;
+  job->technique = traced_technique;
+  job->view = o.view;
+  if (!o.layers.empty() && o.layers != "none") job->layers = split(o.layers, ',');
+  if (auto good = check_traced_job(*job); !good) return std::unexpected(good.error());
+  return job;
+}
+
+}  // namespace
+
+Expected<FilmJob> film_job(const CLI::App& command, const SequenceOptions& o) {
+  if (o.job.technique != traced_technique) {
+    if (auto good = refuse(command,
+                           {"--mode", "--spp", "--noise", "--sampler", "--bvh", "--visibility", "--ambient",
+                            "--ambient-distance", "--bounces", "--fog-steps", "--fog-lights", "--threads"},
+                           "says how --technique reference traces; other techniques have none of it");
+        !good)
+      return std::unexpected(good.error());
+    const auto job = job_of(o.job);
+    if (!job) return std::unexpected(job.error());
+    return FilmJob{*job, std::nullopt};
+  }
+  if (auto good = refuse(command,
+                         {"--quality", "--effects", "--set", "--samples", "--device", "--devices", "--queues",
+                          "--validate", "--shader-dir", "--timeout", "--cache", "--in-flight", "--timings", "--trace",
+                          "--metadata-timings", "--allow-blank"},
+                         "says how a GPU makes frames; --technique reference traces them on the CPU");
+      !good)
+    return std::unexpected(good.error());
+  const auto job = traced_job(o.job);
+  if (!job) return std::unexpected(job.error());
+  const auto request = trace_request(o.tracing, *job);
+  if (!request) return std::unexpected(request.error());
+  return FilmJob{*job, *request};
 }
 
 std::string frames_text(const SequenceOptions& o) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cli/job_options.h"
+#include "cli/trace_options.h"
 #include "render/sequence.h"
 
 namespace candela::cli {
@@ -11,6 +12,7 @@ namespace candela::cli {
 // What `sequence` takes, as text until all is read.
 struct SequenceOptions {
   JobOptions job;
+  TraceOptions tracing;  // of --technique reference
   std::string frames, shard = "1/1", video, audio, timings, trace, record, devices, worker;
   std::vector<std::string> outputs;
   bool resume = false;
@@ -26,6 +28,13 @@ std::string frames_text(const SequenceOptions& options);
 // The words that give another candela the options that were given here, by the command line, a file or the environment,
 // but for `without`.
 std::vector<std::string> given_words(const CLI::App& command, const std::set<std::string>& without);
+// What a film shows and who makes it: the GPU, or, where it is traced, the reference.
+struct FilmJob {
+  Job job;
+  std::optional<TraceRequest> traced;
+};
+// Checked. Options that belong to the other maker are errors (usage).
+Expected<FilmJob> film_job(const CLI::App& command, const SequenceOptions& options);
 // Checked, but for folders and files that are written.
 Expected<SequenceSettings> read_sequence(const SequenceOptions& options, const Job& job);
 

@@ -5,18 +5,27 @@
 #include <exception>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
 
 #include "frame/session.h"
+#include "image/image.h"
 
 namespace candela {
+
+// A frame of the reference as files hold it.
+struct TracedPicture {
+  FloatImage linear;     // without channels: no file needs it
+  DisplayImage display;  // likewise, without pixels
+};
 
 struct FinishedFrame {
   FrameResult frame;
   int64_t number = 0;
+  std::shared_ptr<const TracedPicture> traced;  // of the reference; frame then holds time, notes, warnings and timings
 };
 
 struct EncoderLimits {

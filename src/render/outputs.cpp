@@ -15,6 +15,7 @@
 #include "passes/surfaces/terms.h"
 #include "render/count_view.h"
 #include "render/frame_names.h"
+#include "render/id_names.h"
 #include "render/metadata.h"
 #include "render/prepare_outputs.h"
 
@@ -22,7 +23,6 @@ namespace candela {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* identity_name = "candela:identity";
 // What Blender and Nuke's readers take for "nothing here"; infinity breaks filters that blend depths.
 constexpr float background_depth_m = 1e10f;
 
@@ -181,6 +181,7 @@ std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job,
   metadata.push_back(text_entry("candela:device", session.device().info().name));
   metadata.push_back(text_entry("candela:driver", session.device().info().driver));
   metadata.push_back(text_entry("candela:version", CANDELA_VERSION));
+  metadata.push_back(text_entry("software", "candela " CANDELA_VERSION));
   metadata.push_back(text_entry(identity_name, file_identity(job, session, frame.time_s, frame_number, rate)));
   if (job.timings_in_metadata)
     metadata.push_back(text_entry("candela:timings", timings_json(frame, job, session).dump()));
@@ -267,6 +268,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
                       nonfinite);  // counts
   }
   image.metadata = metadata_of(frame, job, session, frame_number, rate);
+  add_id_names(image, session.scene());
   add_clamped(image.metadata, nonfinite);
   return image;
 }
@@ -361,6 +363,8 @@ LinearPicture linear_picture(const FrameResult& frame, const Job& job, const Ses
   for (const OutputImage& output : frame.outputs)
     if (in_exr(output, job)) add_planes(picture.file, frame, output);
   view.metadata = metadata_of(frame, job, session, frame_number, rate);
+  for (const PlaneView& plane : view.planes)
+    add_id_names(view.metadata, session.scene(), plane, view.width, view.height);
   add_clamped(view.metadata, nonfinite);
   return picture;
 }

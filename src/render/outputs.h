@@ -24,8 +24,9 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
                         std::optional<int64_t> frame_number, FrameRate rate, NonFinite& nonfinite);
 DisplayImage display_image(const FrameResult& frame, const Job& job);  // straight alpha
 
-// Where a frame file says which picture it holds: EXR attribute and PNG text chunk "candela:identity". Of the job, the
-// scene's content, device, version, time, frame number and rate, as 32 hex digits.
+// Where a frame file says which picture it holds: EXR attribute and PNG text chunk of this name.
+inline constexpr const char* identity_name = "candela:identity";
+// Of the job, the scene's content, device, version, time, frame number and rate, as 32 hex digits.
 std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate);
 // The same where others have rendered: scene_content as hex digits, and the device that was theirs.

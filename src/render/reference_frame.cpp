@@ -6,10 +6,10 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "frame/content_hash.h"
-#include "frame/job_look.h"
 #include "frame/job_sky.h"
 #include "frame/posed_scene.h"
 #include "reference/leaf_view.h"
+#include "render/id_names.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "scene/neutral_light.h"
@@ -41,6 +41,10 @@ reference::Sky traced_sky(const FrameSky& sky) {
   return reference::Sky::sum(parts, sky.gradient, sky.gradient_weight, turn, sky.intensity);
 }
 
+Expected<Look> look_at(const ReferenceScene& loaded, double time_s) {
+  return loaded.look ? look_from_json(loaded.look->text, loaded.look->place, time_s) : Expected<Look>(Look{});
+}
+
 }  // namespace
 
 std::string_view name_of(reference::Mode mode) { return mode == reference::Mode::direct ? "direct" : "path"; }
@@ -58,55 +62,105 @@ std::string_view name_of(BvhBuilder builder) {
   return builder == BvhBuilder::equal_counts ? "equal-counts" : builder == BvhBuilder::sah ? "sah" : "sbvh";
 }
 
-Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel,
-                                                         reference::Mode mode) {
-  if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
-  auto frame = std::make_unique<ReferenceFrame>();
-  const bool path = mode == reference::Mode::path;
-  auto scene = load_scene(job, path ? LoadFor::path_tracing : LoadFor::raster);
+Expected<void> check_traced_layers(const std::vector<std::string>& layers) {
+  const std::vector<std::string> names = reference_layer_names();
+  for (const std::string& layer : layers)
+    if (std::find(names.begin(), names.end(), layer) == names.end())
+      return fail(ErrorKind::usage, "--layers", "{}", unknown_name("layer", layer, names));
+  return {};
+}
+
+Expected<void> check_traced_view(const std::string& view) {
+  std::vector<std::string> views = reference_view_names();
+  views.insert(views.begin(), "beauty");
+  if (std::find(views.begin(), views.end(), view) == views.end())
+    return fail(ErrorKind::usage, "--view", "{}", unknown_name("view", view, views));
+  return {};
+}
+
+Expected<void> check_traced_job(const Job& job) {
+  if (job.technique != traced_technique) return check_job(job);
+  Job common = job;
+  common.technique = Job().technique;
+  common.layers.clear();
+  common.view = Job().view;
+  if (auto fine = check_job(common); !fine) return fine;
+  if (auto fine = check_traced_layers(job.layers); !fine) return fine;
+  return check_traced_view(job.view);
+}
+
+Expected<std::shared_ptr<const ReferenceScene>> load_reference(const Job& job, reference::Mode mode) {
+  if (auto fine = check_traced_job(job); !fine) return std::unexpected(fine.error());
+  auto loaded = std::make_shared<ReferenceScene>();
+  auto scene = load_scene(job, mode == reference::Mode::path ? LoadFor::path_tracing : LoadFor::raster);
   if (!scene) return std::unexpected(scene.error());
-  frame->scene = std::move(*scene);
-  frame->time_s = time_s;
-  const auto look = look_of(job, time_s);
+  loaded->scene = std::move(*scene);
+  if (!job.look.empty()) {
+    auto file = read_look_file(job.look);
+    if (!file) return std::unexpected(file.error());
+    loaded->look = std::move(*file);
+  }
+  const auto look = look_at(*loaded, 0);
   if (!look) return std::unexpected(look.error());
-  frame->look = *look;
-  const auto job_sky = JobSky::read(job, *look, frame->scene, frame->warnings);
-  if (!job_sky) return std::unexpected(job_sky.error());
+  auto sky = JobSky::read(job, *look, loaded->scene, loaded->warnings);
+  if (!sky) return std::unexpected(sky.error());
+  loaded->sky = std::move(*sky);
   const auto skies = sky_files(job, *look);
   if (!skies) return std::unexpected(skies.error());
-  const auto content = hash_files(frame->scene.files, *skies, job.look);
+  const auto content = hash_files(loaded->scene.files, *skies, job.look);
   if (!content) return std::unexpected(content.error());
-  frame->scene_content = *content;
-  auto posed = pose_scene(frame->scene, job, time_s, look->lights.radius_m);
+  loaded->content = *content;
+  return loaded;
+}
+
+Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel,
+                                                         reference::Mode mode) {
+  auto loaded = load_reference(job, mode);
+  if (!loaded) return std::unexpected(loaded.error());
+  return pose_reference(std::move(*loaded), job, time_s, accel, mode);
+}
+
+Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const ReferenceScene> loaded, const Job& job,
+                                                         double time_s, const AccelOptions& accel,
+                                                         reference::Mode mode) {
+  auto frame = std::make_unique<ReferenceFrame>();
+  frame->loaded = std::move(loaded);
+  frame->warnings = frame->loaded->warnings;
+  const Scene& scene = frame->scene();
+  frame->time_s = time_s;
+  auto look = look_at(*frame->loaded, time_s);
+  if (!look) return std::unexpected(look.error());
+  frame->look = std::move(*look);
+  auto posed = pose_scene(scene, job, time_s, frame->look.lights.radius_m);
   if (!posed) return std::unexpected(posed.error());
   frame->pose = std::move(posed->pose), frame->view = std::move(posed->view), frame->data = std::move(posed->data);
   frame->notes = frame->view.notes;
   frame->notes.insert(frame->notes.end(), frame->pose.warnings.begin(), frame->pose.warnings.end());
 
-  reference::WorldInput input{frame->scene, frame->pose, frame->view, frame->data};
+  reference::WorldInput input{scene, frame->pose, frame->view, frame->data};
   input.background = background_of(job.background);
   input.accel = accel;
-  input.glass = path;
-  input.fog = look->fog;
-  input.more_fog = look->more_fog;
-  input.volumetric = look->volumetric;
-  input.occlusion = look->occlusion;
-  input.reflections = look->reflections.has_value() || !look->probes.empty();
-  if (look->sun) input.sun_radius_rad = glm::radians(look->sun->angular_radius_deg);
-  if (const FrameSky sky = job_sky->at(*look, frame->data, frame->notes)) {
+  input.glass = mode == reference::Mode::path;
+  input.fog = frame->look.fog;
+  input.more_fog = frame->look.more_fog;
+  input.volumetric = frame->look.volumetric;
+  input.occlusion = frame->look.occlusion;
+  input.reflections = frame->look.reflections.has_value() || !frame->look.probes.empty();
+  if (frame->look.sun) input.sun_radius_rad = glm::radians(frame->look.sun->angular_radius_deg);
+  if (const FrameSky sky = frame->loaded->sky->at(frame->look, frame->data, frame->notes)) {
     add_sky_sun(sky, frame->data);
     input.sky = traced_sky(sky);
     input.ambient_sh = sky.ambient();
     input.sky_visible = true;
     input.sky_blur_rad = glm::radians(sky.blur_deg);
-  } else if (!has_light(frame->scene)) {
+  } else if (!has_light(scene)) {
     add_neutral_light(frame->view, frame->data);
     input.sky = reference::Sky::neutral();
     input.ambient_sh = neutral_ambient();
     frame->notes.push_back(
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   }
-  if (any_fog(*look, is_endless))
+  if (any_fog(frame->look, is_endless))
     frame->notes.push_back(
         "the fog has neither falloff nor bounds: sun, sky and background lie behind all of it and give no light");
   if (frame->data.items.empty())
@@ -148,7 +202,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.sky = job.sky.empty() || is_sky_word(job.sky) ? job.sky : "sky";
   picture.look = job.look.empty() ? "" : "look";
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),
-                             settings_json(settings, accel), frame.scene_content.hex(), frame.time_s,
+                             settings_json(settings, accel), frame.scene_content().hex(), frame.time_s,
                              with_terms ? "\nterms" : ""));
 }
 
@@ -213,6 +267,8 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
   metadata.push_back(number_entry("candela:mse", MetadataEntry::Kind::number, film.mean_square_error()));
   metadata.push_back(text_entry("candela:device", "reference"));
   metadata.push_back(text_entry("candela:version", CANDELA_VERSION));
+  metadata.push_back(text_entry("software", "candela " CANDELA_VERSION));
+  add_id_names(image, frame.scene());
   return image;
 }
 

@@ -5,26 +5,47 @@
 #include <vector>
 
 #include "frame/job.h"
+#include "frame/job_sky.h"
 #include "image/image.h"
 #include "reference/film.h"
 
 namespace candela {
 
+// The technique of a job that the reference traces as a film: its layers and view are the reference's.
+inline constexpr const char* traced_technique = "reference";
+// As check_job() for both kinds.
+Expected<void> check_traced_job(const Job& job);
+
+// What all moments of a job have in common.
+struct ReferenceScene {
+  Scene scene;
+  std::optional<LookFile> look;
+  std::optional<JobSky> sky;
+  Hash128 content;  // of all files read
+  std::vector<std::string> warnings;
+};
+// path: light goes through transmissive surfaces, and the scene is loaded with what that needs.
+Expected<std::shared_ptr<const ReferenceScene>> load_reference(const Job& job, reference::Mode mode);
+
 // One moment of a scene, ready for the reference: the same scene, camera, lights and sky that plan_frame() gives the
 // GPU, but for the floor at which the GPU ends lights without range. Holds everything that the world points into, so it
 // does not move.
 struct ReferenceFrame {
-  Scene scene;
+  std::shared_ptr<const ReferenceScene> loaded;
+  const Scene& scene() const { return loaded->scene; }
   Pose pose;
   View view;
   FrameData data;
   double time_s = 0;
   Look look;  // of that time
-  Hash128 scene_content;
+  const Hash128& scene_content() const { return loaded->content; }
   std::vector<std::string> notes, warnings;
   std::unique_ptr<reference::World> world;
 };
-// path: light goes through transmissive surfaces, and the scene is loaded with what that needs.
+Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const ReferenceScene> loaded, const Job& job,
+                                                         double time_s, const AccelOptions& accel,
+                                                         reference::Mode mode);
+// Both at once.
 Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel,
                                                          reference::Mode mode = reference::Mode::direct);
 
@@ -40,6 +61,8 @@ std::string_view name_of(BvhBuilder builder);
 Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const reference::TraceSettings& settings,
                       const AccelOptions& accel, bool with_terms = false);
 
+Expected<void> check_traced_layers(const std::vector<std::string>& layers);
+Expected<void> check_traced_view(const std::string& view);
 // Layers that the reference can write beside beauty.
 std::vector<std::string> reference_layer_names();  // variance, fog, fog.transmittance, terms, surface layers, and
 std::vector<std::string>

@@ -9,8 +9,7 @@
 #include "base/log.h"
 #include "image/prepare.h"
 #include "render/current_error.h"
-#include "render/encoder_pool.h"
-#include "render/prepare_outputs.h"
+#include "render/outputs.h"
 #include "render/video.h"
 
 namespace candela {
@@ -56,18 +55,51 @@ class FileThreads {
   bool before_;
 };
 
-// What a frame takes until its files are there. Beside the read-back in 16 bytes a pixel of a colour stand the planes
-// of floats, 16, those of halves, 8, and the file, at most 8; of other formats it is no more.
-uint64_t bytes_in_hand(const FrameResult& frame) {
-  uint64_t bytes = 0;
-  for (const auto& [resource, readback] : frame.readbacks) bytes += readback->bytes().size();
-  return 4 * bytes;
-}
+// Frames of the GPU.
+class SessionFrames final : public FrameMaker {
+ public:
+  SessionFrames(Session& session, const Job& job, const SequenceSettings& settings)
+      : session_(session), job_(job), in_flight_(settings.in_flight) {}
+  size_t in_flight() const override { return size_t(in_flight_ > 0 ? in_flight_ : session_.in_flight()); }
+  Expected<void> begin(double time_s) override {
+    const auto ticket = session_.begin(time_s);
+    if (!ticket) return std::unexpected(ticket.error());
+    begun_.push_back(*ticket);
+    return {};
+  }
+  Expected<std::optional<FinishedFrame>> finish(int64_t number) override {
+    const FrameTicket ticket = begun_.front();
+    begun_.pop_front();
+    auto frame = session_.finish(ticket);
+    if (!frame) return std::unexpected(frame.error());
+    return FinishedFrame{.frame = std::move(*frame), .number = number, .traced = nullptr};
+  }
+  std::string identity(double time_s, int64_t number, FrameRate rate) const override {
+    return file_identity(job_, session_, time_s, number, rate);
+  }
+  // Beside the read-back in 16 bytes a pixel of a colour stand the planes of floats, 16, those of halves, 8, and the
+  // file, at most 8; of other formats it is no more.
+  uint64_t bytes_in_hand(const FinishedFrame& finished) const override {
+    uint64_t bytes = 0;
+    for (const auto& [resource, readback] : finished.frame.readbacks) bytes += readback->bytes().size();
+    return 4 * bytes;
+  }
+  Expected<PreparedOutputs> prepare(FinishedFrame& finished, FrameRate rate, const std::vector<fs::path>& paths,
+                                    bool display_wanted) const override {
+    return prepare_outputs(finished.frame, job_, session_, finished.number, rate, paths, display_wanted);
+  }
+
+ private:
+  Session& session_;
+  const Job& job_;
+  int in_flight_;
+  std::deque<FrameTicket> begun_;  // in order
+};
 
 class Run {
  public:
-  Run(Session& session, const Job& job, const SequenceSettings& settings)
-      : session_(session), job_(job), settings_(settings), limits_(encoder_limits(settings.encoders)) {}
+  Run(FrameMaker& maker, const Job& job, const SequenceSettings& settings)
+      : maker_(maker), job_(job), settings_(settings), limits_(encoder_limits(settings.encoders)) {}
 
   Expected<SequenceResult> all() {
     if (!settings_.video.empty()) {
@@ -107,7 +139,7 @@ class Run {
 
   // Frame N + 1 is begun before N is finished, as far as the session has room for both.
   Expected<void> begin_and_finish(EncoderPool& encoder) {
-    const size_t room = size_t(settings_.in_flight > 0 ? settings_.in_flight : session_.in_flight()) - 1;
+    const size_t room = maker_.in_flight() - 1;
     for (size_t i = 0; i < settings_.frames.size(); ++i) {
       const int64_t number = settings_.frames[i];
       if (settings_.stop && *settings_.stop != 0) {
@@ -121,33 +153,38 @@ class Run {
         report();
         continue;
       }
-      auto ticket = session_.begin(settings_.rate.seconds(number));
-      if (ticket) begun_.push_back({number, *ticket});
+      const auto begun = maker_.begin(settings_.rate.seconds(number));
+      if (begun) begun_.push_back(number);
       // Before an error of this frame, those of the frames before it: the first frame that fails is the one named.
-      const auto going = finish_down_to(ticket ? room : 0, encoder);
+      const auto going = finish_down_to(begun ? room : 0, encoder);
       if (!going) return std::unexpected(going.error());
-      if (!ticket) return std::unexpected(in_frame(number, ticket.error()));
+      if (!begun) return std::unexpected(in_frame(number, begun.error()));
       if (!*going) return {};
     }
     if (const auto going = finish_down_to(0, encoder); !going) return std::unexpected(going.error());
     return {};
   }
 
-  // False: the encoder has failed, and the run ends.
+  // False: the run ends, because the encoder has failed or a frame was given up.
   Expected<bool> finish_down_to(size_t left, EncoderPool& encoder) {
     while (begun_.size() > left) {
-      const auto [number, ticket] = begun_.front();
+      const int64_t number = begun_.front();
       begun_.pop_front();
-      auto frame = session_.finish(ticket);
-      if (!frame) return std::unexpected(in_frame(number, frame.error()));
+      auto finished = maker_.finish(number);
+      if (!finished) return std::unexpected(in_frame(number, finished.error()));
+      if (!*finished) {
+        result_.stopped = true;
+        return false;
+      }
+      FrameResult* frame = &(*finished)->frame;
       if (settings_.rendered)
         if (auto accepted = settings_.rendered(number, *frame); !accepted) return std::unexpected(accepted.error());
       const Hash128 hash = frame->plan_hash;
       if (std::find(result_.plan_hashes.begin(), result_.plan_hashes.end(), hash) == result_.plan_hashes.end())
         result_.plan_hashes.push_back(hash);
       result_.plan = frame->plan;
-      const uint64_t bytes = bytes_in_hand(*frame);
-      if (!encoder.push({std::move(*frame), number}, bytes)) return false;
+      const uint64_t bytes = maker_.bytes_in_hand(**finished);
+      if (!encoder.push(std::move(**finished), bytes)) return false;
       ++result_.rendered;
       report();
     }
@@ -156,8 +193,8 @@ class Run {
 
   // After an error the frames behind it are not written, but the device must be done with them.
   void drop_begun() {
-    for (const auto& [number, ticket] : begun_)
-      if (const auto dropped = session_.finish(ticket); !dropped)
+    for (const int64_t number : begun_)
+      if (const auto dropped = maker_.finish(number); !dropped)
         log::debug("frame {}: {}", number, dropped.error().text());
     begun_.clear();
   }
@@ -187,7 +224,7 @@ class Run {
     std::error_code failed;
     if (!std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return fs::exists(path, failed); }))
       return false;
-    const std::string identity = file_identity(job_, session_, settings_.rate.seconds(number), number, settings_.rate);
+    const std::string identity = maker_.identity(settings_.rate.seconds(number), number, settings_.rate);
     return std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return holds_frame(path, identity); });
   }
 
@@ -207,8 +244,7 @@ class Run {
     FrameResult& frame = finished.frame;
     const int64_t number = finished.number;
     const size_t said = frame.warnings.size();
-    auto prepared =
-        prepare_outputs(frame, job_, session_, number, settings_.rate, paths_of(settings_, number), video_ != nullptr);
+    auto prepared = maker_.prepare(finished, settings_.rate, paths_of(settings_, number), video_ != nullptr);
     if (!prepared) return std::unexpected(in_frame(number, prepared.error()));
     if (!video_) prepared->display = {};
     if (worker > 0)
@@ -236,16 +272,12 @@ class Run {
     return size_t(std::find(settings_.frames.begin(), settings_.frames.end(), number) - settings_.frames.begin());
   }
 
-  Session& session_;
+  FrameMaker& maker_;
   const Job& job_;
   const SequenceSettings& settings_;
   SequenceResult result_;
   std::unique_ptr<VideoWriter> video_;
-  struct Begun {
-    int64_t number;
-    FrameTicket ticket;
-  };
-  std::deque<Begun> begun_;  // in order
+  std::deque<int64_t> begun_;  // in order
   EncoderLimits limits_;
   std::vector<uint8_t> done_;  // by index of the frame: its files were there. As far as looked
   double start_us_ = 0;
@@ -295,9 +327,14 @@ WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job) {
   return wanted;
 }
 
-Expected<SequenceResult> run_sequence(Session& session, const Job& job, const SequenceSettings& settings) {
+Expected<SequenceResult> run_sequence(FrameMaker& maker, const Job& job, const SequenceSettings& settings) {
   remove_stale_files(settings);
-  return Run(session, job, settings).all();
+  return Run(maker, job, settings).all();
+}
+
+Expected<SequenceResult> run_sequence(Session& session, const Job& job, const SequenceSettings& settings) {
+  SessionFrames frames(session, job, settings);
+  return run_sequence(frames, job, settings);
 }
 
 }  // namespace candela

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "frame/session.h"
+#include "render/encoder_pool.h"
 #include "render/frame_names.h"
+#include "render/prepare_outputs.h"
 
 namespace candela {
 
@@ -43,6 +45,24 @@ struct SequenceResult {
   FramePlan plan;                    // of the last rendered frame
 };
 
+// Who makes the frames of a sequence.
+class FrameMaker {
+ public:
+  virtual ~FrameMaker() = default;
+  virtual size_t in_flight() const = 0;  // frames begun before the first of them is finished, at least 1
+  virtual Expected<void> begin(double time_s) = 0;
+  // The oldest that was begun; none: `stop` ended it before its time.
+  virtual Expected<std::optional<FinishedFrame>> finish(int64_t number) = 0;
+  // What its files say of the picture that they hold.
+  virtual std::string identity(double time_s, int64_t number, FrameRate rate) const = 0;
+  // What a frame takes until its files are there.
+  virtual uint64_t bytes_in_hand(const FinishedFrame& frame) const = 0;
+  // On any thread, several at once.
+  virtual Expected<PreparedOutputs> prepare(FinishedFrame& frame, FrameRate rate,
+                                            const std::vector<std::filesystem::path>& paths,
+                                            bool display_wanted) const = 0;
+};
+
 // Errors (usage) before anything is rendered: a pattern without a number for more than one frame, two files of one
 // name, no output at all; (output): a folder that cannot be written.
 Expected<void> check_sequence(const SequenceSettings& settings);
@@ -52,6 +72,7 @@ WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job);
 // the next, and where the session has several in flight, planning and upload of the next too. Every file appears whole
 // or not at all, and in the order of frames. The first error ends the run and names its frame; frames before it are
 // written, those after it are not.
+Expected<SequenceResult> run_sequence(FrameMaker& maker, const Job& job, const SequenceSettings& settings);
 Expected<SequenceResult> run_sequence(Session& session, const Job& job, const SequenceSettings& settings);
 
 }  // namespace candela

@@ -1,0 +1,138 @@
+#include "cli/trace_options.h"
+
+#include <cmath>
+
+#include "base/text.h"
+
+namespace candela::cli {
+namespace {
+
+template <class T>
+Expected<T> choice(const char* option, const std::string& given,
+                   const std::vector<std::pair<std::string, T>>& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) {
+    if (name == given) return value;
+    names.push_back(name);
+  }
+  return fail(ErrorKind::usage, option, "{}", unknown_name("value", given, names));
+}
+
+}  // namespace
+
+Expected<TraceRequest> trace_request(const TraceOptions& o, const Job& job) {
+  using namespace reference;
+  TraceRequest request;
+  const auto mode = choice<Mode>("--mode", o.mode, {{"direct", Mode::direct}, {"path", Mode::path}});
+  if (!mode) return std::unexpected(mode.error());
+  const auto sampler = choice<SamplerKind>(
+      "--sampler", o.sampler,
+      {{"sobol", SamplerKind::sobol}, {"jittered", SamplerKind::jittered}, {"uniform", SamplerKind::uniform}});
+  if (!sampler) return std::unexpected(sampler.error());
+  const auto bvh = choice<BvhBuilder>(
+      "--bvh", o.bvh,
+      {{"equal-counts", BvhBuilder::equal_counts}, {"sah", BvhBuilder::sah}, {"sbvh", BvhBuilder::sbvh}});
+  if (!bvh) return std::unexpected(bvh.error());
+  const auto visibility = choice<bool>("--visibility", o.visibility, {{"on", true}, {"off", false}});
+  if (!visibility) return std::unexpected(visibility.error());
+  const auto ambient = choice<Ambient>(
+      "--ambient", o.ambient, {{"traced", Ambient::traced}, {"occlusion", Ambient::occlusion}, {"off", Ambient::off}});
+  if (!ambient) return std::unexpected(ambient.error());
+  const auto range = [](const char* option, double value) -> Expected<void> {
+    if (!(value >= 0) || !std::isfinite(value))
+      return fail(ErrorKind::usage, option, "{} is not a number of at least 0", value);
+    return {};
+  };
+  for (const auto& [option, value] :
+       {std::pair("--seconds", o.seconds), {"--noise", o.noise}, {"--ambient-distance", o.ambient_distance_m}})
+    if (auto good = range(option, value); !good) return std::unexpected(good.error());
+  if (o.bounces < 0) return fail(ErrorKind::usage, "--bounces", "{} is below 0", o.bounces);
+  if (o.threads < 0) return fail(ErrorKind::usage, "--threads", "{} is below 0", o.threads);
+  if (o.spp > 1u << 30) return fail(ErrorKind::usage, "--spp", "{} is above {}", o.spp, 1u << 30);
+  if (*mode == Mode::path)
+    for (const auto& [option, given] : {std::pair("--visibility", !*visibility),
+                                        {"--ambient", *ambient != Ambient::traced},
+                                        {"--ambient-distance", o.ambient_distance_m > 0}})
+      if (given) return fail(ErrorKind::usage, option, "belongs to --mode direct; path follows all light as it goes");
+  if (*mode == Mode::direct && o.bounces > 0) return fail(ErrorKind::usage, "--bounces", "belongs to --mode path");
+  for (const auto& [option, given, least, most] : {std::tuple("--fog-steps", o.fog_steps, 1, most_fog_steps),
+                                                   {"--fog-lights", o.fog_lights, 0, most_fog_lights}}) {
+    if (!given) continue;
+    if (*mode == Mode::path)
+      return fail(ErrorKind::usage, option, "belongs to --mode direct; path follows light through fog as it goes");
+    if (job.look.empty()) return fail(ErrorKind::usage, option, "needs --look FILE, which says what the fog is");
+    if (*given < least || *given > most)
+      return fail(ErrorKind::usage, option, "{} is outside {} to {}", *given, least, most);
+  }
+  constexpr uint64_t default_spp = 64;
+  request.stop = {o.spp, o.seconds, o.noise};
+  if (o.spp == 0 && o.seconds == 0 && o.noise == 0) request.stop.spp = default_spp;
+  if (*sampler != SamplerKind::sobol && request.stop.spp == 0)
+    return fail(ErrorKind::usage, "--spp",
+                "the sampler {} cuts the pixel into as many cells as there are samples: give their number", o.sampler);
+  request.settings.mode = *mode;
+  request.settings.sampler = {*sampler, int(std::max<uint64_t>(request.stop.spp, 1)), job.seed};
+  request.settings.visibility = *visibility;
+  request.settings.ambient = *ambient;
+  if (o.ambient_distance_m > 0) request.settings.ambient_distance_m = o.ambient_distance_m;
+  request.settings.most_bounces = o.bounces;
+  if (job.look.empty())
+    request.settings.fog_steps = 0;
+  else if (o.fog_steps)
+    request.settings.fog_steps = *o.fog_steps;
+  if (o.fog_lights) request.settings.fog_lights = *o.fog_lights;
+  request.accel.builder = *bvh;
+  return request;
+}
+
+void add_trace_options(CLI::App& command, TraceOptions& o) {
+  command.add_option("--mode", o.mode, "direct: light straight from its sources; path: all transport")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--spp", o.spp, "Samples a pixel; 64 where no limit is given")
+      ->transform(whole_number<uint64_t>())
+      ->type_name("N");
+  command
+      .add_option("--noise", o.noise,
+                  "Stop when the relative standard error (of two halves of the samples, root mean square over the "
+                  "pixels) is no larger; 0.01: 1 %")
+      ->type_name("SHARE");
+  command.add_option("--sampler", o.sampler, "sobol (Owen-scrambled), jittered, or uniform: a grid, x4, x8, x16")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--bvh", o.bvh, "How the acceleration structure is built: equal-counts, sah or sbvh")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--visibility", o.visibility, "direct: off lets light through everything")
+      ->capture_default_str()
+      ->type_name("on|off");
+  command
+      .add_option("--ambient", o.ambient,
+                  "direct: the sky traced; its raster form times cosine-weighted occlusion; or off")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command
+      .add_option("--ambient-distance", o.ambient_distance_m, "direct: farther surfaces do not hide the sky; 0: all do")
+      ->capture_default_str()
+      ->type_name("METRES");
+  command.add_option("--bounces", o.bounces, "path: most bounces; 0: as Russian roulette decides")
+      ->capture_default_str()
+      ->type_name("N");
+  command
+      .add_option_function<int>(
+          "--fog-steps", [&o](int value) { o.fog_steps = value; },
+          fmt::format("direct: points on a ray at which a light's way through fog is followed, {} where nothing is "
+                      "given; the mean is right for any",
+                      reference::TraceSettings{}.fog_steps))
+      ->type_name("N");
+  command
+      .add_option_function<int>(
+          "--fog-lights", [&o](int value) { o.fog_lights = value; },
+          fmt::format("direct: where more point lights and spots reach a ray through fog, they share the points of so "
+                      "many, {} where nothing is given; 0: each has its own; the mean is right for any",
+                      reference::TraceSettings{}.fog_lights))
+      ->type_name("N");
+  command.add_option("--threads", o.threads, "Threads; 0: all. Changes no byte")->capture_default_str()->type_name("N");
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,67 @@
+#include "render/id_names.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "render/metadata.h"
+
+namespace candela {
+namespace {
+
+std::set<uint32_t> ids_in(const PlaneView& plane, int width, int height) {
+  std::set<uint32_t> ids;
+  uint32_t last = ~0u;
+  for (size_t y = 0; y < size_t(height); ++y)
+    for (size_t x = 0; x < size_t(width); ++x) {
+      uint32_t id = 0;
+      std::memcpy(&id, plane.data + y * plane.row_bytes + x * sizeof id, sizeof id);
+      if (id != last) ids.insert(id);
+      last = id;
+    }
+  return ids;
+}
+
+}  // namespace
+
+std::vector<std::string> unique_names(const std::vector<std::string>& given, const std::string& kind) {
+  std::set<std::string> used;
+  std::vector<std::string> names;
+  for (size_t i = 0; i < given.size(); ++i) {
+    const std::string base = fmt::format("{} #{}", given[i].empty() ? kind : given[i], i);
+    std::string name = given[i].empty() ? base : given[i];
+    for (int more = 1; !used.insert(name).second; ++more) name = more == 1 ? base : fmt::format("{}.{}", base, more);
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+void add_id_names(std::vector<MetadataEntry>& metadata, const Scene& scene, const PlaneView& plane, int width,
+                  int height) {
+  const bool objects = plane.name == "object_id";
+  if (!objects && plane.name != "material_id") return;
+  std::vector<std::string> given;
+  if (objects)
+    for (const Node& node : scene.nodes) given.push_back(node.name);
+  else
+    for (const Material& material : scene.materials) given.push_back(material.name);
+  const std::vector<std::string> names = unique_names(given, objects ? "node" : "material");
+  nlohmann::ordered_json j = nlohmann::ordered_json::object();
+  for (const uint32_t id : ids_in(plane, width, height))
+    if (id < names.size()) j[fmt::format("{}", id)] = names[id];
+  metadata.push_back(text_entry(objects ? "candela:object_id" : "candela:material_id",
+                                j.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+}
+
+void add_id_names(FloatImage& image, const Scene& scene) {
+  for (const Channel& channel : image.channels)
+    if (channel.type == ChannelType::uint32)
+      add_id_names(image.metadata, scene,
+                   {channel.name, channel.type, reinterpret_cast<const std::byte*>(channel.u.data()),
+                    size_t(image.width) * sizeof(uint32_t)},
+                   image.width, image.height);
+}
+
+}  // namespace candela

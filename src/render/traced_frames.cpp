@@ -1,0 +1,140 @@
+#include "render/traced_frames.h"
+
+#include <bit>
+#include <cmath>
+
+#include "frame/job_look.h"
+#include "frame/job_sky.h"
+#include "frame/timings.h"
+#include "image/prepare.h"
+#include "reference/display.h"
+#include "render/count_view.h"
+#include "render/metadata.h"
+#include "render/reference_layers.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+
+Expected<void> check_finite(const reference::Film& film, const Job& job) {
+  size_t count = 0, first = 0;
+  for (size_t i = 0; i < film.pixels(); ++i) {
+    const glm::dvec4 m = film.mean(i);
+    // As files hold it: what floats cannot hold is as bad as what doubles cannot.
+    if (std::isfinite(float(m.x)) && std::isfinite(float(m.y)) && std::isfinite(float(m.z)) &&
+        std::isfinite(float(m.w)))
+      continue;
+    if (count++ == 0) first = i;
+  }
+  if (count == 0 || job.allow_nonfinite) return {};
+  return fail(ErrorKind::nonfinite, "",
+              "{} pixels are not finite, the first at x {}, y {} of layer beauty; nothing was written", count,
+              first % size_t(film.width()), first / size_t(film.width()));
+}
+
+DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
+                            const std::string& view) {
+  if (view != "beauty")
+    return count_view(reference_counts(film, frame, view), film.width(), film.height(), count_title(view));
+  const DisplayLook look = display_look(job, frame.look);
+  reference::DisplaySettings display{.curve = look.curve,
+                                     .exposure_ev = look.exposure_ev,
+                                     .agx_min_ev = look.agx_min_ev,
+                                     .agx_max_ev = look.agx_max_ev,
+                                     .bits = job.png_bits};
+  if (frame.look.exposure.automatic) {
+    std::vector<glm::dvec4> pixels;
+    for (size_t i = 0; i < film.pixels(); ++i) pixels.push_back(film.mean(i));
+    display.exposure_ev += reference::automatic_ev(pixels, *frame.look.exposure.automatic);
+  }
+  const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(frame.time_s);
+  display.dither = job.dither;
+  display.alpha = job.background == "transparent" && !has_sky(job, frame.look);
+  display.seed = uint32_t(noise ^ (noise >> 32));
+  return reference::display_image(film, display);
+}
+
+BegunFilm begin_film(const Job& job, const ReferenceFrame& frame, const TraceRequest& request,
+                     const std::vector<std::string>& layers) {
+  const reference::FilmParts parts = film_parts(frame, layers);
+  Hash128 identity = film_identity(job, frame, request.settings, request.accel, parts.terms);
+  if (parts.lamp_shadow) identity = hash128(identity.hex() + " shadow.lamps");
+  return {reference::Film(job.width_px, job.height_px, parts), identity, parts};
+}
+
+Expected<std::unique_ptr<TracedFrames>> TracedFrames::open(const Job& job, const TraceRequest& request, FrameRate rate,
+                                                           const WantedOutputs& wanted) {
+  auto loaded = load_reference(job, request.settings.mode);
+  if (!loaded) return std::unexpected(loaded.error());
+  return std::unique_ptr<TracedFrames>(new TracedFrames(job, request, rate, wanted, std::move(*loaded)));
+}
+
+std::string TracedFrames::request_text() const {
+  std::string text = settings_json(request_.settings, request_.accel);
+  if (request_.stop.spp > 0) text += fmt::format(" {} spp", request_.stop.spp);
+  if (request_.stop.noise > 0) text += fmt::format(" noise {}", request_.stop.noise);
+  return text;
+}
+
+Expected<void> TracedFrames::begin(double time_s) {
+  time_s_ = time_s;
+  return {};
+}
+
+Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
+  FinishedFrame finished{.frame = {}, .number = number, .traced = nullptr};
+  FrameResult& result = finished.frame;
+  StageTimer timer(result.timings, "trace");
+  const auto frame = pose_reference(loaded_, job_, time_s_, request_.accel, request_.settings.mode);
+  if (!frame) return std::unexpected(frame.error());
+  result.width_px = job_.width_px, result.height_px = job_.height_px, result.time_s = time_s_;
+  result.notes = (*frame)->notes, result.warnings = (*frame)->warnings;
+  reference::Film film = begin_film(job_, **frame, request_, job_.layers).film;
+  const reference::Integrator integrator(*(*frame)->world, request_.settings, film.width(), film.height());
+  reference::refine(film, integrator, request_.stop,
+                    [&](const reference::Progress&) { return !stop_ || stop_->load() == 0; });
+  if (stop_ && stop_->load() != 0) return std::nullopt;
+  if (auto finite = check_finite(film, job_); !finite) return std::unexpected(finite.error());
+  auto picture = std::make_shared<TracedPicture>();
+  if (wanted_.linear) {
+    picture->linear = reference_image(film, **frame, job_, settings_json(request_.settings, request_.accel),
+                                      job_.layers, number, rate_);
+    picture->linear.metadata.push_back(text_entry(identity_name, identity(time_s_, number, rate_)));
+  }
+  if (wanted_.display) picture->display = traced_display(film, **frame, job_, job_.view);
+  finished.traced = std::move(picture);
+  return finished;
+}
+
+std::string TracedFrames::identity(double time_s, int64_t number, FrameRate rate) const {
+  return file_identity(job_, loaded_->content.hex(), traced_technique, request_text(), time_s, number, rate);
+}
+
+// The planes, and the file in the making, which is no larger.
+uint64_t TracedFrames::bytes_in_hand(const FinishedFrame& finished) const {
+  uint64_t bytes = finished.traced->display.pixels.size();
+  for (const Channel& channel : finished.traced->linear.channels)
+    bytes += channel.f.size() * sizeof(float) + channel.u.size() * sizeof(uint32_t);
+  return 2 * bytes;
+}
+
+Expected<PreparedOutputs> TracedFrames::prepare(FinishedFrame& finished, FrameRate rate,
+                                                const std::vector<fs::path>& paths, bool display_wanted) const {
+  StageTimer timer(finished.frame.timings, "encode", "encode");
+  const TracedPicture& picture = *finished.traced;
+  PreparedOutputs prepared;
+  for (const fs::path& path : paths) {
+    const auto format = output_format(path);
+    if (!format) return std::unexpected(format.error());
+    auto file = *format == OutputFormat::exr
+                    ? prepare_exr(path, picture.linear, job_.exr_compression)
+                    : prepare_png(path, view_of(picture.display),
+                                  {{"candela:reference", settings_json(request_.settings, request_.accel)},
+                                   {identity_name, identity(finished.frame.time_s, finished.number, rate)}});
+    if (!file) return std::unexpected(file.error());
+    prepared.files.push_back(std::move(*file));
+  }
+  if (display_wanted) prepared.display = picture.display;
+  return prepared;
+}
+
+}  // namespace candela

@@ -1,0 +1,70 @@
+#pragma once
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/reference_frame.h"
+#include "render/sequence.h"
+
+namespace candela {
+
+// How the reference makes a frame, beside the job.
+struct TraceRequest {
+  reference::TraceSettings settings;
+  AccelOptions accel;
+  reference::Stop stop;
+};
+
+// Error (nonfinite): pixels that files cannot hold, unless the job allows them.
+Expected<void> check_finite(const reference::Film& film, const Job& job);
+// What PNG and video show of a film: view is beauty or one of reference_view_names().
+DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
+                            const std::string& view);
+// Film of the parts that the layers need, without samples, and whose it is.
+struct BegunFilm {
+  reference::Film film;
+  Hash128 identity;
+  reference::FilmParts parts;
+};
+BegunFilm begin_film(const Job& job, const ReferenceFrame& frame, const TraceRequest& request,
+                     const std::vector<std::string>& layers);
+
+// The reference as the maker of a sequence: one frame at a time, each with all cores. A frame has the pixels of
+// `candela reference` at its time.
+class TracedFrames final : public FrameMaker {
+ public:
+  // wanted: which of the two pictures files hold.
+  static Expected<std::unique_ptr<TracedFrames>> open(const Job& job, const TraceRequest& request, FrameRate rate,
+                                                      const WantedOutputs& wanted);
+  // Where it is no longer 0 the frame in hand is given up.
+  void set_stop(const std::atomic<int>* stop) { stop_ = stop; }
+  const Scene& scene() const { return loaded_->scene; }
+  const Hash128& scene_content() const { return loaded_->content; }
+  // What stands for a driver in identities and records: all that decides a pixel beside job and scene.
+  std::string request_text() const;
+
+  size_t in_flight() const override { return 1; }
+  Expected<void> begin(double time_s) override;
+  Expected<std::optional<FinishedFrame>> finish(int64_t number) override;
+  std::string identity(double time_s, int64_t number, FrameRate rate) const override;
+  uint64_t bytes_in_hand(const FinishedFrame& frame) const override;
+  Expected<PreparedOutputs> prepare(FinishedFrame& frame, FrameRate rate,
+                                    const std::vector<std::filesystem::path>& paths,
+                                    bool display_wanted) const override;
+
+ private:
+  TracedFrames(const Job& job, const TraceRequest& request, FrameRate rate, const WantedOutputs& wanted,
+               std::shared_ptr<const ReferenceScene> loaded)
+      : job_(job), request_(request), rate_(rate), wanted_(wanted), loaded_(std::move(loaded)) {}
+
+  Job job_;
+  TraceRequest request_;
+  FrameRate rate_;
+  WantedOutputs wanted_;
+  const std::atomic<int>* stop_ = nullptr;
+  std::shared_ptr<const ReferenceScene> loaded_;
+  double time_s_ = 0;  // of the frame that was begun
+};
+
+}  // namespace candela

@@ -19,6 +19,11 @@ int main(int argc, char** argv) {
   app.add_option("--technique", job.technique);
   app.add_option("--device", settings.device);
   app.add_option("--shader-dir", settings.shader_folder, "Shaders from a folder, to measure a change of one");
+  std::vector<std::string> knobs;
+  app.add_option("--look", job.look, "Look file; with the effects of quality high");
+  app.add_option("--sky", job.sky);
+  app.add_option("--quality", job.quality);
+  app.add_option("--set", knobs, "PASS.KNOB=VALUE");
   app.add_flag("--passes", settings.timed, "Time each pass, which submits each alone on a CPU device");
   CLI11_PARSE(app, argc, argv);
   const auto failed = [](const Error& error) {
@@ -29,10 +34,15 @@ int main(int argc, char** argv) {
   if (!pixels) return failed(pixels.error());
   std::tie(job.width_px, job.height_px) = *pixels;
   if (job.samples == 0) job.samples = 4;
-  job.effects = "none";  // Filament draws none here
+  if (job.look.empty()) job.effects = "none";  // Filament draws none here
+  for (const std::string& knob : knobs) {
+    const auto setting = parse_knob_setting(knob);
+    if (!setting) return failed(setting.error());
+    job.settings.push_back(*setting);
+  }
   job.tonemap = "none";
   job.dither = false;
-  job.background = "0,0,0";
+  if (job.sky.empty()) job.background = "0,0,0";
   const auto session = Session::open(job, {.linear = false, .display = true}, settings);
   if (!session) return failed(session.error());
   const gpu::DeviceInfo& device = (*session)->device().info();

@@ -16,13 +16,14 @@
 #include <numbers>
 
 #include "filament_scene.h"
+#include "filament_sky.h"
 #include "frame/job.h"
 #include "gltf/gltf.h"
 #include "image/io.h"
 
-// Filament's side of the comparison: candela's scene, camera and lights through Filament's renderer. No shadows,
-// ambient occlusion, bloom, fog, dithering or FXAA; linear tone mapping and sRGB encoding; Filament's own choices
-// otherwise.
+// Filament's side of the comparison: candela's scene, camera and lights through Filament's renderer. Linear tone
+// mapping and sRGB encoding, no fog, dithering or FXAA; Filament's own choices otherwise. Shadows, ambient occlusion,
+// bloom and image-based light where they are asked for.
 namespace candela::peers {
 namespace {
 
@@ -55,13 +56,21 @@ Expected<Posed> load(const std::string& file, int width_px, int height_px) {
 float light_reach_m(const View& view, const FrameData& frame) {
   float reach = 0;
   for (const LightItem& light : frame.lights)
-    reach = std::max(reach, light.range_m - (glm::mat4(view.view_from_relative) * glm::vec4(light.position, 1)).z);
+    reach = std::max(reach, std::min(light.range_m, 1000.0f) -
+                                (glm::mat4(view.view_from_relative) * glm::vec4(light.position, 1)).z);
   return reach;
 }
 
+struct Effects {
+  int shadowed_spots = 0;
+  double occlusion_radius_m = 0, bloom_strength = 0;  // 0: none
+  std::string sky;
+};
+
 class Filament {
  public:
-  Expected<void> open(Engine::Backend backend, const Posed& posed, int width_px, int height_px, int samples) {
+  Expected<void> open(Engine::Backend backend, const Posed& posed, int width_px, int height_px, int samples,
+                      const Effects& effects) {
     width_px_ = uint32_t(width_px), height_px_ = uint32_t(height_px);
     pixels_.resize(size_t(width_px_) * height_px_ * 4);
     engine_ = Engine::create(backend);
@@ -70,12 +79,12 @@ class Filament {
     renderer_ = engine_->createRenderer();
     renderer_->setDisplayInfo({.refreshRate = 0});
     renderer_->setClearOptions({.clearColor = {0, 0, 0, 1}, .clear = true});
-    auto scene =
-        FilamentScene::make(*engine_, posed.scene, evaluate_pose(posed.scene, posed.animations, 0), posed.at(0));
+    auto scene = FilamentScene::make(*engine_, posed.scene, evaluate_pose(posed.scene, posed.animations, 0),
+                                     posed.at(0), effects.shadowed_spots);
     if (!scene) return std::unexpected(scene.error());
     scene_ = *scene;
-    make_view(posed.view, samples, light_reach_m(posed.view, posed.at(0)));
-    return {};
+    make_view(posed.view, samples, light_reach_m(posed.view, posed.at(0)), effects);
+    return effects.sky.empty() ? Expected<void>() : add_sky(*engine_, *scene_.scene(), effects.sky);
   }
 
   Expected<Json> frame(const Posed& posed, double time_s) {
@@ -107,7 +116,7 @@ class Filament {
   }
 
  private:
-  void make_view(const View& of, int samples, float light_far_m) {
+  void make_view(const View& of, int samples, float light_far_m, const Effects& effects) {
     auto* camera = engine_->createCamera(utils::EntityManager::get().create());
     // Culls beyond the far distance; draws without one.
     camera->setProjection(2 * std::atan(of.tan_y) * 180 / std::numbers::pi, of.tan_x / of.tan_y, of.near_m, 10000);
@@ -120,11 +129,15 @@ class Filament {
     view_->setSampleCount(uint8_t(samples));
     // Its default far distance, 100 m, would leave lights out that the street has; 5 m is its default near one.
     view_->setDynamicLightingOptions(5, std::max(100.0f, light_far_m));
-    view_->setShadowingEnabled(false);
+    view_->setShadowingEnabled(effects.shadowed_spots > 0);
     view_->setAntiAliasing(filament::View::AntiAliasing::NONE);
     view_->setDithering(filament::View::Dithering::NONE);
-    view_->setAmbientOcclusionOptions({.enabled = false});
-    view_->setBloomOptions({.enabled = false});
+    view_->setAmbientOcclusionOptions(
+        {.radius = float(effects.occlusion_radius_m), .enabled = effects.occlusion_radius_m > 0});
+    view_->setBloomOptions({.strength = float(effects.bloom_strength),
+                            .blendMode = filament::View::BloomOptions::BlendMode::INTERPOLATE,
+                            .threshold = false,
+                            .enabled = effects.bloom_strength > 0});
     view_->setScreenSpaceRefractionEnabled(false);
     view_->setColorGrading(filament::ColorGrading::Builder()
                                .toneMapping(filament::ColorGrading::ToneMapping::LINEAR)
@@ -152,6 +165,11 @@ int run(int argc, char** argv) {
   app.add_option("--backend", backend)->check(CLI::IsMember({"vulkan", "opengl"}));
   app.add_option("-o", output, "PNG of one frame, instead of serving");
   app.add_option("--time", time_s, "of that frame");
+  Effects effects;
+  app.add_option("--shadowed-spots", effects.shadowed_spots, "Spot lights with shadow maps, the nearest first");
+  app.add_option("--occlusion", effects.occlusion_radius_m, "Radius in metres of ambient occlusion");
+  app.add_option("--bloom", effects.bloom_strength);
+  app.add_option("--sky", effects.sky, "Equirectangular image, as background and light");
   CLI11_PARSE(app, argc, argv);
   const auto failed = [](const Error& error) {
     std::fprintf(stderr, "%s\n", error.text().c_str());
@@ -163,7 +181,7 @@ int run(int argc, char** argv) {
   if (!posed) return failed(posed.error());
   static Filament filament;
   if (auto opened = filament.open(backend == "vulkan" ? Engine::Backend::VULKAN : Engine::Backend::OPENGL, *posed,
-                                  pixels->first, pixels->second, samples);
+                                  pixels->first, pixels->second, samples, effects);
       !opened)
     return failed(opened.error());
   FrameServer server{.about = {{"program", "filament"}, {"version", FILAMENT_VERSION}, {"backend", backend}},

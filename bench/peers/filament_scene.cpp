@@ -128,11 +128,12 @@ Expected<std::vector<filament::MaterialInstance*>> make_materials(Engine& engine
   Material* emissive = Material::Builder().package(lit_emissive_package, sizeof lit_emissive_package).build(engine);
   std::vector<filament::MaterialInstance*> out;
   for (const candela::Material& m : pose.materials) {
-    if (m.alpha_mode != AlphaMode::opaque || m.unlit || m.double_sided || m.base_color_texture || m.orm_texture ||
-        m.occlusion_texture || m.normal_texture || m.specular_texture || m.specular_color_texture)
+    if (m.alpha_mode != AlphaMode::opaque || m.unlit || m.base_color_texture || m.orm_texture || m.occlusion_texture ||
+        m.normal_texture || m.specular_texture || m.specular_color_texture)
       return fail(ErrorKind::input, scene.path,
                   "material '{}': this comparison takes opaque factors and an emissive texture", m.name);
     filament::MaterialInstance* instance = (m.emissive_texture ? emissive : lit)->createInstance();
+    if (m.double_sided) instance->setDoubleSided(true);
     instance->setParameter("baseColor", float4{m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w});
     instance->setParameter("metallic", m.metallic);
     instance->setParameter("roughness", m.roughness);
@@ -147,12 +148,15 @@ Expected<std::vector<filament::MaterialInstance*>> make_materials(Engine& engine
   return out;
 }
 
-utils::Entity make_light(Engine& engine, const LightItem& light) {
+// Filament draws no light that reaches everything: a thousand metres stand for it.
+float reach_of(const LightItem& light) { return std::min(light.range_m, 1000.0f); }
+
+utils::Entity make_light(Engine& engine, const LightItem& light, bool casts_shadows) {
   using filament::LightManager;
   const utils::Entity entity = utils::EntityManager::get().create();
   const bool spot = light.type == LightType::spot;
   LightManager::Builder builder(spot ? LightManager::Type::SPOT : LightManager::Type::POINT);
-  builder.falloff(light.range_m).castShadows(false);
+  builder.falloff(reach_of(light)).castShadows(casts_shadows);
   if (spot) builder.spotLightCone(light.inner_cone_rad, light.outer_cone_rad);
   builder.build(engine, entity);
   return entity;
@@ -168,7 +172,7 @@ mat4f filament_matrix(const glm::mat4& matrix) {
 }
 
 Expected<FilamentScene> FilamentScene::make(Engine& engine, const candela::Scene& scene, const Pose& pose,
-                                            const FrameData& frame) {
+                                            const FrameData& frame, int shadowed) {
   FilamentScene out;
   out.scene_ = engine.createScene();
   const auto materials = make_materials(engine, scene, pose);
@@ -191,18 +195,24 @@ Expected<FilamentScene> FilamentScene::make(Engine& engine, const candela::Scene
         .boundingBox(box)
         .geometry(0, filament::RenderableManager::PrimitiveType::TRIANGLES, g.vertices, g.indices)
         .material(0, (*materials)[size_t(item.material)])
-        .castShadows(false)
-        .receiveShadows(false)
+        .castShadows(shadowed > 0)
+        .receiveShadows(shadowed > 0)
         .build(engine, entity);
     engine.getTransformManager().create(entity);
     out.scene_->addEntity(entity);
     out.items_.push_back(entity);
     out.placed_.push_back(glm::mat4(0));
   }
+  std::vector<float> spots;  // squared distances from the camera
+  for (const LightItem& light : frame.lights)
+    if (light.type == LightType::spot) spots.push_back(glm::dot(light.position, light.position));
+  std::ranges::sort(spots);
   for (const LightItem& light : frame.lights) {
     if (light.type == LightType::directional)
       return fail(ErrorKind::input, scene.path, "this comparison takes point and spot lights");
-    out.lights_.push_back(make_light(engine, light));
+    const bool casts = light.type == LightType::spot && shadowed > 0 && !spots.empty() &&
+                       glm::dot(light.position, light.position) <= spots[std::min(size_t(shadowed), spots.size()) - 1];
+    out.lights_.push_back(make_light(engine, light, casts));
     out.scene_->addEntity(out.lights_.back());
   }
   if (auto moved = out.move(engine, frame); !moved) return std::unexpected(moved.error());

@@ -22,8 +22,9 @@ filament::math::mat4f filament_matrix(const glm::mat4& matrix);
 // error.
 class FilamentScene {
  public:
+  // shadowed: how many spot lights cast shadows, the nearest to the camera first; points cast none in Filament 1.9.
   static Expected<FilamentScene> make(filament::Engine& engine, const Scene& scene, const Pose& pose,
-                                      const FrameData& frame);
+                                      const FrameData& frame, int shadowed = 0);
   // Moves what moved and sets every light's position, direction and intensity.
   Expected<void> move(filament::Engine& engine, const FrameData& frame);
   filament::Scene* scene() const { return scene_; }

@@ -56,6 +56,11 @@ def medians(samples):
     return {name: round(statistics.median(sample.get(name, 0) for sample in samples), 3) for name in names}
 
 
+def ratio(samples, of):
+    """Round by round, which the machine's drift does not touch."""
+    return {k: v for k, v in summary([a / b for a, b in zip(samples, of)]).items() if k in ("median", "mad")}
+
+
 class Server:
     """A program of frame_server.h."""
 
@@ -115,24 +120,43 @@ class Bench:
         return Server([self.program("candela_lights"), self.scene(case.scene, lights), "--size", self.options.size,
                        "--samples", str(case.samples), "--technique", technique, "--device", "cpu", *more], self.environment)
 
-    def filament(self, case, lights):
+    def filament(self, case, lights, *more):
         return Server([self.program("filament_lights"), self.scene(case.scene, lights), "--size", self.options.size,
-                       "--samples", str(case.samples)], self.environment)
+                       "--samples", str(case.samples), *more], self.environment)
+
+    def picture_file(self, *names):
+        """One word: the servers read the path up to a space."""
+        folder = pathlib.Path(self.options.pictures or self.work)
+        folder.mkdir(parents=True, exist_ok=True)
+        return str(folder / ("-".join(map(str, names)) + ".png").replace(" ", "-"))
+
+    def picture(self, server, *names):
+        """A server's picture at the first time."""
+        file = self.picture_file(*names)
+        server.ask(f"frame {FIRST_TIME_S}")
+        server.ask(f"save {file}")
+        return file
+
+    def apart(self, picture, truth):
+        out = self.run(self.program("candela"), "compare", picture, truth, "--json")
+        metrics = json.loads(out)["metrics"]
+        return {name: round(metrics[name], 5) for name in ("flip", "psnr", "ssim")}
 
     def pictures(self, case, servers, lights):
         """How far Filament's picture is from candela's at the first time."""
-        folder = pathlib.Path(self.options.pictures or self.work)
-        folder.mkdir(parents=True, exist_ok=True)
-        files = {}
-        for name, server in servers.items():
-            # One word: the servers read the path up to a space.
-            files[name] = str(folder / f"{case.name}-{name}-{lights}.png".replace(" ", "-"))
-            server.ask(f"frame {FIRST_TIME_S}")
-            server.ask(f"save {files[name]}")
-        first = next(iter(files.values()))
-        out = self.run(self.program("candela"), "compare", files["filament"], first, "--json")
-        metrics = json.loads(out)["metrics"]
-        return {name: round(metrics[name], 5) for name in ("flip", "psnr", "ssim")}
+        files = {name: self.picture(server, case.name, name, lights) for name, server in servers.items()}
+        return self.apart(files["filament"], next(iter(files.values())))
+
+    def in_turn(self, servers):
+        """Wall ms and candela's stages of frames that the servers draw in turn, each later than the one before."""
+        samples, stages = {name: [] for name in servers}, {name: [] for name in servers}
+        for i in range(WARM_UP_FRAMES + self.options.runs):
+            for name, server in servers.items():
+                answer = server.ask(f"frame {FIRST_TIME_S + i / FRAME_RATE}")
+                if i >= WARM_UP_FRAMES:
+                    samples[name].append(answer["ms"])
+                    stages[name].append(answer["cpu_ms"])
+        return samples, stages
 
     def frames(self, case, lights, result):
         servers = {f"candela {t}": self.candela(case, lights, t) for t in self.options.techniques.split(",")}
@@ -143,22 +167,14 @@ class Bench:
         row = {"lights": lights, "ms": {}}
         if "filament" in servers:
             row["pictures"] = self.pictures(case, servers, lights)
-        samples, stages = {name: [] for name in servers}, {name: [] for name in servers}
-        for i in range(WARM_UP_FRAMES + self.options.runs):
-            for name, server in servers.items():
-                answer = server.ask(f"frame {FIRST_TIME_S + i / FRAME_RATE}")
-                if i >= WARM_UP_FRAMES:
-                    samples[name].append(answer["ms"])
-                    stages[name].append(answer["cpu_ms"])
+        samples, stages = self.in_turn(servers)
         for server in servers.values():
             server.close()
         row["ms"] = {name: summary(values) for name, values in samples.items()}
         row["cpu_ms"] = {name: medians(values) for name, values in stages.items()}
         first = next(iter(servers))
         if "filament" in servers:
-            # Round by round, which the machine's drift does not touch.
-            ratios = [a / b for a, b in zip(samples[first], samples["filament"])]
-            row["candela_to_filament"] = {k: v for k, v in summary(ratios).items() if k in ("median", "mad")}
+            row["candela_to_filament"] = ratio(samples[first], samples["filament"])
             if lights is not None and lights > FILAMENT_CAP:
                 row["note"] = f"Filament draws {FILAMENT_CAP} of {lights} lights: its picture is wrong"
         say(f"{case.name}, {lights or 'its own'} lights: " + ", ".join(f"{n} {s['median']:.1f} ± {s['mad']:.1f} ms" for n, s in row["ms"].items()) +

@@ -55,8 +55,11 @@ Expected<void> write_files(const BenchOptions& o, const BenchRun& run, const std
   if (!o.json.empty()) files.emplace_back(o.json, &json);
   if (!o.csv.empty()) files.emplace_back(o.csv, &csv);
   std::string html;
+  FigureFiles figures;
   if (!o.report.empty()) {
-    html = bench_html(run, title, has_gnuplot());
+    html = bench_html(run, title, has_gnuplot(), &figures);
+    for (const auto& [name, svg] : figures.files)
+      files.emplace_back((fs::path(o.report) / "figures" / name).string(), &svg);
     files.emplace_back((fs::path(o.report) / "index.html").string(), &html);
     files.emplace_back((fs::path(o.report) / "rows.json").string(), &json);
     files.emplace_back((fs::path(o.report) / "rows.csv").string(), &csv);
@@ -69,8 +72,10 @@ Expected<void> write_files(const BenchOptions& o, const BenchRun& run, const std
 // Before the first sample: an hour of measuring must not end at a folder that cannot be written.
 Expected<void> prepare_files(const BenchOptions& o) {
   if (o.json == "-" && o.csv == "-") return fail(ErrorKind::usage, "--csv", "- and --json - both ask for stdout");
-  for (const std::string& file :
-       {o.json, o.csv, o.report.empty() ? std::string() : (fs::path(o.report) / "index.html").string()})
+  std::vector<std::string> files = {o.json, o.csv};
+  if (!o.report.empty())
+    for (const char* file : {"index.html", "figures/01.svg"}) files.push_back((fs::path(o.report) / file).string());
+  for (const std::string& file : files)
     if (!file.empty() && file != "-")
       if (auto ready = prepare_output(file); !ready) return ready;
   return {};

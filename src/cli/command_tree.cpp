@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <utility>
 
 #include "base/text.h"
 #include "frame/plan_frame.h"
@@ -139,5 +140,38 @@ CommandEntry entry_of(const CLI::App& app, const std::string& above) {
 }  // namespace
 
 CommandEntry command_tree(const CLI::App& app) { return entry_of(app, {}); }
+
+std::vector<std::string> option_groups(const CommandEntry& command) {
+  Names groups;
+  for (const OptionEntry& o : command.options)
+    if (std::find(groups.begin(), groups.end(), o.group) == groups.end()) groups.push_back(o.group);
+  return groups;
+}
+
+FooterParts footer_parts(const CommandEntry& command, const CommandEntry& program) {
+  const bool says_codes = command.footer.find("Exit codes:") != std::string::npos;
+  FooterParts parts;
+  std::string* part = &parts.notes;
+  for (const std::string& line : split(says_codes ? command.footer : command.footer + "\n" + program.footer, '\n')) {
+    std::string rest = line;
+    for (const auto& [word, begins] :
+         {std::pair{"Examples:", &parts.examples}, std::pair{"Exit codes:", &parts.codes}}) {
+      if (!line.starts_with(word)) continue;
+      part = begins;
+      rest = line.substr(std::string(word).size());
+      rest.erase(0, rest.find_first_not_of(' '));
+    }
+    if (line.starts_with("An option can also stand in the environment")) part = &parts.environment;
+    if (!rest.empty() || part == &parts.notes) *part += rest + "\n";
+  }
+  if (parts.notes.find_first_not_of('\n') == std::string::npos) parts.notes.clear();
+  return parts;
+}
+
+std::string page_name(const CommandEntry& command) {
+  std::string name = command.path;
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return name;
+}
 
 }  // namespace candela::cli

@@ -49,7 +49,7 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
   row.name = golden.name;
   row.verdict = verdict(outcome);
   row.passed = outcome.kind != Kind::failed;
-  row.flagged = row.passed && outcome.gate.rung == GateRung::flagged;
+  row.warned = outcome.warned();
   row.blank = outcome.gate.blank;
   row.message = outcome.message;
   row.device_class = outcome.device_class;
@@ -61,11 +61,13 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
     const GateLimits& l = outcome.limits;
     const auto& metrics = outcome.gate.comparison.metrics;
     const auto metric = [&](const char* name) { return metrics.contains(name) ? metrics.at(name) : NAN; };
-    row.bounds = {{"FLIP, mean", metric("flip"), l.flip_mean},
-                  {"FLIP, 99th percentile", outcome.gate.flip_p99, l.flip_p99}};
-    if (!golden.exr) row.bounds.push_back({"largest difference", metric("max"), l.max_abs});
-    row.bounds.push_back(
-        {fmt::format("share of pixels off by more than {:.4g}", l.small_abs), outcome.gate.small_share, l.small_share});
+    // Without warning limits of their own all differences that FLIP is asked about are warned of.
+    const GateLimits::Warn warn = l.warn.value_or(GateLimits::Warn{});
+    row.bounds = {{"FLIP, mean", metric("flip"), l.flip_mean, warn.flip_mean},
+                  {"FLIP, 99th percentile", outcome.gate.flip_p99, l.flip_p99, warn.flip_p99},
+                  {"largest difference", outcome.gate.largest, NAN, warn.max_abs, l.max_abs},
+                  {fmt::format("share of pixels off by more than {:.4g}", l.small_abs), outcome.gate.small_share, NAN,
+                   NAN, l.small_share}};
   }
   return row;
 }
@@ -79,9 +81,15 @@ Expected<void> write_report(const fs::path& folder, const std::vector<GoldenRow>
 Json outcome_json(const GoldenManifest& golden, const GoldenOutcome& outcome) {
   Json metrics = Json::object();
   for (const auto& [name, value] : outcome.gate.comparison.metrics) metrics[name] = value;
-  return {{"name", golden.name},        {"verdict", verdict(outcome)}, {"pass", outcome.kind != Kind::failed},
-          {"message", outcome.message}, {"device", outcome.device},    {"device_class", outcome.device_class},
-          {"metrics", metrics},         {"seconds", outcome.seconds}};
+  return {{"name", golden.name},
+          {"verdict", verdict(outcome)},
+          {"pass", outcome.kind != Kind::failed},
+          {"warned", outcome.warned()},
+          {"message", outcome.message},
+          {"device", outcome.device},
+          {"device_class", outcome.device_class},
+          {"metrics", metrics},
+          {"seconds", outcome.seconds}};
 }
 
 Expected<int> run_check(const GoldenOptions& o) {
@@ -94,12 +102,16 @@ Expected<int> run_check(const GoldenOptions& o) {
   std::vector<std::vector<std::string>> rows = {{"GOLDEN", "VERDICT", "FLIP", "SECONDS", "MESSAGE"}};
   Json list = Json::array();
   std::map<Kind, int> count;
+  int warned = 0;
   std::vector<GoldenRow> report;
   for (const GoldenManifest& golden : *goldens) {
     const GoldenOutcome outcome =
         check_golden(golden, run_settings(o), o.allow_blank, o.report.empty() ? scratch.path() : fs::path(o.report));
-    log::info("{}: {}{}", golden.name, verdict(outcome), outcome.message.empty() ? "" : ": " + outcome.message);
+    const std::string line =
+        golden.name + ": " + verdict(outcome) + (outcome.message.empty() ? "" : ": " + outcome.message);
+    log::write(outcome.warned() ? log::Level::warning : log::Level::info, line);
     ++count[outcome.kind];
+    warned += outcome.warned();
     const auto flip = outcome.gate.comparison.metrics.find("flip");
     rows.push_back({golden.name, verdict(outcome),
                     flip == outcome.gate.comparison.metrics.end() ? "" : fmt::format("{:.5f}", flip->second),
@@ -108,12 +120,13 @@ Expected<int> run_check(const GoldenOptions& o) {
     // Skipped ones are counted in the table; in a report they would look like passes.
     if (outcome.kind != Kind::skipped) report.push_back(report_row(golden, outcome));
   }
-  const std::string sum =
-      fmt::format("{} passed, {} failed, {} skipped", count[Kind::passed], count[Kind::failed], count[Kind::skipped]);
+  const std::string sum = fmt::format("{} passed ({} with a warning), {} failed, {} skipped", count[Kind::passed],
+                                      warned, count[Kind::failed], count[Kind::skipped]);
   if (count[Kind::skipped] > 0)
     log::warning("{} goldens skipped: no assets at {}", count[Kind::skipped], assets_of(o).string());
   auto printed = o.json ? print_json({{"goldens", list},
                                       {"passed", count[Kind::passed]},
+                                      {"warned", warned},
                                       {"failed", count[Kind::failed]},
                                       {"skipped", count[Kind::skipped]}})
                         : print(table_text(rows) + sum + "\n");

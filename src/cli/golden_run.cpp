@@ -103,7 +103,7 @@ void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {
   else if (!outcome.gate.blank)  // for whoever looked at it and finds it right (golden_manifest.h)
     outcome.message +=
         fmt::format(" (digest for \"accepted\" of {}: {})", outcome.device_class, picture_digest(*actual));
-  if (outcome.gate.rung >= GateRung::flagged || outcome.gate.blank)
+  if (outcome.gate.rung >= GateRung::warned || outcome.gate.blank)
     write_pictures(golden, &*expected, *actual, outcome.actual.parent_path(), outcome);
 }
 

@@ -9,13 +9,14 @@ struct GoldenOutcome {
   enum class Kind { passed, failed, skipped } kind = Kind::failed;
   GateLimits limits;  // of a judged one
   GateResult gate;
-  std::string message;       // why it failed, was skipped, or is flagged
+  std::string message;       // why it failed, was skipped, or what it is warned of
   std::string device_class;  // where it was rendered; empty when it was not
   std::string device;
   std::filesystem::path actual;                            // the new picture; empty when there is none
-  std::filesystem::path golden_png, actual_png, heat_map;  // for the report; of failed and flagged ones
+  std::filesystem::path golden_png, actual_png, heat_map;  // for the report; of failed ones and those with a warning
   double seconds = 0;
   bool missing = false;  // there is no golden picture
+  bool warned() const { return kind == Kind::passed && gate.rung == GateRung::warned; }
 };
 
 // Renders into `picture` (made whole or not at all). A frame in which nothing is drawn is an error (input) unless it is

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <utility>
-
 #include "base/text.h"
 
 namespace candela::cli {
@@ -61,9 +58,7 @@ std::string option_text(const OptionEntry& o) {
 
 // Options by their groups; the first group needs no heading of its own.
 std::string options_text(const CommandEntry& command, const char* heading) {
-  std::vector<std::string> groups;
-  for (const OptionEntry& o : command.options)
-    if (std::find(groups.begin(), groups.end(), o.group) == groups.end()) groups.push_back(o.group);
+  const std::vector<std::string> groups = option_groups(command);
   std::string text;
   for (const std::string& group : groups) {
     text += group == groups.front() ? std::string(heading) : ".SS " + roff(group) + "\n";
@@ -82,41 +77,17 @@ std::string synopsis(const CommandEntry& command) {
   return line + "\n";
 }
 
-// A footer in its parts: lines after "Examples:" stay as they are, others are a text.
-std::string footer_text(const std::string& footer) {
-  enum class Part : uint8_t { notes, examples, codes, environment } part = Part::notes;
-  std::string notes, examples, codes, variables;
-  for (const std::string& line : split(footer, '\n')) {
-    std::string rest = line;
-    for (const auto& [word, begins] : {std::pair{"Examples:", Part::examples}, std::pair{"Exit codes:", Part::codes}}) {
-      if (!line.starts_with(word)) continue;
-      part = begins;
-      rest = line.substr(std::string(word).size());
-      rest.erase(0, rest.find_first_not_of(' '));
-    }
-    if (line.starts_with("An option can also stand in the environment")) part = Part::environment;
-    if (rest.empty() && part != Part::notes) continue;
-    (part == Part::notes      ? notes
-     : part == Part::examples ? examples
-     : part == Part::codes    ? codes
-                              : variables) += roff(rest) + "\n";
-  }
-  if (notes.find_first_not_of('\n') == std::string::npos) notes.clear();
+std::string footer_text(const CommandEntry& command, const CommandEntry& program) {
+  const FooterParts parts = footer_parts(command, program);
   std::string text;
-  if (!notes.empty()) text += ".SH NOTES\n" + notes;
-  if (!examples.empty()) text += ".SH EXAMPLES\n.nf\n" + examples + ".fi\n";
-  if (!codes.empty()) text += ".SH EXIT STATUS\n" + codes;
-  if (!variables.empty()) text += ".SH ENVIRONMENT\n" + variables;
+  if (!parts.notes.empty()) text += ".SH NOTES\n" + roff(parts.notes);
+  if (!parts.examples.empty()) text += ".SH EXAMPLES\n.nf\n" + roff(parts.examples) + ".fi\n";
+  if (!parts.codes.empty()) text += ".SH EXIT STATUS\n" + roff(parts.codes);
+  if (!parts.environment.empty()) text += ".SH ENVIRONMENT\n" + roff(parts.environment);
   return text;
 }
 
 }  // namespace
-
-std::string page_name(const CommandEntry& command) {
-  std::string name = command.path;
-  std::replace(name.begin(), name.end(), ' ', '-');
-  return name;
-}
 
 std::string man_page(const CommandEntry& command, const CommandEntry& program) {
   const bool whole = command.path == program.path;
@@ -134,9 +105,7 @@ std::string man_page(const CommandEntry& command, const CommandEntry& program) {
   if (!whole)
     for (const CommandEntry& c : command.commands)
       text += options_text(c, (".SH OPTIONS OF " + roff(c.path) + "\n").c_str());
-  // A footer of its own takes the place of the program's, which says the exit codes.
-  const bool says_codes = command.footer.find("Exit codes:") != std::string::npos;
-  text += footer_text(says_codes ? command.footer : command.footer + "\n" + program.footer);
+  text += footer_text(command, program);
   if (whole && text.find(".SH ENVIRONMENT\n") == std::string::npos) text += ".SH ENVIRONMENT\n";
   if (whole) text += environment;
   text += ".SH SEE ALSO\n";

@@ -5,8 +5,6 @@
 
 namespace candela::cli {
 
-// "candela-golden": the page of a command, and its file without the ending .1.
-std::string page_name(const CommandEntry& command);
 // In roff with the man macros. Commands inside `command` (golden check) are parts of its page; the commands of the
 // program itself have pages of their own. The same text at each build: no date.
 std::string man_page(const CommandEntry& command, const CommandEntry& program);

@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/command_tree.h"
 #include "cli/completion.h"
+#include "cli/docs_page.h"
 #include "cli/man_page.h"
 
 namespace candela::cli {
@@ -15,7 +16,10 @@ namespace fs = std::filesystem;
 
 struct ManualOptions {
   std::string shell, folder;
+  bool docs = false;
 };
+
+using Files = std::vector<std::pair<fs::path, std::string>>;
 
 Expected<int> run_completion(const CLI::App& app, const ManualOptions& o) {
   const CommandEntry program = command_tree(app);
@@ -30,15 +34,23 @@ Expected<int> run_completion(const CLI::App& app, const ManualOptions& o) {
 }
 
 // As they lie below share/ of an installation.
-Expected<int> write_manual(const CLI::App& app, const ManualOptions& o) {
-  const CommandEntry program = command_tree(app);
-  std::vector<std::pair<fs::path, std::string>> files = {
-      {"bash-completion/completions/candela", bash_completion(program)},
-      {"zsh/site-functions/_candela", zsh_completion(program)},
-      {"fish/vendor_completions.d/candela.fish", fish_completion(program)},
-      {"man/man1/candela.1", man_page(program, program)}};
+Files manual_files(const CommandEntry& program) {
+  Files files = {{"bash-completion/completions/candela", bash_completion(program)},
+                 {"zsh/site-functions/_candela", zsh_completion(program)},
+                 {"fish/vendor_completions.d/candela.fish", fish_completion(program)},
+                 {"man/man1/candela.1", man_page(program, program)}};
   for (const CommandEntry& c : program.commands)
     files.emplace_back("man/man1/" + page_name(c) + ".1", man_page(c, program));
+  return files;
+}
+
+Expected<int> write_manual(const CLI::App& app, const ManualOptions& o) {
+  const CommandEntry program = command_tree(app);
+  Files files;
+  if (o.docs)
+    for (auto& [name, text] : docs_pages(program)) files.emplace_back(name, std::move(text));
+  else
+    files = manual_files(program);
   for (const auto& [name, text] : files) {
     const fs::path path = fs::path(o.folder) / name;
     std::error_code failed;
@@ -60,6 +72,7 @@ void add_manual(CLI::App& app, Action& action) {
   CLI::App* manual = app.add_subcommand("manual", "Write man pages and completion as an installation has them");
   manual->group("");
   manual->add_option("folder", o->folder, "Folder for man/, bash-completion/ and so on")->type_name("DIR")->required();
+  manual->add_flag("--docs", o->docs, "The pages of docs/commands instead");
   manual->callback([o, &app, &action] { action = [o, &app] { return write_manual(app, *o); }; });
 }
 

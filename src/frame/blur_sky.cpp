@@ -17,7 +17,8 @@ DecodedImage blurred_sky(const DecodedImage& image, double deviation_rad) {
   while (levels[at].width > 64 && levels[at].width / 2 >= 2 * pi * texels_a_deviation / deviation_rad) ++at;
   const SkyLevel& sky = levels[at];
   const double away = std::min(reach * deviation_rad, pi);
-  const float kappa = float(1 / (deviation_rad * deviation_rad)), least = float(std::cos(away));
+  // By chords, not by cosines: those of angles below 3e-4 are all 1 as floats.
+  const float kappa = float(1 / (deviation_rad * deviation_rad)), longest = float(2 * std::sin(away / 2));
   std::vector<glm::vec3> directions;
   for (int y = 0; y < sky.height; ++y)
     for (int x = 0; x < sky.width; ++x) directions.emplace_back(sky.direction(x, y));
@@ -34,15 +35,16 @@ DecodedImage blurred_sky(const DecodedImage& image, double deviation_rad) {
         // Where the cap about d ends in longitude; all round where it holds the pole.
         const double other = pi * (row + 0.5) / sky.height;
         const double c = (std::cos(away) - std::cos(polar) * std::cos(other)) / (std::sin(polar) * std::sin(other));
-        if (c > 1) continue;
-        const int half = c < -1 ? sky.width / 2 : int(std::acos(c) / (2 * pi) * sky.width) + 1;
+        if (c > 1 && row != y) continue;  // of its own row too, by rounding, where the cap is narrow
+        const int half = c < -1 ? sky.width / 2 : int(std::acos(std::min(c, 1.0)) / (2 * pi) * sky.width) + 1;
         const int first = std::max(x - half, x - sky.width / 2), last = std::min(x + half, first + sky.width - 1);
         const float solid_angle = float(sky.solid_angle(row));
         for (int column = first; column <= last; ++column) {
           const size_t i = size_t(row) * size_t(sky.width) + size_t((column + sky.width) % sky.width);
-          const float cosine = glm::dot(d, directions[i]);
-          if (cosine < least) continue;
-          const float weight = solid_angle * std::exp(kappa * (cosine - 1));
+          const glm::vec3 chord = directions[i] - d;
+          const float squared = glm::dot(chord, chord);  // 2 (1 - cosine)
+          if (squared > longest * longest) continue;
+          const float weight = squared > 0 ? solid_angle * std::exp(-0.5f * kappa * squared) : solid_angle;
           sum += weight * sky.texels[i], weights += weight;
         }
       }

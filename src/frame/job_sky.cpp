@@ -208,9 +208,8 @@ void add_sky_sun(const FrameSky& sky, FrameData& data) {
 }
 
 std::optional<glm::dvec3> first_sun(const FrameData& data) {
-  for (const LightItem& light : data.lights)
-    if (light.type == LightType::directional) return -glm::normalize(glm::dvec3(light.direction));
-  return std::nullopt;
+  if (!data.first_sun) return std::nullopt;
+  return -glm::normalize(glm::dvec3(data.first_sun->direction));
 }
 
 std::shared_ptr<const SkyImage> JobSky::gradient_band(int band, double exponent) const {
@@ -304,13 +303,8 @@ FrameSky JobSky::at(const Look& look, const FrameData& data, std::vector<std::st
       sky.rotation_deg = azimuth_deg;
       to_sun = {across, to_sun.y, 0};
     }
-    glm::dvec3 lux(sun ? 0 : 10);
-    for (const LightItem& light : data.lights)
-      if (light.type == LightType::directional) {
-        lux = glm::dvec3(light.intensity);
-        break;
-      }
-    lux = air.sun_lux.value_or(lux);
+    const glm::dvec3 lux =
+        air.sun_lux.value_or(data.first_sun ? glm::dvec3(data.first_sun->intensity) : glm::dvec3(10));
     sky.parts.push_back({air_image(air, to_sun), first * glm::vec3(lux)});
   }
   return sky;

@@ -14,16 +14,41 @@ constexpr std::array<std::pair<std::string_view, double GateLimits::*>, 5> membe
      {"flip_mean", &GateLimits::flip_mean},
      {"flip_p99", &GateLimits::flip_p99}}};
 
-Expected<void> read_members(const nlohmann::ordered_json& object, GateLimits& limits, const std::string& place) {
+constexpr std::array<std::pair<std::string_view, double GateLimits::Warn::*>, 3> warn_members = {
+    {{"max_abs", &GateLimits::Warn::max_abs},
+     {"flip_mean", &GateLimits::Warn::flip_mean},
+     {"flip_p99", &GateLimits::Warn::flip_p99}}};
+
+// The numbers of an object; keys that `others` names are read elsewhere.
+template <class Limits, size_t N>
+Expected<void> read_numbers(const nlohmann::ordered_json& object,
+                            const std::array<std::pair<std::string_view, double Limits::*>, N>& known,
+                            std::initializer_list<std::string_view> others, Limits& limits, const std::string& place) {
   if (!object.is_object()) return fail(ErrorKind::input, place, "must be an object of gate limits");
   for (const auto& [key, value] : object.items()) {
-    if (key == "device_classes") continue;
-    const auto member = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.first == key; });
-    if (member == members.end()) return fail(ErrorKind::input, place, "unknown gate limit \"{}\"", key);
-    if (!value.is_number() || !(value.get<double>() >= 0))
+    if (std::find(others.begin(), others.end(), key) != others.end()) continue;
+    const auto member = std::find_if(known.begin(), known.end(), [&](const auto& m) { return m.first == key; });
+    if (member == known.end()) return fail(ErrorKind::input, place, "unknown gate limit \"{}\"", key);
+    if (!value.is_number() || !(value.template get<double>() >= 0))
       return fail(ErrorKind::input, place, "gate limit \"{}\" must be a number of at least 0", key);
-    limits.*(member->second) = value.get<double>();
+    limits.*(member->second) = value.template get<double>();
   }
+  return {};
+}
+
+Expected<void> read_members(const nlohmann::ordered_json& object, GateLimits& limits, const std::string& place) {
+  if (auto read = read_numbers(object, members, {"device_classes", "warn"}, limits, place); !read) return read;
+  const auto warn = object.find("warn");
+  if (warn != object.end()) {
+    GateLimits::Warn& own = limits.warn ? *limits.warn : limits.warn.emplace();
+    if (auto read = read_numbers(*warn, warn_members, {}, own, place + "/warn"); !read) return read;
+  }
+  const auto beyond = [](double warned, double failed) { return std::isfinite(warned) && warned > failed; };
+  if (limits.warn &&
+      (beyond(limits.warn->flip_mean, limits.flip_mean) || beyond(limits.warn->flip_p99, limits.flip_p99)))
+    return fail(ErrorKind::input, place + "/warn",
+                "is beyond what fails (flip_mean {}, flip_p99 {}): it would never warn", limits.flip_mean,
+                limits.flip_p99);
   return {};
 }
 
@@ -54,6 +79,10 @@ Spread spread_of(const FloatImage& golden, const FloatImage& actual, double smal
   return spread;
 }
 
+bool within(const GateLimits::Warn& warn, double largest, double flip_mean, double flip_p99) {
+  return largest <= warn.max_abs && flip_mean <= warn.flip_mean && flip_p99 <= warn.flip_p99;
+}
+
 }  // namespace
 
 Expected<GateLimits> parse_gate_limits(std::string_view text, std::string_view device_class, const std::string& place) {
@@ -77,11 +106,15 @@ Expected<GateLimits> parse_gate_limits(std::string_view text, std::string_view d
 std::string gate_limits_json(const GateLimits& limits) {
   nlohmann::ordered_json json;
   for (const auto& [name, member] : members) json["gate"][std::string(name)] = limits.*member;
+  if (limits.warn)
+    for (const auto& [name, member] : warn_members)
+      if (std::isfinite((*limits.warn).*member)) json["gate"]["warn"][std::string(name)] = (*limits.warn).*member;
   return json.dump(2);
 }
 
 std::string_view gate_rung_name(GateRung rung) {
-  static constexpr std::array<std::string_view, 4> names = {"identical", "nearly identical", "flagged", "failed"};
+  static constexpr std::array<std::string_view, 5> names = {"identical", "nearly identical", "similar", "warned",
+                                                            "failed"};
   return names[size_t(rung)];
 }
 
@@ -107,6 +140,7 @@ GateResult judge_golden(const FloatImage& golden, const FloatImage& actual, cons
   }
   result.flip_p99 = flip_percentile(result.comparison.flip_map, 0.99);
   const Spread spread = spread_of(golden, actual, limits.small_abs, encoding);
+  result.largest = spread.largest;
   result.small_share = spread.share;
   result.message = fmt::format(
       "{} pixels differ, by at most {:.2f}/255; {:.4f} % by more than {:.2f}/255; FLIP mean {:.5f}, p99 {:.4f}",
@@ -115,7 +149,8 @@ GateResult judge_golden(const FloatImage& golden, const FloatImage& actual, cons
   if (spread.largest <= limits.max_abs && spread.share <= limits.small_share)
     result.rung = GateRung::nearly_identical;
   else if (flip->second <= limits.flip_mean && result.flip_p99 <= limits.flip_p99)
-    result.rung = GateRung::flagged;
+    result.rung = limits.warn && within(*limits.warn, spread.largest, flip->second, result.flip_p99) ? GateRung::similar
+                                                                                                     : GateRung::warned;
   return result;
 }
 

@@ -48,8 +48,9 @@ std::string embedded(std::string_view type, std::string_view text) {
 }
 
 // An image element of its own: gnuplot's files use the same identifiers in every plot.
-std::string plot_html(const Plot& plot) {
+std::string plot_html(const Plot& plot, FigureFiles& figures) {
   const auto svg = gnuplot_svg(plot);
+  if (svg) figures.add(plot.title, *svg);
   if (!svg) return fmt::format("<p class=\"note\">gnuplot could not draw: {}</p>\n", escape_markup(plot.title));
   return fmt::format("<img src=\"{}\" alt=\"{}\"/>\n", embedded("image/svg+xml", *svg), escape_markup(plot.title));
 }
@@ -63,32 +64,33 @@ Plot plot_of(const std::vector<Scaling>& all, const std::string& title, const st
   return plot;
 }
 
-std::string scaling_html(const std::vector<Scaling>& all, bool plots) {
+std::string scaling_html(const std::vector<Scaling>& all, bool plots, FigureFiles& figures) {
   std::string html = "<h3>Time against the number of lights</h3>\n";
   if (plots) {
-    html += plot_html(plot_of(all, "Frame time", "ms, median", &Scaling::frame_ms));
+    html += plot_html(plot_of(all, "Frame time", "ms, median", &Scaling::frame_ms), figures);
     for (const auto& [title, label, member] :
          {std::tuple("Lights in the list of a pixel", "lights, mean", &Scaling::lights_per_pixel),
           std::tuple("Listed lights that contribute nothing", "share", &Scaling::waste_share),
           std::tuple("Memory of the device at its peak", "MiB", &Scaling::memory_mib)}) {
       Plot plot = plot_of(all, title, label, member);
       plot.log_y = member != &Scaling::waste_share;
-      if (!plot.lines.empty()) html += plot_html(plot);
+      if (!plot.lines.empty()) html += plot_html(plot, figures);
     }
   }
   return html + fits_table(all);
 }
 
-std::string bars_html(const Axis& axis) {
+std::string bars_html(const Axis& axis, FigureFiles& figures) {
   std::vector<Bar> bars;
   for (const BenchRow* row : axis.rows) {
     Bar bar{short_label(*row), {}};
     for (const Series& pass : row->passes) bar.parts.emplace_back(pass.name, summary(pass.ms).median);
     bars.push_back(std::move(bar));
   }
-  return "<h3>Time of the passes</h3>\n<div class=\"wide\">" + stacked_bars_svg(bars, "ms") +
-         "</div>\n<h3>The same as shares of each frame</h3>\n<div class=\"wide\">" + stacked_shares_svg(bars) +
-         "</div>\n";
+  const std::string times = stacked_bars_svg(bars, "ms"), shares = stacked_shares_svg(bars);
+  figures.add("Time of the passes", times), figures.add("Shares of the passes", shares);
+  return "<h3>Time of the passes</h3>\n<div class=\"wide\">" + times +
+         "</div>\n<h3>The same as shares of each frame</h3>\n<div class=\"wide\">" + shares + "</div>\n";
 }
 
 std::string pictures_html(const Axis& axis) {
@@ -114,14 +116,22 @@ std::string pictures_html(const Axis& axis) {
   return html.empty() ? html : "<h3>Pictures</h3>\n" + html;
 }
 
-std::string axis_html(const Axis& axis, bool plots) {
+std::string axis_html(const Axis& axis, bool plots, FigureFiles& figures) {
   std::string html = fmt::format("<section>\n<h2>{}</h2>\n", escape_markup(axis.name));
-  html += summary_table(axis.rows) + bars_html(axis);
+  html += summary_table(axis.rows) + bars_html(axis, figures);
   const std::vector<Scaling> all = scalings(axis.rows);
   if (std::any_of(all.begin(), all.end(), [](const Scaling& s) { return s.lights.size() > 1; }))
-    html += scaling_html(all, plots);
+    html += scaling_html(all, plots, figures);
   html += passes_table(axis.rows) + memory_table(axis.rows) + remarks_list(axis.rows) + pictures_html(axis);
   return html + "</section>\n";
+}
+
+// Folded: what was found stands before what was noted on the way.
+std::string notes_html(const std::vector<std::string>& notes) {
+  if (notes.empty()) return {};
+  std::string html = fmt::format("<details><summary>Notes ({})</summary>\n", notes.size());
+  for (const std::string& note : notes) html += fmt::format("<p class=\"note\">{}</p>\n", escape_markup(note));
+  return html + "</details>\n";
 }
 
 size_t count_devices(const BenchRun& run) {
@@ -134,7 +144,9 @@ size_t count_devices(const BenchRun& run) {
 
 }  // namespace
 
-std::string bench_html(const BenchRun& run, const std::string& title, bool plots) {
+std::string bench_html(const BenchRun& run, const std::string& title, bool plots, FigureFiles* figures) {
+  FigureFiles unwanted;
+  FigureFiles& kept = figures ? *figures : unwanted;
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta "
       "charset=\"utf-8\"/><meta name=\"viewport\" "
@@ -147,7 +159,6 @@ std::string bench_html(const BenchRun& run, const std::string& title, bool plots
       "absolute deviation; <i>frame</i> is the wall time from the scene's pose to bytes in host memory, <i>GPU</i> the "
       "sum of the passes, each timed alone.</p>\n",
       run.rows.size(), run.wall_s, run.opening_s);
-  for (const std::string& note : run.notes) html += fmt::format("<p class=\"note\">{}</p>\n", escape_markup(note));
   if (!plots)
     html +=
         "<p class=\"note\">gnuplot is not installed: there are no plots against the number of lights, only their "
@@ -157,9 +168,9 @@ std::string bench_html(const BenchRun& run, const std::string& title, bool plots
         "<p class=\"note\">Rows of {} devices: each has axes of its own, for their times do not belong on "
         "one.</p>\n",
         count_devices(run));
-  html += error_html(run);
-  for (const Axis& axis : axes_of(run)) html += axis_html(axis, plots);
-  return html + left_out_list(run) + "</body>\n</html>\n";
+  html += error_html(run, kept);
+  for (const Axis& axis : axes_of(run)) html += axis_html(axis, plots, kept);
+  return html + left_out_list(run) + notes_html(run.notes) + "</body>\n</html>\n";
 }
 
 }  // namespace candela

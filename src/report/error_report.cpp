@@ -23,9 +23,14 @@ std::string label_of(const std::string& metric) {
   return metric;
 }
 
-std::string wide(const std::string& svg) { return svg.empty() ? svg : "<div class=\"wide\">" + svg + "</div>\n"; }
+std::string figure(const Scatter& scatter, FigureFiles& figures) {
+  const std::string svg = scatter_svg(scatter);
+  figures.add(scatter.title, svg);
+  return svg.empty() ? svg : "<div class=\"wide\">" + svg + "</div>\n";
+}
 
-std::string front_svg(const ErrorPlace& place, const std::string& reference, const std::string& metric) {
+std::string front_svg(const ErrorPlace& place, const std::string& reference, const std::string& metric,
+                      FigureFiles& figures) {
   Scatter scatter{.title = fmt::format("{} against {}", metric, reference),
                   .x_label = "GPU time of a frame in ms: median, bar: its 95 % confidence interval",
                   .y_label = label_of(metric)};
@@ -40,7 +45,7 @@ std::string front_svg(const ErrorPlace& place, const std::string& reference, con
     if (const auto& noise = error_against(*point.row, reference)->noise; noise && metric == "relmse")
       scatter.floor_y = noise->relmse;
   }
-  return wide(scatter_svg(scatter));
+  return figure(scatter, figures);
 }
 
 std::string sentences(const ErrorPlace& place) {
@@ -85,7 +90,7 @@ std::string order_text(const KnobStudy& study) {
 }
 
 // The law of each knob that has one, with the techniques that follow it as colours.
-std::string order_plots(const std::vector<KnobStudy>& studies) {
+std::string order_plots(const std::vector<KnobStudy>& studies, FigureFiles& figures) {
   std::string html, list;
   std::set<std::string> drawn;
   for (const KnobStudy& study : studies) {
@@ -105,7 +110,7 @@ std::string order_plots(const std::vector<KnobStudy>& studies) {
     }
     for (const double x : {study.fit.first_x, study.fit.last_x})
       scatter.curve.emplace_back(x, study.fit.factor * std::pow(x, study.fit.exponent));
-    html += wide(scatter_svg(scatter));
+    html += figure(scatter, figures);
   }
   return (list.empty() ? list : "<ul>\n" + list + "</ul>\n") + html;
 }
@@ -136,7 +141,7 @@ std::string strips(const ErrorPlace& place) {
 
 }  // namespace
 
-std::string error_html(const BenchRun& run) {
+std::string error_html(const BenchRun& run, FigureFiles& figures) {
   std::string html;
   for (const ErrorPlace& place : error_places(run)) {
     html += fmt::format("<section>\n<h2>Error against time: {}</h2>\n", escape_markup(place.name));
@@ -160,14 +165,14 @@ std::string error_html(const BenchRun& run) {
         "no "
         "slower and no worse, but the two are not distinguishable.</p>\n";
     for (const char* reference : {open_reference_name, "direct", "path", exact_reference})
-      html += front_svg(place, reference, "relmse");
-    html += front_svg(place, open_reference_name, "hdr-flip");
+      html += front_svg(place, reference, "relmse", figures);
+    html += front_svg(place, open_reference_name, "hdr-flip", figures);
     const std::vector<BenchRow> named = rows_by_name(place.rows);
     std::vector<const BenchRow*> by_name;
     for (const BenchRow& row : named) by_name.push_back(&row);
     if (const auto studies = knob_studies(by_name); !studies.empty())
       html += "<h3>Each knob alone, against the technique's exact picture</h3>\n" + knob_table(studies) +
-              order_plots(studies);
+              order_plots(studies, figures);
     html += strips(place) + "<details><summary>All errors</summary>\n" + error_rows_table(place) +
             "</details>\n</section>\n";
   }

@@ -7,7 +7,7 @@ namespace candela {
 namespace {
 
 // Lower comes first on the page.
-int urgency(const GoldenRow& row) { return !row.passed ? 0 : row.flagged || row.blank ? 1 : 2; }
+int urgency(const GoldenRow& row) { return !row.passed ? 0 : row.warned || row.blank ? 1 : 2; }
 
 std::vector<const GoldenRow*> sorted(std::span<const GoldenRow> rows) {
   std::vector<const GoldenRow*> order;
@@ -41,10 +41,16 @@ std::string pictures(const GoldenRow& row) {
 // What was measured beside what is allowed.
 std::string bounds_table(const GoldenRow& row) {
   if (row.bounds.empty()) return {};
-  std::string html = "<table><tr><th>measured</th><th>value</th><th>limit</th></tr>\n";
+  const auto number = [](double limit) { return std::isfinite(limit) ? fmt::format("{:.4g}", limit) : std::string(); };
+  std::string html =
+      "<table><tr><th>measured</th><th>value</th><th>passes at once</th><th>warns above</th><th>fails "
+      "above</th></tr>\n";
   for (const GoldenRow::Bound& b : row.bounds)
-    html += fmt::format("<tr{}><td>{}</td><td>{:.4g}</td><td>{:.4g}</td></tr>\n",
-                        b.value <= b.limit ? "" : " class=\"beyond\"", escape_markup(b.name), b.value, b.limit);
+    html += fmt::format("<tr{}><td>{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                        b.value > b.fails   ? " class=\"beyond\""
+                        : b.value > b.warns ? " class=\"above\""
+                                            : "",
+                        escape_markup(b.name), b.value, number(b.clean), number(b.warns), number(b.fails));
   return html + "</table>\n";
 }
 
@@ -56,7 +62,7 @@ std::string metrics_text(const GoldenRow& row) {
 }
 
 std::string section(const GoldenRow& row) {
-  static constexpr std::array<std::string_view, 3> classes = {"failed", "flagged", "passed"};
+  static constexpr std::array<std::string_view, 3> classes = {"failed", "warned", "passed"};
   std::string html = fmt::format("<section class=\"{}\">\n<h2>{} <small>{}</small></h2>\n",
                                  classes[size_t(urgency(row))], escape_markup(row.name), escape_markup(row.verdict));
   if (row.blank) html += "<p class=\"blank\">blank frame: every pixel has the same colour</p>\n";
@@ -74,10 +80,11 @@ size_t count(std::span<const GoldenRow> rows, int wanted) {
 const std::string style =
     "body{font:14px sans-serif;margin:2em;background:#fff;color:#222}"
     "section{border-left:6px solid #4a4;padding:.2em 1em;margin:1em 0}"
-    "section.failed{border-color:#c22}section.flagged{border-color:#d90}"
+    "section.failed{border-color:#c22}section.warned{border-color:#d90}"
     "h2{font-size:1.1em}small{font-weight:normal}figure{display:inline-block;margin:.5em}"
     "img{max-width:100%;image-rendering:pixelated}.blank,.absent{color:#c22;font-weight:bold}.numbers{color:#666}"
-    "table{border-collapse:collapse}td,th{text-align:left;padding:.1em 1em .1em 0}.beyond{color:#c22;font-weight:bold}";
+    "table{border-collapse:collapse}td,th{text-align:left;padding:.1em 1em .1em 0}.beyond{color:#c22;font-weight:bold}"
+    ".above{color:#a60;font-weight:bold}";
 
 }  // namespace
 
@@ -135,7 +142,8 @@ std::string golden_junit(std::span<const GoldenRow> rows, const std::string& sui
                          escape_markup(row->verdict), escape_markup(metrics_text(*row)));
     else
       xml +=
-          fmt::format("<system-out>{}{}</system-out>", escape_markup(row->verdict), row->blank ? "; blank frame" : "");
+          fmt::format("<system-out>{}{}{}</system-out>", escape_markup(row->verdict), row->blank ? "; blank frame" : "",
+                      row->warned ? "; warning: " + escape_markup(row->message) : std::string());
     xml += "</testcase>\n";
   }
   return xml + "</testsuite>\n</testsuites>\n";

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -11,19 +12,19 @@ namespace candela {
 
 // One golden as judged; every number was computed before. Picture paths may be empty where there is no picture.
 struct GoldenRow {
-  std::string name;  // scene and view: unique in a report
-  std::string
-      verdict;  // the rung of the gate: "identical", "nearly identical", "flagged", "failed", "missing golden", ...
+  std::string name;     // scene and view: unique in a report
+  std::string verdict;  // "identical", "nearly identical", "similar", "warned", "failed", "missing golden", ...
   bool passed = false;
-  bool flagged = false;  // passed, but somebody should look
-  bool blank = false;    // the frame shows a single colour
+  bool warned = false;  // passed, but somebody should look
+  bool blank = false;   // the frame shows a single colour
   std::string message;
   std::string device_class;
   double time_s = 0;
   std::map<std::string, double> metrics;
   struct Bound {
     std::string name;
-    double value = 0, limit = 0;
+    double value = 0;
+    double fails = NAN, warns = NAN, clean = NAN;  // what is beyond fails, is warned of, is looked at by FLIP; or none
   };
   std::vector<Bound> bounds;                       // what the gate compared
   std::filesystem::path golden, actual, heat_map;  // PNG
@@ -31,7 +32,7 @@ struct GoldenRow {
 };
 
 // One HTML page without other files: pictures lie inside as base64, in viewers (report/picture_viewer.h). Failures
-// first, then flagged and blank, then the rest by name; the pictures of clean passes are left out. A picture that
+// first, then warned and blank, then the rest by name; the pictures of clean passes are left out. A picture that
 // cannot be read is named in its place, not an error.
 std::string golden_html(std::span<const GoldenRow> rows, const std::string& title);
 // JUnit XML as CI systems read it: a test case a row, class name "golden.<device class>".

@@ -186,6 +186,23 @@ std::string stacked_bars_svg(const std::vector<Bar>& bars, const std::string& un
   return svg + "</svg>\n";
 }
 
+void FigureFiles::add(const std::string& title, const std::string& svg) {
+  if (svg.empty()) return;
+  constexpr size_t longest = 60;
+  std::string name;
+  for (const char c : title) {
+    const bool kept = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    const bool capital = c >= 'A' && c <= 'Z';
+    if (name.size() >= longest) break;
+    if (kept || capital)
+      name += capital ? char(c - 'A' + 'a') : c;
+    else if (!name.empty() && name.back() != '-')
+      name += '-';
+  }
+  while (!name.empty() && name.back() == '-') name.pop_back();
+  files.emplace_back(fmt::format("{:02}-{}.svg", files.size() + 1, name), svg);
+}
+
 std::string stacked_shares_svg(std::vector<Bar> bars) {
   for (Bar& bar : bars) {
     double sum = 0;

@@ -29,6 +29,14 @@ struct Bar {
 std::string stacked_bars_svg(const std::vector<Bar>& bars, const std::string& unit);
 // The same with every bar scaled to 100.
 std::string stacked_shares_svg(std::vector<Bar> bars);
+// The figures of a page, to be kept as files of their own beside it: "01-frame-time.svg" and its text, in the page's
+// order.
+struct FigureFiles {
+  std::vector<std::pair<std::string, std::string>> files;
+  // Nothing is kept of an empty figure.
+  void add(const std::string& title, const std::string& svg);
+};
+
 // Of the name'th different part: the same as in stacked_bars_svg.
 const char* plot_color(size_t index);
 

@@ -148,8 +148,9 @@ class FrameBuilder {
 
   // Lights that give nothing, and those that a broken transform left nowhere, are not listed.
   void add_light_item(const LightItem& item) {
-    if (all_finite(item.intensity) && all_finite(item.position) && item.intensity != glm::vec3(0))
-      frame_.lights.push_back(item);
+    if (!all_finite(item.intensity) || !all_finite(item.position)) return;
+    if (item.type == LightType::directional && !frame_.first_sun) frame_.first_sun = item;
+    if (item.intensity != glm::vec3(0)) frame_.lights.push_back(item);
   }
 
   LightItem light_item(const Light& light, size_t n) const {

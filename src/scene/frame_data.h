@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "scene/pose.h"
@@ -45,7 +46,9 @@ struct FrameData {
   std::vector<glm::mat4> joint_matrices;  // relative_from_bind
   std::vector<float> morph_weights;
   std::vector<LightItem> lights;  // in node order; zero intensity ones left out
-  bool perspective = true;        // of the view
+  // The first directional light in node order, of zero intensity too: skies follow it when its light has faded.
+  std::optional<LightItem> first_sun;
+  bool perspective = true;  // of the view
 };
 
 // World bounds of everything visible at this pose.

@@ -5,6 +5,7 @@
 
 #include "base/files.h"
 #include "base/hash.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
@@ -85,6 +86,11 @@ Expected<void> StabilityRun::write_files(const StabilityScene& scene) {
     if (auto done = write_exr(path("sky.exr"), *scene.sky, ExrCompression::zip); !done) return done;
   if (scene.plain_sky)
     if (auto done = write_exr(path("plain-sky.exr"), *scene.plain_sky, ExrCompression::zip); !done) return done;
+  if (scene.second_sky)
+    if (auto done = write_exr(path("second.exr"), *scene.second_sky, ExrCompression::zip); !done) return done;
+  if (!scene.sky_look.empty())
+    if (auto done = write_file_atomically(path("look.json"), std::as_bytes(std::span(scene.sky_look))); !done)
+      return done;
   return {};
 }
 
@@ -197,7 +203,10 @@ Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job
     "bloom": {"strength": 0.1, "beauty": true}, "occlusion": {"radius_m": 2}})";
   job.technique = techniques_.front();
   job.look = path("every-effect.json");
-  if (auto written = write_file_atomically(job.look, std::as_bytes(std::span(look))); !written) return written;
+  auto every = own_json(look);
+  if (!scene.sky_look.empty()) every.update(own_json(scene.sky_look));
+  const std::string text = every.dump();
+  if (auto written = write_file_atomically(job.look, std::as_bytes(std::span(text))); !written) return written;
   for (const auto& [pass, knob] : {std::pair("sun", "mode"), {"shadows", "method"}, {"occlusion", "method"}})
     job.settings.push_back({pass, knob, "traced"});
   for (const auto& [pass, knob] : {std::pair("sun", "samples"), {"shadows", "samples"}, {"occlusion", "rays"}})
@@ -264,6 +273,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
   const auto plain = plain_truth(scene);
   if (!plain)
     return std::unexpected(Error{plain.error().kind, "the plain scene: " + plain.error().text(), recipe.name});
+  if (!scene.sky_look.empty()) job.look = path("look.json");
   std::optional<TruePicture> traced;
   const bool keep = !options_.pictures.empty();
   auto loaded = renderer_->load(job.scene, job.sky);
@@ -299,7 +309,8 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
     if (first) row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);
-    if (!first) check_effects(scene, job, scene.sky ? nullptr : &*made, row);
+    // What a sky shines on a surface from one side may be more than its mean: pictures with one are not compared.
+    if (!first) check_effects(scene, job, scene.sky || !scene.sky_look.empty() ? nullptr : &*made, row);
     if (!first && keep)
       if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
     if (!first) first = std::move(*made);

@@ -22,6 +22,7 @@ void add_animation(Recipes& all);
 void add_display(Recipes& all);
 void add_images(Recipes& all, const std::vector<std::pair<int, int>>& sizes);
 void add_fog(Recipes& all);
+void add_skies(Recipes& all);
 
 inline constexpr double pi = std::numbers::pi;
 

@@ -101,6 +101,46 @@ TEST_F(Golden, AChangedPictureFailsWithAReport) {
   EXPECT_NE(bytes_of(folder / "report/junit.xml").find("<failure"), std::string::npos);
 }
 
+// Limits that let a difference pass, and others that let it pass only with a warning.
+TEST_F(Golden, AWarningPassesAndIsSaidEverywhere) {
+  ASSERT_EQ(update("first").code, 0);
+  Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));
+  manifest["job"]["exposure"] = 0.2;
+  manifest["gate"]["flip_mean"] = 1, manifest["gate"]["flip_p99"] = 1;
+  manifest["gate"]["warn"] = {{"flip_mean", 0.9}};
+  write_manifest(folder, "box", manifest);
+  const Ended silent = check();
+  EXPECT_EQ(silent.code, 0) << silent.err;
+  EXPECT_EQ(Json::parse(silent.out)["goldens"][0]["verdict"], "similar");
+  EXPECT_EQ(Json::parse(silent.out)["warned"], 0);
+
+  manifest["gate"]["warn"] = {{"flip_mean", 0.0001}};
+  write_manifest(folder, "box", manifest);
+  const Ended warned = check({"--report", folder / "report"});
+  EXPECT_EQ(warned.code, 0) << warned.err;
+  const Json said = Json::parse(warned.out);
+  EXPECT_EQ(said["goldens"][0]["verdict"], "warned");
+  EXPECT_EQ(said["goldens"][0]["warned"], true);
+  EXPECT_EQ(said["goldens"][0]["pass"], true);
+  EXPECT_EQ(said["warned"], 1);
+  EXPECT_EQ(said["passed"], 1);
+  EXPECT_NE(warned.err.find("warning: box: warned"), std::string::npos) << warned.err;
+  const std::string junit = bytes_of(folder / "report/junit.xml"), page = bytes_of(folder / "report/index.html");
+  EXPECT_NE(junit.find("failures=\"0\""), std::string::npos) << junit;
+  EXPECT_NE(junit.find("<system-out>warned; warning: "), std::string::npos) << junit;
+  EXPECT_NE(page.find("<section class=\"warned\">"), std::string::npos);
+  EXPECT_NE(page.find("1 to look at"), std::string::npos);
+
+  // An update keeps the limits.
+  ASSERT_EQ(update("second").code, 0);
+  EXPECT_EQ(Json::parse(bytes_of(folder / "golden/box/golden.json"))["gate"]["warn"], Json({{"flip_mean", 0.0001}}));
+  manifest["gate"]["warn"] = {{"flip_mean", 2}};
+  write_manifest(folder, "box", manifest);
+  const Ended beyond = check();
+  EXPECT_EQ(beyond.code, 1);
+  EXPECT_NE(beyond.out.find("beyond what fails"), std::string::npos) << beyond.out;
+}
+
 // Pictures of a device class that are right there besides the golden's own are known by their digest: of size, channel
 // names and the digests of their values.
 TEST_F(Golden, OnlyTheAcceptedPictureIsAccepted) {

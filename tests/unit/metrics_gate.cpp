@@ -32,8 +32,8 @@ TEST(Gate, Rungs) {
   EXPECT_EQ(judge_golden(golden, changed(golden, 4096, 1), limits).rung, GateRung::nearly_identical);
   EXPECT_EQ(judge_golden(golden, changed(golden, 4, 2), limits).rung, GateRung::nearly_identical);
   // Two codes in 5 pixels are over 0.1 %, three codes over the largest difference: FLIP decides, and does not see them.
-  EXPECT_EQ(judge_golden(golden, changed(golden, 5, 2), limits).rung, GateRung::flagged);
-  EXPECT_EQ(judge_golden(golden, changed(golden, 2, 3), limits).rung, GateRung::flagged);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 5, 2), limits).rung, GateRung::warned);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 2, 3), limits).rung, GateRung::warned);
   EXPECT_TRUE(judge_golden(golden, changed(golden, 2, 3), limits).passed());
   // Half of the image 60 codes brighter.
   const GateResult failed = judge_golden(golden, changed(golden, 2048, 60), limits);
@@ -51,7 +51,7 @@ TEST(Gate, AlphaCounts) {
   FloatImage thinner = golden;
   for (float& a : thinner.channels.back().f) a = 0.5f;
   const GateResult result = judge_golden(golden, thinner, {});
-  EXPECT_EQ(result.rung, GateRung::flagged);
+  EXPECT_EQ(result.rung, GateRung::warned);
   EXPECT_EQ(result.small_share, 1);
   thinner = golden;
   for (float& a : thinner.channels.back().f) a = 254.0f / 255;
@@ -65,7 +65,65 @@ TEST(Gate, PercentileSeesASmallPatch) {
   limits.flip_mean = 1;
   EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).rung, GateRung::failed);
   limits.flip_p99 = 1;
-  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).rung, GateRung::flagged);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).rung, GateRung::warned);
+}
+
+// Limits of warnings lie below those that fail: within them a difference passes in silence, beyond them with a warning.
+TEST(Gate, WarningsHaveLimitsOfTheirOwn) {
+  const FloatImage golden = ramp();
+  const FloatImage off = changed(golden, 5, 3);
+  const GateResult plain = judge_golden(golden, off, {});
+  EXPECT_EQ(plain.rung, GateRung::warned);
+  EXPECT_NEAR(plain.largest, 3.0 / 255, 1e-4);
+  const double flip = plain.comparison.metrics.at("flip");
+  ASSERT_GT(flip, 0);
+  GateLimits limits;
+  limits.warn = GateLimits::Warn{.max_abs = 4.0 / 255};
+  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::similar);
+  EXPECT_TRUE(judge_golden(golden, off, limits).passed());
+  limits.warn->max_abs = 2.5 / 255;
+  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::warned);
+  limits.warn = GateLimits::Warn{.flip_mean = flip / 2};
+  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::warned);
+  limits.warn = GateLimits::Warn{.flip_mean = flip * 2};
+  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::similar);
+  // A patch that the percentile alone sees.
+  limits.flip_mean = limits.flip_p99 = 1;
+  const FloatImage patch = changed(golden, 200, 150);
+  const double p99 = judge_golden(golden, patch, limits).flip_p99;
+  ASSERT_GT(p99, 0);
+  limits.warn = GateLimits::Warn{.flip_p99 = p99 / 2};
+  EXPECT_EQ(judge_golden(golden, patch, limits).rung, GateRung::warned);
+  limits.warn = GateLimits::Warn{.flip_p99 = p99 * 2};
+  EXPECT_EQ(judge_golden(golden, patch, limits).rung, GateRung::similar);
+  limits.flip_p99 = p99 / 2;
+  // What fails, fails with or without.
+  EXPECT_EQ(judge_golden(golden, patch, limits).rung, GateRung::failed);
+}
+
+TEST(Gate, WarningLimitsFromJson) {
+  const std::string text =
+      R"({"gate": {"warn": {"flip_mean": 0.004}, "device_classes": {"cpu": {"warn": {"flip_p99": 0.05}}}}})";
+  const auto cpu = parse_gate_limits(text, "cpu", "box.json"), gpu = parse_gate_limits(text, "gpu", "box.json");
+  ASSERT_TRUE(cpu && gpu && cpu->warn && gpu->warn);
+  EXPECT_EQ(cpu->warn->flip_mean, 0.004);
+  EXPECT_EQ(cpu->warn->flip_p99, 0.05);
+  EXPECT_TRUE(std::isinf(gpu->warn->flip_p99));
+  EXPECT_TRUE(std::isinf(cpu->warn->max_abs));
+  const auto again = parse_gate_limits(gate_limits_json(*cpu), "gpu", "box.json");
+  ASSERT_TRUE(again && again->warn);
+  EXPECT_EQ(again->warn->flip_p99, 0.05);
+  EXPECT_FALSE(parse_gate_limits(R"({"gate": {}})", "cpu", "box.json")->warn);
+  for (const auto& [bad, says] :
+       {std::pair{R"({"gate": {"warn": 1}})", "/gate/warn"},
+        {R"({"gate": {"warn": {"small_abs": 0.1}}})", "small_abs"},
+        {R"({"gate": {"warn": {"flip_mean": -1}}})", "at least 0"},
+        {R"({"gate": {"warn": {"flip_mean": 0.02}}})", "beyond what fails"},
+        {R"({"gate": {"flip_p99": 0.01, "warn": {"flip_p99": 0.05}}})", "beyond what fails"}}) {
+    const auto parsed = parse_gate_limits(bad, "cpu", "box.json");
+    ASSERT_FALSE(parsed) << bad;
+    EXPECT_NE(parsed.error().text().find(says), std::string::npos) << parsed.error().text();
+  }
 }
 
 TEST(Gate, BrokenImagesFail) {

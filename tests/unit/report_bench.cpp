@@ -104,6 +104,33 @@ TEST(BenchHtml, WithoutGnuplotItSaysSoAndKeepsTheTables) {
   EXPECT_EQ(html.find("image/svg+xml"), std::string::npos);
 }
 
+TEST(BenchHtml, NotesAreFoldedBehindWhatWasFound) {
+  const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", false);
+  const size_t found = html.find("exponent"), folded = html.find("<details><summary>Notes ("),
+               note = html.find("a note &amp; more");
+  ASSERT_NE(note, std::string::npos);
+  EXPECT_LT(found, folded);
+  EXPECT_LT(folded, note);
+}
+
+TEST(BenchHtml, FiguresAreFilesToo) {
+  FigureFiles figures;
+  bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", has_gnuplot(), &figures);
+  std::vector<std::string> names;
+  for (const auto& [name, svg] : figures.files) {
+    names.push_back(name);
+    EXPECT_NE(svg.find("</svg>"), std::string::npos) << name;
+  }
+  ASSERT_GE(names.size(), 2u);
+  EXPECT_EQ(names[0], "01-time-of-the-passes.svg");
+  EXPECT_EQ(names[1], "02-shares-of-the-passes.svg");
+  if (has_gnuplot()) EXPECT_EQ(names.at(2), "03-frame-time.svg");
+  figures = {};
+  figures.add("A <b> / \"c\" ../d", "<svg/>"), figures.add("empty", "");
+  ASSERT_EQ(figures.files.size(), 1u);
+  EXPECT_EQ(figures.files[0].first, "01-a-b-c-d.svg");
+}
+
 // Passes are timed one by one, each alone: their sum is another quantity than the frame's time.
 TEST(BenchHtml, FramesAndPassesShareNoTable) {
   const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", false);

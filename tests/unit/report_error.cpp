@@ -83,13 +83,25 @@ TEST(ErrorRows, CsvHasAColumnForEachError) {
 }
 
 TEST(ErrorReport, HasFrontsNoiseSentencesAndStrips) {
-  const std::string html = bench_html(run(), "t", false);
+  FigureFiles figures;
+  const std::string html = bench_html(run(), "t", false, &figures);
   for (const char* part :
        {"Error against time: a &lt;scene&gt;", "noise of the reference", "the cheapest setting is",
         "Reference, result, FLIP", "cG5n", "95 % CI", "sampling error", "3.00", "7.00", "16 samples a pixel"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_EQ(html.find("a <scene>"), std::string::npos);
-  EXPECT_EQ(error_html({}), "");
+  FigureFiles none;
+  EXPECT_EQ(error_html({}, none), "");
+  EXPECT_TRUE(none.files.empty());
+  // Each figure of the page is a file too, in the page's order.
+  ASSERT_FALSE(figures.files.empty());
+  EXPECT_TRUE(figures.files.front().first.starts_with("01-relmse-against-")) << figures.files.front().first;
+  size_t at = 0;
+  for (const auto& [name, svg] : figures.files) {
+    EXPECT_TRUE(svg.starts_with("<svg ")) << name;
+    at = html.find(svg, at);
+    ASSERT_NE(at, std::string::npos) << name;
+  }
 }
 
 TEST(Scatter, TicksAtOneTwoAndFive) {

@@ -28,7 +28,13 @@ std::vector<GoldenRow> rows() {
   all[0] = {.name = "a clean", .verdict = "identical", .passed = true, .device_class = "cpu", .time_s = 0.5};
   all[1] = {
       .name = "b blank", .verdict = "identical", .passed = true, .blank = true, .device_class = "cpu", .time_s = 0.25};
-  all[2] = {.name = "c flagged", .verdict = "flagged", .passed = true, .flagged = true, .device_class = "cpu"};
+  all[2] = {.name = "c warned",
+            .verdict = "warned",
+            .passed = true,
+            .warned = true,
+            .message = "7 pixels < all",
+            .device_class = "cpu",
+            .bounds = {{"FLIP, mean", 0.005, 0.01, 0.004}, {"largest", 0.5, NAN, NAN, 0.25}}};
   all[3] = {.name = "z <broken> & \"quoted\"",
             .verdict = "failed",
             .message = "differs <b>",
@@ -48,12 +54,15 @@ TEST(GoldenHtml, FailuresFirstAndPicturesInside) {
   const std::string html = golden_html(all, "Goldens");
   const auto at = [&](std::string_view text) { return html.find(text); };
   EXPECT_LT(at("z &lt;broken&gt;"), at("b blank"));
-  EXPECT_LT(at("b blank"), at("c flagged"));
-  EXPECT_LT(at("c flagged"), at("a clean"));
+  EXPECT_LT(at("b blank"), at("c warned"));
+  EXPECT_LT(at("c warned"), at("a clean"));
   EXPECT_EQ(at("<broken>"), std::string::npos);
   EXPECT_NE(at("blank frame"), std::string::npos);
   EXPECT_NE(at("no_such_picture.png"), std::string::npos);
   EXPECT_NE(at("1 failed, 2 to look at, 1 passed"), std::string::npos);
+  EXPECT_NE(at("<tr class=\"above\"><td>FLIP, mean</td><td>0.005</td><td></td><td>0.004</td><td>0.01</td></tr>"),
+            std::string::npos);
+  EXPECT_NE(at("<tr><td>largest</td><td>0.5</td><td>0.25</td><td></td><td></td></tr>"), std::string::npos);
   const size_t first = at("data:image/png;base64,Zm9vYg==");
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(html.find("data:image/png", first + 1), std::string::npos);
@@ -96,6 +105,7 @@ TEST(GoldenJunit, CountsAndFailures) {
             std::string::npos)
       << xml;
   EXPECT_NE(xml.find("identical; blank frame"), std::string::npos);
+  EXPECT_NE(xml.find("<system-out>warned; warning: 7 pixels &lt; all</system-out>"), std::string::npos) << xml;
 }
 
 }  // namespace

@@ -352,6 +352,27 @@ TEST(FrameData, LightsShineAlongMinusZWhateverTheScale) {
   EXPECT_EQ(frame.lights[1].direction, glm::vec3(0, 0, -1));
 }
 
+// A sun that has faded lights nothing, but its sky goes on from where it stands.
+TEST(FrameData, TheFirstSunIsKnownWithoutItsLight) {
+  Builder b;
+  EXPECT_FALSE(b.frame().first_sun);
+  b.scene.lights.resize(3);
+  b.scene.lights[0].type = LightType::point;
+  b.scene.lights[1].type = b.scene.lights[2].type = LightType::directional;
+  b.scene.lights[1].intensity = 0;
+  b.scene.lights[2].intensity = 5;
+  for (int light = 0; light < 3; ++light) {
+    const int node = b.add(-1, {});
+    b.scene.nodes[size_t(node)].light = light;
+    if (light == 1) b.scene.nodes[size_t(node)].rotation = {std::sqrt(0.5), std::sqrt(0.5), 0, 0};  // -z becomes +y
+  }
+  const FrameData frame = b.frame();
+  EXPECT_EQ(frame.lights.size(), 2u);
+  ASSERT_TRUE(frame.first_sun);
+  EXPECT_EQ(frame.first_sun->intensity, glm::vec3(0));
+  EXPECT_NEAR(glm::length(frame.first_sun->direction - glm::vec3(0, 1, 0)), 0, 1e-6);
+}
+
 TEST(FrameData, ManyItemsAndLightsAndTheSameInputGivesTheSameBytes) {
   Builder b;
   const int mesh = b.add_mesh({triangle()});

@@ -28,7 +28,7 @@ TEST(Stability, HasAtLeastEightyScenesOfUniqueNames) {
   }
   EXPECT_GE(names.size(), 80u);
   EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "textures", "geometry",
-                                             "animation", "tone", "images", "fog"}));
+                                             "animation", "tone", "images", "fog", "skies"}));
 }
 
 TEST(Stability, ScenesFollowFromTheSeed) {

@@ -132,6 +132,7 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_display(all);
   stability::add_images(all, sizes);
   stability::add_fog(all);
+  stability::add_skies(all);
   return all;
 }
 

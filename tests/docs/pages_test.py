@@ -1,0 +1,69 @@
+"""docs/commands is what the parser says, and links inside the repository lead somewhere."""
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+from documents import ROOT, blocks, documents, program
+
+
+def made_pages(folder):
+    subprocess.run([program(), "manual", "--docs", folder], check=True)
+    return {path.name: path.read_text() for path in sorted(pathlib.Path(folder).iterdir())}
+
+
+def anchors(page):
+    """As GitHub makes them of headings."""
+    names = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", name.lower()).replace(" ", "-") for name in names}
+
+
+class Pages(unittest.TestCase):
+    def test_pages_of_commands_are_those_of_the_program(self):
+        with tempfile.TemporaryDirectory(prefix="candela-docs-") as folder:
+            made = made_pages(folder)
+        kept = {path.name: path.read_text() for path in sorted((ROOT / "docs/commands").iterdir())}
+        stale = sorted(name for name in made.keys() | kept.keys() if made.get(name) != kept.get(name))
+        self.assertEqual(stale, [], "docs/commands is not what the program's options say: ./run docs writes it anew")
+
+    def test_a_page_names_every_option_of_help(self):
+        """The pages are made of the same tree as man pages; help is CLI11's own."""
+        pages = sorted((ROOT / "docs/commands").glob("candela-*.md"))
+        self.assertGreaterEqual(len(pages), 20)
+        for page in pages:
+            words = re.search(r"^# (.*)$", page.read_text(), re.MULTILINE)[1].split()
+            shown = subprocess.run([program(), *words[1:], "--help"], text=True, capture_output=True, check=True).stdout
+            text = page.read_text()
+            for option in re.findall(r"^  (?:-[a-zA-Z],)?(--[a-z-]+)", shown, re.MULTILINE):
+                self.assertRegex(text, rf"(?m)^\| `[^`]*{option}[ `,]", f"{page.name} lacks {option}")
+
+    def test_links_lead_to_files_and_headings(self):
+        count = 0
+        for page in documents():
+            code = {line for begun, _, text in blocks(page, "sh") for line in
+                    range(begun, begun + text.count("\n") + 1)}
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                if number in code:
+                    continue
+                for target in re.findall(r"\]\(([^)\s]+)\)", line):
+                    if re.match(r"[a-z]+:", target):
+                        continue
+                    path, _, heading = target.partition("#")
+                    place = (page.parent / path).resolve() if path else page
+                    self.assertTrue(place.exists(), f"{page}:{number}: {target} does not exist")
+                    self.assertTrue(place.is_relative_to(ROOT), f"{page}:{number}: {target} leaves the repository")
+                    if heading:
+                        self.assertIn(heading, anchors(place), f"{page}:{number}: {target}: no such heading")
+                    count += 1
+        self.assertGreater(count, 50)
+
+    def test_pages_named_in_text_exist(self):
+        for page in documents():
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                for name in re.findall(r"\b((?:docs|src|bench|golden|tests)/[\w./-]+\.(?:md|json|py|sh))\b", line):
+                    self.assertTrue((ROOT / name).exists() or "NAME" in name, f"{page}:{number}: {name} does not exist")
+
+
+if __name__ == "__main__":
+    unittest.main()

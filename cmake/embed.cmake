@@ -1,5 +1,5 @@
-# Writes a C++ file with a table {name, text} of the listed files (see gpu/shader_sources.h).
-set(body "#include \"gpu/shader_sources.h\"\nnamespace candela::gpu {\nstatic const EmbeddedShader table[] = {\n")
+# Writes a C++ file with a table {name, text} of the listed files (see glsl/shader_sources.h).
+set(body "#include \"glsl/shader_sources.h\"\nnamespace candela::glsl {\nstatic const EmbeddedShader table[] = {\n")
 foreach(name IN LISTS FILES)
   file(READ ${ROOT}/${name} text)
   # A raw string literal may hold at most 65,536 characters; long files become several that the compiler joins.
@@ -16,5 +16,5 @@ foreach(name IN LISTS FILES)
   endif()
   string(APPEND body "  },\n")
 endforeach()
-string(APPEND body "};\nstd::span<const EmbeddedShader> embedded_shaders() { return table; }\n}  // namespace candela::gpu\n")
+string(APPEND body "};\nstd::span<const EmbeddedShader> embedded_shaders() { return table; }\n}  // namespace candela::glsl\n")
 file(WRITE ${OUT} "${body}")

@@ -2,7 +2,7 @@
 # below share/ man pages, completion, schemas, documents and licences.
 # Components: program (shared libraries of the system), portable (the program with its libraries inside), share, zsh, zsh-debian.
 install(TARGETS candela RUNTIME DESTINATION bin COMPONENT program)
-foreach(module candela_oiio candela_draco)
+foreach(module candela_glslang candela_oiio candela_draco)
   if(TARGET ${module})
     install(TARGETS ${module} LIBRARY DESTINATION lib/candela COMPONENT program)
   endif()
@@ -39,6 +39,12 @@ if(CANDELA_STATIC_LIBRARIES)
   set_target_properties(candela_portable PROPERTIES CANDELA_STATIC ON EXCLUDE_FROM_ALL ON)
   target_link_options(candela_portable PRIVATE -static-libstdc++ -static-libgcc -Wl,--exclude-libs,ALL -Wl,--as-needed)
   install(PROGRAMS $<TARGET_FILE:candela_portable> DESTINATION bin RENAME candela COMPONENT portable EXCLUDE_FROM_ALL)
+  candela_glslang_module(candela_glslang_portable EXCLUDE_FROM_ALL)
+  target_link_options(candela_glslang_portable PRIVATE -static-libstdc++ -static-libgcc)
+  set_target_properties(candela_glslang_portable PROPERTIES OUTPUT_NAME candela_glslang
+                        LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/portable)
+  install(PROGRAMS $<TARGET_FILE:candela_glslang_portable> DESTINATION lib/candela COMPONENT portable EXCLUDE_FROM_ALL)
+  add_dependencies(candela_portable candela_glslang_portable)
   if(CANDELA_DRACO)
     add_library(candela_draco_portable MODULE EXCLUDE_FROM_ALL src/gltf/modules/draco_module.cpp)
     target_include_directories(candela_draco_portable PRIVATE src)

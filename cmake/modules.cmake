@@ -1,10 +1,10 @@
 # candela_module(NAME LINK libs...): the static library candela_NAME from src/NAME and the folders in it; what is loaded at run time
-# (modules/) is not part of it. Its public include folder is src,
+# (modules/) or makes what is built in (tools/) is not part of it. Its public include folder is src,
 # so every include says its module: #include "scene/scene.h".
 function(candela_module name)
   cmake_parse_arguments(A "" "" "LINK" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
-  list(FILTER sources EXCLUDE REGEX "/modules/")
+  list(FILTER sources EXCLUDE REGEX "/(modules|tools)/")
   if(CANDELA_MUTATE)
     candela_with_faults(sources)
     if(name STREQUAL "base")

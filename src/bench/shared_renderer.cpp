@@ -4,6 +4,7 @@
 #include "frame/device_samples.h"
 #include "frame/draw_probes.h"
 #include "frame/job_look.h"
+#include "glsl/built_in_spirv.h"
 #include "gltf/gltf.h"
 
 namespace candela {
@@ -25,8 +26,9 @@ Expected<std::unique_ptr<SharedRenderer>> SharedRenderer::open(const RunSettings
   try {
     renderer->bindless_ = std::make_unique<gpu::Bindless>(*renderer->device_, textures);
     const std::filesystem::path cache = cache_folder();
-    renderer->runner_ = std::make_unique<gpu::FrameRunner>(*renderer->device_, *renderer->bindless_,
-                                                           gpu::ShaderCompiler(settings.shader_folder, cache), cache);
+    renderer->runner_ = std::make_unique<gpu::FrameRunner>(
+        *renderer->device_, *renderer->bindless_,
+        glsl::ShaderCompiler(settings.shader_folder, cache, glsl::built_in_spirv()), cache);
     renderer->runner_->timeout_s = settings.timeout_s;
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));

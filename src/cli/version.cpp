@@ -5,6 +5,7 @@
 #include "base/modules.h"
 #include "cli/build_info.h"
 #include "cli/command.h"
+#include "glsl/built_in_spirv.h"
 
 namespace candela::cli {
 namespace {
@@ -17,21 +18,22 @@ nlohmann::ordered_json module_json(const char* file) {
 nlohmann::ordered_json version_json() {
   nlohmann::ordered_json libraries = nlohmann::ordered_json::object();
   for (const auto& [name, version] : build_info.libraries) libraries[name] = version;
-  return {
-      {"program", "candela"},
-      {"version", CANDELA_VERSION},
-      {"source", source_version},
-      {"build",
-       {{"type", build_info.type},
-        {"compiler", build_info.compiler},
-        {"processor", build_info.processor},
-        {"libraries_linked", build_info.libraries_linked},
-        {"sanitizers", build_info.sanitizers},
-        {"deliberate_faults", build_info.deliberate_faults}}},
-      {"libraries", libraries},
-      {"modules",
-       {{"candela_oiio.so", module_json("candela_oiio.so")}, {"candela_draco.so", module_json("candela_draco.so")}}},
-      {"shaders", {{"sources", "built in"}, {"spirv_built_in", false}}}};
+  return {{"program", "candela"},
+          {"version", CANDELA_VERSION},
+          {"source", source_version},
+          {"build",
+           {{"type", build_info.type},
+            {"compiler", build_info.compiler},
+            {"processor", build_info.processor},
+            {"libraries_linked", build_info.libraries_linked},
+            {"sanitizers", build_info.sanitizers},
+            {"deliberate_faults", build_info.deliberate_faults}}},
+          {"libraries", libraries},
+          {"modules",
+           {{"candela_glslang.so", module_json("candela_glslang.so")},
+            {"candela_oiio.so", module_json("candela_oiio.so")},
+            {"candela_draco.so", module_json("candela_draco.so")}}},
+          {"shaders", {{"sources", "built in"}, {"spirv_built_in", !glsl::built_in_spirv().empty()}}}};
 }
 
 }  // namespace

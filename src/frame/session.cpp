@@ -14,6 +14,7 @@
 #include "frame/job_look.h"
 #include "frame/posed_scene.h"
 #include "frame/timings.h"
+#include "glsl/built_in_spirv.h"
 #include "gpu/kept_image.h"
 
 namespace candela {
@@ -131,8 +132,8 @@ Expected<void> DeviceSession::open() {
     bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
     const std::filesystem::path cache = cache_folder();
-    runner_ = std::make_unique<gpu::FrameRunner>(*device_, *bindless_,
-                                                 gpu::ShaderCompiler(settings_.shader_folder, cache), cache);
+    runner_ = std::make_unique<gpu::FrameRunner>(
+        *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
     runner_->timeout_s = settings_.timeout_s;
     if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
   } catch (const gpu::GpuError& e) {

@@ -115,7 +115,7 @@ struct FrameRunner::Hidden {
   QueueTimelines timelines;
   std::vector<std::unique_ptr<FrameSlot>> slots;  // as many as frames were ever in flight at once
 
-  Hidden(Device& d, Bindless& b, ShaderCompiler compiler, std::filesystem::path cache_folder)
+  Hidden(Device& d, Bindless& b, glsl::ShaderCompiler compiler, std::filesystem::path cache_folder)
       : device(d),
         bindless(b),
         pipelines(d, b, std::move(compiler), std::move(cache_folder)),
@@ -142,7 +142,7 @@ struct FrameRunner::Hidden {
                     FrameSlot& slot);
 };
 
-FrameRunner::FrameRunner(Device& device, Bindless& bindless, ShaderCompiler compiler,
+FrameRunner::FrameRunner(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler,
                          std::filesystem::path cache_folder)
     : hidden_(std::make_unique<Hidden>(device, bindless, std::move(compiler), std::move(cache_folder))) {}
 FrameRunner::~FrameRunner() = default;

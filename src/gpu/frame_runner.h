@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "glsl/shader_compiler.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
 #include "gpu/resources.h"
-#include "gpu/shader_compiler.h"
 #include "graph/builder.h"
 
 namespace candela::gpu {
@@ -57,7 +57,7 @@ struct PrepareTimes {
   double pipeline_ms = 0;  // SPIR-V to pipelines, likewise
   double allocate_ms = 0;
   bool allocated = false;  // images and buffers were made anew
-  int shaders = 0, shaders_from_cache = 0, pipelines = 0;
+  int shaders = 0, shaders_built_in = 0, shaders_from_cache = 0, pipelines = 0;
 };
 
 using FrameTicket = uint64_t;  // of a frame that was submitted and not yet collected
@@ -74,7 +74,7 @@ using FrameTicket = uint64_t;  // of a frame that was submitted and not yet coll
 // one after another on the one queue. Timed and hashed runs are serial.
 class FrameRunner {
  public:
-  FrameRunner(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);
+  FrameRunner(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler, std::filesystem::path cache_folder);
   ~FrameRunner();
   // Compiles in parallel what the plan holds and allocates what it names. Errors (input) for a shader that does not
   // compile.

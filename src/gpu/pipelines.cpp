@@ -81,7 +81,8 @@ VkPipelineColorBlendAttachmentState blend_state(const AttachmentState& attachmen
 
 }  // namespace
 
-Pipelines::Pipelines(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder)
+Pipelines::Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler,
+                     std::filesystem::path cache_folder)
     : device_(device), bindless_(bindless), compiler_(std::move(compiler)), cache_folder_(std::move(cache_folder)) {
   vkGetPhysicalDeviceFeatures(device.physical(), &features_);  // what is optional is on where it is present
   load_cache();
@@ -152,7 +153,7 @@ Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareT
   if (missing.empty()) return {};
   const auto start = std::chrono::steady_clock::now();
   const std::vector<std::string> files(missing.begin(), missing.end());
-  std::vector<Expected<ShaderCompiler::Result>> results(files.size());
+  std::vector<Expected<glsl::ShaderCompiler::Result>> results(files.size());
   tbb::parallel_for(size_t(0), files.size(), [&](size_t i) { results[i] = compiler_.compile(files[i]); });
   for (size_t i = 0; i < files.size(); ++i) {
     if (!results[i]) return std::unexpected(results[i].error());
@@ -165,6 +166,7 @@ Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareT
     shader.spirv = std::move(results[i]->spirv);
     shaders_.emplace(files[i], std::move(shader));
     ++times.shaders;
+    times.shaders_built_in += results[i]->built_in;
     times.shaders_from_cache += results[i]->from_cache;
   }
   times.compile_ms += ms_since(start);

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "glsl/shader_compiler.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
-#include "gpu/shader_compiler.h"
 #include "graph/plan.h"
 
 namespace candela::gpu {
@@ -25,7 +25,7 @@ struct Pipeline {
 // driver.
 class Pipelines {
  public:
-  Pipelines(Device& device, Bindless& bindless, ShaderCompiler compiler, std::filesystem::path cache_folder);
+  Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler, std::filesystem::path cache_folder);
   ~Pipelines();
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
@@ -44,7 +44,7 @@ class Pipelines {
 
   Device& device_;
   Bindless& bindless_;
-  ShaderCompiler compiler_;
+  glsl::ShaderCompiler compiler_;
   std::filesystem::path cache_folder_;
   VkPhysicalDeviceFeatures features_{};
   VkPipelineCache cache_ = VK_NULL_HANDLE;

@@ -20,8 +20,8 @@ class GpuTest : public ::testing::Test {
     ASSERT_TRUE(opened) << opened.error().text();
     device = std::move(*opened);
     bindless = std::make_unique<Bindless>(*device);
-    runner =
-        std::make_unique<FrameRunner>(*device, *bindless, ShaderCompiler(shader_folder()), std::filesystem::path{});
+    runner = std::make_unique<FrameRunner>(*device, *bindless, glsl::ShaderCompiler(shader_folder()),
+                                           std::filesystem::path{});
   }
   void TearDown() override {
     runner.reset();

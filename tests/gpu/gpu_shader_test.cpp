@@ -1,8 +1,8 @@
 #include <fstream>
 
 #include "base/files.h"
+#include "glsl/shader_sources.h"
 #include "gpu/pipelines.h"
-#include "gpu/shader_sources.h"
 #include "gpu/workgroup_size.h"
 #include "gpu_fixture.h"
 
@@ -32,8 +32,8 @@ class Shaders : public ::testing::Test {
 };
 
 TEST_F(Shaders, EveryEmbeddedShaderCompiles) {
-  const ShaderCompiler compiler;
-  for (const EmbeddedShader& shader : embedded_shaders()) {
+  const glsl::ShaderCompiler compiler;
+  for (const glsl::EmbeddedShader& shader : glsl::embedded_shaders()) {
     const std::string ending = fs::path(shader.name).extension().string();
     // lib/ holds pieces that name the stage they are for ("draw.frag.glsl").
     if (ending != ".vert" && ending != ".frag" && ending != ".comp") continue;
@@ -46,17 +46,17 @@ TEST_F(Shaders, ErrorsNameFileLineAndTheIncludingChain) {
   write("a.comp", "#version 460\n#include \"lib/b.glsl\"\nlayout(local_size_x = 1) in;\nvoid main() { f(); }\n");
   write("lib/b.glsl", "\n#include \"lib/c.glsl\"\n");
   write("lib/c.glsl", "void f() {\n  int x = unknown_thing;\n}\n");
-  const auto result = ShaderCompiler(folder).compile("a.comp");
+  const auto result = glsl::ShaderCompiler(folder).compile("a.comp");
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::input);
   EXPECT_EQ(result.error().place, "lib/c.glsl:2, included by lib/b.glsl:2, included by a.comp:2");
   EXPECT_NE(result.error().message.find("unknown_thing"), std::string::npos) << result.error().message;
 
   write("lib/b.glsl", "#include \"lib/gone.glsl\"\n");
-  const auto missing = ShaderCompiler(folder).compile("a.comp");
+  const auto missing = glsl::ShaderCompiler(folder).compile("a.comp");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().text(), "lib/b.glsl:1, included by a.comp:2: cannot find \"lib/gone.glsl\"");
-  const auto absent = ShaderCompiler(folder).compile("none.comp");
+  const auto absent = glsl::ShaderCompiler(folder).compile("none.comp");
   ASSERT_FALSE(absent);
   EXPECT_NE(absent.error().text().find("none.comp: there is no such shader"), std::string::npos);
 }
@@ -66,7 +66,7 @@ TEST_F(Shaders, IncludesAFileWithPragmaOnceOnce) {
         "#version 460\n#include \"lib/b.glsl\"\n#include \"lib/b.glsl\"\nlayout(local_size_x = 1) in;\nvoid main() { "
         "f(); }\n");
   write("lib/b.glsl", "#pragma once\nvoid f() {}\n");
-  const auto result = ShaderCompiler(folder).compile("a.comp");
+  const auto result = glsl::ShaderCompiler(folder).compile("a.comp");
   EXPECT_TRUE(result) << result.error().text();
 }
 
@@ -74,7 +74,7 @@ TEST_F(Shaders, ASecondCompileComesFromTheCacheAndADamagedFileIsMadeAgain) {
   write("a.comp", "#version 460\n#include \"lib/b.glsl\"\nlayout(local_size_x = 1) in;\nvoid main() { f(); }\n");
   write("lib/b.glsl", "void f() {}\n");
   const fs::path cache = folder / "cache";
-  const ShaderCompiler compiler(folder, cache);
+  const glsl::ShaderCompiler compiler(folder, cache);
   const auto first = compiler.compile("a.comp");
   ASSERT_TRUE(first) << first.error().text();
   EXPECT_FALSE(first->from_cache);
@@ -107,7 +107,7 @@ TEST_F(Shaders, AWholeCacheFileUnderAnotherKeysNameIsNotTaken) {
   write("a.comp", "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n");
   write("b.comp", "#version 460\nlayout(local_size_x = 2) in;\nvoid main() {}\n");
   const fs::path cache = folder / "cache";
-  const ShaderCompiler compiler(folder, cache);
+  const glsl::ShaderCompiler compiler(folder, cache);
   ASSERT_TRUE(compiler.compile("a.comp"));
   const fs::path file_of_a = files_below(cache).at(0);
   const auto b = compiler.compile("b.comp");
@@ -121,7 +121,7 @@ TEST_F(Shaders, AWholeCacheFileUnderAnotherKeysNameIsNotTaken) {
 }
 
 TEST_F(Shaders, WorkgroupSizeComesFromTheCodeAndItsConstants) {
-  const ShaderCompiler compiler(shader_folder());
+  const glsl::ShaderCompiler compiler(shader_folder());
   EXPECT_EQ(workgroup_size(compiler.compile("fill.comp")->spirv, {}), (std::array<uint32_t, 3>{8, 4, 1}));
   const auto sized = compiler.compile("sized.comp");
   ASSERT_TRUE(sized) << sized.error().text();
@@ -140,7 +140,7 @@ TEST_F(Shaders, PipelinesAreMadeOnceAndTheirCacheSurvivesDamage) {
                                                               .color_formats = {VK_FORMAT_R8G8B8A8_UNORM}}};
   for (int round = 0; round < 3; ++round) {
     Bindless bindless(**device);
-    Pipelines pipelines(**device, bindless, ShaderCompiler(shader_folder(), folder), folder);
+    Pipelines pipelines(**device, bindless, glsl::ShaderCompiler(shader_folder(), folder), folder);
     PrepareTimes times;
     const auto first = pipelines.get(wanted, times);
     ASSERT_TRUE(first) << first.error().text();
@@ -159,7 +159,7 @@ TEST_F(Shaders, PipelinesAreMadeOnceAndTheirCacheSurvivesDamage) {
   }
   PrepareTimes times;
   Bindless bindless(**device);
-  const auto missing = Pipelines(**device, bindless, ShaderCompiler(shader_folder()), {})
+  const auto missing = Pipelines(**device, bindless, glsl::ShaderCompiler(shader_folder()), {})
                            .get(std::vector<PipelineDesc>{ComputePipelineDesc{.shader = "none.comp"}}, times);
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().place, "none.comp");

@@ -104,9 +104,9 @@ SHADER_FAULTS = """// The embedded shaders, with the active fault in its file's 
 #include <string>
 #include <vector>
 
-#include "gpu/shader_sources.h"
+#include "glsl/shader_sources.h"
 extern "C" int candela_active_fault;
-namespace candela::gpu {
+namespace candela::glsl {
 std::span<const EmbeddedShader> embedded_shaders_without_faults();
 std::span<const EmbeddedShader> embedded_shaders() {
   struct Fault { int number; const char* file; size_t start, length; const char* text; };
@@ -126,7 +126,7 @@ std::span<const EmbeddedShader> embedded_shaders() {
   }();
   return table;
 }
-}  // namespace candela::gpu
+}  // namespace candela::glsl
 """
 
 

@@ -8,7 +8,7 @@ build=$1 source=$2
 runs() {  # PREFIX
   local program=$1/bin/candela said module
   said=$("$program" --version --json) || { broken "$1: --version --json"; return; }
-  for module in candela_oiio candela_draco; do
+  for module in candela_glslang candela_oiio candela_draco; do
     [[ -f $build/$module.so ]] || continue
     [[ -f $1/lib/candela/$module.so ]] || broken "$1: no $module.so"
     grep -A1 "\"$module.so\"" <<<"$said" | grep -q '"opens": true' || broken "$1: $module.so does not open: $said"
@@ -36,9 +36,15 @@ runs "$work/moved, with a blank"
 # Links to the program are followed.
 mkdir -p "$work/links/bin" && ln -s "$work/moved, with a blank/bin/candela" "$work/links/bin/candela"
 "$work/links/bin/candela" --version --json | grep -A1 candela_draco.so | grep -q '"opens": true' || broken "modules are not found through a link"
-# Without its modules it says so, and goes on.
+# Without its modules it says so, and goes on. Its own shaders are built in; an edited one needs candela_glslang.so.
+mkdir -p "$work/alone/bin" "$work/edited" && cp "$work/moved, with a blank/bin/candela" "$work/alone/bin/"
+alone() { CANDELA_CACHE_DIR=$work/cache "$work/alone/bin/candela" render "$work/box.glb" --size 32x18 -o "$work/box.png" "$@"; }
+alone 2>"$work/said" || broken "without modules it does not render: $(<"$work/said")"
+{ cat "$source/shaders/tonemap.comp"; echo "// edited"; } >"$work/edited/tonemap.comp"
+code=0
+said=$(alone --shader-dir "$work/edited" 2>&1) || code=$?
+[[ $code -eq 3 && $said == *"tonemap.comp"*"candela_glslang.so"*"leave --shader-dir out"* ]] || broken "an edited shader without the module: exit $code, $said"
 if [[ -f $build/candela_oiio.so ]]; then
-  mkdir -p "$work/alone/bin" && cp "$work/moved, with a blank/bin/candela" "$work/alone/bin/"
   "$work/alone/bin/candela" --version --json | grep -A2 candela_oiio.so | grep -q 'no candela_oiio.so beside' || broken "a missing module is not named"
   printf 'BM a picture of another format, long enough to be looked at' >"$work/a.bmp"
   code=0

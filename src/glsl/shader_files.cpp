@@ -1,11 +1,11 @@
-#include "gpu/shader_files.h"
+#include "glsl/shader_files.h"
 
 #include <optional>
 
 #include "base/files.h"
-#include "gpu/shader_sources.h"
+#include "glsl/shader_sources.h"
 
-namespace candela::gpu {
+namespace candela::glsl {
 
 namespace {
 
@@ -97,4 +97,4 @@ Expected<ShaderFiles> load_shader_files(const std::filesystem::path& folder, con
   return result;
 }
 
-}  // namespace candela::gpu
+}  // namespace candela::glsl

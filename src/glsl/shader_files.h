@@ -7,7 +7,7 @@
 #include "base/hash.h"
 
 // A shader's source with everything it includes, before the preprocessor has run.
-namespace candela::gpu {
+namespace candela::glsl {
 
 struct ShaderFile {
   std::string name;  // below the shader folder
@@ -28,4 +28,4 @@ struct ShaderFiles {
 // from `folder` where it has one, else from the embedded table. <...> includes are for C++ and are not followed.
 Expected<ShaderFiles> load_shader_files(const std::filesystem::path& folder, const std::string& root);
 
-}  // namespace candela::gpu
+}  // namespace candela::glsl

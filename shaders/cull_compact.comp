@@ -4,7 +4,9 @@
 // same order.
 #include "lib/cull.glsl"
 
+const uint leaders = 16u, run_size = cull_group_size / leaders;
 shared uint part[cull_group_size];
+shared uint run_part[leaders];
 shared uint words[cull_mask_words];
 
 void main() {
@@ -14,18 +16,23 @@ void main() {
   const uint view = HAS_VIEW_TABLE != 0 ? flat_place / pc.group_count : 0u;
   const uint first_of_view = view * pc.group_count;
   const CullGroup group = CullGroupsRef(pc.groups).g[flat_place - first_of_view];
-  // Survivors of the run's earlier groups: each thread sums a stride, then a tree adds the threads.
+  // Survivors of the run's earlier groups: each thread sums a stride, leaders add runs of threads, and all add the
+  // leaders. Drivers compile a barrier in a loop slowly.
   uint sum = 0u;
   for (uint i = first_of_view + group.first_group + t; i < flat_place; i += cull_group_size)
     sum += CountsRef(pc.survivors).n[i];
   part[t] = sum;
   if (t < cull_mask_words) words[t] = MasksRef(pc.masks).m[flat_place * cull_mask_words + t];
   barrier();
-  for (uint step = cull_group_size / 2u; step > 0u; step /= 2u) {
-    if (t < step) part[t] += part[t + step];
-    barrier();
+  if (t < leaders) {
+    const uint first = min(t, leaders - 1u) * run_size;  // lavapipe loads for threads that are not here
+    uint parts = 0u;
+    for (uint i = first; i < first + run_size; ++i) parts += part[i];
+    run_part[t] = parts;
   }
-  const uint before = part[0];
+  barrier();
+  uint before = 0u;
+  for (uint run = 0u; run < leaders; ++run) before += run_part[run];
   // Without a table a run's commands begin at its first item's place: the groups of a run follow one another.
   const uint region = view * pc.run_count + group.run;
   const uint first_command = HAS_VIEW_TABLE != 0

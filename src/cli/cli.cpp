@@ -95,9 +95,14 @@ int parse_failed(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   return int(ErrorKind::usage);
 }
 
+constexpr const char* less_memory =
+    "A smaller --size, fewer --samples and --layers, a lower --quality or --in-flight take less memory; limits may be "
+    "set by ulimit, a container or the batch system";
+
 int failed(const CLI::App& app, const Error& error) {
   log::error("{}", error.text());
   if (error.kind == ErrorKind::usage) log::info("See {} --help", command_of(app));
+  if (error.kind == ErrorKind::out_of_memory) log::info("{}", less_memory);
   return int(error.kind);
 }
 
@@ -106,6 +111,7 @@ int failed(const CLI::App& app, const Error& error) {
   if (!std::current_exception()) std::abort();
   const Error error = current_error();
   log::error("{}", error.text());
+  if (error.kind == ErrorKind::out_of_memory) log::info("{}", less_memory);
   std::_Exit(int(error.kind));
 }
 

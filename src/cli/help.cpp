@@ -35,7 +35,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
       {"Measuring", {"timings", "trace", "overlap", "check-determinism"}},
       {"Device", {"device", "devices", "queues", "timeout", "validate", "shader-dir"}},
       {"Input", {"allow-path", "decode-budget-mb", "strict", "allow-blank", "config"}},
-      {"Messages", {"quiet", "verbose", "json", "dot"}},
+      {"Messages", {"quiet", "verbose", "log", "json", "dot"}},
   };
   return table;
 }

@@ -5,6 +5,7 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "base/log_form.h"
 #include "base/text.h"
 #include "cli/input_options.h"
 #include "scene/look.h"
@@ -153,6 +154,14 @@ void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->type_name("FILE");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
   command.add_flag("--verbose", o.verbose, "More on stderr");
+  // At once: an error in another option is a line too.
+  command
+      .add_option_function<std::string>(
+          "--log", [](const std::string& form) { log::set_form(form == "json" ? log::Form::json : log::Form::text); },
+          "stderr as text, or as a JSON object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->type_name("FORM")
+      ->default_str("text");
   command.add_flag("--json", o.json, "The result as JSON on stdout");
 }
 

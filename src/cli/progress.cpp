@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "base/log_form.h"
+
 namespace candela::cli {
 
 std::string duration_text(double seconds) {
@@ -12,27 +14,44 @@ std::string duration_text(double seconds) {
   return s >= 60 ? fmt::format("{}m{:02}s", s / 60, s % 60) : fmt::format("{}s", s);
 }
 
-ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
+StatusLine::StatusLine(bool quiet)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1 && log::form() == log::Form::text) {}
 
-void ProgressLine::show(const SequenceProgress& p) {
-  if (quiet_) return;
-  const double now_us = process_clock_us();
-  const bool last = p.done == p.total;
+bool StatusLine::due(bool last) {
+  if (quiet_) return false;
   constexpr double terminal_us = 1e5, plain_us = 5e6;
-  if (!last && last_us_ > 0 && now_us - last_us_ < (terminal_ ? terminal_us : plain_us)) return;
+  const double now_us = process_clock_us();
+  if (!last && last_us_ > 0 && now_us - last_us_ < (terminal_ ? terminal_us : plain_us)) return false;
   last_us_ = now_us;
-  std::string line = fmt::format("{}/{} frames", p.done, p.total);
-  if (p.skipped > 0) line += fmt::format(" ({} were there)", p.skipped);
-  if (p.frames_per_s > 0) line += fmt::format(", {:.2f} frames/s, {} left", p.frames_per_s, duration_text(p.left_s));
+  return true;
+}
+
+void StatusLine::show(const std::string& line, const nlohmann::ordered_json& members) {
+  const bool json = log::form() == log::Form::json;
   // \r goes back to the line's start, ESC [K erases what a longer line left.
-  const std::string whole = terminal_ ? "\r" + line + "\x1b[K" : line + "\n";
-  std::fwrite(whole.data(), 1, whole.size(), stderr);
+  log::event("progress", json ? line : terminal_ ? "\r" + line + "\x1b[K" : line + "\n", members);
   open_ = terminal_;
 }
 
-void ProgressLine::end() {
+void StatusLine::end() {
   if (open_) std::fputc('\n', stderr);
   open_ = false;
+}
+
+void ProgressLine::show(const SequenceProgress& p) {
+  if (!line_.due(p.done == p.total)) return;
+  nlohmann::ordered_json members = {{"done", p.done}, {"skipped", p.skipped}, {"total", p.total}};
+  std::string line = fmt::format("{}/{} frames", p.done, p.total);
+  if (p.frame) {
+    line += fmt::format(", frame {}", *p.frame);
+    members["frame"] = *p.frame;
+  }
+  if (p.skipped > 0) line += fmt::format(" ({} were there)", p.skipped);
+  if (p.frames_per_s > 0) {
+    line += fmt::format(", {:.2f} frames/s, {} left", p.frames_per_s, duration_text(p.left_s));
+    members["frames_per_s"] = p.frames_per_s, members["left_s"] = p.left_s;
+  }
+  line_.show(line, members);
 }
 
 }  // namespace candela::cli

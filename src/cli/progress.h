@@ -1,20 +1,36 @@
 #pragma once
+#include <nlohmann/json.hpp>
+
 #include "render/sequence.h"
 
 namespace candela::cli {
 
 std::string duration_text(double seconds);  // "2m05s"
 
-// Progress on stderr: one line that is written over on a terminal, a plain line every few seconds elsewhere.
-class ProgressLine {
+// How far a job is, on stderr: one line that is written over on a terminal, a plain line every few seconds elsewhere,
+// an event of the log where that is JSON.
+class StatusLine {
  public:
-  ProgressLine(bool quiet);
-  void show(const SequenceProgress& progress);
+  explicit StatusLine(bool quiet);
+  ~StatusLine() { end(); }
+  // Whether it is time for a line; the last one of a job always is.
+  bool due(bool last = false);
+  void show(const std::string& line, const nlohmann::ordered_json& members);
   void end();  // leaves the last line standing
 
  private:
   bool quiet_, terminal_, open_ = false;
   double last_us_ = 0;
+};
+
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool quiet) : line_(quiet) {}
+  void show(const SequenceProgress& progress);
+  void end() { line_.end(); }
+
+ private:
+  StatusLine line_;
 };
 
 }  // namespace candela::cli

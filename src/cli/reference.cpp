@@ -1,6 +1,5 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 
 #include "base/json.h"
@@ -9,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/job_options.h"
 #include "cli/output_paths.h"
+#include "cli/progress.h"
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
@@ -69,31 +69,21 @@ Expected<ReferencePlan> plan_reference(const ReferenceOptions& o) {
   return plan;
 }
 
-// One line on a terminal, a plain line every few seconds elsewhere.
-class TraceProgress {
- public:
-  explicit TraceProgress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
-  ~TraceProgress() {
-    if (open_) std::fputc('\n', stderr);
+void show_trace(StatusLine& status, const reference::Progress& p) {
+  if (p.samples == 0 || !status.due()) return;
+  nlohmann::ordered_json members = {{"samples", p.samples}, {"seconds", p.seconds}};
+  std::string line = fmt::format("{} spp", p.samples);
+  if (p.of_samples > 0) {
+    line = fmt::format("{}/{} spp", p.samples, p.of_samples);
+    members["of_samples"] = p.of_samples;
   }
-  void show(const reference::Progress& p) {
-    if (quiet_) return;
-    const double step_s = terminal_ ? 0.1 : 5;
-    if (p.seconds - last_s_ < step_s) return;
-    last_s_ = p.seconds;
-    std::string line =
-        p.of_samples > 0 ? fmt::format("{}/{} spp", p.samples, p.of_samples) : fmt::format("{} spp", p.samples);
-    line += fmt::format(", {:.0f} s", p.seconds);
-    if (p.relative_error > 0) line += fmt::format(", noise {:.3g} %", p.relative_error * 100);
-    const std::string whole = terminal_ ? "\r" + line + "\x1b[K" : line + "\n";
-    std::fwrite(whole.data(), 1, whole.size(), stderr);
-    open_ = terminal_;
+  line += fmt::format(", {:.0f} s", p.seconds);
+  if (p.relative_error > 0) {
+    line += fmt::format(", noise {:.3g} %", p.relative_error * 100);
+    members["noise"] = p.relative_error;
   }
-
- private:
-  bool quiet_, terminal_, open_ = false;
-  double last_s_ = 0;
-};
+  status.show(line, members);
+}
 
 Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
                             const reference::Film& film) {
@@ -159,7 +149,7 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
     log::info("goes on after {} samples a pixel", film.samples());
   }
   const reference::Integrator integrator(*frame.world, plan.request.settings, film.width(), film.height());
-  TraceProgress progress(o.job.quiet);
+  StatusLine status(o.job.quiet);
   Expected<void> saved;
   constexpr double save_every_s = 60;
   double last_save_us = process_clock_us();
@@ -173,7 +163,7 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
   reference::refine(
       film, integrator, plan.request.stop,
       [&](const reference::Progress& p) {
-        progress.show(p);
+        show_trace(status, p);
         return interrupted == 0;
       },
       [&] {

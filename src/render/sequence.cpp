@@ -150,7 +150,7 @@ class Run {
       if (settings_.resume && (settings_.claim ? holds_its_frame(number) : is_done(i))) {
         ++result_.skipped;
         if (settings_.finished) settings_.finished(i, false);
-        report();
+        report(number);
         continue;
       }
       const auto begun = maker_.begin(settings_.rate.seconds(number));
@@ -186,7 +186,7 @@ class Run {
       const uint64_t bytes = maker_.bytes_in_hand(**finished);
       if (!encoder.push(std::move(**finished), bytes)) return false;
       ++result_.rendered;
-      report();
+      report(number);
     }
     return true;
   }
@@ -228,10 +228,11 @@ class Run {
     return std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return holds_frame(path, identity); });
   }
 
-  void report() const {
+  void report(int64_t newest) const {
     if (!settings_.progress) return;
     SequenceProgress progress{
         .done = result_.rendered + result_.skipped, .skipped = result_.skipped, .total = settings_.frames.size()};
+    progress.frame = newest;
     const double passed_s = (process_clock_us() - start_us_) * 1e-6;
     if (result_.rendered > 0 && passed_s > 0) {
       progress.frames_per_s = double(result_.rendered) / passed_s;

@@ -15,6 +15,7 @@ namespace candela {
 struct SequenceProgress {
   size_t done = 0, skipped = 0, total = 0;  // skipped ones count as done
   double frames_per_s = 0, left_s = 0;      // of rendered frames; 0 while unknown
+  std::optional<int64_t> frame;             // the number of the newest
 };
 
 struct SequenceSettings {

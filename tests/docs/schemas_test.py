@@ -67,6 +67,25 @@ class Schemas(unittest.TestCase):
         self.fits(self.read("trace.json"), "trace")
         self.fits(self.run_program(*film, "-o", "b/%04d.png", "--json", "--devices", "0"), "sequence")
 
+    def log_of(self, *words, code=0):
+        """Each line of stderr, which has nothing else."""
+        ended = subprocess.run([program(), *words, "--log", "json"], cwd=self.folder, text=True, capture_output=True)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        self.assertTrue(ended.stderr.endswith("\n"))
+        return [self.fits(line, "log") for line in ended.stderr.splitlines()]
+
+    def test_log(self):
+        lines = self.log_of("sequence", "plaza.glb", *SIZE, "--frames", "4-6", "-o", "log/%04d.png")
+        progress = [line for line in lines if line["event"] == "progress"]
+        self.assertEqual((progress[-1]["done"], progress[-1]["total"], progress[-1]["frame"]), (3, 3, 6))
+        traced = self.log_of("reference", "plaza.glb", "--size", "64x36", "--spp", "64", "-o", "log.exr")
+        self.assertEqual(traced[-1]["text"], "wrote log.exr")
+        missing = self.log_of("render", "no-such.glb", "-o", "a.png", code=3)
+        self.assertEqual([line["level"] for line in missing], ["error"])
+        self.assertIn("no-such.glb", missing[0]["text"])
+        usage = self.log_of("render", "plaza.glb", "--no-such", code=2)
+        self.assertEqual({line["level"] for line in usage}, {"error"})
+
     def test_reference(self):
         self.fits(self.run_program("reference", "plaza.glb", *SIZE, "--spp", "2", "-o", "truth.exr", "--json"), "reference")
         self.fits(self.run_program("reference", "plaza.glb", *SIZE, "--spp", "1", "-o", "one.exr", "--json"), "reference")

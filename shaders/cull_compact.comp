@@ -4,9 +4,9 @@
 // same order.
 #include "lib/cull.glsl"
 
-const uint leaders = 16u, run_size = cull_group_size / leaders;
+const uint runs = 16u, run_size = cull_group_size / runs;
 shared uint part[cull_group_size];
-shared uint run_part[leaders];
+shared uint run_part[runs];
 shared uint words[cull_mask_words];
 
 void main() {
@@ -16,23 +16,21 @@ void main() {
   const uint view = HAS_VIEW_TABLE != 0 ? flat_place / pc.group_count : 0u;
   const uint first_of_view = view * pc.group_count;
   const CullGroup group = CullGroupsRef(pc.groups).g[flat_place - first_of_view];
-  // Survivors of the run's earlier groups: each thread sums a stride, leaders add runs of threads, and all add the
-  // leaders. Drivers compile a barrier in a loop slowly.
+  // Survivors of the run's earlier groups: each thread sums a stride, the first of 16 threads their sums, and all add
+  // those. lavapipe compiles a barrier in a loop slowly.
   uint sum = 0u;
   for (uint i = first_of_view + group.first_group + t; i < flat_place; i += cull_group_size)
     sum += CountsRef(pc.survivors).n[i];
   part[t] = sum;
   if (t < cull_mask_words) words[t] = MasksRef(pc.masks).m[flat_place * cull_mask_words + t];
   barrier();
-  if (t < leaders) {
-    const uint first = min(t, leaders - 1u) * run_size;  // lavapipe loads for threads that are not here
-    uint parts = 0u;
-    for (uint i = first; i < first + run_size; ++i) parts += part[i];
-    run_part[t] = parts;
-  }
+  const uint first = t / run_size * run_size;
+  uint parts = 0u;
+  for (uint i = first; i < first + run_size; ++i) parts += part[i];
+  if (t == first) run_part[t / run_size] = parts;
   barrier();
   uint before = 0u;
-  for (uint run = 0u; run < leaders; ++run) before += run_part[run];
+  for (uint r = 0u; r < runs; ++r) before += run_part[r];
   // Without a table a run's commands begin at its first item's place: the groups of a run follow one another.
   const uint region = view * pc.run_count + group.run;
   const uint first_command = HAS_VIEW_TABLE != 0

@@ -10,6 +10,7 @@ layout(push_constant, scalar) uniform Push { TonemapPush pc; };
 layout(local_size_x = 64, local_size_y = 1) in;  // rows, as in resolve.comp
 layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/post/tonemap.h
 layout(constant_id = 1) const int AUTOMATIC = 0;  // exposure by the frame's luminance
+layout(constant_id = 2) const int COVERS = 0;  // the source has no alpha
 
 vec3 srgb_encode(vec3 c) {
   return mix(1.055 * pow(max(c, vec3(1e-7)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308)));
@@ -29,7 +30,7 @@ void main() {
   const uvec2 p = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(p, pc.size_px))) return;
   const vec4 source = texelFetch(pass_images[pc.source], ivec2(p), 0);
-  const float alpha = clamp(source.a, 0.0, 1.0);
+  const float alpha = COVERS != 0 ? 1.0 : clamp(source.a, 0.0, 1.0);
   vec3 c = max(source.rgb, vec3(0.0)) * pc.exposure;
   if (AUTOMATIC != 0) c *= ExposureResultRef(pc.automatic).r.factor;
   c = min(alpha > 0.0 ? c / alpha : c, vec3(1e30));

@@ -60,8 +60,9 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--animation") return {"all", "none"};
   if (command == "reference") {
     if (option == "--layers") return with({"none"}, reference_layer_names());
-    if (option == "--view") return with({"beauty"}, reference_view_names());
+    if (option == "--view") return with({"beauty"}, reference_layer_names());
   }
+  if (option == "--shading") return {"pbr", "lambert"};
   if (option == "--layers") return layer_names();
   if (option == "--view") return view_names();
   if (command == "bench" && option == "--suite") return {"exactness", "stability"};

@@ -38,7 +38,8 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
 
 void add_layer_options(CLI::App& command, JobOptions& o) {
   command
-      .add_option("--view", o.view, "What PNG and video show: beauty, or heatmap.lights, .waste, .missed in colours")
+      .add_option("--view", o.view,
+                  "What PNG and video show: beauty, any layer, or debug.PASS.IMAGE[mip,layer], an image of the frame")
       ->capture_default_str()
       ->type_name("NAME");
   command.add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas (candela list layers)")
@@ -89,6 +90,10 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       .add_option("--look", o.look,
                   "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
       ->type_name("FILE");
+  command
+      .add_option("--shading", o.shading, "How surfaces answer light: pbr, or lambert (the base colour, without gloss)")
+      ->capture_default_str()
+      ->type_name("NAME");
   command
       .add_option("--probe", o.probe,
                   "A sphere in the middle of the view, a quarter of the picture's height: white, grey (18 %) or chrome")
@@ -292,6 +297,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.effects = o.effects;
   job.sky = o.sky;
   job.look = o.look == "none" ? "" : o.look.empty() ? look_beside(o.scene).string() : o.look;
+  job.shading = o.shading;
   job.probe = o.probe;
   job.exposure_ev = o.exposure_ev;
   job.tonemap = o.tonemap;

@@ -140,7 +140,7 @@ struct Traced {
 
 Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
                        const std::atomic<int>& interrupted) {
-  auto [film, identity, parts] = begin_film(plan.job, frame, plan.request, plan.layers);
+  auto [film, identity, parts] = begin_film(plan.job, frame, plan.request, kept_layers(plan.layers, o.view));
   std::error_code failed;
   if (o.resume && fs::exists(o.state, failed)) {
     auto loaded = reference::Film::load(o.state, identity, film.width(), film.height(), parts);
@@ -223,9 +223,7 @@ void add_own_options(CLI::App& command, ReferenceOptions& o) {
                   fmt::format("EXR layers beside beauty: {}; or none", fmt::join(reference_layer_names(), ", ")))
       ->capture_default_str()
       ->type_name("LIST");
-  command.add_option("--view", o.view, "What PNG shows: beauty, heatmap.traversal or heatmap.leaves")
-      ->capture_default_str()
-      ->type_name("NAME");
+  command.add_option("--view", o.view, "What PNG shows: beauty or any layer")->capture_default_str()->type_name("NAME");
 }
 
 }  // namespace

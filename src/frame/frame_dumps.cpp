@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "base/text.h"
+#include "frame/plan_frame.h"
 
 namespace candela {
 namespace {
@@ -61,7 +62,7 @@ std::string nearest_text(std::string_view word, std::vector<std::string> names) 
 // Why no kept pass and image have the request's name.
 Error unknown(const DumpRequest& request, const GraphBuilder& builder, const FramePlan& plan) {
   const std::string& name = request.name;
-  const auto error = [](std::string text) { return Error{ErrorKind::usage, std::move(text), "--dump"}; };
+  const auto error = [&](std::string text) { return Error{ErrorKind::usage, std::move(text), request.option}; };
   for (const LeftOut& left : plan.left_out)
     if (name.starts_with(left.pass + ".") && !find_pass(plan, left.pass))
       return error(
@@ -86,12 +87,12 @@ Error unknown(const DumpRequest& request, const GraphBuilder& builder, const Fra
 Expected<void> check_part(const DumpRequest& request, const ImageDesc& image) {
   const bool volume = image.kind == ImageKind::d3;
   if (request.mip >= image.mips)
-    return fail(ErrorKind::usage, "--dump", "'{}': {} has {} mip{}, counted from 0", request.text(), image.name,
+    return fail(ErrorKind::usage, request.option, "'{}': {} has {} mip{}, counted from 0", request.text(), image.name,
                 image.mips, image.mips == 1 ? "" : "s");
   const uint32_t layers = volume ? mip_size(image.depth_px, request.mip) : image.layers;
   if (request.layer >= layers)
-    return fail(ErrorKind::usage, "--dump", "'{}': {} has {} {}{}, counted from 0", request.text(), image.name, layers,
-                volume ? "slice" : "layer", layers == 1 ? "" : "s");
+    return fail(ErrorKind::usage, request.option, "'{}': {} has {} {}{}, counted from 0", request.text(), image.name,
+                layers, volume ? "slice" : "layer", layers == 1 ? "" : "s");
   return {};
 }
 
@@ -107,10 +108,11 @@ Expected<void> check_made(const DumpRequest& request, const GraphBuilder& builde
     for (const PlanUse& use : builder.passes()[pass].uses) {
       if (!use.writes || use.resource != image || !use.range.overlaps(part)) continue;
       if (find_pass(plan, builder.passes()[pass].name)) return {};
-      return fail(ErrorKind::usage, "--dump", "'{}' is not made in this frame: nobody reads what {} writes to it; {}",
-                  request.text(), builder.passes()[pass].name, where);
+      return fail(ErrorKind::usage, request.option,
+                  "'{}' is not made in this frame: nobody reads what {} writes to it; {}", request.text(),
+                  builder.passes()[pass].name, where);
     }
-  return fail(ErrorKind::usage, "--dump", "'{}': nothing has written that part of {} there; {}", request.text(),
+  return fail(ErrorKind::usage, request.option, "'{}': nothing has written that part of {} there; {}", request.text(),
               desc.name, where);
 }
 
@@ -120,8 +122,9 @@ std::string DumpRequest::text() const {
   return mip == 0 && layer == 0 ? name : fmt::format("{}[{},{}]", name, mip, layer);
 }
 
-Expected<DumpRequest> parse_dump(const std::string& text) {
+Expected<DumpRequest> parse_dump(const std::string& text, const std::string& option) {
   DumpRequest request;
+  request.option = option;
   const size_t bracket = text.find('[');
   request.name = text.substr(0, bracket);
   const size_t point = request.name.find('.');
@@ -137,9 +140,17 @@ Expected<DumpRequest> parse_dump(const std::string& text) {
            number(std::string_view(text).substr(comma + 1, text.size() - comma - 2), request.layer);
   }
   if (!fine)
-    return fail(ErrorKind::usage, "--dump",
-                "'{}' is not PASS.IMAGE or PASS.IMAGE[mip,layer], \"resolve.resolved[0,0]\"", text);
+    return fail(ErrorKind::usage, option, "'{}' is not PASS.IMAGE or PASS.IMAGE[mip,layer], \"resolve.resolved[0,0]\"",
+                text);
   return request;
+}
+
+std::optional<DumpRequest> image_of_view(const std::string& view) {
+  const std::vector<std::string> views = view_names();
+  if (!view.starts_with(image_view_prefix) || std::find(views.begin(), views.end(), view) != views.end()) return {};
+  auto request = parse_dump(view.substr(image_view_prefix.size()), "--view");
+  if (!request) return {};
+  return *request;
 }
 
 Expected<std::vector<FrameDump>> place_dumps(const std::vector<DumpRequest>& requests, const GraphBuilder& builder,

@@ -161,7 +161,7 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
   add_groups(draws, upload);
   for (size_t m = 0; m < pose.materials.size(); ++m)
     upload.materials.push_back(shared_material(pose.materials[m], uint32_t(m)));
-  upload.materials.push_back(shared_material(Material{}, shared::absent));
+  upload.materials.push_back(shared_material(scene.default_material, shared::absent));
   for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
   upload.constants.light_count = uint32_t(upload.lights.size());
   upload.constants.item_count = uint32_t(upload.items.size());

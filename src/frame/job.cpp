@@ -58,6 +58,7 @@ std::string job_json(const Job& job) {
   if (job.effects != "auto") j["effects"] = job.effects;
   if (!job.sky.empty()) j["sky"] = job.sky;
   if (!job.look.empty()) j["look"] = job.look;
+  if (job.shading != Job().shading) j["shading"] = job.shading;
   if (!job.probe.empty()) j["probe"] = job.probe;
   if (job.exposure_ev) j["exposure"] = shortest(*job.exposure_ev);
   if (!job.tonemap.empty()) j["tonemap"] = job.tonemap;
@@ -178,6 +179,7 @@ const std::map<std::string, Reader>& readers() {
       {"effects", text_into(&Job::effects)},
       {"sky", text_into(&Job::sky)},
       {"look", text_into(&Job::look)},
+      {"shading", text_into(&Job::shading)},
       {"probe", text_into(&Job::probe)},
       {"exposure",
        [](const Json& v, Job& job) -> std::string {

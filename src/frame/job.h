@@ -35,13 +35,14 @@ struct Job {
   std::string quality = "high";       // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings;  // --set PASS.KNOB=VALUE, over the quality
   std::string effects = "auto";       // auto (by quality and look), none, or names separated by commas
-  std::string sky;    // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
-  std::string look;   // look file
-  std::string probe;  // a sphere before the camera: white, grey, chrome; empty: none
+  std::string sky;   // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
+  std::string look;  // look file
+  std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
+  std::string probe;                 // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;  // absent: as the look says, else 0
   std::string tonemap;               // agx, none, reinhard, aces, neutral, rec709; empty: as the look says, else agx
   std::vector<std::string> layers;   // beside beauty
-  std::string view = "beauty";       // what PNG and video show: beauty, or a heatmap layer in colours with a legend
+  std::string view = "beauty";       // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
   std::string background = "transparent";  // or "R,G,B" linear, used where there is no sky
   uint64_t seed = 0;
   // Encoding.

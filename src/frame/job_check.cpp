@@ -2,6 +2,7 @@
 #include "frame/job.h"
 #include "frame/plan_frame.h"
 #include "scene/probe.h"
+#include "scene/shading.h"
 
 namespace candela {
 namespace {
@@ -10,6 +11,12 @@ Expected<void> check_name(const char* option, const char* what, const std::strin
                           const std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), name) != names.end()) return {};
   return fail(ErrorKind::usage, option, "{}", unknown_name(what, name, names));
+}
+
+std::vector<std::string> shading_names() {
+  std::vector<std::string> names;
+  for (const ShadingName& shading : shadings()) names.push_back(shading.name);
+  return names;
 }
 
 Expected<void> check_settings(const Job& job) {
@@ -85,9 +92,11 @@ Expected<void> check_job(const Job& job) {
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
   if (!job.tonemap.empty())
     if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;
+  if (auto known = check_name("--shading", "shading", job.shading, shading_names()); !known) return known;
   if (!job.probe.empty())
     if (auto known = check_name("--probe", "probe", job.probe, probe_names()); !known) return known;
-  if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
+  if (!image_of_view(job.view))
+    if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
   if (job.effects != "auto" && job.effects != "none")
     for (const std::string& effect : split(job.effects, ','))
       if (auto known = check_name("--effects", "effect", effect, effect_names()); !known) return known;

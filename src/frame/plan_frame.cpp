@@ -59,8 +59,11 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.want_linear = wanted.linear;
   request.want_display = wanted.display;
   request.layers = wanted.linear ? job.layers : std::vector<std::string>{};
-  request.view = job.view;
-  if (wanted.display && job.view != "beauty" && !request.has_layer(job.view)) request.layers.push_back(job.view);
+  // An image of the frame is of the frame as it would be without the view.
+  if (!image_of_view(job.view)) request.view = job.view;
+  request.view_is_light = layer_form(request.view) == LayerForm::light;
+  request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
+  if (request.view_alone) request.layers.push_back(request.view);
   request.technique = job.technique;
   request.quality = job.quality;
   request.effects = job.effects;
@@ -294,6 +297,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
+  std::vector<DumpRequest> requests = wanted.dumps;
+  if (const auto image = image_of_view(job.view); image && wanted.display) requests.push_back(*image);
   std::map<Hash128, KeptState> kept_states;
   const auto build = [&](GraphBuilder& builder) {
     f.imports.clear();
@@ -304,7 +309,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     if (!f.dumps.empty())
       frame.observe = [&](Frame& observed, const std::string& pass) { add_dumps(observed, pass, f.dumps); };
     build_frame(frame, inputs, *technique);
-    if (wanted.dumps.empty()) builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump)");
+    if (requests.empty())
+      builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump, --view debug.PASS.IMAGE)");
     f.outputs = std::move(frame.outputs);
     f.counts = frame.counts;
     f.reports = std::move(frame.reports);
@@ -318,8 +324,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     if (const KeptState state = context.kept(use.key, use.desc); state != KeptState::unknown)
       kept_states[use.key] = state;
   if (!kept_states.empty()) build(*(builder = std::make_unique<GraphBuilder>()));
-  if (!wanted.dumps.empty()) {
-    auto dumps = place_dumps(wanted.dumps, *builder, f.graph.plan);
+  if (!requests.empty()) {
+    auto dumps = place_dumps(requests, *builder, f.graph.plan);
     if (!dumps) return std::unexpected(dumps.error());
     f.dumps = std::move(*dumps);
     build(*(builder = std::make_unique<GraphBuilder>()));
@@ -369,8 +375,7 @@ std::vector<std::string> view_names() {
   std::vector<std::string> names = {"beauty"};
   AllPasses::each([&]<class P>(std::type_identity<P>) {
     if constexpr (HasLayers<P>)
-      for (const LayerName& layer : P::layers)
-        if (layer.viewable) names.emplace_back(layer.name);
+      for (const LayerName& layer : P::layers) names.emplace_back(layer.name);
   });
   return names;
 }

@@ -1,11 +1,13 @@
 #include "frame/posed_scene.h"
 
 #include "scene/probe.h"
+#include "scene/shading.h"
 
 namespace candela {
 
 Expected<Scene> load_scene(const Job& job, LoadFor use) {
   auto scene = load_gltf(job.scene, use);
+  if (scene) apply_shading(*scene, job.shading);
   if (scene) add_probe(*scene, probe_from_name(job.probe));
   return scene;
 }

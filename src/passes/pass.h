@@ -60,12 +60,21 @@ concept ChoosesQueue = requires {
   { P::queue } -> std::convertible_to<Queue>;
 };
 
-// Layers that it can give (--layers): it publishes their images in declare(). `viewable`: counts that PNG can show in
-// colours with a legend (--view).
+// What the values of a layer are, which says how PNG and video show them (--view).
+enum class LayerForm : uint8_t {
+  light,      // radiance: through exposure and tone curve, as beauty
+  color,      // linear, 0 to 1 in each channel
+  share,      // 0 to 1
+  count,      // whole numbers
+  distance,   // metres; background_depth_m where there is nothing
+  direction,  // unit vectors; 0 where there is nothing
+  id,         // 32-bit whole numbers, 2^32-1 where there is nothing
+};
+// Layers that it can give (--layers): it publishes their images in declare().
 struct LayerName {
   std::string_view name;
   std::string_view says;  // one line
-  bool viewable = false;
+  LayerForm form = LayerForm::light;
 };
 template <class P>
 concept HasLayers = requires {

@@ -107,21 +107,27 @@ double automatic_ev(std::span<const glm::dvec4> pixels, const AutoExposure& look
 }
 
 DisplayImage display_image(const Film& film, const DisplaySettings& settings) {
+  std::vector<glm::dvec4> pixels(film.pixels());
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = film.mean(i);
+  return display_image(pixels, film.width(), settings);
+}
+
+DisplayImage display_image(std::span<const glm::dvec4> pixels, int width, const DisplaySettings& settings) {
   DisplayImage image;
-  image.width = film.width(), image.height = film.height();
+  image.width = width, image.height = int(pixels.size() / size_t(width));
   image.channels = settings.alpha ? 4 : 3;
   image.bits = settings.bits;
   const size_t each_bytes = size_t(settings.bits) / 8;
-  image.pixels.resize(film.pixels() * size_t(image.channels) * each_bytes);
+  image.pixels.resize(pixels.size() * size_t(image.channels) * each_bytes);
   const double exposure = std::exp2(settings.exposure_ev);
-  for (size_t i = 0; i < film.pixels(); ++i) {
-    const glm::dvec4 source = film.mean(i);
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const glm::dvec4 source = pixels[i];
     const double alpha = std::clamp(source.w, 0.0, 1.0);
     glm::dvec3 c = glm::max(glm::dvec3(source), glm::dvec3(0)) * exposure;
     c = glm::min(alpha > 0 ? c / alpha : c, glm::dvec3(1e30));
     c = display_encoded(tone_mapped(settings.curve, c, settings.agx_min_ev, settings.agx_max_ev));
     if (settings.dither && settings.bits == 8)
-      c = dithered(c, uint32_t(i % size_t(film.width())), uint32_t(i / size_t(film.width())), settings.seed);
+      c = dithered(c, uint32_t(i % size_t(width)), uint32_t(i / size_t(width)), settings.seed);
     const double values[4] = {c.x, c.y, c.z, alpha};
     for (int k = 0; k < image.channels; ++k) {
       std::byte* at = image.pixels.data() + (i * size_t(image.channels) + size_t(k)) * each_bytes;

@@ -30,5 +30,7 @@ double automatic_ev(std::span<const glm::dvec4> pixels, const AutoExposure& look
 
 // The film as the GPU's tone mapping makes it: exposure, curve, sRGB encoding, and the same dither.
 DisplayImage display_image(const Film& film, const DisplaySettings& settings);
+// The same of pixels with premultiplied alpha, rows of `width` from the top.
+DisplayImage display_image(std::span<const glm::dvec4> pixels, int width, const DisplaySettings& settings);
 
 }  // namespace candela::reference

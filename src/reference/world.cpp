@@ -68,7 +68,7 @@ void World::load_materials(std::vector<std::string>& warnings) {
     return found == textures_.end() ? nullptr : found->second.get();
   };
   std::vector<Material> materials = input_.pose.materials;
-  materials.push_back(Material{});
+  materials.push_back(input_.scene.default_material);
   for (const Material& m : materials) {
     TracedMaterial t{m};
     t.base = find(m.base_color_texture, true);

@@ -13,137 +13,18 @@
 #include "image/png_text.h"
 #include "image/prepare.h"
 #include "passes/surfaces/terms.h"
-#include "render/count_view.h"
+#include "render/dump.h"
+#include "render/frame_layers.h"
 #include "render/frame_names.h"
 #include "render/id_names.h"
 #include "render/metadata.h"
 #include "render/prepare_outputs.h"
+#include "render/view_picture.h"
+#include "techniques/technique.h"
 
 namespace candela {
 namespace fs = std::filesystem;
 namespace {
-
-// What Blender and Nuke's readers take for "nothing here"; infinity breaks filters that blend depths.
-constexpr float background_depth_m = 1e10f;
-
-float half_to_float(uint16_t h) {
-  const uint32_t sign = uint32_t(h >> 15) << 31, exponent = (h >> 10) & 31, mantissa = h & 1023;
-  if (exponent == 0) return (sign ? -1.0f : 1.0f) * std::ldexp(float(mantissa), -24);
-  const uint32_t bits =
-      exponent == 31 ? sign | 0x7f800000u | mantissa << 13 : sign | (exponent + 112) << 23 | mantissa << 13;
-  return std::bit_cast<float>(bits);
-}
-
-// Component c of pixel i of a float or half image.
-struct FloatReader {
-  const std::byte* bytes;
-  int components;
-  bool half;
-  float operator()(size_t i, int c) const {
-    const size_t at = i * size_t(components) + size_t(c);
-    if (!half) {
-      float value;
-      std::memcpy(&value, bytes + at * 4, 4);
-      return value;
-    }
-    uint16_t value;
-    std::memcpy(&value, bytes + at * 2, 2);
-    return half_to_float(value);
-  }
-};
-
-FloatReader reader_of(const OutputImage& output, const std::byte* bytes) {
-  switch (output.format) {
-    case VK_FORMAT_R32G32B32A32_SFLOAT:
-      return {bytes, 4, false};
-    case VK_FORMAT_R16G16B16A16_SFLOAT:
-      return {bytes, 4, true};
-    case VK_FORMAT_R32_SFLOAT:
-      return {bytes, 1, false};
-    default:
-      CHECK_MSG(false, "the layer " + output.layer + " has a format that no file can hold");
-      return {};
-  }
-}
-
-PackLayout layout_of(const FrameResult& frame, const OutputImage& output) {
-  return pack_layout(output.packing, output.format, output.components, uint32_t(frame.width_px),
-                     uint32_t(frame.height_px));
-}
-
-std::span<const std::byte> readback_bytes(const FrameResult& frame, const OutputImage& output) {
-  const auto found = frame.readbacks.find(output.resource);
-  CHECK_MSG(found != frame.readbacks.end(), output.layer);
-  const std::span<const std::byte> bytes = found->second->bytes();
-  CHECK_MSG(bytes.size() >= layout_of(frame, output).bytes, output.layer);
-  return bytes;
-}
-
-void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t pixel, NonFinite& nonfinite) {
-  if (nonfinite.count++ == 0) {
-    nonfinite.x = int(pixel % size_t(frame.width_px));
-    nonfinite.y = int(pixel / size_t(frame.width_px));
-    nonfinite.layer = layer;
-  }
-}
-
-std::vector<std::string> channel_names(const OutputImage& output) {
-  const std::string& layer = output.layer;
-  if (layer == "beauty") return {"R", "G", "B", "A"};
-  if (layer == "depth") return {"depth.Z"};
-  if (output.format == VK_FORMAT_R32_SFLOAT) return {layer + ".Y"};
-  if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
-  return {layer + ".R", layer + ".G", layer + ".B"};
-}
-
-void add_id_layer(FloatImage& image, const OutputImage& output, std::span<const std::byte> bytes) {
-  Channel& channel = image.channels.emplace_back();
-  channel.name = output.layer;
-  channel.type = ChannelType::uint32;
-  channel.u.resize(size_t(image.width) * size_t(image.height));
-  std::memcpy(channel.u.data(), bytes.data(), channel.u.size() * 4);
-}
-
-void add_depth_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, NonFinite& nonfinite) {
-  const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
-  Channel& channel = image.channels.emplace_back();
-  channel.name = "depth.Z";
-  channel.f.resize(size_t(image.width) * size_t(image.height));
-  for (size_t i = 0; i < channel.f.size(); ++i) {
-    const float z = read(i, 0);
-    if (std::isnan(z)) count_nonfinite(frame, output.layer, i, nonfinite);
-    channel.f[i] = z >= background_depth_m ? background_depth_m : z;  // the background is at infinity
-  }
-}
-
-void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, bool as_float,
-                     NonFinite& nonfinite) {
-  const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
-  const std::vector<std::string> names = channel_names(output);
-  const size_t first = image.channels.size(), count = size_t(image.width) * size_t(image.height);
-  for (const std::string& name : names) {
-    Channel& channel = image.channels.emplace_back();
-    channel.name = name;
-    channel.type = as_float ? ChannelType::float32 : ChannelType::half;
-    channel.f.resize(count);
-  }
-  const float scale = output.carries_exposure ? float(1.0 / frame.pre_exposure) : 1.0f;
-  std::array<float*, 4> planes{};
-  for (size_t c = 0; c < names.size(); ++c) planes[c] = image.channels[first + c].f.data();
-  const size_t components = names.size();
-  const float most = as_float ? std::numeric_limits<float>::max() : 65504;
-  for (size_t i = 0; i < count; ++i) {
-    bool finite = true;
-    for (size_t c = 0; c < components; ++c) {
-      const float value = read(i, int(c));
-      finite = finite && std::isfinite(value);
-      const float stored = c == 3 ? value : value * scale;  // alpha carries no light
-      planes[c][i] = stored;
-      if (std::abs(stored) > most && std::isfinite(stored)) ++nonfinite.clamped;
-    }
-    if (!finite) count_nonfinite(frame, output.layer, i, nonfinite);
-  }
-}
 
 // False where all samples, those of unused components too, are finite: seen by their exponents, many at a time.
 bool may_hold_nonfinite(const FrameResult& frame, const OutputImage& output) {
@@ -274,27 +155,45 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
 }
 
 namespace {
-DisplayImage view_image(const FrameResult& frame, const Job& job) {
-  for (const OutputImage& output : frame.outputs) {
-    if (output.layer != job.view) continue;
-    std::vector<float> counts(size_t(frame.width_px) * size_t(frame.height_px));
-    std::memcpy(counts.data(), readback_bytes(frame, output).data(), counts.size() * sizeof(float));
-    DisplayImage image = count_view(counts, frame.width_px, frame.height_px, count_title(job.view));
-    if (job.png_bits == 8) return image;
-    DisplayImage wide = {.width = image.width, .height = image.height, .channels = image.channels, .bits = 16};
-    for (const std::byte b : image.pixels) wide.pixels.insert(wide.pixels.end(), 2, b);  // times 257
-    return wide;
+
+// A view that is no light.
+DisplayImage made_view(const FrameResult& frame, const Job& job) {
+  if (image_of_view(job.view)) {
+    const FrameDump& dump = frame.dumps.back();
+    const FloatImage image = dump_image(dump, frame.readbacks.at(dump.resource)->bytes());
+    return image_view(image, frame.width_px, frame.height_px, dump.request.text());
   }
-  CHECK_MSG(false, "the frame has no " + job.view);
+  const auto shown = std::ranges::find_if(frame.outputs, [&](const auto& output) { return output.layer == job.view; });
+  return layer_view(layer_image(frame, *shown), layer_form(job.view), job.view);
 }
+
+DisplayImage of_bits(DisplayImage image, int bits) {
+  if (bits == image.bits) return image;
+  DisplayImage wide = {.width = image.width, .height = image.height, .channels = image.channels, .bits = 16};
+  for (const std::byte b : image.pixels) wide.pixels.insert(wide.pixels.end(), 2, b);  // times 257
+  return wide;
+}
+
+// Whether the frame has what the job's pictures show.
+bool has_view(const FrameResult& frame, const Job& job) {
+  if (image_of_view(job.view)) return true;
+  const std::string shown = frame.request.view_is_light ? "display" : job.view;
+  return std::ranges::any_of(frame.outputs, [&](const OutputImage& output) { return output.layer == shown; });
+}
+
 }  // namespace
 
 DisplayImage display_image(const FrameResult& frame, const Job& job) {
-  if (job.view != "beauty") return view_image(frame, job);
+  if (!has_view(frame, job)) {
+    DisplayImage black{.width = frame.width_px, .height = frame.height_px};
+    black.pixels.resize(row_bytes(black) * size_t(black.height));
+    return of_bits(std::move(black), job.png_bits);
+  }
+  if (image_of_view(job.view) || !frame.request.view_is_light) return of_bits(made_view(frame, job), job.png_bits);
   DisplayImage image;
   image.width = frame.width_px;
   image.height = frame.height_px;
-  image.channels = shows_through(job, frame.request.look) ? 4 : 3;
+  image.channels = frame.request.display_alpha() ? 4 : 3;
   for (const OutputImage& output : frame.outputs) {
     if (output.layer != "display") continue;
     CHECK(output.format == VK_FORMAT_R8G8B8A8_UNORM || output.format == VK_FORMAT_R16G16B16A16_UNORM);
@@ -328,8 +227,9 @@ DisplayFile display_file(const FrameResult& frame, const Job& job, bool owned) {
   DisplayFile file;
   const auto display =
       std::ranges::find_if(frame.outputs, [](const OutputImage& output) { return output.layer == "display"; });
-  const bool alpha = shows_through(job, frame.request.look);
-  if (!owned && job.view == "beauty" && display != frame.outputs.end() && (display->packing == Packing::rgb) != alpha) {
+  const bool alpha = frame.request.display_alpha();
+  if (!owned && frame.request.view_is_light && !image_of_view(job.view) && display != frame.outputs.end() &&
+      (display->packing == Packing::rgb) != alpha) {
     file.view = {frame.width_px,
                  frame.height_px,
                  alpha ? 4 : 3,
@@ -428,6 +328,8 @@ Expected<PreparedOutputs> prepare_outputs(FrameResult& frame, const Job& job, co
       frame.warnings.push_back(fmt::format(
           "{} values are beyond what half floats hold and are stored as 65504 (--exr-type float keeps them)",
           nonfinite.clamped));
+    if ((any_png || display_wanted) && !has_view(frame, job))
+      frame.warnings.push_back(fmt::format("--view: the frame has no {}; the picture is black", job.view));
     if (any_png || display_wanted) display = display_file(frame, job, display_wanted);
   }
   StageTimer timer(frame.timings, "encode", "encode");

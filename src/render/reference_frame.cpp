@@ -71,7 +71,7 @@ Expected<void> check_traced_layers(const std::vector<std::string>& layers) {
 }
 
 Expected<void> check_traced_view(const std::string& view) {
-  std::vector<std::string> views = reference_view_names();
+  std::vector<std::string> views = reference_layer_names();
   views.insert(views.begin(), "beauty");
   if (std::find(views.begin(), views.end(), view) == views.end())
     return fail(ErrorKind::usage, "--view", "{}", unknown_name("view", view, views));
@@ -199,6 +199,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.camera = job.camera;
   picture.width_px = job.width_px, picture.height_px = job.height_px;
   picture.background = job.background;
+  picture.shading = job.shading, picture.probe = job.probe;
   picture.sky = job.sky.empty() || is_sky_word(job.sky) ? job.sky : "sky";
   picture.look = job.look.empty() ? "" : "look";
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),
@@ -208,11 +209,11 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
 
 std::vector<std::string> reference_layer_names() {
   std::vector<std::string> names = {"variance", "fog", "fog.transmittance"};
-  for (const std::vector<std::string>& more : {term_layer_names(), surface_layer_names(), reference_view_names()})
+  const std::vector<std::string> counts = {"heatmap.traversal", "heatmap.leaves"};
+  for (const std::vector<std::string>& more : {term_layer_names(), surface_layer_names(), counts})
     names.insert(names.end(), more.begin(), more.end());
   return names;
 }
-std::vector<std::string> reference_view_names() { return {"heatmap.traversal", "heatmap.leaves"}; }
 
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame,
                                     const std::string& layer) {

@@ -11,6 +11,8 @@
 #include "render/count_view.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
+#include "render/view_picture.h"
+#include "techniques/technique.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -33,8 +35,16 @@ Expected<void> check_finite(const reference::Film& film, const Job& job) {
 
 DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
                             const std::string& view) {
-  if (view != "beauty")
+  if (view.starts_with("heatmap."))
     return count_view(reference_counts(film, frame, view), film.width(), film.height(), count_title(view));
+  FloatImage layer;
+  if (view != "beauty") {
+    Job exact = job;
+    exact.exr_float = true;
+    layer = reference_image(film, frame, exact, "", {view}, {}, {});
+    std::erase_if(layer.channels, [&](const Channel& c) { return c.name != view && !c.name.starts_with(view + "."); });
+    if (layer_form(view) != LayerForm::light) return layer_view(layer, layer_form(view), view);
+  }
   const DisplayLook look = display_look(job, frame.look);
   reference::DisplaySettings display{.curve = look.curve,
                                      .exposure_ev = look.exposure_ev,
@@ -50,7 +60,17 @@ DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& f
   display.dither = job.dither;
   display.alpha = job.background == "transparent" && !has_sky(job, frame.look);
   display.seed = uint32_t(noise ^ (noise >> 32));
-  return reference::display_image(film, display);
+  if (view == "beauty") return reference::display_image(film, display);
+  display.alpha = false;
+  std::vector<glm::dvec4> pixels(film.pixels(), glm::dvec4(1));
+  for (size_t i = 0; i < pixels.size(); ++i)
+    for (int c = 0; c < 3; ++c) pixels[i][c] = double(layer.channels[size_t(c)].f[i]);
+  return reference::display_image(pixels, film.width(), display);
+}
+
+std::vector<std::string> kept_layers(std::vector<std::string> layers, const std::string& view) {
+  if (view != "beauty") layers.push_back(view);
+  return layers;
 }
 
 BegunFilm begin_film(const Job& job, const ReferenceFrame& frame, const TraceRequest& request,
@@ -88,7 +108,7 @@ Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
   if (!frame) return std::unexpected(frame.error());
   result.width_px = job_.width_px, result.height_px = job_.height_px, result.time_s = time_s_;
   result.notes = (*frame)->notes, result.warnings = (*frame)->warnings;
-  reference::Film film = begin_film(job_, **frame, request_, job_.layers).film;
+  reference::Film film = begin_film(job_, **frame, request_, kept_layers(job_.layers, job_.view)).film;
   const reference::Integrator integrator(*(*frame)->world, request_.settings, film.width(), film.height());
   reference::refine(film, integrator, request_.stop,
                     [&](const reference::Progress&) { return !stop_ || stop_->load() == 0; });

@@ -227,6 +227,7 @@ struct Scene {
   std::vector<SceneImage> images;
   std::vector<Sampler> samplers;  // [0] is the default
   std::vector<Material> materials;
+  Material default_material;  // of surfaces without one
   std::vector<Mesh> meshes;
   std::vector<Camera> cameras;
   std::vector<Light> lights;

@@ -110,11 +110,10 @@ SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, 
   facts.perspective = frame.perspective;
   facts.material_used.assign(pose.materials.size(), false);
   facts.image_used.assign(scene.images.size(), false);
-  const Material default_material;
   for (const DrawItem& item : frame.items) {
     const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
     const bool has_material = item.material >= 0;
-    const Material& material = has_material ? pose.materials[size_t(item.material)] : default_material;
+    const Material& material = has_material ? pose.materials[size_t(item.material)] : scene.default_material;
     count_item(facts, item, section, material, frame);
     if (has_material && !facts.material_used[size_t(item.material)]) {
       facts.material_used[size_t(item.material)] = true;

@@ -48,7 +48,9 @@ struct FrameRequest {
   bool shows_through = false;   // display output has alpha
   bool draw_background = true;
   std::vector<std::string> layers;  // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
-  std::string view = "beauty";      // what display output shows: beauty, or a layer
+  std::string view = "beauty";      // what display output shows: beauty, a layer, or an image of the frame
+  bool view_is_light = true;        // it goes through exposure and tone curve
+  bool view_alone = false;          // the layer that it shows is asked for by nothing else
   std::string technique = "clustered";
   std::string tonemap = "agx";
   float exposure_ev = 0;         // stops; multiplies by 2^ev before tone mapping
@@ -69,6 +71,8 @@ struct FrameRequest {
   bool wants_looked(std::string_view effect, bool in_look) const {
     return effects == "auto" ? in_look : names_effect(effect);
   }
+  bool display_alpha() const { return shows_through && view == "beauty"; }
+  bool shown_alone(std::string_view layer) const { return view_alone && layer == view; }
   bool names_effect(std::string_view effect) const;
   bool draws_reflections() const { return wants_looked("ssr", look.reflections.has_value()); }
   // Bloom is wanted, and something that shows it.

@@ -35,6 +35,14 @@ BloomPass::In bloom_in(const Frame& frame, const SceneInputs& scene, ImageHandle
   return in;
 }
 
+// A layer of light in the place of beauty, exposed as beauty is.
+void show_layer(const Frame& frame, Tonemap::In& shown) {
+  shown.color = {};
+  shown.covers = true;
+  for (const auto& [layer, image] : frame.builder.published())
+    if (layer == frame.request.view) shown.color = image;
+}
+
 }  // namespace
 
 void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
@@ -48,6 +56,7 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   const ImageHandle linear = newest(frame.add(VolumetricLight{}, volumetric).color, resolved);
   const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear, emission)).color, linear);
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);
+  if (frame.request.view != "beauty") show_layer(frame, shown);
   shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;
   const ImageHandle display = frame.add(Tonemap{}, shown).display;
 

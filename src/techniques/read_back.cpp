@@ -7,12 +7,6 @@
 namespace candela {
 namespace {
 
-// Layers whose values grow with the light and thus carry the pre-exposure.
-bool carries_exposure(const std::string& layer) {
-  return layer == "beauty" || layer == "direct" || layer == "fog" || layer == "volumetric" ||
-         std::ranges::any_of(Terms::layers, [&](const LayerName& term) { return term.name == layer; });
-}
-
 uint32_t components_of(const std::string& layer, VkFormat format) {
   if (layer == "beauty" || layer == "display") return 4;
   return format_channels(format) == 1 ? 1 : 3;
@@ -20,8 +14,10 @@ uint32_t components_of(const std::string& layer, VkFormat format) {
 
 Packing packing_of(const FrameRequest& request, const FrameOutput& output) {
   if (!request.for_files || output.format == VK_FORMAT_R32_UINT) return Packing::texels;
-  if (output.layer == "display") return request.shows_through ? Packing::texels : Packing::rgb;
-  const bool exact = request.exr_float || output.layer == "depth" || output.layer.starts_with("heatmap.");
+  if (output.layer == "display") return request.display_alpha() ? Packing::texels : Packing::rgb;
+  const LayerForm form = layer_form(output.layer);
+  const bool exact = request.exr_float || request.shown_alone(output.layer) || form == LayerForm::distance ||
+                     output.layer.starts_with("heatmap.");
   return exact ? Packing::float_planes : Packing::half_planes;
 }
 
@@ -41,14 +37,14 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
     if (!image) return;
     FrameOutput output{layer, std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format};
     output.components = components_of(layer, output.format);
-    output.carries_exposure = carries_exposure(layer);
+    output.carries_exposure = layer != "display" && layer_form(layer) == LayerForm::light;
     output.packing = packing_of(request, output);
     wanted.push_back({output, image, stored});
   };
   if (request.want_linear || request.look_nonfinite) want("beauty", beauty, request.want_linear);
   want("display", display, true);
   for (const auto& [layer, image] : frame.builder.published())
-    if (request.has_layer(layer)) want(layer, image, true);
+    if (request.has_layer(layer) && !(request.view_is_light && request.shown_alone(layer))) want(layer, image, true);
 
   Pack::In packed{{}, scene.width_px, scene.height_px};
   Readback::In copied;

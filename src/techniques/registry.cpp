@@ -14,4 +14,14 @@ std::span<const Technique> techniques() {
   return table;
 }
 
+LayerForm layer_form(std::string_view layer) {
+  LayerForm form = LayerForm::light;
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    if constexpr (HasLayers<P>)
+      for (const LayerName& name : P::layers)
+        if (name.name == layer) form = name.form;
+  });
+  return form;
+}
+
 }  // namespace candela

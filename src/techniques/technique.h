@@ -89,6 +89,8 @@ struct Technique {
   LightGridKind light_grid;
 };
 std::span<const Technique> techniques();
+// What the values of a layer are; light for beauty.
+LayerForm layer_form(std::string_view layer);
 
 // The whole frame.
 void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique);

@@ -18,11 +18,11 @@ struct Layers {
   static constexpr std::string_view name = "layers";
   using SharedKnobs = std::tuple<TextureKnobs>;
   static constexpr LayerName layers[layer_count] = {
-      {"depth", "metres along the view axis; 1e10 where there is nothing"},
-      {"normal", "world-space shading normal"},
-      {"albedo", "base colour"},
-      {"object_id", "index of the glTF node"},
-      {"material_id", "index into glTF's materials"},
+      {"depth", "metres along the view axis; 1e10 where there is nothing", LayerForm::distance},
+      {"normal", "world-space shading normal", LayerForm::direction},
+      {"albedo", "base colour", LayerForm::color},
+      {"object_id", "index of the glTF node", LayerForm::id},
+      {"material_id", "index into glTF's materials", LayerForm::id},
       {"direct", "light from the scene's lights alone"}};
   struct In {
     SceneInputs scene;

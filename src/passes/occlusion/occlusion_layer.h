@@ -9,7 +9,8 @@ namespace candela {
 // near surfaces leave, as shading reads it; 1 on unlit surfaces and where there is none.
 struct OcclusionLayer {
   static constexpr std::string_view name = "occlusion_layer";
-  static constexpr LayerName layers[] = {{"occlusion", "the share of the sky's light that is open: ambient occlusion"}};
+  static constexpr LayerName layers[] = {
+      {"occlusion", "the share of the sky's light that is open: ambient occlusion", LayerForm::share}};
   using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
   struct In {
     SceneInputs scene;

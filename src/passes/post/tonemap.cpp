@@ -11,7 +11,7 @@ std::span<const std::string_view> tone_curve_names() {
 
 Need Tonemap::needed(const SceneFacts&, const FrameRequest& request) const {
   if (!request.want_display) return {false, "no display output (PNG, video) is wanted"};
-  return needed_if(request.view == "beauty", "display output shows a layer (--view)");
+  return needed_if(request.view_is_light, "display output shows what is no light (--view)");
 }
 
 Tonemap::Out Tonemap::declare(GraphBuilder& builder, const In& in) const {
@@ -22,6 +22,7 @@ Tonemap::Out Tonemap::declare(GraphBuilder& builder, const In& in) const {
                               Access::storage_image_write);
   std::vector<SpecConstant> constants = {{0, "CURVE", uint32_t(in.curve)}};
   if (builder.read_optional(in.automatic, Access::compute_read)) constants.push_back({1, "AUTOMATIC", 1});
+  if (in.covers) constants.push_back({2, "COVERS", 1});
   out.pipeline = builder.pipeline(ComputePipelineDesc{"tonemap.comp", std::move(constants)});
   return out;
 }

@@ -9,7 +9,8 @@ namespace candela {
 // count as unblocked. Background: 1.
 struct LampLayers {
   static constexpr std::string_view name = "lamp_layers";
-  static constexpr LayerName layers[1] = {{"shadow.lamps", "the share of point and spot lights' light that arrives"}};
+  static constexpr LayerName layers[1] = {
+      {"shadow.lamps", "the share of point and spot lights' light that arrives", LayerForm::share}};
   struct In {
     SceneInputs scene;
     Draws draws;

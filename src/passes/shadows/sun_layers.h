@@ -9,8 +9,9 @@ namespace candela {
 // brightest light: `debug.cascades`, 1 the finest, 0 none. Lights without maps count as unblocked. Background: 1 and 0.
 struct SunLayers {
   static constexpr std::string_view name = "sun_layers";
-  static constexpr LayerName layers[2] = {{"shadow", "the share of the directional lights' light that arrives"},
-                                          {"debug.cascades", "which cascade of shadow maps the point takes; 0: none"}};
+  static constexpr LayerName layers[2] = {
+      {"shadow", "the share of the directional lights' light that arrives", LayerForm::share},
+      {"debug.cascades", "which cascade of shadow maps the point takes; 0: none", LayerForm::count}};
   struct In {
     SceneInputs scene;
     Draws draws;

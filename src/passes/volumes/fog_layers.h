@@ -11,8 +11,9 @@ namespace candela {
 struct FogLayers {
   static constexpr std::string_view name = "fog_layers";
   static constexpr std::string_view effect = "fog";
-  static constexpr LayerName layers[2] = {{"fog", "light that fog sends towards the camera"},
-                                          {"fog.transmittance", "the share of light that fog lets through, a colour"}};
+  static constexpr LayerName layers[2] = {
+      {"fog", "light that fog sends towards the camera"},
+      {"fog.transmittance", "the share of light that fog lets through, a colour", LayerForm::color}};
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs>;
   struct In {
     SceneInputs scene;

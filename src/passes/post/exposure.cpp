@@ -27,8 +27,7 @@ std::vector<std::string> Exposure::notes(const Report& report) const {
 Need Exposure::needed(const SceneFacts&, const FrameRequest& request) const {
   if (!request.wants_looked("exposure", request.look.exposure.automatic.has_value()))
     return {false, "the look has no automatic exposure (--look, --effects)"};
-  return needed_if(request.want_display && request.view_is_light,
-                   "only display output is exposed, and none is wanted");
+  return needed_if(request.want_display && request.view_is_light, "only display output is exposed, and none is wanted");
 }
 
 Exposure::Out Exposure::declare(GraphBuilder& builder, const In& in) const {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/files.h"
+#include "frame/changed_ranges.h"
 #include "frame/mip_chain.h"
 #include "frame/split_sum.h"
 #include "frame/upload_table.h"
@@ -45,17 +46,6 @@ VkSamplerCreateInfo sampler_info(const Sampler& s, int anisotropy = 1) {
   // 0.25 without mipmaps: the specification's way to keep both filters and level 0 alone.
   info.maxLod = s.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;
   return info;
-}
-
-// Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when
-// they do not fit.
-void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, std::span<const std::byte> bytes, size_t room) {
-  const size_t least = std::max(bytes.size(), room);
-  if (!buffer || buffer.size() < least)
-    buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least),
-                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Buffer::Memory::upload,
-                         gpu::Device::Purpose::frame, name);
-  std::memcpy(buffer.mapped(), bytes.data(), bytes.size());
 }
 
 }  // namespace
@@ -197,6 +187,26 @@ std::shared_ptr<GpuScene::Buffers> GpuScene::free_buffers() {
   return frame_buffers_.emplace_back(std::make_shared<Buffers>());
 }
 
+// A larger buffer replaces one that the row does not fit into. The copy of what it holds is compared with and not the
+// buffer, which may be slow to read.
+void GpuScene::fill(FrameBuffer& target, const UploadRow& row) {
+  gpu::Buffer& buffer = target.buffer;
+  const uint64_t least = std::max<uint64_t>(row.bytes.size(), row.size_bytes);
+  if (!buffer || buffer.size() < least) {
+    target.held.clear();
+    buffer = gpu::Buffer(device_, std::max(least, buffer ? buffer.size() * 2 : least),
+                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Buffer::Memory::upload,
+                         gpu::Device::Purpose::frame, row.name);
+  }
+  const std::vector<ByteRange> changed = changed_ranges(target.held, row.bytes);
+  target.held.resize(std::max(target.held.size(), row.bytes.size()));
+  for (const ByteRange& range : changed) {
+    std::memcpy(target.held.data() + range.first, row.bytes.data() + range.first, range.count);
+    std::memcpy(buffer.mapped() + range.first, row.bytes.data() + range.first, range.count);
+    device_.count_uploaded(range.count);
+  }
+}
+
 std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow& row, Uploaded& uploaded) {
   std::shared_ptr<SharedBuffer>& newest = shared_buffers_[row.name];
   if (!newest || newest->key != *row.key || newest->buffer.size() < row.size_bytes) {
@@ -238,8 +248,9 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
       uploaded.imports[frame.imports[i]] = &shared_buffer(row, uploaded)->buffer;
       continue;
     }
-    gpu::Buffer& buffer = (row.bytes.empty() ? scene_buffers_ : *own)[row.name];
-    if (!row.bytes.empty()) fill(device_, buffer, row.name, row.bytes, row.size_bytes);
+    FrameBuffer* const filled = row.bytes.empty() ? nullptr : &(*own)[row.name];
+    if (filled) fill(*filled, row);
+    const gpu::Buffer& buffer = filled ? filled->buffer : scene_buffers_[row.name];
     uploaded.imports[frame.imports[i]] = &buffer;
     if (row.address_offset == UploadRow::no_address) continue;
     const uint64_t address = buffer.address();
@@ -251,7 +262,7 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
 
 uint64_t GpuScene::address_in(const Buffers& buffers, const char* name) {
   const auto found = buffers.find(name);
-  return found == buffers.end() ? 0 : found->second.address();
+  return found == buffers.end() ? 0 : found->second.buffer.address();
 }
 
 }  // namespace candela

@@ -136,6 +136,7 @@ Expected<void> DeviceSession::open() {
         *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
     runner_->timeout_s = settings_.timeout_s;
     if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
+    opening_.uploaded_bytes = device_->uploaded_bytes();
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
@@ -153,6 +154,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   try {
     Begun begun;
     FrameResult& result = begun.result;
+    const uint64_t uploaded_before = device_->uploaded_bytes();
     if (planned->facts.probes > 0 && !gpu_scene_->probes().loaded()) {
       const StageTimer timer(result.timings, "probes");
       const PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
@@ -170,6 +172,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
           {"trees", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->trees_ms * 1000});
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
+    result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
     result.width_px = job_.width_px;
     result.height_px = job_.height_px;
     result.view = planned->view;

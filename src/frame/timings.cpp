@@ -80,6 +80,10 @@ Json cpu_json(const Timings& opening, const Timings& frame) {
   return cpu;
 }
 
+Json uploaded_json(const Timings& opening, const Timings& frames) {
+  return {{"opening", opening.uploaded_bytes}, {"frames", frames.uploaded_bytes}};
+}
+
 Json timings_json(const FrameResult& frame, const Job& job, const Session& session) {
   Json j;
   j["version"] = CANDELA_VERSION;
@@ -102,6 +106,7 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
   j["cpu_ms"] = cpu_json(session.opening(), frame.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
   j["memory"] = memory_json(session, frame.plan);
+  j["uploaded_bytes"] = uploaded_json(session.opening(), frame.timings);
   j["left_out"] = Json::array();
   for (const LeftOut& left : frame.left_out) j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
   j["job"] = own_json(job_json(job));

@@ -68,6 +68,8 @@ TEST(Render, WritesWhatItSays) {
   for (const auto& [pass, milliseconds] : timings["gpu_ms"].items()) sum += milliseconds.get<double>();
   EXPECT_GT(sum, 0);
   EXPECT_GT(timings["memory"]["process_peak_bytes"], 1000000);
+  EXPECT_GT(timings["uploaded_bytes"]["opening"], 0);
+  EXPECT_GT(timings["uploaded_bytes"]["frames"], 0);
   EXPECT_FALSE(Json::parse(bytes_of(folder / "trace.json"))["traceEvents"].empty());
 }
 

@@ -1,6 +1,7 @@
 #include "frame/gpu_scene.h"
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <chrono>
 #include <cstring>
@@ -130,30 +131,45 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   }
   if (wanted.empty()) return;
   const auto start = Clock::now();
+  std::map<TextureKey, LoadedTexture> loaded;                      // after an error none of them is kept
+  const auto uploader = std::make_shared<gpu::Uploader>(device_);  // its end waits: before the textures go
+  // What is decoded goes to the device, one after the other in the order of keys, while others are being decoded.
+  struct Decoded {
+    TextureKey key;
+    Expected<gpu::TextureData> data;
+    std::vector<std::string> warnings;
+  };
+  const size_t at_once = 2 * size_t(tbb::this_task_arena::max_concurrency());
+  using Result = std::shared_ptr<Decoded>;
   const std::vector<std::pair<TextureKey, bool>> list(wanted.begin(), wanted.end());
-  std::vector<Expected<gpu::TextureData>> decoded(list.size());
-  std::vector<std::vector<std::string>> warnings(list.size());
-  tbb::parallel_for(size_t(0), list.size(), [&](size_t i) {
-    auto texture = decode_scene_image(scene_, list[i].first.image);
-    if (!texture) {
-      decoded[i] = std::unexpected(texture.error());
-      return;
-    }
-    decoded[i] = make_mip_chain(texture->image, list[i].first.srgb, list[i].second);
-    warnings[i] = std::move(texture->warnings);
-  });
-  uploaded.decode_ms = ms_since(start);
-  const auto uploader = std::make_shared<gpu::Uploader>(device_);
-  for (size_t i = 0; i < list.size(); ++i) {
-    LoadedTexture& loaded = textures_[list[i].first];
-    if (!decoded[i]) throw gpu::GpuError(VK_ERROR_OUT_OF_HOST_MEMORY, decoded[i].error().text());
-    uploaded.warnings.insert(uploaded.warnings.end(), warnings[i].begin(), warnings[i].end());
-    loaded.texture = gpu::Texture(device_, *decoded[i], scene_.images[size_t(list[i].first.image)].place.c_str());
-    uploader->to_texture(loaded.texture, *decoded[i]);
-    loaded.index = bindless_.add_sampled(loaded.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  }
+  size_t next = 0;
+  const auto take = [&](tbb::flow_control& control) {
+    if (next == list.size()) control.stop();
+    return next < list.size() ? next++ : next;
+  };
+  const auto decode = [&](size_t i) {
+    const auto& [key, mipmapped] = list[i];
+    auto texture = decode_scene_image(scene_, key.image);
+    if (!texture) return std::make_shared<Decoded>(key, std::unexpected(texture.error()));
+    return std::make_shared<Decoded>(key, make_mip_chain(texture->image, key.srgb, mipmapped),
+                                     std::move(texture->warnings));
+  };
+  const auto load = [&](const Result& decoded) {
+    if (!decoded->data) throw gpu::GpuError(VK_ERROR_OUT_OF_HOST_MEMORY, decoded->data.error().text());
+    uploaded.warnings.insert(uploaded.warnings.end(), decoded->warnings.begin(), decoded->warnings.end());
+    LoadedTexture& made = loaded[decoded->key];
+    made.texture = gpu::Texture(device_, *decoded->data, scene_.images[size_t(decoded->key.image)].place.c_str());
+    uploader->to_texture(made.texture, *decoded->data);
+  };
+  tbb::parallel_pipeline(at_once, tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, take) &
+                                      tbb::make_filter<size_t, Result>(tbb::filter_mode::parallel, decode) &
+                                      tbb::make_filter<Result, void>(tbb::filter_mode::serial_in_order, load));
   uploader->submit();
   uploaded.keep.push_back(uploader);
+  for (auto& [key, made] : loaded)
+    made.index = bindless_.add_sampled(made.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  textures_.merge(loaded);
+  uploaded.decode_ms = ms_since(start);
 }
 
 shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) const {

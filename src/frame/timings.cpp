@@ -73,7 +73,7 @@ Json cpu_json(const Timings& opening, const Timings& frame) {
   // Always all stages, so that a reader need not ask which are there.
   Json cpu = Json::object();
   for (const char* stage :
-       {"load", "decode", "upload", "animate", "plan", "compile", "record", "wait", "read_back", "encode"})
+       {"load", "decode", "upload", "animate", "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
     cpu[stage] = 0.0;
   for (const Timings* timings : {&opening, &frame})
     for (const auto& [stage, milliseconds] : timings->cpu_ms) cpu[stage] = cpu.value(stage, 0.0) + milliseconds;

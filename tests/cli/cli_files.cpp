@@ -62,7 +62,7 @@ TEST(Render, WritesWhatItSays) {
 
   const Json timings = Json::parse(bytes_of(folder / "t.json"));
   for (const char* stage :
-       {"load", "decode", "upload", "animate", "plan", "compile", "record", "wait", "read_back", "encode"})
+       {"load", "decode", "upload", "animate", "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
     EXPECT_TRUE(timings["cpu_ms"].contains(stage)) << stage;
   double sum = 0;
   for (const auto& [pass, milliseconds] : timings["gpu_ms"].items()) sum += milliseconds.get<double>();

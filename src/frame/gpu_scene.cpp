@@ -223,19 +223,30 @@ void GpuScene::fill(FrameBuffer& target, const UploadRow& row) {
   }
 }
 
+// One that has the content, else one that no frame in flight uses gets what is different.
 std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow& row, Uploaded& uploaded) {
-  std::shared_ptr<SharedBuffer>& newest = shared_buffers_[row.name];
-  if (!newest || newest->key != *row.key || newest->buffer.size() < row.size_bytes) {
-    newest = std::make_shared<SharedBuffer>(
-        *row.key, gpu::Buffer(device_, row.size_bytes, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                              gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name));
+  auto& buffers = shared_buffers_[row.name];
+  auto found = std::ranges::find_if(
+      buffers, [&](const auto& b) { return b->key == *row.key && b->buffer.size() >= row.size_bytes; });
+  if (found == buffers.end()) {
+    found = std::ranges::find_if(buffers, [](const auto& b) { return b.use_count() == 1; });
+    if (found == buffers.end()) found = buffers.insert(found, std::make_shared<SharedBuffer>());
+    SharedBuffer& target = **found;
+    const bool fits = target.buffer.size() >= row.size_bytes;
+    const auto changed = changed_ranges(fits ? target.held : std::span<const std::byte>(), row.bytes);
+    target.key = {}, target.held = {}, target.owner = {};  // until all of it is there
+    if (!fits)
+      target.buffer = gpu::Buffer(device_, row.size_bytes, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                  gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name);
     const auto uploader = std::make_shared<gpu::Uploader>(device_);
-    uploader->to_buffer(newest->buffer, 0, row.bytes);
+    for (const ByteRange& range : changed)
+      uploader->to_buffer(target.buffer, range.first, row.bytes.subspan(range.first, range.count));
     uploader->submit();
     uploaded.keep.push_back(uploader);
+    target.key = *row.key, target.held = row.bytes, target.owner = row.owner;
   }
-  uploaded.keep.push_back(newest);
-  return newest;
+  uploaded.keep.push_back(*found);
+  return *found;
 }
 
 GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {

@@ -66,9 +66,11 @@ class GpuScene {
   struct SharedBuffer {
     Hash128 key;
     gpu::Buffer buffer;
+    std::span<const std::byte> held;    // what it holds, from its begin
+    std::shared_ptr<const void> owner;  // of `held`
   };
   std::shared_ptr<SharedBuffer> shared_buffer(const UploadRow& row, Uploaded& uploaded);
-  std::map<std::string, std::shared_ptr<SharedBuffer>, std::less<>> shared_buffers_;  // the newest of each name
+  std::map<std::string, std::vector<std::shared_ptr<SharedBuffer>>, std::less<>> shared_buffers_;
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;

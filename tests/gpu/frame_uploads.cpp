@@ -92,6 +92,20 @@ TEST_F(WhatIsSent, LeavesThePicturesAsTheyAreInAnyOrder) {
   }
 }
 
+// The trees of what rays meet lie in one buffer, of which a square that moves a little changes a part.
+TEST_F(WhatIsSent, IsAPartOfTheTreesForRays) {
+  Job job = mostly_still();
+  job.settings = {{"shadows", "method", "traced"}};
+  for (const size_t most : {1u, 2u, 3u}) {
+    const std::vector<uint64_t> bytes = sent(job, {0.5, 0.54, 0.58, 0.62, 0.62, 0.62, 0.62, 0.5}, most);
+    ASSERT_EQ(bytes.size(), 8u);
+    EXPECT_GT(bytes[0], squares * 64u) << "triangles and nodes";
+    EXPECT_GT(bytes[3], 0u);
+    EXPECT_LT(bytes[3], bytes[0] / 2) << most << " in flight";
+    EXPECT_EQ(bytes[6], 0u);
+  }
+}
+
 TEST_F(WhatIsSent, IsCountedFromTheStart) {
   const auto session = open(mostly_still());
   ASSERT_TRUE(session);

@@ -1,11 +1,13 @@
 #include "frame/gpu_scene.h"
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <chrono>
 #include <cstring>
 
 #include "base/files.h"
+#include "frame/changed_ranges.h"
 #include "frame/mip_chain.h"
 #include "frame/split_sum.h"
 #include "frame/upload_table.h"
@@ -45,17 +47,6 @@ VkSamplerCreateInfo sampler_info(const Sampler& s, int anisotropy = 1) {
   // 0.25 without mipmaps: the specification's way to keep both filters and level 0 alone.
   info.maxLod = s.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;
   return info;
-}
-
-// Copies bytes into a buffer that the device reads in place, of at least `room` bytes; a larger one replaces it when
-// they do not fit.
-void fill(gpu::Device& device, gpu::Buffer& buffer, const char* name, std::span<const std::byte> bytes, size_t room) {
-  const size_t least = std::max(bytes.size(), room);
-  if (!buffer || buffer.size() < least)
-    buffer = gpu::Buffer(device, std::max<size_t>(least, buffer ? buffer.size() * 2 : least),
-                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Buffer::Memory::upload,
-                         gpu::Device::Purpose::frame, name);
-  std::memcpy(buffer.mapped(), bytes.data(), bytes.size());
 }
 
 }  // namespace
@@ -140,30 +131,45 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   }
   if (wanted.empty()) return;
   const auto start = Clock::now();
+  std::map<TextureKey, LoadedTexture> loaded;                      // after an error none of them is kept
+  const auto uploader = std::make_shared<gpu::Uploader>(device_);  // its end waits: before the textures go
+  // What is decoded goes to the device, one after the other in the order of keys, while others are being decoded.
+  struct Decoded {
+    TextureKey key;
+    Expected<gpu::TextureData> data;
+    std::vector<std::string> warnings;
+  };
+  const size_t at_once = 2 * size_t(tbb::this_task_arena::max_concurrency());
+  using Result = std::shared_ptr<Decoded>;
   const std::vector<std::pair<TextureKey, bool>> list(wanted.begin(), wanted.end());
-  std::vector<Expected<gpu::TextureData>> decoded(list.size());
-  std::vector<std::vector<std::string>> warnings(list.size());
-  tbb::parallel_for(size_t(0), list.size(), [&](size_t i) {
-    auto texture = decode_scene_image(scene_, list[i].first.image);
-    if (!texture) {
-      decoded[i] = std::unexpected(texture.error());
-      return;
-    }
-    decoded[i] = make_mip_chain(texture->image, list[i].first.srgb, list[i].second);
-    warnings[i] = std::move(texture->warnings);
-  });
-  uploaded.decode_ms = ms_since(start);
-  const auto uploader = std::make_shared<gpu::Uploader>(device_);
-  for (size_t i = 0; i < list.size(); ++i) {
-    LoadedTexture& loaded = textures_[list[i].first];
-    if (!decoded[i]) throw gpu::GpuError(VK_ERROR_OUT_OF_HOST_MEMORY, decoded[i].error().text());
-    uploaded.warnings.insert(uploaded.warnings.end(), warnings[i].begin(), warnings[i].end());
-    loaded.texture = gpu::Texture(device_, *decoded[i], scene_.images[size_t(list[i].first.image)].place.c_str());
-    uploader->to_texture(loaded.texture, *decoded[i]);
-    loaded.index = bindless_.add_sampled(loaded.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  }
+  size_t next = 0;
+  const auto take = [&](tbb::flow_control& control) {
+    if (next == list.size()) control.stop();
+    return next < list.size() ? next++ : next;
+  };
+  const auto decode = [&](size_t i) {
+    const auto& [key, mipmapped] = list[i];
+    auto texture = decode_scene_image(scene_, key.image);
+    if (!texture) return std::make_shared<Decoded>(key, std::unexpected(texture.error()));
+    return std::make_shared<Decoded>(key, make_mip_chain(texture->image, key.srgb, mipmapped),
+                                     std::move(texture->warnings));
+  };
+  const auto load = [&](const Result& decoded) {
+    if (!decoded->data) throw gpu::GpuError(VK_ERROR_OUT_OF_HOST_MEMORY, decoded->data.error().text());
+    uploaded.warnings.insert(uploaded.warnings.end(), decoded->warnings.begin(), decoded->warnings.end());
+    LoadedTexture& made = loaded[decoded->key];
+    made.texture = gpu::Texture(device_, *decoded->data, scene_.images[size_t(decoded->key.image)].place.c_str());
+    uploader->to_texture(made.texture, *decoded->data);
+  };
+  tbb::parallel_pipeline(at_once, tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, take) &
+                                      tbb::make_filter<size_t, Result>(tbb::filter_mode::parallel, decode) &
+                                      tbb::make_filter<Result, void>(tbb::filter_mode::serial_in_order, load));
   uploader->submit();
   uploaded.keep.push_back(uploader);
+  for (auto& [key, made] : loaded)
+    made.index = bindless_.add_sampled(made.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  textures_.merge(loaded);
+  uploaded.decode_ms = ms_since(start);
 }
 
 shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) const {
@@ -197,19 +203,50 @@ std::shared_ptr<GpuScene::Buffers> GpuScene::free_buffers() {
   return frame_buffers_.emplace_back(std::make_shared<Buffers>());
 }
 
+// A larger buffer replaces one that the row does not fit into. The copy of what it holds is compared with and not the
+// buffer, which may be slow to read.
+void GpuScene::fill(FrameBuffer& target, const UploadRow& row) {
+  gpu::Buffer& buffer = target.buffer;
+  const uint64_t least = std::max<uint64_t>(row.bytes.size(), row.size_bytes);
+  if (!buffer || buffer.size() < least) {
+    target.held.clear();
+    buffer = gpu::Buffer(device_, std::max(least, buffer ? buffer.size() * 2 : least),
+                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Buffer::Memory::upload,
+                         gpu::Device::Purpose::frame, row.name);
+  }
+  const std::vector<ByteRange> changed = changed_ranges(target.held, row.bytes);
+  target.held.resize(std::max(target.held.size(), row.bytes.size()));
+  for (const ByteRange& range : changed) {
+    std::memcpy(target.held.data() + range.first, row.bytes.data() + range.first, range.count);
+    std::memcpy(buffer.mapped() + range.first, row.bytes.data() + range.first, range.count);
+    device_.count_uploaded(range.count);
+  }
+}
+
+// One that has the content, else one that no frame in flight uses gets what is different.
 std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow& row, Uploaded& uploaded) {
-  std::shared_ptr<SharedBuffer>& newest = shared_buffers_[row.name];
-  if (!newest || newest->key != *row.key || newest->buffer.size() < row.size_bytes) {
-    newest = std::make_shared<SharedBuffer>(
-        *row.key, gpu::Buffer(device_, row.size_bytes, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                              gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name));
+  auto& buffers = shared_buffers_[row.name];
+  auto found = std::ranges::find_if(
+      buffers, [&](const auto& b) { return b->key == *row.key && b->buffer.size() >= row.size_bytes; });
+  if (found == buffers.end()) {
+    found = std::ranges::find_if(buffers, [](const auto& b) { return b.use_count() == 1; });
+    if (found == buffers.end()) found = buffers.insert(found, std::make_shared<SharedBuffer>());
+    SharedBuffer& target = **found;
+    const bool fits = target.buffer.size() >= row.size_bytes;
+    const auto changed = changed_ranges(fits ? target.held : std::span<const std::byte>(), row.bytes);
+    target.key = {}, target.held = {}, target.owner = {};  // until all of it is there
+    if (!fits)
+      target.buffer = gpu::Buffer(device_, row.size_bytes, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                  gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name);
     const auto uploader = std::make_shared<gpu::Uploader>(device_);
-    uploader->to_buffer(newest->buffer, 0, row.bytes);
+    for (const ByteRange& range : changed)
+      uploader->to_buffer(target.buffer, range.first, row.bytes.subspan(range.first, range.count));
     uploader->submit();
     uploaded.keep.push_back(uploader);
+    target.key = *row.key, target.held = row.bytes, target.owner = row.owner;
   }
-  uploaded.keep.push_back(newest);
-  return newest;
+  uploaded.keep.push_back(*found);
+  return *found;
 }
 
 GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
@@ -238,8 +275,9 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
       uploaded.imports[frame.imports[i]] = &shared_buffer(row, uploaded)->buffer;
       continue;
     }
-    gpu::Buffer& buffer = (row.bytes.empty() ? scene_buffers_ : *own)[row.name];
-    if (!row.bytes.empty()) fill(device_, buffer, row.name, row.bytes, row.size_bytes);
+    FrameBuffer* const filled = row.bytes.empty() ? nullptr : &(*own)[row.name];
+    if (filled) fill(*filled, row);
+    const gpu::Buffer& buffer = filled ? filled->buffer : scene_buffers_[row.name];
     uploaded.imports[frame.imports[i]] = &buffer;
     if (row.address_offset == UploadRow::no_address) continue;
     const uint64_t address = buffer.address();
@@ -251,7 +289,7 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
 
 uint64_t GpuScene::address_in(const Buffers& buffers, const char* name) {
   const auto found = buffers.find(name);
-  return found == buffers.end() ? 0 : found->second.address();
+  return found == buffers.end() ? 0 : found->second.buffer.address();
 }
 
 }  // namespace candela

@@ -16,8 +16,9 @@
 namespace candela {
 
 // A scene on a device. Vertices and indices are uploaded once; textures when a frame first uses them; the rest for
-// every frame, into buffers that the device reads in place and that grow as needed. A frame in flight keeps its
-// buffers: there are as many sets of them as frames were in flight at once.
+// every frame, into buffers that the device reads in place and that grow as needed. Of these only what differs from
+// what the buffer holds is sent. A frame in flight keeps its buffers: there are as many sets of them as frames were in
+// flight at once.
 class GpuScene {
  public:
   GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout);
@@ -51,18 +52,25 @@ class GpuScene {
   gpu::Bindless& bindless_;
   const Scene& scene_;
   const GeometryLayout& layout_;
-  using Buffers = std::map<std::string, gpu::Buffer, std::less<>>;  // of the upload table, by name
+  struct FrameBuffer {
+    gpu::Buffer buffer;
+    std::vector<std::byte> held;  // what it holds, from its begin
+  };
+  using Buffers = std::map<std::string, FrameBuffer, std::less<>>;  // of the upload table, by name
   std::shared_ptr<Buffers> free_buffers();
+  void fill(FrameBuffer& target, const UploadRow& row);
   static uint64_t address_in(const Buffers& buffers, const char* name);  // 0: there is no such buffer
-  Buffers scene_buffers_;
+  std::map<std::string, gpu::Buffer, std::less<>> scene_buffers_;
   std::vector<std::shared_ptr<Buffers>> frame_buffers_;
   // Of content that many frames share; frames in flight hold what they use.
   struct SharedBuffer {
     Hash128 key;
     gpu::Buffer buffer;
+    std::span<const std::byte> held;    // what it holds, from its begin
+    std::shared_ptr<const void> owner;  // of `held`
   };
   std::shared_ptr<SharedBuffer> shared_buffer(const UploadRow& row, Uploaded& uploaded);
-  std::map<std::string, std::shared_ptr<SharedBuffer>, std::less<>> shared_buffers_;  // the newest of each name
+  std::map<std::string, std::vector<std::shared_ptr<SharedBuffer>>, std::less<>> shared_buffers_;
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;

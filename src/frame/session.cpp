@@ -136,6 +136,7 @@ Expected<void> DeviceSession::open() {
         *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
     runner_->timeout_s = settings_.timeout_s;
     if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
+    opening_.uploaded_bytes = device_->uploaded_bytes();
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
@@ -153,6 +154,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   try {
     Begun begun;
     FrameResult& result = begun.result;
+    const uint64_t uploaded_before = device_->uploaded_bytes();
     if (planned->facts.probes > 0 && !gpu_scene_->probes().loaded()) {
       const StageTimer timer(result.timings, "probes");
       const PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
@@ -170,6 +172,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
           {"trees", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->trees_ms * 1000});
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
+    result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
     result.width_px = job_.width_px;
     result.height_px = job_.height_px;
     result.view = planned->view;
@@ -214,19 +217,30 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   if (planned.light_grid.shape.reason.empty()) t.add("light_grid", planned.light_grid_ms);
   if (planned.rays) t.add("trees", planned.trees_ms);
   t.add("plan", planned.plan_ms);
+  // Pipelines know nothing of texels and memory: they are made while textures are decoded and images allocated.
+  const bool fresh = !runner_->is_compiled(planned.graph);
+  Timings compiling_times;
+  std::future<Expected<gpu::PrepareTimes>> compiling;
+  if (fresh)
+    compiling = std::async(std::launch::async, [&] {
+      const StageTimer timer(compiling_times, "compile", "compile");
+      return runner_->compile(planned.graph);
+    });
   const double upload_start = process_clock_us();
   GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
   begun.result.warnings = std::move(uploaded.warnings);
   t.add("decode", uploaded.decode_ms);
   t.add("upload", (process_clock_us() - upload_start) / 1000 - uploaded.decode_ms);
   t.spans.push_back({"decode and upload", "cpu", upload_start, process_clock_us() - upload_start});
-  bool fresh = false;
   {
-    const StageTimer timer(t, "compile");
-    const auto prepared = runner_->prepare(planned.graph);
-    if (!prepared) return std::unexpected(prepared.error());
-    fresh = prepared->pipelines > 0;
+    const StageTimer timer(t, "allocate");
+    runner_->allocate(planned.graph);
   }
+  if (fresh)
+    if (const auto compiled = compiling.get(); !compiled) return std::unexpected(compiled.error());
+  t.add("compile", compiling_times.total("compile"));
+  t.spans.insert(t.spans.end(), compiling_times.spans.begin(), compiling_times.spans.end());
+  if (const auto prepared = runner_->prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
   const KeptImages kept = kept_images(planned);
   if (settings_.timed && fresh) {
     // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own

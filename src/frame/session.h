@@ -14,14 +14,16 @@
 
 namespace candela {
 
-// CPU milliseconds of one frame or of the start, by stage name: load, decode, upload, animate, plan, compile, warm_up
-// (when timed), record, wait, read_back, encode. GPU milliseconds by pass when timed.
+// CPU milliseconds of one frame or of the start, by stage name: load, decode, upload, animate, plan, compile (beside
+// decode, upload and allocate), allocate, warm_up (when timed), record, wait, read_back, encode. GPU milliseconds by
+// pass when timed.
 struct Timings {
   std::vector<std::pair<std::string, double>> cpu_ms;
   std::vector<gpu::PassTime> gpu_ms;
   double frame_gpu_ms = 0;
-  // Spans for the Chrome trace: name, start and length in microseconds since the process began, lane ("cpu", "encode",
-  // "gpu").
+  uint64_t uploaded_bytes = 0;  // sent to the device: of a frame, what differs from what the device holds
+  // Spans for the Chrome trace: name, start and length in microseconds since the process began, lane ("cpu",
+  // "compile", "encode", "gpu").
   struct Span {
     std::string name, lane;
     double start_us, length_us;

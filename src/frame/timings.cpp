@@ -73,11 +73,15 @@ Json cpu_json(const Timings& opening, const Timings& frame) {
   // Always all stages, so that a reader need not ask which are there.
   Json cpu = Json::object();
   for (const char* stage :
-       {"load", "decode", "upload", "animate", "plan", "compile", "record", "wait", "read_back", "encode"})
+       {"load", "decode", "upload", "animate", "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
     cpu[stage] = 0.0;
   for (const Timings* timings : {&opening, &frame})
     for (const auto& [stage, milliseconds] : timings->cpu_ms) cpu[stage] = cpu.value(stage, 0.0) + milliseconds;
   return cpu;
+}
+
+Json uploaded_json(const Timings& opening, const Timings& frames) {
+  return {{"opening", opening.uploaded_bytes}, {"frames", frames.uploaded_bytes}};
 }
 
 Json timings_json(const FrameResult& frame, const Job& job, const Session& session) {
@@ -102,6 +106,7 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
   j["cpu_ms"] = cpu_json(session.opening(), frame.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
   j["memory"] = memory_json(session, frame.plan);
+  j["uploaded_bytes"] = uploaded_json(session.opening(), frame.timings);
   j["left_out"] = Json::array();
   for (const LeftOut& left : frame.left_out) j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
   j["job"] = own_json(job_json(job));

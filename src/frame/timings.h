@@ -12,6 +12,7 @@ nlohmann::ordered_json timings_json(const FrameResult& frame, const Job& job, co
 nlohmann::ordered_json device_json(const gpu::DeviceInfo& device);
 nlohmann::ordered_json memory_json(const Session& session, const FramePlan& plan);
 nlohmann::ordered_json cpu_json(const Timings& opening, const Timings& frame);
+nlohmann::ordered_json uploaded_json(const Timings& opening, const Timings& frames);
 
 // Chrome's trace event format, which Perfetto opens: one row per lane.
 std::string trace_json(std::span<const Timings::Span> spans);

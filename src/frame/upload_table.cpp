@@ -54,6 +54,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     const size_t bytes = frame.rays->bytes.size(), step = std::max<size_t>(std::bit_floor(bytes) / 8, 4096);
     rows.push_back({"frame.trees", &Inputs::trees, (bytes + step - 1) / step * step, frame.rays->bytes});
     rows.back().key = frame.rays->key;
+    rows.back().owner = frame.rays;
   }
   // The air is lit where there is nothing else.
   if (u.items.empty() && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();

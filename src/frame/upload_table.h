@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,6 +23,7 @@ struct UploadRow {
   size_t address_offset = no_address;
   static constexpr size_t no_address = size_t(-1);
   std::optional<Hash128> key = {};  // of content that many frames share: uploaded once, into the device's own memory
+  std::shared_ptr<const void> owner = {};  // with a key: who keeps `bytes`
 };
 
 // Every buffer of the scene and of the frame, each declared here and nowhere else; the constants, which hold the

@@ -81,6 +81,7 @@ struct Device::Hidden {
   std::set<std::string> seen;
   std::map<VkDeviceMemory, Allocation> allocations;
   MemoryUse use;
+  uint64_t uploaded = 0;
 
   uint64_t& of(Purpose purpose) {
     switch (purpose) {
@@ -258,6 +259,16 @@ void Device::end_label(VkCommandBuffer commands) const {
 Device::MemoryUse Device::memory_use() const {
   std::lock_guard lock(hidden_->mutex);
   return hidden_->use;
+}
+
+uint64_t Device::uploaded_bytes() const {
+  std::lock_guard lock(hidden_->mutex);
+  return hidden_->uploaded;
+}
+
+void Device::count_uploaded(uint64_t bytes) {
+  std::lock_guard lock(hidden_->mutex);
+  hidden_->uploaded += bytes;
 }
 
 VkDeviceMemory Device::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,

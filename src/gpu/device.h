@@ -89,6 +89,9 @@ class Device {
     uint64_t scene = 0, frame = 0, readback = 0, staging = 0, peak = 0;
   };
   MemoryUse memory_use() const;
+  // What the host sent so far: copied into memory that the device reads in place, or through staging memory.
+  uint64_t uploaded_bytes() const;
+  void count_uploaded(uint64_t bytes);
   enum class Purpose { scene, frame, readback, staging };
   VkDeviceMemory allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
                           VkMemoryPropertyFlags preferred, Purpose purpose);

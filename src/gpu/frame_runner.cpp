@@ -147,6 +147,25 @@ FrameRunner::FrameRunner(Device& device, Bindless& bindless, glsl::ShaderCompile
     : hidden_(std::make_unique<Hidden>(device, bindless, std::move(compiler), std::move(cache_folder))) {}
 FrameRunner::~FrameRunner() = default;
 
+bool FrameRunner::is_compiled(const CompiledGraph& graph) const {
+  return hidden_->prepared == plan_hash(graph.plan) || hidden_->pipelines.hold(graph.plan.pipelines);
+}
+
+Expected<PrepareTimes> FrameRunner::compile(const CompiledGraph& graph) {
+  PrepareTimes times;
+  if (auto pipelines = hidden_->pipelines.get(graph.plan.pipelines, times); !pipelines)
+    return std::unexpected(pipelines.error());
+  return times;
+}
+
+bool FrameRunner::allocate(const CompiledGraph& graph) {
+  Hidden& h = *hidden_;
+  if (h.allocated == physical_key(graph.plan)) return false;
+  h.readbacks->trim();
+  h.rebuild(graph.plan, false, timeout_s);
+  return true;
+}
+
 Expected<PrepareTimes> FrameRunner::prepare(const CompiledGraph& graph) {
   PrepareTimes times;
   Hidden& h = *hidden_;
@@ -156,19 +175,15 @@ Expected<PrepareTimes> FrameRunner::prepare(const CompiledGraph& graph) {
   auto pipelines = h.pipelines.get(graph.plan.pipelines, times);
   if (!pipelines) return std::unexpected(pipelines.error());
   h.of_plan = std::move(*pipelines);
-  if (const Hash128 key = physical_key(graph.plan); h.allocated != key) {
-    Stopwatch watch;
-    h.readbacks->trim();
-    h.rebuild(graph.plan, false, timeout_s);
-    times.allocated = true;
-    times.allocate_ms = watch.lap_ms();
-  }
+  Stopwatch watch;
+  times.allocated = allocate(graph);
+  if (times.allocated) times.allocate_ms = watch.lap_ms();
   h.prepared = hash;
   return times;
 }
 
 // Frames in flight keep what they use; without any, the old goes before the new is made. A rebuild that throws, for
-// want of memory, leaves nothing prepared.
+// want of memory, leaves nothing allocated.
 void FrameRunner::Hidden::rebuild(const FramePlan& plan, bool to_copy, double timeout_s) {
   prepared.reset();
   allocated.reset();
@@ -188,7 +203,6 @@ void FrameRunner::Hidden::rebuild(const FramePlan& plan, bool to_copy, double ti
   }
   copyable = to_copy;
   allocated = physical_key(plan);
-  prepared = plan_hash(plan);
 }
 
 bool FrameRunner::Hidden::in_flight() const {
@@ -393,7 +407,10 @@ FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, 
   CHECK(graph.record.size() == graph.plan.passes.size());
   const bool alone = options.timed || options.hash_outputs || options.whole;
   if (alone) h.finish_all(timeout_s);
-  if (options.hash_outputs && !h.copyable) h.rebuild(graph.plan, true, timeout_s);
+  if (options.hash_outputs && !h.copyable) {
+    h.rebuild(graph.plan, true, timeout_s);
+    h.prepared = plan_hash(graph.plan);  // its pipelines are there
+  }
   FrameSlot& slot = h.take_slot();
   slot.pending.emplace();
   slot.pending->ticket = ++h.last_ticket;

@@ -76,8 +76,14 @@ class FrameRunner {
  public:
   FrameRunner(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler, std::filesystem::path cache_folder);
   ~FrameRunner();
-  // Compiles in parallel what the plan holds and allocates what it names. Errors (input) for a shader that does not
-  // compile.
+  // Whether all pipelines of the plan are there.
+  bool is_compiled(const CompiledGraph& graph) const;
+  // Compiles in parallel what the plan holds. Errors (input) for a shader that does not compile. Beside it, on another
+  // thread, allocate() may run, and whatever does not use the runner.
+  Expected<PrepareTimes> compile(const CompiledGraph& graph);
+  // Makes the images and buffers that the plan names; false: those of the last plan serve. Throws GpuError.
+  bool allocate(const CompiledGraph& graph);
+  // Both, where they have not been done; before submit().
   Expected<PrepareTimes> prepare(const CompiledGraph& graph);
   // Records the frame and hands it to the device. imports: the physical buffer for each imported resource of the plan;
   // keep: whatever must live, and stay as it is, until the device is done with the frame. A timed or hashed run has the

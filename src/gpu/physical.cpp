@@ -66,7 +66,7 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
     }
   }
   bind_blocks(plan, copyable);
-  make_views(plan);
+  make_views(plan, copyable);
 }
 
 void Physical::make_step_sets(const FramePlan& plan, StepSets& into) {
@@ -246,8 +246,10 @@ VkImageViewType view_type(ImageKind kind) {
 }
 }  // namespace
 
-VkImageView make_view(Device& device, const PhysicalImage& image, const ImageDesc& desc, const ViewKey& key) {
-  VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+VkImageView make_view(Device& device, const PhysicalImage& image, const ImageDesc& desc, const ViewKey& key,
+                      VkImageUsageFlags usage) {
+  const VkImageViewUsageCreateInfo narrowed{VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO, nullptr, usage};
+  VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO, usage ? &narrowed : nullptr};
   info.image = image.image;
   info.viewType = view_type(key.kind);
   info.format = desc.format;
@@ -259,15 +261,20 @@ VkImageView make_view(Device& device, const PhysicalImage& image, const ImageDes
   return view;
 }
 
-void Physical::make_views(const FramePlan& plan) {
+// What is hashed is sampled through any of them.
+void Physical::make_views(const FramePlan& plan, bool copyable) {
+  std::map<ViewKey, VkImageUsageFlags> usages;
   for (const PlanPass& pass : plan.passes)
     for (const PlanUse& use : pass.uses) {
-      if (!(access_info(use.access).image_usage & viewable_usage) || views_.contains(view_key(use))) continue;
+      const VkImageUsageFlags usage = access_info(use.access).image_usage & viewable_usage;
       const PlanResource& resource = plan.resources[size_t(use.resource)];
-      if (!resource.is_image() || resource.imported) continue;
-      views_[view_key(use)] =
-          make_view(device_, images_[size_t(use.resource)], std::get<ImageDesc>(resource.desc), view_key(use));
+      if (usage && resource.is_image() && !resource.imported) usages[view_key(use)] |= usage;
     }
+  for (const auto& [key, usage] : usages) {
+    const size_t i = size_t(key.resource);
+    views_[key] =
+        make_view(device_, images_[i], std::get<ImageDesc>(plan.resources[i].desc), key, copyable ? 0 : usage);
+  }
 }
 
 ReadbackPool::Pooled::~Pooled() {

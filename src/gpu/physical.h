@@ -50,7 +50,10 @@ inline ViewKey view_key(const PlanUse& use) {
   return {use.resource, use.range, use.view, (access_info(use.access).image_usage & attachments) != 0};
 }
 
-VkImageView make_view(Device& device, const PhysicalImage& image, const ImageDesc& desc, const ViewKey& key);
+// usage: of what the view is for; 0: all that the image is made for. lavapipe compiles functions for each view that may
+// be sampled or stored to.
+VkImageView make_view(Device& device, const PhysicalImage& image, const ImageDesc& desc, const ViewKey& key,
+                      VkImageUsageFlags usage = 0);
 
 class KeptImage;
 
@@ -92,7 +95,7 @@ class Physical {
 
  private:
   void bind_blocks(const FramePlan& plan, bool copyable);
-  void make_views(const FramePlan& plan);
+  void make_views(const FramePlan& plan, bool copyable);
   struct StepSets {
     VkDescriptorPool pool = VK_NULL_HANDLE;
     std::vector<std::vector<StepImages>> passes;  // by pass and step

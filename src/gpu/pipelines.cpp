@@ -173,6 +173,10 @@ Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareT
   return {};
 }
 
+bool Pipelines::hold(std::span<const PipelineDesc> wanted) const {
+  return std::ranges::all_of(wanted, [&](const PipelineDesc& desc) { return pipelines_.contains(key_of(desc)); });
+}
+
 Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDesc> wanted, PrepareTimes& times) {
   std::vector<PipelineDesc> missing;
   std::vector<std::string> missing_keys;

@@ -32,6 +32,7 @@ class Pipelines {
   // Parallel to `wanted`. Compiles and builds, in parallel, those that are not there yet, and adds what that cost to
   // `times`.
   Expected<std::vector<const Pipeline*>> get(std::span<const PipelineDesc> wanted, PrepareTimes& times);
+  bool hold(std::span<const PipelineDesc> wanted) const;  // all of them are there
   std::filesystem::path cache_file() const;
 
  private:

@@ -119,6 +119,7 @@ Uploader::~Uploader() = default;
 
 void Uploader::to_buffer(Buffer& target, uint64_t offset, std::span<const std::byte> bytes) {
   CHECK(offset + bytes.size() <= target.size());
+  hidden_->device.count_uploaded(bytes.size());
   if (target.mapped()) {
     if (!bytes.empty()) std::memcpy(target.mapped() + offset, bytes.data(), bytes.size());
     return;
@@ -145,6 +146,7 @@ void Uploader::to_texture(Texture& target, const TextureData& data) {
     CHECK(!bytes.empty() && bytes.size() % rows == 0);
     const uint64_t row_bytes = bytes.size() / rows;
     CHECK(row_bytes <= staging_bytes);
+    hidden.device.count_uploaded(bytes.size());
     for (uint32_t row = 0; row < rows;) {
       const uint32_t part = uint32_t(std::min<uint64_t>(hidden.room(row_bytes) / row_bytes, rows - row));
       std::memcpy(hidden.staging.mapped() + hidden.used, bytes.data() + row * row_bytes, part * row_bytes);

@@ -62,12 +62,14 @@ TEST(Render, WritesWhatItSays) {
 
   const Json timings = Json::parse(bytes_of(folder / "t.json"));
   for (const char* stage :
-       {"load", "decode", "upload", "animate", "plan", "compile", "record", "wait", "read_back", "encode"})
+       {"load", "decode", "upload", "animate", "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
     EXPECT_TRUE(timings["cpu_ms"].contains(stage)) << stage;
   double sum = 0;
   for (const auto& [pass, milliseconds] : timings["gpu_ms"].items()) sum += milliseconds.get<double>();
   EXPECT_GT(sum, 0);
   EXPECT_GT(timings["memory"]["process_peak_bytes"], 1000000);
+  EXPECT_GT(timings["uploaded_bytes"]["opening"], 0);
+  EXPECT_GT(timings["uploaded_bytes"]["frames"], 0);
   EXPECT_FALSE(Json::parse(bytes_of(folder / "trace.json"))["traceEvents"].empty());
 }
 

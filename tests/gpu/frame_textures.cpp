@@ -235,4 +235,23 @@ TEST_F(FrameTextures, AnisotropyKeepsStripesOnAFloor) {
   }
 }
 
+// Shaders are compiled while textures are decoded: an error of theirs is told all the same, each time.
+TEST_F(FrameTextures, AShaderThatDoesNotCompileIsNamed) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "candela_broken_shaders";
+  std::filesystem::remove_all(folder);
+  std::filesystem::copy(CANDELA_SOURCE_DIR "/shaders", folder, std::filesystem::copy_options::recursive);
+  std::ofstream(folder / "shade_forward.frag", std::ios::app) << "\nbroken\n";
+  RunSettings settings;
+  settings.validate = true;
+  settings.shader_folder = folder;
+  const auto session = Session::open(job_for(scene("normal-mapped"), 16, 16), {}, settings);
+  ASSERT_TRUE(session) << session.error().text();
+  for (int frame = 0; frame < 2; ++frame) {
+    const auto result = (*session)->render(0);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().kind, ErrorKind::input);
+    EXPECT_NE(result.error().text().find("shade_forward.frag"), std::string::npos) << result.error().text();
+  }
+}
+
 }  // namespace candela::test

@@ -1,0 +1,17 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace candela {
+
+struct ByteRange {
+  size_t first = 0, count = 0;
+  bool operator==(const ByteRange&) const = default;
+};
+
+// Where `bytes` is not what `held` holds at the same places, in order and apart from each other: whole pieces of 256
+// bytes, the last one shorter, and all that lies behind the end of `held`.
+std::vector<ByteRange> changed_ranges(std::span<const std::byte> held, std::span<const std::byte> bytes);
+
+}  // namespace candela

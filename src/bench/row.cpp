@@ -97,7 +97,7 @@ std::string row_title(const BenchRow& row) {
   return title;
 }
 
-std::string row_axis(const BenchRow& row) {
+std::string row_setting(const BenchRow& row) {
   std::string axis = fmt::format("{}, {}x{}, {} sample{}", row.scene, row.width_px, row.height_px, row.samples,
                                  row.samples == 1 ? "" : "s");
   if (!row.camera.empty()) axis += ", camera " + row.camera;
@@ -105,8 +105,12 @@ std::string row_axis(const BenchRow& row) {
   if (row.quality != "high") axis += ", " + row.quality;
   if (row.output != "exr") axis += ", " + row.output;
   if (row.time_s != 0) axis += fmt::format(", at {} s", row.time_s);
-  return axis + ", " + place_of(row) + (row.driver.empty() ? "" : ", " + row.driver);
+  return axis;
 }
+
+std::string row_device(const BenchRow& row) { return place_of(row) + (row.driver.empty() ? "" : ", " + row.driver); }
+
+std::string row_axis(const BenchRow& row) { return row_setting(row) + ", " + row_device(row); }
 
 bool RowComparison::slower() const {
   return std::any_of(changes.begin(), changes.end(),

@@ -81,6 +81,7 @@ struct BenchRow {
   std::vector<SameWork> same_work;
   // Where.
   std::string device, driver, device_class, device_type, machine, version;
+  std::string source;  // of the program: as --version says it; empty: not recorded
   int cores = 0;
   // How.
   std::string plan_hash, knob_hash, job;  // job: JSON
@@ -114,7 +115,11 @@ std::string row_key(const BenchRow& row);
 std::string row_title(const BenchRow& row);
 // A technique with its settings: what a line in a plot stands for.
 std::string row_way(const BenchRow& row);
-// Everything but the number of lights and the technique: rows that may share axes. Holds the device.
+// Everything but the number of lights, the technique and the device: "street, 1280x720, 4 samples".
+std::string row_setting(const BenchRow& row);
+// Where it was measured: device, on a CPU device the processor, driver.
+std::string row_device(const BenchRow& row);
+// Both: rows of one axis may share axes.
 std::string row_axis(const BenchRow& row);
 
 // What became of each row of `before` in `after`.

@@ -37,6 +37,7 @@ std::vector<Scaling> scalings(const std::vector<const BenchRow*>& rows) {
       if (row_way(*row) != s.way) continue;
       s.lights.push_back(double(row->lights));
       s.frame_ms.push_back(summary(row->frame.ms).median);
+      s.frame_ci.push_back(median_interval(row->frame.ms));
       s.gpu_ms.push_back(summary(row->gpu.ms).median);
       s.lights_per_pixel.push_back(row->lists ? row->lists->mean : std::nan(""));
       s.waste_share.push_back(row->lists ? row->lists->waste_share : std::nan(""));

@@ -1,4 +1,5 @@
 #pragma once
+#include "base/statistics.h"
 #include "bench/row.h"
 
 namespace candela {
@@ -9,7 +10,8 @@ namespace candela {
 struct Scaling {
   std::string way;
   std::vector<double> lights, frame_ms, gpu_ms, lights_per_pixel, waste_share, memory_mib;
-  PowerFit all, top;  // of frame_ms: over all, and over the last factor of 64 in the number of lights
+  std::vector<Interval> frame_ci;  // 95 % of the medians in frame_ms
+  PowerFit all, top;               // of frame_ms: over all, and over the last factor of 64 in the number of lights
 };
 // Rows must be of one axis (row_axis).
 std::vector<Scaling> scalings(const std::vector<const BenchRow*>& rows);

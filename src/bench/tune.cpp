@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "bench/picture.h"
 #include "frame/plan_frame.h"
 #include "metrics/compare.h"
 #include "render/outputs.h"
@@ -45,6 +46,7 @@ class Tuner {
       try_knobs(best);
     }
     refine();
+    if (options_.picture) take_picture();
     report_.wall_s = elapsed();
     return std::move(report_);
   }
@@ -102,6 +104,16 @@ class Tuner {
         return {};
       }
     }
+  }
+
+  void take_picture() {
+    constexpr int shown_px = 480;
+    const auto front = tune_front(report_);
+    if (front.empty()) return;
+    const auto session = Session::open(front.back()->job, {.linear = false, .display = true}, settings_);
+    if (!session) return;
+    if (const auto frame = (*session)->render(options_.moment_s))
+      report_.picture = thumbnail_png(display_image(*frame, front.back()->job), shown_px);
   }
 
   bool measures_at_full_size() const {

@@ -15,6 +15,7 @@ struct TuneOptions {
   Job job;  // its technique, quality, samples and settings are what is searched for
   double moment_s = 0;
   double seconds = 120;  // of the whole search; a frame that was begun is finished
+  bool picture = false;  // one frame more, for the report's picture
 };
 
 struct TuneTrial {
@@ -41,6 +42,8 @@ struct TuneReport {
   double exact_ms = 0;                          // wall time of a frame of the exact picture
   std::vector<std::string> notes;               // what was not found out
   double wall_s = 0;
+  std::vector<std::byte>
+      picture;  // PNG of the most exact setting on the front, as it is displayed; of at most 480 pixels
 };
 
 // Quality presets of all techniques first, then single knobs of the best technique's, then what helped together, then

@@ -8,14 +8,15 @@
 #include "bench/run_suite.h"
 #include "cli/bench_options.h"
 #include "cli/bench_stability.h"
+#include "cli/build_info.h"
 #include "cli/command.h"
+#include "cli/report_files.h"
 #include "cli/result.h"
 #include "cli/signals.h"
 #include "render/frame_names.h"
 #include "report/bench_report.h"
 #include "report/bench_rows.h"
 #include "report/error_rows.h"
-#include "report/plot.h"
 
 namespace candela::cli {
 namespace {
@@ -54,31 +55,19 @@ Expected<void> write_files(const BenchOptions& o, const BenchRun& run, const std
   std::vector<std::pair<std::string, const std::string*>> files;
   if (!o.json.empty()) files.emplace_back(o.json, &json);
   if (!o.csv.empty()) files.emplace_back(o.csv, &csv);
-  std::string html;
-  FigureFiles figures;
-  if (!o.report.empty()) {
-    html = bench_html(run, title, has_gnuplot(), &figures);
-    for (const auto& [name, svg] : figures.files)
-      files.emplace_back((fs::path(o.report) / "figures" / name).string(), &svg);
-    files.emplace_back((fs::path(o.report) / "index.html").string(), &html);
-    files.emplace_back((fs::path(o.report) / "rows.json").string(), &json);
-    files.emplace_back((fs::path(o.report) / "rows.csv").string(), &csv);
-  }
   for (const auto& [file, text] : files)
     if (auto written = write_text_output(file, *text); !written) return written;
-  return {};
+  return write_report(o.report, {{"rows.json", json}, {"rows.csv", csv}},
+                      [&](Figures& figures) { return bench_html(run, title, figures); });
 }
 
 // Before the first sample: an hour of measuring must not end at a folder that cannot be written.
 Expected<void> prepare_files(const BenchOptions& o) {
   if (o.json == "-" && o.csv == "-") return fail(ErrorKind::usage, "--csv", "- and --json - both ask for stdout");
-  std::vector<std::string> files = {o.json, o.csv};
-  if (!o.report.empty())
-    for (const char* file : {"index.html", "figures/01.svg"}) files.push_back((fs::path(o.report) / file).string());
-  for (const std::string& file : files)
+  for (const std::string& file : {o.json, o.csv})
     if (!file.empty() && file != "-")
       if (auto ready = prepare_output(file); !ready) return ready;
-  return {};
+  return prepare_report(o.report);
 }
 
 // 0 when every row that a suite does not leave out was measured.
@@ -97,8 +86,6 @@ Expected<int> finish(const BenchOptions& o, const BenchRun& run, const std::stri
   if (auto written = write_files(o, run, title); !written) return std::unexpected(written.error());
   if (o.json != "-" && o.csv != "-")
     if (auto printed = print(rows_text(run)); !printed) return std::unexpected(printed.error());
-  if (!o.report.empty() && !has_gnuplot())
-    log::warning("gnuplot is not on PATH (apt install gnuplot-nox): the report has tables and no plots");
   return code_of(run);
 }
 
@@ -130,8 +117,9 @@ Expected<int> run_errors(const BenchOptions& o) {
   if (!sweep) return std::unexpected(sweep.error());
   if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
   const HeldSignals signals;
-  const auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; });
+  auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; });
   if (!run) return std::unexpected(run.error());
+  for (BenchRow& row : run->rows) row.source = source_version;
   const auto finished = finish(o, *run, "candela bench: error against time");
   if (finished && o.json != "-" && o.csv != "-")
     if (auto printed = print(error_sentences(*run)); !printed) return std::unexpected(printed.error());
@@ -150,12 +138,24 @@ Expected<int> run_measure(const BenchOptions& o) {
   if (!suites) return std::unexpected(suites.error());
   if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
   const HeldSignals signals;
-  const auto run = run_suites(*suites, bench_settings(o), [&] { return signals.pending() != 0; });
+  auto run = run_suites(*suites, bench_settings(o), [&] { return signals.pending() != 0; });
   if (!run) return std::unexpected(run.error());
+  for (BenchRow& row : run->rows) row.source = source_version;
   std::vector<std::string> names;
   for (const Suite& suite : *suites)
     if (!suite.name.empty()) names.push_back(suite.name);
   return finish(o, *run, "candela bench" + (names.empty() ? "" : ": " + joined(names)));
+}
+
+// ": error against time", or the suites of the rows.
+std::string title_of(const BenchRun& run) {
+  std::vector<std::string> names;
+  for (const BenchRow& row : run.rows) {
+    if (!row.errors.empty()) return ": error against time";
+    if (!row.suite.empty() && std::find(names.begin(), names.end(), row.suite) == names.end())
+      names.push_back(row.suite);
+  }
+  return names.empty() ? "" : ": " + joined(names);
 }
 
 // A report from rows that were kept, also of several runs and devices.
@@ -177,7 +177,7 @@ Expected<int> run_from_rows(const BenchOptions& o) {
     for (const std::string& note : run->notes) all.notes.push_back(fs::path(file).filename().string() + ": " + note);
     all.wall_s += run->wall_s, all.opening_s += run->opening_s;
   }
-  if (auto written = finish(o, all, "candela bench"); !written) return written;
+  if (auto written = finish(o, all, "candela bench" + title_of(all)); !written) return written;
   return 0;
 }
 

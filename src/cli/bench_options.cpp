@@ -221,7 +221,8 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--assets", o.assets, "Folder of scenes named assets:...; by default ../shared/assets")
       ->type_name("DIR");
   add_input_options(command);
-  command.add_option("--report", o.report, "Folder for an HTML page and the rows as JSON and CSV")->type_name("DIR");
+  command.add_option("--report", o.report, "Folder for an HTML page, its figures and the rows as JSON and CSV")
+      ->type_name("DIR");
   command.add_option("--json", o.json, "The rows, or the comparison, as JSON; - is stdout")->type_name("FILE");
   command.add_option("--csv", o.csv, "The rows as CSV; - is stdout")->type_name("FILE");
   command.add_option("--from", o.from, "Make the report from rows that were kept, instead of measuring")
@@ -269,8 +270,8 @@ Expected<void> check_options(const BenchOptions& o) {
   if (o.error && (!o.settings.empty() || !o.qualities.empty() || !o.samples.empty()))
     return fail(ErrorKind::usage, "--error",
                 "walks knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
-  if (!o.report.empty() && (!o.suite.empty() || !o.compare.empty()))
-    return fail(ErrorKind::usage, "--report", "reports are of measurements");
+  if (!o.report.empty() && (o.suite == "exactness" || !o.compare.empty()))
+    return fail(ErrorKind::usage, "--report", "reports are of measurements and of --suite stability");
   if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())
     return fail(ErrorKind::usage, "--from", "goes with --report, --json or --csv");
   return {};

@@ -5,10 +5,12 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/report_files.h"
 #include "cli/result.h"
 #include "cli/signals.h"
 #include "frame/plan_frame.h"
 #include "render/frame_names.h"
+#include "report/stability_report.h"
 #include "stability/stability.h"
 
 namespace candela::cli {
@@ -113,6 +115,7 @@ Expected<int> run_stability(const BenchOptions& o) {
   if (o.large) options.large = true;
   if (!o.only.empty()) options.only = split(o.only, ',');
   options.pictures = o.pictures;
+  options.thumbnails = !o.report.empty();
   if (!o.techniques.empty()) options.techniques = split(o.techniques, ',');
   for (const std::string& name : options.techniques)
     if (const auto names = technique_names(); std::find(names.begin(), names.end(), name) == names.end())
@@ -124,15 +127,17 @@ Expected<int> run_stability(const BenchOptions& o) {
   }
   if (!o.json.empty() && o.json != "-")
     if (auto ready = prepare_output(o.json); !ready) return std::unexpected(ready.error());
+  if (auto ready = prepare_report(o.report); !ready) return std::unexpected(ready.error());
   const HeldSignals signals;
   const auto report = check_stability(options, bench_settings(o), [&] { return signals.pending() != 0; });
   if (!report) return std::unexpected(report.error());
   if (report->stopped) log::warning("stopped before the end");
+  const std::string json = report_json(*report).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   if (!o.json.empty())
-    if (auto written =
-            write_text_output(o.json, report_json(*report).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
-        !written)
-      return std::unexpected(written.error());
+    if (auto written = write_text_output(o.json, json); !written) return std::unexpected(written.error());
+  const auto page = [&](Figures& figures) { return stability_html(*report, this_program(), figures); };
+  if (auto written = write_report(o.report, {{"stability.json", json}}, page); !written)
+    return std::unexpected(written.error());
   if (o.json != "-")
     if (auto printed = print(rows_text(*report)); !printed) return std::unexpected(printed.error());
   if (report->scenes == 0) return fail(ErrorKind::usage, "--only", "no scene has that in its name");

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/input_options.h"
+#include "cli/report_files.h"
 #include "image/io.h"
 #include "image/png_write.h"
 #include "metrics/heatmap.h"
@@ -129,7 +130,7 @@ Expected<void> write_html(const CompareCommand& o, const Comparison& c, const st
     log::warning("{} is not written: the images cannot be compared", o.html);
     return {};
   }
-  CompareReport report{.reference = o.a, .test = o.b, .metrics = c.metrics};
+  CompareReport report{.reference = o.a, .test = o.b, .program = this_program(), .metrics = c.metrics};
   for (const LimitVerdict& v : verdicts)
     report.limits.push_back(
         {v.limit.metric + (v.region.empty() ? "" : " of " + v.region), v.measured, v.limit.value, v.pass});

@@ -9,6 +9,7 @@
 #include "cli/golden_run.h"
 #include "cli/golden_update.h"
 #include "cli/input_options.h"
+#include "cli/report_files.h"
 #include "render/frame_names.h"
 #include "report/golden_report.h"
 
@@ -52,7 +53,7 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
   row.warned = outcome.warned();
   row.blank = outcome.gate.blank;
   row.message = outcome.message;
-  row.device_class = outcome.device_class;
+  row.device_class = outcome.device_class, row.device = outcome.device;
   row.time_s = outcome.seconds;
   row.metrics = outcome.gate.comparison.metrics;
   row.golden = outcome.golden_png, row.actual = outcome.actual_png;
@@ -73,8 +74,13 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
 }
 
 Expected<void> write_report(const fs::path& folder, const std::vector<GoldenRow>& rows, const std::string& sum) {
-  if (auto written = write_golden_html(folder / "index.html", rows, "candela goldens: " + sum); !written)
-    return written;
+  std::vector<std::string> devices;
+  for (const GoldenRow& row : rows) devices.push_back(row.device);
+  const PageHead head{.title = "candela goldens: " + sum,
+                      .findings = {},
+                      .facts = {{"device", distinct(devices)}, {"program", this_program()}},
+                      .picture = {}};
+  if (auto written = write_golden_html(folder / "index.html", rows, head); !written) return written;
   return write_golden_junit(folder / "junit.xml", rows, "candela goldens");
 }
 

@@ -7,7 +7,9 @@
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
+#include "cli/report_files.h"
 #include "cli/signals.h"
+#include "report/tune_report.h"
 
 namespace candela::cli {
 namespace {
@@ -18,6 +20,7 @@ struct TuneCommand {
   JobOptions job;
   MomentOptions moment;
   double seconds = 120;
+  std::string report;
 };
 
 constexpr std::array<double, 5> error_levels = {0.1, 0.03, 0.01, 0.003, 0.001};
@@ -101,9 +104,19 @@ Expected<int> run_tune(CLI::App& command, TuneCommand& o) {
   if (!settings) return std::unexpected(settings.error());
   const auto moment = moment_of(o.job, o.moment);
   if (!moment) return std::unexpected(moment.error());
+  if (auto ready = prepare_report(o.report); !ready) return std::unexpected(ready.error());
   HeldSignals held;
-  const auto report = tune({*job, moment->time_s, o.seconds}, *settings, [&] { return held.pending() != 0; });
+  const auto report =
+      tune({*job, moment->time_s, o.seconds, !o.report.empty()}, *settings, [&] { return held.pending() != 0; });
   if (!report) return std::unexpected(report.error());
+  const auto page = [&](Figures& figures) {
+    return tune_html(*report, *job, std::filesystem::path(job->scene).filename().string(),
+                     cheapest_within(*report, error_levels), most_exact_within(*report, time_levels(*report)),
+                     this_program(), figures);
+  };
+  const std::string json = json_of(*report).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (auto written = write_report(o.report, {{"tune.json", json}}, page); !written)
+    return std::unexpected(written.error());
   if (auto printed = o.job.json ? print_json(json_of(*report)) : print(text_of(*report, *job)); !printed)
     return std::unexpected(printed.error());
   if (held.pending()) return 128 + held.pending();
@@ -121,6 +134,8 @@ void add_tune(CLI::App& app, Action& action) {
   command->add_option("--seconds", o->seconds, "Of the whole search; a frame that was begun is finished")
       ->capture_default_str()
       ->type_name("SECONDS");
+  command->add_option("--report", o->report, "Folder for an HTML page, its figures and the result as JSON")
+      ->type_name("DIR");
   add_run_options(*command, o->job);
   command->callback([command, o, &action] { action = [command, o] { return run_tune(*command, *o); }; });
 }

@@ -1,106 +1,82 @@
 #include "report/bench_report.h"
 
+#include "base/statistics.h"
 #include "bench/scaling.h"
+#include "report/bench_findings.h"
+#include "report/bench_rows.h"
 #include "report/bench_tables.h"
 #include "report/error_report.h"
-#include "report/golden_report.h"
-#include "report/picture_viewer.h"
+#include "report/markup.h"
+#include "report/page.h"
 #include "report/plot.h"
 
 namespace candela {
 namespace {
 
-constexpr std::string_view style =
-    "body{font:14px/1.45 sans-serif;margin:2em auto;max-width:1200px;padding:0 1em;background:#fff;color:#222}"
-    "h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2.2em;border-bottom:1px solid #ccc;padding-bottom:.2em}"
-    "h3{font-size:1em;margin:1.6em 0 .5em}table{border-collapse:collapse;font-size:13px;margin:.5em 0}"
-    "th,td{padding:.2em .7em;border-bottom:1px solid #e4e4e4;text-align:right;white-space:nowrap}"
-    "th{background:#f4f4f4;font-weight:600;white-space:normal;vertical-align:bottom}td.text,th.text{text-align:left}td."
-    "bad{color:#b00020;font-weight:600}"
-    ".wide{overflow-x:auto}.note{color:#7a5200}.error{color:#b00020}.faint{color:#777}"
-    "figure{display:inline-block;margin:.4em .8em .4em 0;vertical-align:top}figcaption{font-size:12px;color:#555;"
-    "max-width:320px}img.picture{image-rendering:auto;max-width:320px}code{font-size:12px}"
-    "figure.strip{display:block;max-width:960px}.strip img{width:100%}.strip figcaption{max-width:none}"
-    ".thirds{display:flex;font-size:12px;color:#555}.thirds "
-    "span{width:33.33%}svg{max-width:none}h2,li{overflow-wrap:anywhere}"
-    "summary{cursor:pointer;margin:1em 0}";
-
-// Rows that may share axes, in the order of their first row.
-struct Axis {
-  std::string name;
-  std::vector<const BenchRow*> rows;
-};
-
-std::vector<Axis> axes_of(const BenchRun& run) {
-  std::vector<Axis> axes;
-  for (const BenchRow& row : run.rows) {
-    if (row.frame.ms.empty()) continue;
-    const std::string name = row_axis(row);
-    const auto found = std::find_if(axes.begin(), axes.end(), [&](const Axis& a) { return a.name == name; });
-    Axis& axis = found == axes.end() ? axes.emplace_back(Axis{name, {}}) : *found;
-    axis.rows.push_back(&row);
+LinePlot plot_of(const std::vector<Scaling>& all, const std::string& title, const std::string& y_label,
+                 std::vector<double> Scaling::*y) {
+  LinePlot plot{.title = title, .x_label = "lights", .y_label = y_label};
+  for (const Scaling& s : all) {
+    if (std::none_of((s.*y).begin(), (s.*y).end(), [](double v) { return v > 0; })) continue;
+    auto& line = plot.lines.emplace_back(LinePlot::Line{s.way, {}});
+    for (size_t i = 0; i < s.lights.size(); ++i)
+      line.points.push_back({s.lights[i], (s.*y)[i], {}, y == &Scaling::frame_ms ? s.frame_ci[i] : Interval{}});
   }
-  return axes;
-}
-
-std::string embedded(std::string_view type, std::string_view text) {
-  return fmt::format("data:{};base64,{}", type, base64(std::as_bytes(std::span(text.data(), text.size()))));
-}
-
-// An image element of its own: gnuplot's files use the same identifiers in every plot.
-std::string plot_html(const Plot& plot, FigureFiles& figures) {
-  const auto svg = gnuplot_svg(plot);
-  if (svg) figures.add(plot.title, *svg);
-  if (!svg) return fmt::format("<p class=\"note\">gnuplot could not draw: {}</p>\n", escape_markup(plot.title));
-  return fmt::format("<img src=\"{}\" alt=\"{}\"/>\n", embedded("image/svg+xml", *svg), escape_markup(plot.title));
-}
-
-Plot plot_of(const std::vector<Scaling>& all, const std::string& title, const std::string& y_label,
-             std::vector<double> Scaling::*y) {
-  Plot plot{.title = title, .x_label = "lights", .y_label = y_label};
-  for (const Scaling& s : all)
-    if (std::any_of((s.*y).begin(), (s.*y).end(), [](double v) { return v > 0; }))
-      plot.lines.push_back({s.way, s.lights, s.*y});
   return plot;
 }
 
-std::string scaling_html(const std::vector<Scaling>& all, bool plots, FigureFiles& figures) {
+std::string scaling_html(const std::vector<Scaling>& all, Figures& figures) {
+  const auto add = [&](const LinePlot& plot) {
+    return plot.lines.empty() ? std::string() : figures.add(plot.title, plot_script(plot));
+  };
   std::string html = "<h3>Time against the number of lights</h3>\n";
-  if (plots) {
-    html += plot_html(plot_of(all, "Frame time", "ms, median", &Scaling::frame_ms), figures);
-    for (const auto& [title, label, member] :
-         {std::tuple("Lights in the list of a pixel", "lights, mean", &Scaling::lights_per_pixel),
-          std::tuple("Listed lights that contribute nothing", "share", &Scaling::waste_share),
-          std::tuple("Memory of the device at its peak", "MiB", &Scaling::memory_mib)}) {
-      Plot plot = plot_of(all, title, label, member);
-      plot.log_y = member != &Scaling::waste_share;
-      if (!plot.lines.empty()) html += plot_html(plot, figures);
-    }
-  }
-  return html + fits_table(all);
+  html += add(plot_of(all, "Time of a frame", "ms: median with its 95 % confidence interval", &Scaling::frame_ms));
+  html += fits_table(all);
+  html +=
+      add(plot_of(all, "Lights in the list of a pixel", "lights, mean over the picture", &Scaling::lights_per_pixel));
+  LinePlot waste =
+      plot_of(all, "Listed lights that contribute nothing", "share of all that are listed", &Scaling::waste_share);
+  waste.log_y = false;
+  html += add(waste);
+  return html + add(plot_of(all, "Memory of the device at its peak", "MiB", &Scaling::memory_mib));
 }
 
-std::string bars_html(const Axis& axis, FigureFiles& figures) {
-  std::vector<Bar> bars;
+std::string bars_html(const BenchAxis& axis, Figures& figures) {
+  BarPlot plot{.title = "Time of the passes",
+               .x_label = "ms of the GPU: sum of the medians of the passes, each timed alone",
+               .unit = "ms"};
+  const bool one_count = std::all_of(axis.rows.begin(), axis.rows.end(), [&](const BenchRow* row) {
+    return row->lights_wanted == axis.rows[0]->lights_wanted && row->lights == axis.rows[0]->lights;
+  });
   for (const BenchRow* row : axis.rows) {
-    Bar bar{short_label(*row), {}};
-    for (const Series& pass : row->passes) bar.parts.emplace_back(pass.name, summary(pass.ms).median);
-    bars.push_back(std::move(bar));
+    BarPlot::Bar bar{.label = one_count ? row_way(*row) : short_label(*row)};
+    for (const Series& pass : row->passes) {
+      bar.parts.emplace_back(pass.name, median(pass.ms));
+      bar.total += bar.parts.back().second;
+    }
+    const Interval ci = median_interval(row->gpu.ms);
+    if (ci.low <= bar.total && bar.total <= ci.high) bar.ci = ci;
+    plot.bars.push_back(std::move(bar));
   }
-  const std::string times = stacked_bars_svg(bars, "ms"), shares = stacked_shares_svg(bars);
-  figures.add("Time of the passes", times), figures.add("Shares of the passes", shares);
-  return "<h3>Time of the passes</h3>\n<div class=\"wide\">" + times +
-         "</div>\n<h3>The same as shares of each frame</h3>\n<div class=\"wide\">" + shares + "</div>\n";
+  const bool log = has_log_axis(plot);
+  const std::string caption =
+      log ? "The axis is logarithmic; colours divide the length of each bar in proportion to the times of its passes."
+          : "";
+  std::string html =
+      figures.add(plot.title, plot_script(plot),
+                  caption + (log ? " " : "") + "Black: 95 % confidence interval of the median of the sum.");
+  BarPlot parts = shares(plot);
+  parts.title = "Shares of the passes", parts.x_label = "share of the sum of the passes, %";
+  html += figures.add(parts.title, plot_script(parts));
+  return html.empty() ? html : "<h3>Passes</h3>\n" + html;
 }
 
-std::string pictures_html(const Axis& axis) {
+std::string pictures_html(const BenchAxis& axis) {
   std::string html;
   const auto figure = [&](const std::vector<std::byte>& png, const std::string& caption) {
     if (!png.empty())
-      html += fmt::format(
-          "<figure><img class=\"picture\" src=\"data:image/png;base64,{}\" alt=\"{}\"/><figcaption>{}"
-          "</figcaption></figure>\n",
-          base64(png), escape_markup(caption), escape_markup(caption));
+      html += fmt::format("<figure><img src=\"{}\" alt=\"{}\"><figcaption>{}</figcaption></figure>\n", data_url(png),
+                          escape_markup(caption), escape_markup(caption));
   };
   // All ways must give one picture: it is shown once for each number of lights.
   std::vector<int64_t> shown;
@@ -113,25 +89,25 @@ std::string pictures_html(const Axis& axis) {
       figure(row->heatmap, fmt::format("{}: lights per pixel; yellow is {:.0f} or more, the most are {:.0f}",
                                        short_label(*row), std::max(1.0, row->lists->p95), row->lists->max));
   }
-  return html.empty() ? html : "<h3>Pictures</h3>\n" + html;
+  return html.empty() ? html : "<h3>Pictures</h3>\n<div class=\"pictures\">\n" + html + "</div>\n";
 }
 
-std::string axis_html(const Axis& axis, bool plots, FigureFiles& figures) {
-  std::string html = fmt::format("<section>\n<h2>{}</h2>\n", escape_markup(axis.name));
-  html += summary_table(axis.rows) + bars_html(axis, figures);
+std::string axis_html(const BenchAxis& axis, Figures& figures) {
+  std::string html =
+      fmt::format("<section>\n<h2>{}</h2>\n<p class=\"faint\">{}</p>\n", escape_markup(row_setting(*axis.rows.front())),
+                  escape_markup(row_device(*axis.rows.front())));
   const std::vector<Scaling> all = scalings(axis.rows);
   if (std::any_of(all.begin(), all.end(), [](const Scaling& s) { return s.lights.size() > 1; }))
-    html += scaling_html(all, plots, figures);
-  html += passes_table(axis.rows) + memory_table(axis.rows) + remarks_list(axis.rows) + pictures_html(axis);
-  return html + "</section>\n";
+    html += scaling_html(all, figures);
+  html += bars_html(axis, figures) + "<h3>Frames</h3>\n" + summary_table(axis.rows) + pictures_html(axis);
+  html += folded("Passes, CPU stages and memory", passes_table(axis.rows) + memory_table(axis.rows));
+  return html + remarks_list(axis.rows) + "</section>\n";
 }
 
-// Folded: what was found stands before what was noted on the way.
-std::string notes_html(const std::vector<std::string>& notes) {
-  if (notes.empty()) return {};
-  std::string html = fmt::format("<details><summary>Notes ({})</summary>\n", notes.size());
-  for (const std::string& note : notes) html += fmt::format("<p class=\"note\">{}</p>\n", escape_markup(note));
-  return html + "</details>\n";
+// The times of a sweep of errors stand in its fronts: its frames are folded.
+std::string swept_axis_html(const BenchAxis& axis) {
+  return folded("Frames, passes and memory: " + row_setting(*axis.rows.front()),
+                summary_table(axis.rows) + passes_table(axis.rows) + memory_table(axis.rows) + remarks_list(axis.rows));
 }
 
 size_t count_devices(const BenchRun& run) {
@@ -142,35 +118,66 @@ size_t count_devices(const BenchRun& run) {
   return devices.size();
 }
 
+bool has_errors(const BenchAxis& axis) {
+  return std::any_of(axis.rows.begin(), axis.rows.end(), [](const BenchRow* row) { return !row->errors.empty(); });
+}
+
+std::string scene_pictures(const BenchRun& run, Figures& figures) {
+  std::string html;
+  for (const BenchRow* row : rows_of_scene_pictures(run)) {
+    const int64_t lights = row->lights_wanted >= 0 ? row->lights_wanted : row->lights;
+    html += figures.add_picture(
+        row->scene, row->thumbnail,
+        row->scene + (lights < 0 ? "" : fmt::format(", {} light{}", lights, lights == 1 ? "" : "s")));
+  }
+  return html.empty() ? "There is no picture of the scene: these rows were kept without one." : html;
+}
+
+PageHead head_of(const BenchRun& run, const std::string& title, Figures& figures) {
+  PageHead head{.title = title};
+  BenchRun without_errors;
+  for (const BenchRow& row : run.rows)
+    if (row.errors.empty()) without_errors.rows.push_back(row);
+  head.findings = error_findings(run);
+  for (Finding& finding : bench_findings(without_errors)) head.findings.push_back(std::move(finding));
+  std::vector<std::string> scenes, devices, programs;
+  for (const BenchRow& row : run.rows) {
+    scenes.push_back(fmt::format("{}, {}x{}", row.scene, row.width_px, row.height_px));
+    if (row.frame.ms.empty()) continue;
+    devices.push_back(row_device(row));
+    programs.push_back(program_text(row.version, row.source));
+  }
+  head.facts = {{"measured", distinct(scenes)},
+                {"device", distinct(devices)},
+                {"program", distinct(programs)},
+                {"run", fmt::format("{} configurations in {:.0f} s, {:.0f} s of it opening", run.rows.size(),
+                                    run.wall_s, run.opening_s)},
+                {"times",
+                 "medians of interleaved rounds with 95 % confidence intervals; frame: wall time from the scene's pose "
+                 "to bytes in host memory; GPU: sum of the passes, each timed alone"}};
+  head.picture = scene_pictures(run, figures);
+  return head;
+}
+
 }  // namespace
 
-std::string bench_html(const BenchRun& run, const std::string& title, bool plots, FigureFiles* figures) {
-  FigureFiles unwanted;
-  FigureFiles& kept = figures ? *figures : unwanted;
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta "
-      "charset=\"utf-8\"/><meta name=\"viewport\" "
-      "content=\"width=device-width\"/><title>{0}</title>\n<style>{1}</style></head>\n"
-      "<body>\n<h1>{0}</h1>\n",
-      escape_markup(title), style);
-  html += fmt::format(
-      "<p>{} configurations in {:.0f} s, {:.0f} s of it opening. Times are medians of interleaved rounds, in "
-      "milliseconds, with the median "
-      "absolute deviation; <i>frame</i> is the wall time from the scene's pose to bytes in host memory, <i>GPU</i> the "
-      "sum of the passes, each timed alone.</p>\n",
-      run.rows.size(), run.wall_s, run.opening_s);
-  if (!plots)
-    html +=
-        "<p class=\"note\">gnuplot is not installed: there are no plots against the number of lights, only their "
-        "tables.</p>\n";
+std::string bench_html(const BenchRun& run, const std::string& title, Figures& figures) {
+  const PageHead head = head_of(run, title, figures);
+  std::string html;
+  if (!figures.draws()) html += "<p class=\"note\">gnuplot is not installed: there are no figures, only tables.</p>\n";
   if (count_devices(run) > 1)
     html += fmt::format(
         "<p class=\"note\">Rows of {} devices: each has axes of its own, for their times do not belong on "
         "one.</p>\n",
         count_devices(run));
-  html += error_html(run, kept);
-  for (const Axis& axis : axes_of(run)) html += axis_html(axis, plots, kept);
-  return html + left_out_list(run) + notes_html(run.notes) + "</body>\n</html>\n";
+  html += error_html(run, figures);
+  std::string swept;
+  for (const BenchAxis& axis : axes_of(run))
+    if (has_errors(axis))
+      swept += swept_axis_html(axis);
+    else
+      html += axis_html(axis, figures);
+  return page_html(head, html + left_out_list(run) + swept + notes_html(run.notes));
 }
 
 }  // namespace candela

@@ -4,6 +4,7 @@
 #include "base/statistics.h"
 #include "bench/error_analysis.h"
 #include "report/error_rows.h"
+#include "report/markup.h"
 
 namespace candela {
 namespace {
@@ -60,6 +61,7 @@ Json row_json(const BenchRow& row) {
   j["device"] = {{"name", row.device}, {"driver", row.driver}, {"class", row.device_class}, {"type", row.device_type}};
   j["machine"] = {{"processor", row.machine}, {"cores", row.cores}};
   j["version"] = row.version;
+  if (!row.source.empty()) j["source"] = row.source;
   j["plan_hash"] = row.plan_hash;
   j["knob_hash"] = row.knob_hash;
   j["job"] = row.job.empty() ? Json() : own_json(row.job);
@@ -137,7 +139,8 @@ BenchRow row_from(const Json& j) {
   row.device = device.at("name"), row.driver = device.at("driver");
   row.device_class = device.at("class"), row.device_type = device.at("type");
   row.machine = machine.at("processor"), row.cores = machine.at("cores");
-  row.version = j.at("version");
+  row.version = j.at("version"), row.source = j.value("source", "");
+  row.thumbnail = from_base64(j.value("thumbnail", ""));
   row.plan_hash = j.at("plan_hash"), row.knob_hash = j.at("knob_hash");
   row.job = j.at("job").dump();
   row.remarks = j.at("remarks").get<std::vector<std::string>>();
@@ -203,13 +206,32 @@ std::string csv_line(const std::vector<std::string>& cells) {
 
 }  // namespace
 
+std::vector<const BenchRow*> rows_of_scene_pictures(const BenchRun& run) {
+  std::vector<const BenchRow*> chosen;
+  for (const BenchRow& row : run.rows) {
+    if (row.thumbnail.empty()) continue;
+    const auto same = std::find_if(chosen.begin(), chosen.end(),
+                                   [&](const BenchRow* other) { return row_setting(*other) == row_setting(row); });
+    if (same == chosen.end())
+      chosen.push_back(&row);
+    else if ((*same)->lights < row.lights)
+      *same = &row;
+  }
+  return chosen;
+}
+
 Json bench_json(const BenchRun& run) {
   Json j = {{"candela_bench", 1},
             {"wall_s", rounded(run.wall_s)},
             {"opening_s", rounded(run.opening_s)},
             {"notes", run.notes},
             {"rows", Json::array()}};
-  for (const BenchRow& row : run.rows) j["rows"].push_back(row_json(row));
+  const auto pictured = rows_of_scene_pictures(run);
+  for (const BenchRow& row : run.rows) {
+    j["rows"].push_back(row_json(row));
+    if (std::find(pictured.begin(), pictured.end(), &row) != pictured.end())
+      j["rows"].back()["thumbnail"] = base64(row.thumbnail);
+  }
   if (Json findings = error_findings_json(run); !findings.is_null()) {
     j["error_findings"] = std::move(findings);
     j["unswept_knobs"] = unswept_knobs(run.rows);

@@ -2,12 +2,16 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "bench/run_suite.h"
 
 namespace candela {
 
-// The file of --json: notes, and a row a configuration with raw samples and their statistics. Pictures are not in it.
+// Of each scene, camera, size and moment the row with the most lights whose picture is there: the report shows it.
+std::vector<const BenchRow*> rows_of_scene_pictures(const BenchRun& run);
+// The file of --json: notes, and a row a configuration with raw samples and their statistics. Of pictures it holds
+// those of the scenes (rows_of_scene_pictures) alone.
 nlohmann::ordered_json bench_json(const BenchRun& run);
 // Reads it back. Errors (input) name the file and the place.
 Expected<BenchRun> read_bench_rows(const std::filesystem::path& file);

@@ -1,36 +1,12 @@
 #include "report/bench_tables.h"
 
-#include "report/golden_report.h"
+#include "report/markup.h"
 
 namespace candela {
 namespace {
 
-// A table cell: numbers right, text left, what is wrong in red.
-struct Cell {
-  std::string text;
-  enum class Kind { number, text, bad } kind = Kind::number;
-};
+using Cell = TableCell;
 using Row = std::vector<Cell>;
-
-std::string table(const std::vector<std::string>& head, size_t text_columns, const std::vector<Row>& rows) {
-  std::string html = "<div class=\"wide\"><table>\n<tr>";
-  for (size_t i = 0; i < head.size(); ++i)
-    html += fmt::format("<th{}>{}</th>", i < text_columns ? " class=\"text\"" : "", escape_markup(head[i]));
-  html += "</tr>\n";
-  for (const Row& row : rows) {
-    html += "<tr>";
-    for (const Cell& cell : row)
-      html += fmt::format("<td{}>{}</td>",
-                          cell.kind == Cell::Kind::text  ? " class=\"text\""
-                          : cell.kind == Cell::Kind::bad ? " class=\"bad\""
-                                                         : "",
-                          escape_markup(cell.text));
-    html += "</tr>\n";
-  }
-  return html + "</table></div>\n";
-}
-
-Cell text(std::string value) { return {std::move(value), Cell::Kind::text}; }
 
 // Four digits that matter, never an exponent: milliseconds are read, not computed with.
 std::string milliseconds(double ms) {
@@ -97,8 +73,8 @@ std::string summary_table(const std::vector<const BenchRow*>& rows) {
     const BenchRow* reference = reference_row(*row, rows);
     const double ms = summary(row->frame.ms).median;
     Row line = {
-        text(row_way(*row)),
-        text(row->plan_hash.substr(0, 8)),
+        text_cell(row_way(*row)),
+        text_cell(row->plan_hash.substr(0, 8)),
         {row->lights < 0 ? "" : fmt::format("{}", row->lights)},
         {with_mad(row->frame)},
         {milliseconds(summary(row->frame.ms).min)},
@@ -110,9 +86,9 @@ std::string summary_table(const std::vector<const BenchRow*>& rows) {
     add_lists(line, *row);
     cells.push_back(std::move(line));
   }
-  return table({"technique", "plan", "lights", "frame, ms", "min", "runs", "times faster than reference",
-                "differing pixels", "largest difference", "lights per pixel", "95 %", "most", "waste", "missed"},
-               2, cells);
+  return html_table({"technique", "plan", "lights", "frame, ms", "min", "runs", "times faster than reference",
+                     "differing pixels", "largest difference", "lights per pixel", "95 %", "most", "waste", "missed"},
+                    2, cells);
 }
 
 namespace {
@@ -128,7 +104,7 @@ std::string series_table(const std::vector<const BenchRow*>& rows, std::vector<S
       if (std::find(head.begin() + long(first), head.end(), s.name) == head.end()) head.push_back(s.name);
   std::vector<Row> cells;
   for (const BenchRow* row : rows) {
-    Row line = {text(row_way(*row)), {row->lights < 0 ? "" : fmt::format("{}", row->lights)}};
+    Row line = {text_cell(row_way(*row)), {row->lights < 0 ? "" : fmt::format("{}", row->lights)}};
     if (sum) line.push_back({with_mad(row->*sum)});
     line.resize(head.size());
     for (const Series& s : row->*member) {
@@ -137,7 +113,7 @@ std::string series_table(const std::vector<const BenchRow*>& rows, std::vector<S
     }
     cells.push_back(std::move(line));
   }
-  return table(head, 1, cells);
+  return html_table(head, 1, cells);
 }
 
 }  // namespace
@@ -157,21 +133,21 @@ std::string memory_table(const std::vector<const BenchRow*>& rows) {
     }
   std::vector<Row> cells;
   for (const BenchRow* row : rows) {
-    Row line = {text(row_way(*row)), {row->lights < 0 ? "" : fmt::format("{}", row->lights)}};
+    Row line = {text_cell(row_way(*row)), {row->lights < 0 ? "" : fmt::format("{}", row->lights)}};
     for (const auto& [name, bytes] : row->memory)
       line.push_back({fmt::format("{:.2f}", double(bytes) / double(1 << 20))});
     line.resize(head.size());
     cells.push_back(std::move(line));
   }
-  return "<h3>Memory, MiB</h3>\n" + table(head, 1, cells);
+  return "<h3>Memory, MiB</h3>\n" + html_table(head, 1, cells);
 }
 
 std::string fits_table(const std::vector<Scaling>& all) {
   std::vector<Row> cells;
   for (const Scaling& s : all)
-    cells.push_back({text(s.way), {exponent(s.all)}, {range(s.all)}, {exponent(s.top)}, {range(s.top)}});
+    cells.push_back({text_cell(s.way), {exponent(s.all)}, {range(s.all)}, {exponent(s.top)}, {range(s.top)}});
   return "<p>Exponents of frame time = factor &#215; lights<sup>exponent</sup>, by least squares on logarithms.</p>\n" +
-         table({"technique", "exponent, all", "lights", "exponent, many lights", "lights"}, 1, cells);
+         html_table({"technique", "exponent, all", "lights", "exponent, many lights", "lights"}, 1, cells);
 }
 
 std::string remarks_list(const std::vector<const BenchRow*>& rows) {

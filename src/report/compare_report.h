@@ -15,6 +15,7 @@ struct CompareReport {
     bool pass = false;
   };
   std::string reference, test;  // files
+  std::string program;          // program_text
   std::map<std::string, double> metrics;
   std::vector<Limit> limits;
   ViewedPictures pictures;

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "bench/error_truth.h"
-#include "report/golden_report.h"
+#include "report/markup.h"
 
 namespace candela {
 namespace {

@@ -7,9 +7,8 @@
 #include "report/error_parts_table.h"
 #include "report/error_rows.h"
 #include "report/error_tables.h"
-#include "report/golden_report.h"
-#include "report/picture_viewer.h"
-#include "report/scatter.h"
+#include "report/markup.h"
+#include "report/plot.h"
 
 namespace candela {
 namespace {
@@ -23,29 +22,25 @@ std::string label_of(const std::string& metric) {
   return metric;
 }
 
-std::string figure(const Scatter& scatter, FigureFiles& figures) {
-  const std::string svg = scatter_svg(scatter);
-  figures.add(scatter.title, svg);
-  return svg.empty() ? svg : "<div class=\"wide\">" + svg + "</div>\n";
-}
-
-std::string front_svg(const ErrorPlace& place, const std::string& reference, const std::string& metric,
-                      FigureFiles& figures) {
-  Scatter scatter{.title = fmt::format("{} against {}", metric, reference),
-                  .x_label = "GPU time of a frame in ms: median, bar: its 95 % confidence interval",
-                  .y_label = label_of(metric)};
+std::string front_figure(const ErrorPlace& place, const std::string& reference, const std::string& metric,
+                         Figures& figures) {
+  ScatterPlot plot{.title = fmt::format("{} against {}", metric, reference),
+                   .x_label = "GPU time of a frame, ms: median with its 95 % confidence interval",
+                   .y_label = label_of(metric)};
   for (const ErrorPoint& point : error_points(place.rows, reference, metric)) {
     const std::string& technique = point.row->technique;
-    auto group = std::find(scatter.groups.begin(), scatter.groups.end(), technique);
-    if (group == scatter.groups.end()) group = scatter.groups.insert(scatter.groups.end(), technique);
+    auto group = std::find(plot.groups.begin(), plot.groups.end(), technique);
+    if (group == plot.groups.end()) group = plot.groups.insert(plot.groups.end(), technique);
     using Standing = ErrorPoint::Standing;
-    scatter.points.push_back({error_names(*point.row), point.ms, point.error, size_t(group - scatter.groups.begin()),
-                              point.standing == Standing::dominated, point.ms_ci.low, point.ms_ci.high,
-                              point.error_ci.low, point.error_ci.high, point.standing == Standing::unclear});
+    plot.points.push_back({.label = error_names(*point.row),
+                           .at = {point.ms, point.error, point.ms_ci, point.error_ci},
+                           .group = size_t(group - plot.groups.begin()),
+                           .dimmed = point.standing == Standing::dominated,
+                           .ring = point.standing == Standing::unclear});
     if (const auto& noise = error_against(*point.row, reference)->noise; noise && metric == "relmse")
-      scatter.floor_y = noise->relmse;
+      plot.floor_y = noise->relmse;
   }
-  return figure(scatter, figures);
+  return figures.add(plot.title, plot_script(plot));
 }
 
 std::string sentences(const ErrorPlace& place) {
@@ -90,7 +85,7 @@ std::string order_text(const KnobStudy& study) {
 }
 
 // The law of each knob that has one, with the techniques that follow it as colours.
-std::string order_plots(const std::vector<KnobStudy>& studies, FigureFiles& figures) {
+std::string order_plots(const std::vector<KnobStudy>& studies, Figures& figures) {
   std::string html, list;
   std::set<std::string> drawn;
   for (const KnobStudy& study : studies) {
@@ -98,19 +93,21 @@ std::string order_plots(const std::vector<KnobStudy>& studies, FigureFiles& figu
     list +=
         "<li>" + escape_markup(fmt::format("{}, {}: {}", study.knob, study.technique, order_text(study))) + "</li>\n";
     if (study.fit.points < 2 || !drawn.insert(study.knob).second) continue;
-    Scatter scatter{.title = fmt::format("{}: order of convergence; {}", study.knob, order_text(study)),
-                    .x_label = study.knob,
-                    .y_label = "RMSE against the technique's exact picture",
-                    .stairs = false};
+    ScatterPlot plot{.title = study.knob + ": order of convergence",
+                     .x_label = study.knob,
+                     .y_label = "RMSE against the technique's exact picture",
+                     .points = {},
+                     .groups = {},
+                     .stairs = false};
     for (const KnobStudy& other : studies) {
       if (other.knob != study.knob) continue;
       for (const KnobStudy::Value& v : other.values)
-        if (v.value > 0) scatter.points.push_back({v.text, v.value, v.rmse, scatter.groups.size(), false});
-      scatter.groups.push_back(other.technique);
+        if (v.value > 0) plot.points.push_back({v.text, {v.value, v.rmse, {}, {}}, plot.groups.size()});
+      plot.groups.push_back(other.technique);
     }
     for (const double x : {study.fit.first_x, study.fit.last_x})
-      scatter.curve.emplace_back(x, study.fit.factor * std::pow(x, study.fit.exponent));
-    html += figure(scatter, figures);
+      plot.curve.emplace_back(x, study.fit.factor * std::pow(x, study.fit.exponent));
+    html += figures.add(plot.title, plot_script(plot), order_text(study));
   }
   return (list.empty() ? list : "<ul>\n" + list + "</ul>\n") + html;
 }
@@ -130,7 +127,7 @@ std::string strips(const ErrorPlace& place) {
     html += fmt::format(
         "<figure class=\"strip\"><div class=\"thirds\"><span>{}</span><span>result</span><span>FLIP: bright is "
         "wrong</span></div><img src=\"data:image/png;base64,{}\" "
-        "alt=\"{}\"/><figcaption>{}</figcaption></figure>\n",
+        "alt=\"{}\"><figcaption>{}</figcaption></figure>\n",
         escape_markup(row->suite == "whole" ? open_reference_name : "the technique's exact picture"),
         base64(row->strip), escape_markup(settings.front()),
         escape_markup(settings.front() + (settings.size() > 1
@@ -141,11 +138,18 @@ std::string strips(const ErrorPlace& place) {
 
 }  // namespace
 
-std::string error_html(const BenchRun& run, FigureFiles& figures) {
+std::string error_html(const BenchRun& run, Figures& figures) {
   std::string html;
   for (const ErrorPlace& place : error_places(run)) {
     html += fmt::format("<section>\n<h2>Error against time: {}</h2>\n", escape_markup(place.name));
     html += sentences(place);
+    html +=
+        "<h3>Fronts</h3>\n<p>Pale: another setting is surely quicker and no worse. Open: by its numbers another is no "
+        "slower and no worse, but the two are not distinguishable.</p>\n";
+    for (const char* reference : {open_reference_name, "direct", "path", exact_reference})
+      html += front_figure(place, reference, "relmse", figures);
+    html += front_figure(place, open_reference_name, "hdr-flip", figures);
+    html += strips(place);
     html +=
         "<h3>Techniques at each quality</h3>\n<p>All errors are relMSE. <i>Sampling</i> is the distance from the same "
         "technique at its exact end, <i>model</i> the "
@@ -160,29 +164,16 @@ std::string error_html(const BenchRun& run, FigureFiles& figures) {
           "within "
           "a pixel. The parts need not add up to <i>all</i>: errors of two terms may cancel.</p>\n" +
           parts;
-    html +=
-        "<h3>Fronts</h3>\n<p>Dimmed: another setting is surely quicker and no worse. Ring: by its numbers another is "
-        "no "
-        "slower and no worse, but the two are not distinguishable.</p>\n";
-    for (const char* reference : {open_reference_name, "direct", "path", exact_reference})
-      html += front_svg(place, reference, "relmse", figures);
-    html += front_svg(place, open_reference_name, "hdr-flip", figures);
     const std::vector<BenchRow> named = rows_by_name(place.rows);
     std::vector<const BenchRow*> by_name;
     for (const BenchRow& row : named) by_name.push_back(&row);
     if (const auto studies = knob_studies(by_name); !studies.empty())
-      html += "<h3>Each knob alone, against the technique's exact picture</h3>\n" + knob_table(studies) +
-              order_plots(studies, figures);
-    html += strips(place) + "<details><summary>All errors</summary>\n" + error_rows_table(place) +
-            "</details>\n</section>\n";
+      html += "<h3>Each knob alone, against the technique's exact picture</h3>\n" + order_plots(studies, figures) +
+              folded("All values of all knobs", knob_table(studies));
+    html += folded("All errors", error_rows_table(place)) + "</section>\n";
   }
   if (html.empty()) return html;
-  if (const auto unswept = unswept_knobs(run.rows); !unswept.empty()) {
-    html += "<section>\n<h2>Knobs that no row sweeps</h2>\n<ul class=\"note\">\n";
-    for (const std::string& knob : unswept) html += "<li>" + escape_markup(knob) + "</li>\n";
-    html += "</ul>\n</section>\n";
-  }
-  return html;
+  return html + folded("Knobs that no row sweeps", list_html(unswept_knobs(run.rows), "note"));
 }
 
 }  // namespace candela

@@ -2,12 +2,12 @@
 #include <string>
 
 #include "bench/run_suite.h"
-#include "report/plot.h"
+#include "report/figures.h"
 
 namespace candela {
 
 // The sections of a report that a sweep of error against time adds; empty where no row has errors.
 // Its figures are added to `figures`.
-std::string error_html(const BenchRun& run, FigureFiles& figures);
+std::string error_html(const BenchRun& run, Figures& figures);
 
 }  // namespace candela

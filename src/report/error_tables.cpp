@@ -3,7 +3,7 @@
 #include "base/statistics.h"
 #include "bench/error_truth.h"
 #include "bench/error_views.h"
-#include "report/golden_report.h"
+#include "report/markup.h"
 
 namespace candela {
 namespace {

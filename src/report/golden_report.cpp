@@ -1,6 +1,7 @@
 #include "report/golden_report.h"
 
 #include "base/files.h"
+#include "report/markup.h"
 #include "report/picture_viewer.h"
 
 namespace candela {
@@ -43,15 +44,15 @@ std::string bounds_table(const GoldenRow& row) {
   if (row.bounds.empty()) return {};
   const auto number = [](double limit) { return std::isfinite(limit) ? fmt::format("{:.4g}", limit) : std::string(); };
   std::string html =
-      "<table><tr><th>measured</th><th>value</th><th>passes at once</th><th>warns above</th><th>fails "
-      "above</th></tr>\n";
+      "<div class=\"wide\"><table><tr><th class=\"text\">measured</th><th>value</th><th>passes at once "
+      "to</th><th>warns above</th><th>fails above</th></tr>\n";
   for (const GoldenRow::Bound& b : row.bounds)
-    html += fmt::format("<tr{}><td>{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+    html += fmt::format("<tr{}><td class=\"text\">{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
                         b.value > b.fails   ? " class=\"beyond\""
                         : b.value > b.warns ? " class=\"above\""
                                             : "",
                         escape_markup(b.name), b.value, number(b.clean), number(b.warns), number(b.fails));
-  return html + "</table>\n";
+  return html + "</table></div>\n";
 }
 
 std::string metrics_text(const GoldenRow& row) {
@@ -78,53 +79,21 @@ size_t count(std::span<const GoldenRow> rows, int wanted) {
 }
 
 const std::string style =
-    "body{font:14px sans-serif;margin:2em;background:#fff;color:#222}"
-    "section{border-left:6px solid #4a4;padding:.2em 1em;margin:1em 0}"
-    "section.failed{border-color:#c22}section.warned{border-color:#d90}"
-    "h2{font-size:1.1em}small{font-weight:normal}figure{display:inline-block;margin:.5em}"
-    "img{max-width:100%;image-rendering:pixelated}.blank,.absent{color:#c22;font-weight:bold}.numbers{color:#666}"
-    "table{border-collapse:collapse}td,th{text-align:left;padding:.1em 1em .1em 0}.beyond{color:#c22;font-weight:bold}"
-    ".above{color:#a60;font-weight:bold}";
+    "section{border-left:6px solid #009e73;padding:.2em 0 .2em 1em;margin:1.2em 0}section.failed{border-color:#b00020}"
+    "section.warned{border-color:#e69f00}section h2{margin:.2em 0;padding:0;border:0;font-size:1.15em}"
+    "small{font-weight:normal}.blank,.absent,.beyond "
+    "td{color:#b00020;font-weight:600}.numbers{color:#5c6670;font-size:.9em}"
+    ".above td{color:#8a5200;font-weight:600}";
 
 }  // namespace
 
-std::string escape_markup(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        if (uint8_t(c) < 0x20 && c != '\n' && c != '\t')
-          result += "\xef\xbf\xbd";
-        else
-          result += c;
-    }
-  }
-  return result;
-}
-
-std::string golden_html(std::span<const GoldenRow> rows, const std::string& title) {
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
-      "charset=\"utf-8\"><title>{0}</title><style>{1}</style></head><body>\n"
-      "<h1>{0}</h1>\n<p>{2} failed, {3} to look at, {4} passed</p>\n",
-      escape_markup(title), style + viewer_style(), count(rows, 0), count(rows, 1), count(rows, 2));
+std::string golden_html(std::span<const GoldenRow> rows, PageHead head) {
+  head.findings.push_back(
+      {fmt::format("{} failed, {} to look at, {} passed", count(rows, 0), count(rows, 1), count(rows, 2)),
+       count(rows, 0) > 0});
+  std::string html;
   for (const GoldenRow* row : sorted(rows)) html += section(*row);
-  return html + std::string(viewer_script()) + "</body></html>\n";
+  return page_html(head, html, style + viewer_style(), viewer_script());
 }
 
 std::string golden_junit(std::span<const GoldenRow> rows, const std::string& suite) {
@@ -150,8 +119,8 @@ std::string golden_junit(std::span<const GoldenRow> rows, const std::string& sui
 }
 
 Expected<void> write_golden_html(const std::filesystem::path& path, std::span<const GoldenRow> rows,
-                                 const std::string& title) {
-  return write_file_atomically(path, golden_html(rows, title));
+                                 const PageHead& head) {
+  return write_file_atomically(path, golden_html(rows, head));
 }
 
 Expected<void> write_golden_junit(const std::filesystem::path& path, std::span<const GoldenRow> rows,

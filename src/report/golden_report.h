@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "report/page.h"
 
 namespace candela {
 
@@ -18,7 +19,7 @@ struct GoldenRow {
   bool warned = false;  // passed, but somebody should look
   bool blank = false;   // the frame shows a single colour
   std::string message;
-  std::string device_class;
+  std::string device_class, device;
   double time_s = 0;
   std::map<std::string, double> metrics;
   struct Bound {
@@ -33,17 +34,14 @@ struct GoldenRow {
 
 // One HTML page without other files: pictures lie inside as base64, in viewers (report/picture_viewer.h). Failures
 // first, then warned and blank, then the rest by name; the pictures of clean passes are left out. A picture that
-// cannot be read is named in its place, not an error.
-std::string golden_html(std::span<const GoldenRow> rows, const std::string& title);
+// cannot be read is named in its place, not an error. head: title and facts; how many failed is added to its findings.
+std::string golden_html(std::span<const GoldenRow> rows, PageHead head);
 // JUnit XML as CI systems read it: a test case a row, class name "golden.<device class>".
 std::string golden_junit(std::span<const GoldenRow> rows, const std::string& suite);
 
 Expected<void> write_golden_html(const std::filesystem::path& path, std::span<const GoldenRow> rows,
-                                 const std::string& title);
+                                 const PageHead& head);
 Expected<void> write_golden_junit(const std::filesystem::path& path, std::span<const GoldenRow> rows,
                                   const std::string& suite);
-
-// Text for HTML and XML, in elements and in quoted attributes; control characters that XML forbids become U+FFFD.
-std::string escape_markup(std::string_view text);
 
 }  // namespace candela

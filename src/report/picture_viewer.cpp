@@ -1,7 +1,7 @@
 #include "report/picture_viewer.h"
 
 #include "metrics/heatmap.h"
-#include "report/golden_report.h"
+#include "report/markup.h"
 
 namespace candela {
 namespace {
@@ -25,87 +25,112 @@ std::string button(std::string_view group, std::string_view value, std::string_v
 }
 
 std::string pane(std::string_view name, std::string_view role, std::span<const std::byte> png) {
-  return fmt::format("<figure class=\"{}\"><img src=\"{}\" alt=\"{}\"><figcaption>{}</figcaption></figure>\n", role,
-                     data_url(png), escape_markup(name), escape_markup(name));
+  return fmt::format(
+      "<figure class=\"{}\"><figcaption>{}</figcaption><div class=\"box\"><img src=\"{}\" "
+      "alt=\"{}\"></div></figure>\n",
+      role, escape_markup(name), data_url(png), escape_markup(name));
 }
 
 }  // namespace
 
-std::string base64(std::span<const std::byte> bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? uint32_t(bytes[i + k]) : 0);
-    for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
-std::string data_url(std::span<const std::byte> png) { return "data:image/png;base64," + base64(png); }
-
 std::string viewer_html(const ViewedPictures& p) {
   const bool heat = !p.heat_png.empty();
-  std::string html = "<div class=\"viewer\" data-mode=\"beside\">\n<p class=\"modes\">";
+  std::string html = "<div class=\"viewer\" data-mode=\"beside\">\n<p class=\"modes\"><span>";
   html += button("mode", "beside", "side by side", true) + button("mode", "slide", "slider", false) +
           button("mode", "blink", "blink", false);
   if (heat) html += button("mode", "heat", "difference", false);
-  html += " zoom ";
-  for (const char* zoom : {"1", "2", "4", "8"}) html += button("zoom", zoom, zoom, *zoom == '1');
+  html += "</span><span>zoom ";
+  for (const char* zoom : {"fit", "1", "2", "4", "8"}) html += button("zoom", zoom, zoom, *zoom == 'f');
   html +=
-      "</p>\n<input class=\"slider\" type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"where the "
-      "pictures meet\">\n<div class=\"panes\">\n";
+      "</span></p>\n<p class=\"state\"></p>\n<input class=\"slider\" type=\"range\" min=\"0\" max=\"100\" "
+      "value=\"50\" aria-label=\"where the pictures meet\">\n<div class=\"panes\">\n";
   html += pane(p.first, "first", p.first_png) + pane(p.second, "second", p.second_png);
   if (heat) html += pane("FLIP", "heat", p.heat_png);
   html += "</div>\n";
-  if (heat) html += "<p class=\"bar\">0 <span></span> 1, FLIP of each pixel</p>\n";
+  if (heat)
+    html +=
+        "<p class=\"bar\"><span>0</span><span class=\"ramp\"></span><span>1</span><span>FLIP of each pixel: 0 nobody "
+        "sees a difference, 1 the largest</span></p>\n";
   return html + "</div>\n";
 }
 
 std::string viewer_style() {
-  return ".viewer figure{display:inline-block;margin:.3em;vertical-align:top}"
-         ".viewer img{display:block;image-rendering:pixelated;max-width:none}"
-         ".viewer .panes{position:relative;overflow:auto}"
-         ".viewer button{font:inherit;margin-right:.3em}.viewer button[aria-pressed=true]{background:#246;color:#fff}"
-         ".viewer .slider{display:none;width:20em}.viewer[data-mode=slide] .slider{display:block}"
+  return ".viewer{margin:.8em 0}.viewer .modes{display:flex;flex-wrap:wrap;gap:.5em 1.5em}"
+         ".viewer button{font:inherit;margin:0 .3em .3em 0;padding:.15em .7em;border:1px solid "
+         "#9aa4ae;border-radius:4px;"
+         "background:#fff;color:inherit}.viewer "
+         "button[aria-pressed=true]{background:#0072b2;border-color:#0072b2;color:#fff}"
+         ".viewer .state{min-height:1.5em;margin:.2em 0;color:#5c6670}.viewer .slider{display:none;width:100%;margin:0}"
+         ".viewer[data-mode=slide] .slider{display:block}.viewer figure{margin:0;min-width:0}"
+         ".viewer .panes{display:grid;gap:.8em;grid-auto-columns:minmax(0,1fr);grid-auto-flow:column}"
+         ".viewer .box{overflow:auto;max-height:85vh}.viewer img{display:block;max-width:none}"
+         ".viewer:not([data-mode=beside]) .panes{grid-template-columns:minmax(0,1fr);grid-auto-flow:row}"
+         ".viewer:not([data-mode=beside]) figcaption{display:none}"
          ".viewer[data-mode=slide] .heat,.viewer[data-mode=blink] .heat,"
          ".viewer[data-mode=heat] .first,.viewer[data-mode=heat] .second{display:none}"
-         ".viewer[data-mode=slide] .second,.viewer[data-mode=blink] .second{position:absolute;left:0;top:0}"
-         ".viewer[data-mode=slide] figcaption{display:none}"
+         ".viewer[data-mode=slide] .panes figure,.viewer[data-mode=blink] .panes figure{grid-area:1/1}"
+         ".viewer[data-mode=slide] .panes{cursor:ew-resize;touch-action:pan-y;user-select:none}"
          ".viewer[data-mode=blink].off .second{visibility:hidden}"
-         ".viewer[data-mode=blink]:not(.off) .first figcaption{visibility:hidden}"
-         ".viewer .bar span{display:inline-block;width:16em;height:.8em;background:linear-gradient(to right" +
-         gradient() + ")}";
+         ".viewer .bar{display:flex;flex-wrap:wrap;gap:.3em .6em;align-items:center;font-size:.85em;color:#5c6670}"
+         ".viewer .bar .ramp{width:16em;height:.9em;background:linear-gradient(to right" +
+         gradient() + ")}@media(max-width:600px){.viewer[data-mode=beside] .panes{grid-auto-flow:row}}";
 }
 
 std::string_view viewer_script() {
   return R"script(<script>
 for (const viewer of document.querySelectorAll(".viewer")) {
-  const second = viewer.querySelector(".second img"), slider = viewer.querySelector(".slider");
+  const find = name => viewer.querySelector(name), all = name => viewer.querySelectorAll(name);
+  const second = find(".second img"), slider = find(".slider"), state = find(".state"), boxes = all(".box");
+  const names = [find(".first img").alt, second.alt];
+  let timer = 0, zoom = "fit";
   const press = (group, button) => {
-    for (const other of viewer.querySelectorAll("button[data-" + group + "]"))
-      other.setAttribute("aria-pressed", other === button);
+    for (const other of all("button[data-" + group + "]")) other.setAttribute("aria-pressed", other === button);
   };
-  const slide = () => {
-    second.style.clipPath = viewer.dataset.mode === "slide" ? "inset(0 0 0 " + slider.value + "%)" : "";
+  const show = () => {
+    const mode = viewer.dataset.mode;
+    second.style.clipPath = mode === "slide" ? "inset(0 0 0 " + slider.value + "%)" : "";
+    state.textContent = mode === "slide" ? "left: " + names[0] + ", right: " + names[1]
+      : mode === "blink" ? names[viewer.classList.contains("off") ? 0 : 1] : "";
   };
-  let timer = 0;
-  for (const button of viewer.querySelectorAll("button[data-mode]"))
+  const scale = () => {
+    for (const img of all("img")) {
+      const wide = img.parentElement.clientWidth;
+      img.style.width = zoom === "fit" ? "100%" : img.naturalWidth * zoom + "px";
+      img.style.imageRendering = zoom === "fit" && wide < img.naturalWidth ? "auto" : "pixelated";
+    }
+  };
+  for (const button of all("button[data-mode]"))
     button.onclick = () => {
       press("mode", button);
       viewer.dataset.mode = button.dataset.mode;
       viewer.classList.remove("off");
       clearInterval(timer);
-      if (button.dataset.mode === "blink") timer = setInterval(() => viewer.classList.toggle("off"), 500);
-      slide();
+      if (button.dataset.mode === "blink") timer = setInterval(() => { viewer.classList.toggle("off"); show(); }, 500);
+      scale();
+      show();
     };
-  for (const button of viewer.querySelectorAll("button[data-zoom]"))
+  for (const button of all("button[data-zoom]"))
     button.onclick = () => {
       press("zoom", button);
-      for (const img of viewer.querySelectorAll("img")) img.style.width = img.naturalWidth * button.dataset.zoom + "px";
+      zoom = button.dataset.zoom;
+      scale();
     };
-  slider.oninput = slide;
+  for (const box of boxes)
+    box.onscroll = () => {
+      for (const other of boxes)
+        if (other !== box) other.scrollLeft = box.scrollLeft, other.scrollTop = box.scrollTop;
+    };
+  slider.oninput = show;
+  find(".panes").onpointerdown = find(".panes").onpointermove = event => {
+    if (viewer.dataset.mode !== "slide" || !event.buttons) return;
+    const place = second.getBoundingClientRect();
+    slider.value = 100 * (event.clientX - place.left) / place.width;
+    event.preventDefault();
+    show();
+  };
+  for (const img of all("img")) img.draggable = false;
+  addEventListener("resize", scale);
+  scale();
 }
 </script>
 )script";

@@ -19,8 +19,4 @@ std::string viewer_html(const ViewedPictures& pictures);
 std::string viewer_style();
 std::string_view viewer_script();
 
-// A picture inside a page.
-std::string data_url(std::span<const std::byte> png);
-std::string base64(std::span<const std::byte> bytes);
-
 }  // namespace candela

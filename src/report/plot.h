@@ -1,43 +1,69 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/statistics.h"
+
+// The figures of reports as scripts of gnuplot: lines, points and bars of one style, 960 units wide. Functions return
+// nothing where there is nothing to draw. Names and labels cannot leave their quotes, and are shortened where they are
+// too long.
 namespace candela {
 
-struct PlotLine {
-  std::string name;
-  std::vector<double> x, y;
+struct PlotPoint {
+  double x = 0, y = 0;
+  Interval x_ci, y_ci;  // error bars; none where the ends are equal
 };
-struct Plot {
+
+// Lines over a logarithmic axis of counts. Values without a logarithm are left out.
+struct LinePlot {
   std::string title, x_label, y_label;
-  bool log_x = true, log_y = true;
-  std::vector<PlotLine> lines;
+  bool log_y = true;  // else from 0
+  struct Line {
+    std::string name;
+    std::vector<PlotPoint> points;
+  };
+  std::vector<Line> lines;
 };
 
-bool has_gnuplot();
-// What gnuplot is told: an SVG on standard output. Names and labels cannot leave their quotes.
-std::string gnuplot_script(const Plot& plot, const std::string& terminal = "svg");
-// The SVG, or nothing when gnuplot is not there or fails; started without a shell.
-std::optional<std::string> gnuplot_svg(const Plot& plot);
-
-// Horizontal bars of stacked parts, drawn here: an SVG element to stand in a page. Parts have one colour in all bars.
-struct Bar {
-  std::string label;
-  std::vector<std::pair<std::string, double>> parts;
-};
-std::string stacked_bars_svg(const std::vector<Bar>& bars, const std::string& unit);
-// The same with every bar scaled to 100.
-std::string stacked_shares_svg(std::vector<Bar> bars);
-// The figures of a page, to be kept as files of their own beside it: "01-frame-time.svg" and its text, in the page's
-// order.
-struct FigureFiles {
-  std::vector<std::pair<std::string, std::string>> files;
-  // Nothing is kept of an empty figure.
-  void add(const std::string& title, const std::string& svg);
+// Points on logarithmic axes, with the front as a staircase; those of the front are numbered, and their labels stand
+// below. Points whose y is 0 stand on the lower edge, which is marked 0.
+struct ScatterPlot {
+  std::string title, x_label, y_label;
+  struct Point {
+    std::string label;
+    PlotPoint at;
+    size_t group = 0;     // colour and shape
+    bool dimmed = false;  // dominated
+    bool ring = false;    // not distinguishable from a point of the front
+  };
+  std::vector<Point> points;
+  std::vector<std::string> groups;  // names for the key
+  std::optional<double> floor_y = {};
+  bool stairs = true;                                 // joins what is neither dimmed nor a ring as a front
+  std::vector<std::pair<double, double>> curve = {};  // dashed: a law that was fitted
 };
 
-// Of the name'th different part: the same as in stacked_bars_svg.
-const char* plot_color(size_t index);
+// Horizontal bars. On a logarithmic axis (totals further apart than a factor of 5) the parts divide a bar's length in
+// proportion; else they are stacked on one axis from 0. Beyond seven parts the smaller ones are one, "others".
+struct BarPlot {
+  std::string title, x_label, unit;
+  struct Bar {
+    std::string label;
+    double total = 0;
+    Interval ci;                                        // an error bar at the end; none where the ends are equal
+    std::vector<std::pair<std::string, double>> parts;  // of any scale; the bar is of one colour without them
+  };
+  std::vector<Bar> bars;
+  bool may_be_log = true;
+};
+bool has_log_axis(const BarPlot& plot);
+// Every bar scaled to 100 %.
+BarPlot shares(BarPlot plot);
+
+std::string plot_script(const LinePlot& plot);
+std::string plot_script(const ScatterPlot& plot);
+std::string plot_script(const BarPlot& plot);
 
 }  // namespace candela

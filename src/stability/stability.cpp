@@ -1,12 +1,14 @@
 #include "stability/stability.h"
 
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/log.h"
+#include "bench/picture.h"
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
 #include "image/io.h"
@@ -28,6 +30,18 @@ struct Shot {
   std::optional<DisplayImage> display;
   std::vector<std::string> warnings;
 };
+
+// The upper bytes of what has 16 bits.
+DisplayImage eight_bits(const DisplayImage& image) {
+  if (image.bits == 8) return image;
+  DisplayImage small{image.width, image.height, image.channels, 8, {}};
+  for (size_t i = 0; i + 1 < image.pixels.size(); i += 2) {
+    uint16_t value = 0;
+    std::memcpy(&value, &image.pixels[i], sizeof value);
+    small.pixels.push_back(std::byte(value >> 8));
+  }
+  return small;
+}
 
 class StabilityRun {
  public:
@@ -51,7 +65,9 @@ class StabilityRun {
                StabilityRow& row) const;
   void judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const;
   void refuse(const StabilityScene& scene, const Error& error, StabilityRow& row) const;
-  Expected<void> keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot) const;
+  bool keeps_pictures() const { return !options_.pictures.empty() || options_.thumbnails; }
+  Expected<void> keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot,
+                              StabilityRow& row) const;
   void add(StabilityRow row);
   std::string path(const char* name) const { return (store_.folder() / name).string(); }
   std::string without_folder(std::string text) const;  // whose name says nothing, and differs from run to run
@@ -243,8 +259,11 @@ void StabilityRun::add(StabilityRow row) {
   report_.rows.push_back(std::move(row));
 }
 
-Expected<void> StabilityRun::keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene,
-                                          const Shot& shot) const {
+Expected<void> StabilityRun::keep_picture(const StabilityRecipe& recipe, const StabilityScene& scene, const Shot& shot,
+                                          StabilityRow& row) const {
+  constexpr int thumbnail_px = 128;
+  if (options_.thumbnails) row.thumbnail = thumbnail_png(eight_bits(*shot.display), thumbnail_px);
+  if (options_.pictures.empty()) return {};
   std::string name = recipe.family + "-" + recipe.name;
   for (char& c : name)
     if (!std::isalnum(uint8_t(c)) && c != '-' && c != '+' && c != '.') c = '_';
@@ -275,7 +294,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     return std::unexpected(Error{plain.error().kind, "the plain scene: " + plain.error().text(), recipe.name});
   if (!scene.sky_look.empty()) job.look = path("look.json");
   std::optional<TruePicture> traced;
-  const bool keep = !options_.pictures.empty();
+  const bool keep = keeps_pictures();
   auto loaded = renderer_->load(job.scene, job.sky);
   std::optional<Shot> first;
   std::vector<StabilityRow> rows;
@@ -312,7 +331,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     // What a sky shines on a surface from one side may be more than its mean: pictures with one are not compared.
     if (!first) check_effects(scene, job, scene.sky || !scene.sky_look.empty() ? nullptr : &*made, row);
     if (!first && keep)
-      if (auto kept = keep_picture(recipe, scene, *made); !kept) return kept;
+      if (auto kept = keep_picture(recipe, scene, *made, row); !kept) return kept;
     if (!first) first = std::move(*made);
     rows.push_back(std::move(row));
   }
@@ -345,11 +364,11 @@ Expected<void> StabilityRun::check_fog(const StabilityRecipe& recipe, const Stab
     if (mode == reference::Mode::path)
       judged.bound = 1e9, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
     Shot made{picture->beauty, 1, {}, {}};
-    if (!options_.pictures.empty()) made.display = picture->display;
+    if (keeps_pictures()) made.display = picture->display;
     measure(judged, made, picture->known ? &*picture->known : nullptr, nullptr, row);
     judge(judged, made, row);
     if (mode == reference::Mode::direct && made.display)
-      if (auto kept = keep_picture(recipe, scene, made); !kept) return kept;
+      if (auto kept = keep_picture(recipe, scene, made, row); !kept) return kept;
     add(std::move(row));
   }
   if (scene.refused) {

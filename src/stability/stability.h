@@ -19,6 +19,7 @@ struct StabilityOptions {
   std::vector<std::pair<int, int>> sizes;  // of the family "images", in pixels; empty: its own
   std::vector<KnobSetting> settings;       // over the scenes' own, but not for plain scenes
   std::string pictures;                    // folder for a PNG and the .glb of each scene; empty: none
+  bool thumbnails = false;                 // in the rows of each scene's first picture
 };
 
 struct StabilityRow {
@@ -38,6 +39,7 @@ struct StabilityRow {
   std::vector<std::string> faults;  // empty: as it should be
   std::string worst;                // where the largest error is
   double wall_ms = 0;
+  std::vector<std::byte> thumbnail;  // PNG
 };
 
 struct StabilityReport {

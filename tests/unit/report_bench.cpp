@@ -6,7 +6,8 @@
 #include "base/files.h"
 #include "report/bench_report.h"
 #include "report/bench_rows.h"
-#include "report/plot.h"
+#include "report/gnuplot.h"
+#include "report/markup.h"
 
 namespace candela {
 namespace {
@@ -31,6 +32,11 @@ BenchRow row_of(int lights, double ms) {
   row.lists = LightLists{10, 20, 30, 0.25, 0};
   row.thumbnail = {std::byte('f'), std::byte('o'), std::byte('o')};
   return row;
+}
+
+std::string tables_html(const BenchRun& run, const std::string& title) {
+  Figures none(false);
+  return bench_html(run, title, none);
 }
 
 BenchRun run_of(std::vector<BenchRow> rows) { return {std::move(rows), {"a note & more"}, 12.5}; }
@@ -86,54 +92,93 @@ TEST(BenchCsv, HasALineARowAndQuotesWhatNeedsIt) {
 }
 
 TEST(BenchHtml, IsOneFileWithEverythingEscaped) {
-  const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "a <title>", false);
+  const std::string html = tables_html(run_of({row_of(4, 10), row_of(16, 20)}), "a <title>");
   EXPECT_EQ(html.find("street <b>"), std::string::npos);
   EXPECT_NE(html.find("street &lt;b&gt;"), std::string::npos);
   EXPECT_NE(html.find("a &lt;title&gt;"), std::string::npos);
   EXPECT_NE(html.find("a note &amp; more"), std::string::npos);
   EXPECT_NE(html.find("data:image/png;base64,Zm9v"), std::string::npos);
   EXPECT_NE(html.find("01234567"), std::string::npos) << "the plan's hash";
-  for (const char* outside : {"<script", "<link", "src=\"http", "src=\"/", "url("})
+  for (const char* outside : {"<script", "<link", "src=\"http", "src=\"/", "url(", "@import"})
     EXPECT_EQ(html.find(outside), std::string::npos) << outside;
 }
 
 TEST(BenchHtml, WithoutGnuplotItSaysSoAndKeepsTheTables) {
-  const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", false);
+  const std::string html = tables_html(run_of({row_of(4, 10), row_of(16, 20)}), "t");
   EXPECT_NE(html.find("gnuplot is not installed"), std::string::npos);
   EXPECT_NE(html.find("exponent"), std::string::npos);
   EXPECT_EQ(html.find("image/svg+xml"), std::string::npos);
 }
 
-TEST(BenchHtml, NotesAreFoldedBehindWhatWasFound) {
-  const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", false);
-  const size_t found = html.find("exponent"), folded = html.find("<details><summary>Notes ("),
+TEST(BenchHtml, FindingsComeFirstAndNotesLast) {
+  BenchRow slow = row_of(16, 60), quick = row_of(16, 20);
+  for (BenchRow* row : {&slow, &quick}) {
+    const double ms = row->frame.ms[0];
+    row->frame.ms = {ms, ms + 1, ms + 2, ms + 1, ms, ms + 2, ms + 1};
+  }
+  quick.technique = "clustered", quick.source = "gabcdef";
+  const std::string html = tables_html(run_of({slow, quick}), "t");
+  const size_t found = html.find("16 lights: clustered cull.enabled=1 is the quickest with 21 ms"),
+               facts = html.find("llvmpipe on a processor"), program = html.find("candela 0.1, commit gabcdef"),
+               table = html.find("<table"), folded = html.find("<summary>Notes (1)"),
                note = html.find("a note &amp; more");
-  ASSERT_NE(note, std::string::npos);
-  EXPECT_LT(found, folded);
+  ASSERT_NE(found, std::string::npos) << html;
+  EXPECT_NE(html.find("brute-force cull.enabled=1 takes 2.90 times as long"), std::string::npos);
+  EXPECT_NE(html.find("all 2 pictures are equal"), std::string::npos);
+  EXPECT_LT(found, facts);
+  EXPECT_LT(facts, program);
+  EXPECT_LT(program, table);
+  EXPECT_LT(table, folded);
   EXPECT_LT(folded, note);
 }
 
+TEST(BenchHtml, WhatIsNotSureIsNotSaidToBeQuicker) {
+  BenchRow one = row_of(16, 20), other = row_of(16, 20.5);
+  one.technique = "clustered";
+  one.frame.ms = {20, 22, 20, 22, 20, 22}, other.frame.ms = {21, 20, 22, 21, 20, 23};
+  const std::string html = tables_html(run_of({one, other}), "t");
+  EXPECT_NE(html.find("is not distinguishable from it"), std::string::npos);
+  EXPECT_EQ(html.find("times as long"), std::string::npos);
+}
+
+TEST(BenchHtml, APictureOfTheSceneIsKeptWithTheRows) {
+  BenchRun run = run_of({row_of(4, 10), row_of(16, 20), row_of(16, 30)});
+  run.rows[1].thumbnail.push_back(std::byte('x'));
+  const auto json = bench_json(run);
+  EXPECT_FALSE(json["rows"][0].contains("thumbnail"));
+  EXPECT_EQ(json["rows"][1]["thumbnail"], "Zm9veA==") << "most lights, the first of them";
+  EXPECT_FALSE(json["rows"][2].contains("thumbnail"));
+  const auto file = std::filesystem::path(testing::TempDir()) / "bench_picture_rows.json";
+  ASSERT_TRUE(write_file_atomically(file, json.dump()));
+  const auto again = read_bench_rows(file);
+  ASSERT_TRUE(again) << again.error().text();
+  Figures figures(false);
+  EXPECT_NE(bench_html(*again, "t", figures).find("data:image/png;base64,Zm9veA=="), std::string::npos);
+  ASSERT_EQ(figures.files().size(), 1u);
+  EXPECT_EQ(figures.files()[0], std::pair(std::string("01-street-b.png"), std::string("foox")));
+  for (BenchRow& row : run.rows) row.thumbnail.clear();
+  EXPECT_NE(tables_html(run, "t").find("There is no picture of the scene"), std::string::npos);
+  std::filesystem::remove(file);
+}
+
 TEST(BenchHtml, FiguresAreFilesToo) {
-  FigureFiles figures;
-  bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", has_gnuplot(), &figures);
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  Figures figures(true);
+  const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", figures);
   std::vector<std::string> names;
-  for (const auto& [name, svg] : figures.files) {
+  for (const auto& [name, bytes] : figures.files()) {
     names.push_back(name);
-    EXPECT_NE(svg.find("</svg>"), std::string::npos) << name;
+    EXPECT_NE(html.find(base64(std::as_bytes(std::span(bytes)))), std::string::npos) << name;
   }
-  ASSERT_GE(names.size(), 2u);
-  EXPECT_EQ(names[0], "01-time-of-the-passes.svg");
-  EXPECT_EQ(names[1], "02-shares-of-the-passes.svg");
-  if (has_gnuplot()) EXPECT_EQ(names.at(2), "03-frame-time.svg");
-  figures = {};
-  figures.add("A <b> / \"c\" ../d", "<svg/>"), figures.add("empty", "");
-  ASSERT_EQ(figures.files.size(), 1u);
-  EXPECT_EQ(figures.files[0].first, "01-a-b-c-d.svg");
+  EXPECT_EQ(names, (std::vector<std::string>{
+                       "01-street-b.png", "02-time-of-a-frame.svg", "03-lights-in-the-list-of-a-pixel.svg",
+                       "04-listed-lights-that-contribute-nothing.svg", "05-memory-of-the-device-at-its-peak.svg",
+                       "06-time-of-the-passes.svg", "07-shares-of-the-passes.svg"}));
 }
 
 // Passes are timed one by one, each alone: their sum is another quantity than the frame's time.
 TEST(BenchHtml, FramesAndPassesShareNoTable) {
-  const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", false);
+  const std::string html = tables_html(run_of({row_of(4, 10), row_of(16, 20)}), "t");
   size_t frames = 0, passes = 0;
   for (size_t at = html.find("<table>"); at != std::string::npos; at = html.find("<table>", at + 1)) {
     const std::string table = html.substr(at, html.find("</table>", at) - at);
@@ -158,15 +203,15 @@ TEST(BenchRun, NamesRowsThatHaveNoRuns) {
 TEST(BenchHtml, DevicesDoNotShareAxes) {
   BenchRow gpu = row_of(4, 1);
   gpu.device = "Some GPU", gpu.device_type = "discrete";
-  const std::string one = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", false);
-  const std::string two = bench_html(run_of({row_of(4, 10), gpu}), "t", false);
+  const std::string one = tables_html(run_of({row_of(4, 10), row_of(16, 20)}), "t");
+  const std::string two = tables_html(run_of({row_of(4, 10), gpu}), "t");
   const auto count = [](const std::string& text, std::string_view part) {
     size_t n = 0;
     for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
     return n;
   };
-  EXPECT_EQ(count(one, "<h3>Time of the passes"), 1u);
-  EXPECT_EQ(count(two, "<h3>Time of the passes"), 2u);
+  EXPECT_EQ(count(one, "<h3>Frames"), 1u);
+  EXPECT_EQ(count(two, "<h3>Frames"), 2u);
   EXPECT_NE(two.find("Rows of 2 devices"), std::string::npos);
   EXPECT_EQ(one.find("Rows of"), std::string::npos);
 }
@@ -177,45 +222,11 @@ TEST(BenchHtml, ShowsWhatIsWrongAndWhatIsLeftOut) {
   wrong.remarks = {"3 lights are LOST"};
   left.frame.ms.clear(), left.left_out = "the suite limits it";
   failed.frame.ms.clear(), failed.error = "out of memory";
-  const std::string html = bench_html(run_of({wrong, left, failed}), "t", false);
+  const std::string html = tables_html(run_of({wrong, left, failed}), "t");
   EXPECT_NE(html.find("<td class=\"bad\">12345</td>"), std::string::npos);
   EXPECT_NE(html.find("the suite limits it"), std::string::npos);
   EXPECT_NE(html.find("out of memory"), std::string::npos);
   EXPECT_NE(html.find("3 lights are LOST"), std::string::npos);
-}
-
-TEST(Plot, NamesCannotLeaveTheirQuotes) {
-  const std::string script =
-      gnuplot_script({.title = "a\"; system(\"b\")\nset output 'c'", .lines = {{"l\\\"", {1, 2}, {1, 2}}}});
-  EXPECT_NE(script.find("set title \"a\\\"; system(\\\"b\\\") set output 'c'\""), std::string::npos) << script;
-  EXPECT_NE(script.find("title \"l\\\\\\\"\""), std::string::npos) << script;
-}
-
-TEST(Plot, WhatHasNoLogarithmIsNotDrawn) {
-  const std::string script = gnuplot_script({.title = "t", .lines = {{"some", {0, 4}, {1, 2}}, {"none", {4}, {0}}}});
-  EXPECT_EQ(script.find("0 1\n"), std::string::npos);
-  EXPECT_NE(script.find("4 2\n"), std::string::npos);
-  EXPECT_EQ(script.find("title \"none\""), std::string::npos);
-}
-
-TEST(Plot, GnuplotDrawsWhenItIsThere) {
-  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
-  const auto svg = gnuplot_svg({.title = "Frame time", .lines = {{"brute <force>", {1, 4, 16}, {1, 2, 8}}}});
-  ASSERT_TRUE(svg);
-  EXPECT_NE(svg->find("Frame time"), std::string::npos);
-  EXPECT_NE(svg->find("brute &lt;force"), std::string::npos);
-  EXPECT_FALSE(gnuplot_svg({.title = "nothing to draw"})) << "an error of gnuplot is no picture";
-}
-
-TEST(Bars, AreStackedToOneScale) {
-  const std::string svg = stacked_bars_svg({{"a & b", {{"x", 1}, {"y", 3}}}, {"c", {{"y", 2}}}}, "ms");
-  EXPECT_NE(svg.find("a &amp; b"), std::string::npos);
-  EXPECT_NE(svg.find("width=\"155.00\""), std::string::npos) << "a fourth of 620: " << svg;
-  EXPECT_NE(svg.find("width=\"465.00\""), std::string::npos);
-  EXPECT_NE(svg.find("width=\"310.00\""), std::string::npos);
-  EXPECT_NE(stacked_shares_svg({{"a", {{"x", 1}, {"y", 3}}}, {"c", {{"y", 2}}}}).find("width=\"620.00\""),
-            std::string::npos);
-  EXPECT_NE(stacked_bars_svg({}, "ms").find("</svg>"), std::string::npos);
 }
 
 TEST(ComparisonJson, HoldsEveryJudgement) {

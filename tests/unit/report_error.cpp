@@ -7,7 +7,7 @@
 #include "report/bench_report.h"
 #include "report/bench_rows.h"
 #include "report/error_report.h"
-#include "report/scatter.h"
+#include "report/gnuplot.h"
 
 namespace candela {
 namespace {
@@ -83,74 +83,22 @@ TEST(ErrorRows, CsvHasAColumnForEachError) {
 }
 
 TEST(ErrorReport, HasFrontsNoiseSentencesAndStrips) {
-  FigureFiles figures;
-  const std::string html = bench_html(run(), "t", false, &figures);
-  for (const char* part :
-       {"Error against time: a &lt;scene&gt;", "noise of the reference", "the cheapest setting is",
-        "Reference, result, FLIP", "cG5n", "95 % CI", "sampling error", "3.00", "7.00", "16 samples a pixel"})
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  Figures figures(true);
+  const std::string html = bench_html(run(), "t", figures);
+  for (const char* part : {"Error against time: a &lt;scene&gt;", "the cheapest setting is", "Reference, result, FLIP",
+                           "cG5n", "95 % CI", "sampling error", "3.00", "7.00", "16 samples a pixel"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_EQ(html.find("a <scene>"), std::string::npos);
-  FigureFiles none;
+  // Findings first: the sentence of the page's head stands before the section.
+  EXPECT_LT(html.find("the cheapest setting is"), html.find("Error against time"));
+  Figures none(true);
   EXPECT_EQ(error_html({}, none), "");
-  EXPECT_TRUE(none.files.empty());
-  // Each figure of the page is a file too, in the page's order.
-  ASSERT_FALSE(figures.files.empty());
-  EXPECT_TRUE(figures.files.front().first.starts_with("01-relmse-against-")) << figures.files.front().first;
-  size_t at = 0;
-  for (const auto& [name, svg] : figures.files) {
-    EXPECT_TRUE(svg.starts_with("<svg ")) << name;
-    at = html.find(svg, at);
-    ASSERT_NE(at, std::string::npos) << name;
-  }
-}
-
-TEST(Scatter, TicksAtOneTwoAndFive) {
-  Scatter s{.title = "t", .points = {{"a", 8, 3e-5, 0, false, 7.5, 9}, {"b", 47, 0.3, 0, true}}, .floor_y = 1e-5};
-  const std::string svg = scatter_svg(s);
-  for (const char* tick : {">5<", ">10<", ">20<", ">50<", ">1e-05<", ">0.01<", ">1<"}) {
-    if (std::string_view(tick) == ">1<")
-      EXPECT_EQ(svg.find(tick), std::string::npos) << "0.3 needs no more than 0.5";
-    else
-      EXPECT_NE(svg.find(tick), std::string::npos) << tick << svg;
-  }
-  EXPECT_EQ(svg.find(">2e-05<"), std::string::npos) << "many decades have no room between them";
-  // 7.5 to 9 of 5 to 50 over 720 from 80.
-  EXPECT_NE(svg.find("M206.8 "), std::string::npos) << svg;
-  EXPECT_NE(svg.find("H263.8"), std::string::npos) << svg;
-  const std::string flat = scatter_svg({.title = "t", .points = {{"a", 3, 3, 0, false}}});
-  EXPECT_EQ(flat.find("nan"), std::string::npos);
-}
-
-TEST(Scatter, RingsAndBarsSayWhatIsNotSure) {
-  Scatter s{.title = "t",
-            .points = {{"a", 1, 0.1, 0, false, 0, 0, 0.05, 0.2}, {"b", 2, 0.2, 0, false, 0, 0, 0, 0, true}}};
-  const std::string svg = scatter_svg(s);
-  EXPECT_NE(svg.find("r=\"5\" fill=\"#fff\" stroke="), std::string::npos) << svg;
-  EXPECT_EQ(svg.find("opacity=\"0.3\""), std::string::npos) << "nothing is dimmed";
-  // From 0.05 to 0.2 of 0.05 to 0.5 over 380 up from 414, with ends of four to each side.
-  EXPECT_NE(svg.find("M76.0 414.0H84.0M80.0 414.0V185.2"), std::string::npos) << svg;
-}
-
-TEST(Scatter, DrawsALaw) {
-  Scatter s{.title = "t",
-            .points = {{"a", 1, 1, 0, false}, {"b", 10, 10, 0, false}},
-            .stairs = false,
-            .curve = {{1, 1}, {10, 10}}};
-  EXPECT_NE(scatter_svg(s).find("M80.0 414.0L800.0 34.0"), std::string::npos) << scatter_svg(s);
-}
-
-TEST(Scatter, PutsPointsOnLogarithmicAxes) {
-  Scatter s{.title = "t",
-            .points = {{"a", 1, 0.01, 0, false}, {"b & c", 10, 0.001, 0, true}, {"zero", 100, 0, 1, false}},
-            .groups = {"g", "h"}};
-  const std::string svg = scatter_svg(s);
-  // x from 1 to 100 over 720 from 80; y from 1e-3 to 1e-2 over 380 down to 414.
-  EXPECT_NE(svg.find("cx=\"80.0\" cy=\"34.0\" r=\"6\""), std::string::npos) << svg;
-  EXPECT_NE(svg.find("cx=\"440.0\" cy=\"414.0\" r=\"4\""), std::string::npos) << svg;
-  EXPECT_NE(svg.find("cx=\"800.0\" cy=\"414.0\" r=\"6\""), std::string::npos) << svg;
-  EXPECT_NE(svg.find("no difference at all"), std::string::npos);
-  EXPECT_NE(svg.find("b &amp; c"), std::string::npos);
-  EXPECT_EQ(scatter_svg({}), "");
+  EXPECT_TRUE(none.files().empty());
+  ASSERT_FALSE(figures.files().empty());
+  EXPECT_EQ(figures.files()[0].first, "01-relmse-against-direct-unshadowed.svg");
+  EXPECT_NE(figures.files()[0].second.find("noise of the reference"), std::string::npos);
+  EXPECT_NE(figures.files()[0].second.find("clustered, quality draft"), std::string::npos) << "a point of the front";
 }
 
 }  // namespace

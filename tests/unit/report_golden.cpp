@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "report/compare_report.h"
 #include "report/golden_report.h"
+#include "report/markup.h"
 
 namespace candela {
 namespace {
@@ -16,6 +17,11 @@ TEST(Base64, VectorsOfRfc4648) {
   EXPECT_EQ(encode("foo"), "Zm9v");
   EXPECT_EQ(encode("foob"), "Zm9vYg==");
   EXPECT_EQ(encode("\xff\xfe"), "//4=");
+  for (const char* text : {"", "f", "fo", "foo", "foob", "\xff\xfe"}) {
+    const auto bytes = std::as_bytes(std::span(text, std::strlen(text)));
+    EXPECT_EQ(from_base64(encode(text)), std::vector<std::byte>(bytes.begin(), bytes.end()));
+  }
+  EXPECT_TRUE(from_base64("Zm9v\n").empty());
 }
 
 TEST(Markup, IsEscaped) {
@@ -51,7 +57,8 @@ TEST(GoldenHtml, FailuresFirstAndPicturesInside) {
   all[3].golden = picture;
   all[3].actual = "no_such_picture.png";
   all[0].golden = picture;  // of a clean pass: left out
-  const std::string html = golden_html(all, "Goldens");
+  const std::string html =
+      golden_html(all, {.title = "Goldens", .findings = {}, .facts = {{"device", "llvmpipe"}}, .picture = {}});
   const auto at = [&](std::string_view text) { return html.find(text); };
   EXPECT_LT(at("z &lt;broken&gt;"), at("b blank"));
   EXPECT_LT(at("b blank"), at("c warned"));
@@ -60,9 +67,11 @@ TEST(GoldenHtml, FailuresFirstAndPicturesInside) {
   EXPECT_NE(at("blank frame"), std::string::npos);
   EXPECT_NE(at("no_such_picture.png"), std::string::npos);
   EXPECT_NE(at("1 failed, 2 to look at, 1 passed"), std::string::npos);
-  EXPECT_NE(at("<tr class=\"above\"><td>FLIP, mean</td><td>0.005</td><td></td><td>0.004</td><td>0.01</td></tr>"),
+  EXPECT_NE(at("<tr class=\"above\"><td class=\"text\">FLIP, "
+               "mean</td><td>0.005</td><td></td><td>0.004</td><td>0.01</td></tr>"),
             std::string::npos);
-  EXPECT_NE(at("<tr><td>largest</td><td>0.5</td><td>0.25</td><td></td><td></td></tr>"), std::string::npos);
+  EXPECT_NE(at("<tr><td class=\"text\">largest</td><td>0.5</td><td>0.25</td><td></td><td></td></tr>"),
+            std::string::npos);
   const size_t first = at("data:image/png;base64,Zm9vYg==");
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(html.find("data:image/png", first + 1), std::string::npos);
@@ -87,8 +96,8 @@ TEST(PictureViewer, HoldsEachPictureOnceAndEveryMode) {
     EXPECT_EQ(times(picture), 1) << picture;
   for (const char* mode : {"beside", "slide", "blink", "heat"})
     EXPECT_EQ(times("<button type=\"button\" data-mode=\"" + std::string(mode)), 1) << mode;
-  EXPECT_EQ(times("a&lt;b&gt;.exr"), 2);  // title and heading
-  EXPECT_EQ(times("<tr class=\"broken\"><td>flip</td><td>0.125</td><td>0.1</td></tr>"), 1);
+  EXPECT_EQ(times("a&lt;b&gt;.exr"), 3);  // title, heading and facts
+  EXPECT_EQ(times("<td class=\"text\">flip</td><td class=\"bad\">0.125</td><td class=\"bad\">0.1</td></tr>"), 1);
   EXPECT_EQ(times("#000004"), 1);  // the colour bar begins with magma's first
   EXPECT_EQ(times("http"), 0);     // nothing from outside
   report.pictures.heat_png.clear();

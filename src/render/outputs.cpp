@@ -14,6 +14,7 @@
 #include "image/prepare.h"
 #include "passes/surfaces/terms.h"
 #include "render/count_view.h"
+#include "render/cryptomatte.h"
 #include "render/frame_names.h"
 #include "render/id_names.h"
 #include "render/metadata.h"
@@ -58,6 +59,8 @@ FloatReader reader_of(const OutputImage& output, const std::byte* bytes) {
       return {bytes, 4, false};
     case VK_FORMAT_R16G16B16A16_SFLOAT:
       return {bytes, 4, true};
+    case VK_FORMAT_R32G32_SFLOAT:
+      return {bytes, 2, false};
     case VK_FORMAT_R32_SFLOAT:
       return {bytes, 1, false};
     default:
@@ -90,8 +93,10 @@ void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t 
 std::vector<std::string> channel_names(const OutputImage& output) {
   const std::string& layer = output.layer;
   if (layer == "beauty") return {"R", "G", "B", "A"};
+  if (is_cryptomatte(layer)) return matte_channels(layer, output.part);
   if (layer == "depth") return {"depth.Z"};
   if (output.format == VK_FORMAT_R32_SFLOAT) return {layer + ".Y"};
+  if (layer == "motion") return {"motion.X", "motion.Y"};
   if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
   return {layer + ".R", layer + ".G", layer + ".B"};
 }
@@ -188,6 +193,12 @@ std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job,
   return metadata;
 }
 
+// What names the ids of the file's Cryptomatte layers.
+void add_cryptomattes(std::vector<MetadataEntry>& metadata, const FrameResult& frame, const Scene& scene) {
+  for (const OutputImage& output : frame.outputs)
+    if (is_cryptomatte(output.layer) && output.part == 0) add_cryptomatte(metadata, scene, output.layer);
+}
+
 // Display output is no layer, and a layer that only --view asks for is in no file.
 bool in_exr(const OutputImage& output, const Job& job) {
   if (output.layer == "display" || output.resource < 0) return false;
@@ -264,11 +275,11 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
     else if (output.layer == "depth")
       add_depth_layer(image, frame, output, nonfinite);
     else
-      add_color_layer(image, frame, output, job.exr_float || output.layer.starts_with("heatmap."),
-                      nonfinite);  // counts
+      add_color_layer(image, frame, output, job.exr_float || output.exact, nonfinite);
   }
   image.metadata = metadata_of(frame, job, session, frame_number, rate);
   add_id_names(image, session.scene());
+  add_cryptomattes(image.metadata, frame, session.scene());
   add_clamped(image.metadata, nonfinite);
   return image;
 }
@@ -365,6 +376,7 @@ LinearPicture linear_picture(const FrameResult& frame, const Job& job, const Ses
   view.metadata = metadata_of(frame, job, session, frame_number, rate);
   for (const PlaneView& plane : view.planes)
     add_id_names(view.metadata, session.scene(), plane, view.width, view.height);
+  add_cryptomattes(view.metadata, frame, session.scene());
   add_clamped(view.metadata, nonfinite);
   return picture;
 }

@@ -13,16 +13,24 @@ bool carries_exposure(const std::string& layer) {
          std::ranges::any_of(Terms::layers, [&](const LayerName& term) { return term.name == layer; });
 }
 
+bool is_matte(const std::string& layer) {
+  return std::ranges::any_of(matte_layers, [&](const LayerName& matte) { return matte.name == layer; });
+}
+
+// Depths, counts, ids and pixels.
+bool is_exact(const std::string& layer) {
+  return layer == "depth" || layer == "motion" || layer.starts_with("heatmap.") || is_matte(layer);
+}
+
 uint32_t components_of(const std::string& layer, VkFormat format) {
-  if (layer == "beauty" || layer == "display") return 4;
-  return format_channels(format) == 1 ? 1 : 3;
+  if (layer == "beauty" || layer == "display" || is_matte(layer)) return 4;
+  return std::min(format_channels(format), 3u);
 }
 
 Packing packing_of(const FrameRequest& request, const FrameOutput& output) {
   if (!request.for_files || output.format == VK_FORMAT_R32_UINT) return Packing::texels;
   if (output.layer == "display") return request.shows_through ? Packing::texels : Packing::rgb;
-  const bool exact = request.exr_float || output.layer == "depth" || output.layer.starts_with("heatmap.");
-  return exact ? Packing::float_planes : Packing::half_planes;
+  return request.exr_float || output.exact ? Packing::float_planes : Packing::half_planes;
 }
 
 // What is read back or looked at, in the order in which outputs are told.
@@ -39,7 +47,10 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
   std::vector<Wanted> wanted;
   const auto want = [&](const std::string& layer, ImageHandle image, bool stored) {
     if (!image) return;
-    FrameOutput output{layer, std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format};
+    FrameOutput output{layer};
+    output.part = uint32_t(std::ranges::count(wanted, layer, [](const Wanted& w) { return w.output.layer; }));
+    output.format = std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format;
+    output.exact = is_exact(layer);
     output.components = components_of(layer, output.format);
     output.carries_exposure = carries_exposure(layer);
     output.packing = packing_of(request, output);
@@ -54,12 +65,13 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
   Readback::In copied;
   for (Wanted& each : wanted) {
     FrameOutput& output = each.output;
+    const std::string name = is_matte(output.layer) ? fmt::format("{}{:02}", output.layer, output.part) : output.layer;
     if (output.packing == Packing::texels) {
       const uint64_t bytes = uint64_t(scene.width_px) * scene.height_px * format_bytes(output.format);
-      copied.sources.push_back({output.layer, each.image, bytes});
+      copied.sources.push_back({name, each.image, bytes});
       continue;
     }
-    Pack::In::Source source{output.layer, each.image, output.format};
+    Pack::In::Source source{name, each.image, output.format};
     if (each.stored) source.packing = output.packing;
     source.components = output.components;
     if (output.carries_exposure) source.scale = float(1.0 / double(std::exp2(request.pre_exposure_ev)));

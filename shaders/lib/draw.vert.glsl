@@ -11,6 +11,11 @@ layout(location = 6) centroid out vec4 out_color;
 // Not centroid: its differences from pixel to pixel lie in the triangle's plane and are never parallel, where those of
 // the centroids of partly covered pixels may be.
 layout(location = 7) out vec3 out_plane_position;
+#ifdef MOTION
+#include "lib/vertex_before.glsl"
+layout(location = 8) out vec3 out_now;  // clip space without its depth
+layout(location = 9) out vec3 out_before;
+#endif
 
 void main() {
   const uint v = gl_VertexIndex;
@@ -22,6 +27,10 @@ void main() {
   out_position = relative_position(item, g, v);
   gl_Position = clip_position(out_position);
   gl_PointSize = 1.0;
+#ifdef MOTION
+  out_now = gl_Position.xyw;
+  out_before = clip_position_before(item, g, v).xyw;
+#endif
   if (HAS_SHADOWS || HAS_OCCLUSION != 0) out_plane_position = out_position;
   if (IS_UNLIT == 0) {
     out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0))

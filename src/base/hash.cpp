@@ -1,5 +1,6 @@
 #include "base/hash.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -38,5 +39,23 @@ Hash128 hash128(std::span<const std::byte> bytes, uint64_t seed) {
   h1 += h2, h2 += h1;
   return {h1, h2};
 }
+
+uint32_t hash32(std::string_view text, uint32_t seed) {
+  const auto mixed = [](uint32_t k) { return std::rotl(k * 0xcc9e2d51u, 15) * 0x1b873593u; };
+  uint32_t h = seed;
+  const size_t blocks = text.size() / 4;
+  for (size_t i = 0; i <= blocks; ++i) {
+    uint32_t k = 0;  // little-endian; the last block is what is left
+    for (size_t b = 4 * i; b < std::min(4 * i + 4, text.size()); ++b)
+      k |= uint32_t(static_cast<unsigned char>(text[b])) << (8 * (b - 4 * i));
+    h ^= mixed(k);
+    if (i < blocks) h = std::rotl(h, 13) * 5 + 0xe6546b64u;
+  }
+  h ^= uint32_t(text.size());
+  h = (h ^ (h >> 16)) * 0x85ebca6bu;
+  h = (h ^ (h >> 13)) * 0xc2b2ae35u;
+  return h ^ (h >> 16);
+}
+
 std::string Hash128::hex() const { return fmt::format("{:016x}{:016x}", hi, lo); }
 }  // namespace candela

@@ -19,5 +19,7 @@ Hash128 hash128(std::span<const std::byte> bytes, uint64_t seed = 0);
 inline Hash128 hash128(std::string_view text, uint64_t seed = 0) {
   return hash128(std::as_bytes(std::span(text.data(), text.size())), seed);
 }
+// MurmurHash3 x86_32 of the same author: what file formats ask for (Cryptomatte).
+uint32_t hash32(std::string_view text, uint32_t seed = 0);
 
 }  // namespace candela

@@ -286,11 +286,10 @@ Expected<Job> job_of(const JobOptions& o) {
   job.camera.yfov_deg = o.yfov_deg;
   job.camera.azimuth_deg = o.azimuth_deg, job.camera.elevation_deg = o.elevation_deg;
   job.camera.fit = o.fit;
-  if (o.turntable > 0) {
-    const auto rate = parse_frame_rate(o.fps);
-    if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
-    job.camera.turn_s = rate->seconds(o.turntable);
-  }
+  const auto rate = parse_frame_rate(o.fps);
+  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  job.motion_s = rate->seconds(1);
+  if (o.turntable > 0) job.camera.turn_s = rate->seconds(o.turntable);
   job.samples = o.samples;
   job.technique = o.technique;
   job.quality = o.quality;

@@ -44,6 +44,7 @@ Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
   if (o.outputs.empty()) return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
   if (!o.layers.empty() && o.layers != "none") plan.layers = split(o.layers, ',');
   if (auto good = check_traced_layers(plan.layers); !good) return good;
+  if (auto good = check_compression(plan.layers, plan.job.exr_compression); !good) return good;
   if (auto good = check_traced_view(o.view); !good) return good;
   auto paths = output_paths(o.outputs, plan.moment.frame.value_or(0));
   if (!paths) return std::unexpected(paths.error());
@@ -92,9 +93,10 @@ Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o
   for (const fs::path& path : plan.paths) {
     Expected<void> written;
     if (*output_format(path) == OutputFormat::exr) {
-      written = write_exr(
-          path, reference_image(film, frame, plan.job, settings, plan.layers, plan.moment.frame, plan.moment.rate),
-          plan.job.exr_compression);
+      written = write_exr(path,
+                          reference_image(film, frame, plan.job, settings, plan.layers, plan.moment.frame,
+                                          plan.moment.rate, plan.request.settings.sampler),
+                          plan.job.exr_compression);
     } else {
       const DisplayImage image = traced_display(film, frame, plan.job, o.view);
       written = write_png(path, image, {{"candela:reference", settings}});
@@ -182,6 +184,8 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
   if (o.tracing.threads > 0) threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(o.tracing.threads));
   const auto frame = open_reference(plan->job, plan->moment.time_s, plan->request.accel, plan->request.settings.mode);
   if (!frame) return std::unexpected(frame.error());
+  if (auto added = add_time_before(**frame, plan->job, kept_layers(plan->layers, o.view)); !added)
+    return std::unexpected(added.error());
   if (auto noted = note_scene((*frame)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
   log_look(plan->job, (*frame)->look);
   for (const std::string& note : (*frame)->notes) log::info("{}", note);

@@ -1,6 +1,10 @@
 #include "frame/frame_upload.h"
 
 #include <cmath>
+#include <cstring>
+
+#include "base/check.h"
+#include "scene/matte_names.h"
 
 namespace candela {
 namespace {
@@ -163,9 +167,37 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
     upload.materials.push_back(shared_material(pose.materials[m], uint32_t(m)));
   upload.materials.push_back(shared_material(scene.default_material, shared::absent));
   for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
+  if (request.has_layer("crypto_object")) upload.object_mattes = matte_ids(node_names(scene));
+  if (request.has_layer("crypto_material")) upload.material_mattes = matte_ids(material_names(scene));
   upload.constants.light_count = uint32_t(upload.lights.size());
   upload.constants.item_count = uint32_t(upload.items.size());
   return upload;
+}
+
+namespace {
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+}  // namespace
+
+void add_motion(const FrameData& now, const View& view, const FrameData& before, const View& view_before,
+                FrameUpload& upload) {
+  CHECK(before.relative_from_local.size() == now.relative_from_local.size());
+  CHECK(before.joint_matrices.size() == now.joint_matrices.size());
+  CHECK(before.morph_weights.size() == now.morph_weights.size());
+  const bool deforms =
+      !same_bits(before.joint_matrices, now.joint_matrices) || !same_bits(before.morph_weights, now.morph_weights);
+  const std::vector<glm::mat4> clip = {glm::mat4(view.clip_from_relative)},
+                               clip_before = {glm::mat4(view_before.clip_from_relative)};
+  if (!deforms && same_bits(clip, clip_before) && same_bits(now.relative_from_local, before.relative_from_local))
+    return;
+  for (int column = 0; column < 4; ++column) upload.motion.push_back(clip_before[0][column]);
+  for (const glm::mat4& m : before.relative_from_local) {
+    const shared::Transform t = shared_transform(m);
+    upload.motion.insert(upload.motion.end(), {t.row0, t.row1, t.row2});
+  }
+  if (deforms) upload.joints_before = before.joint_matrices, upload.weights_before = before.morph_weights;
 }
 
 }  // namespace candela

@@ -25,9 +25,19 @@ struct FrameUpload {
   std::vector<shared::CullGroup> groups;
   std::vector<shared::DeformJob> deform_jobs;
   uint32_t deformed_words = 0;
+  // matte_id of each node's and material's name, the default material's last; empty unless their layers are wanted.
+  std::vector<uint32_t> object_mattes, material_mattes;
+  // The time before, where the layer motion is wanted and something moves: a shared::Motion and its transforms, and
+  // what vertices are deformed by where that differs.
+  std::vector<glm::vec4> motion;
+  std::vector<glm::mat4> joints_before;
+  std::vector<float> weights_before;
 };
 FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
                               const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
                               const AmbientSh& ambient);
+// Adds the time before, where anything moves in the picture: items of both are one for one.
+void add_motion(const FrameData& now, const View& view, const FrameData& before, const View& view_before,
+                FrameUpload& upload);
 
 }  // namespace candela

@@ -1,5 +1,6 @@
 #include "frame/job.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "base/json.h"
@@ -64,6 +65,7 @@ std::string job_json(const Job& job) {
   if (!job.tonemap.empty()) j["tonemap"] = job.tonemap;
   j["view"] = job.view;
   if (!job.layers.empty()) j["layers"] = job.layers;
+  if (std::ranges::find(job.layers, "motion") != job.layers.end()) j["motion_s"] = job.motion_s;
   j["background"] = job.background;
   j["seed"] = job.seed;
   j["exr-type"] = job.exr_float ? "float" : "half";
@@ -190,6 +192,12 @@ const std::map<std::string, Reader>& readers() {
       {"tonemap", text_into(&Job::tonemap)},
       {"view", text_into(&Job::view)},
       {"layers", read_layers},
+      {"motion_s",
+       [](const Json& v, Job& job) -> std::string {
+         if (!v.is_number() || !(v.get<double>() > 0)) return "is not a number above 0";
+         job.motion_s = v.get<double>();
+         return {};
+       }},
       {"background", text_into(&Job::background)},
       {"seed",
        [](const Json& v, Job& job) -> std::string {

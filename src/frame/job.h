@@ -42,6 +42,7 @@ struct Job {
   std::optional<float> exposure_ev;  // absent: as the look says, else 0
   std::string tonemap;               // agx, none, reinhard, aces, neutral, rec709; empty: as the look says, else agx
   std::vector<std::string> layers;   // beside beauty
+  double motion_s = 1.0 / 24;        // of the layer motion: from the frame before, 1 / --fps
   std::string view = "beauty";       // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
   std::string background = "transparent";  // or "R,G,B" linear, used where there is no sky
   uint64_t seed = 0;
@@ -61,6 +62,9 @@ Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720
 Expected<KnobSetting> parse_knob_setting(const std::string& text);  // "PASS.KNOB=VALUE"
 // Names and ranges: an unknown technique, layer or knob is an error that lists the names and suggests the nearest.
 Expected<void> check_job(const Job& job);
+// Whether files of these layers keep what they must: Cryptomatte's ids are the bits of 32-bit floats, which some
+// compressions change.
+Expected<void> check_compression(const std::vector<std::string>& layers, ExrCompression compression);
 // Identity of a frame's picture: the job, the scene's and the sky's content as hex digits, the device and the version.
 Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s);
 

@@ -67,6 +67,17 @@ Expected<void> check_direction(const CameraRequest& camera) {
 
 }  // namespace
 
+Expected<void> check_compression(const std::vector<std::string>& layers, ExrCompression compression) {
+  using enum ExrCompression;
+  const auto matte = std::ranges::find_if(
+      layers, [](const std::string& layer) { return layer == "crypto_object" || layer == "crypto_material"; });
+  if (matte == layers.end() || (compression != pxr24 && compression != dwaa && compression != dwab)) return {};
+  return fail(ErrorKind::usage, "--exr-compression",
+              "pxr24, dwaa and dwab change the 32-bit floats whose bits are the ids of {}; use zip, zips, piz, rle or "
+              "none, or leave the layer out",
+              *matte);
+}
+
 Expected<void> check_job(const Job& job) {
   // 16384 is the image size that every Vulkan 1.3 desktop driver offers; lavapipe stops there.
   constexpr int max_side_px = 16384;
@@ -102,6 +113,7 @@ Expected<void> check_job(const Job& job) {
       if (auto known = check_name("--effects", "effect", effect, effect_names()); !known) return known;
   for (const std::string& layer : job.layers)
     if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
+  if (auto good = check_compression(job.layers, job.exr_compression); !good) return good;
   if (auto good = check_background(job.background); !good) return good;
   return check_settings(job);
 }

@@ -262,6 +262,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.draws = make_draw_list(context.scene, f.pose, f.data);
   const AmbientSh ambient = f.sky ? f.sky.ambient() : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
+  if (f.request.has_layer("motion") && !context.face) {
+    const auto before = pose_before(context.scene, job, time_s, f.pose);
+    if (!before) return std::unexpected(before.error());
+    add_motion(f.data, f.view, before->data, before->view, f.upload);
+  }
   place_probes(std::span(f.request.look.probes).first(f.facts.probes), f.view, f.upload.constants.probes);
   f.animate_ms = ms_since(start);
 

@@ -31,4 +31,12 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
   return out;
 }
 
+Expected<PosedScene> pose_before(const Scene& scene, const Job& job, double time_s, const Pose& now) {
+  auto before = pose_scene(scene, job, time_s - job.motion_s);
+  if (!before || before->pose.node_visible == now.node_visible) return before;
+  before->pose.node_visible = now.node_visible;
+  before->data = make_frame_data(scene, before->pose, before->view);
+  return before;
+}
+
 }  // namespace candela

@@ -18,4 +18,8 @@ struct PosedScene {
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0,
                                 const View* view = nullptr);
 
+// The same scene and camera at Job::motion_s before time_s, with the items of `now`, the pose at time_s, one for one:
+// what is visible now, where it was then.
+Expected<PosedScene> pose_before(const Scene& scene, const Job& job, double time_s, const Pose& now);
+
 }  // namespace candela

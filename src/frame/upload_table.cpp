@@ -47,6 +47,11 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
     add("frame.weights", &Inputs::weights, frame.data.morph_weights);
+    add("frame.object_mattes", &Inputs::object_mattes, u.object_mattes);
+    add("frame.motion", &Inputs::motion, u.motion);
+    add("frame.joints_before", &Inputs::joints_before, u.joints_before);
+    add("frame.weights_before", &Inputs::weights_before, u.weights_before);
+    add("frame.material_mattes", &Inputs::material_mattes, u.material_mattes);
   }
   if (!frame.ray_settings.empty()) add("frame.ray_settings", &Inputs::ray_settings, frame.ray_settings);
   if (frame.rays) {

@@ -150,6 +150,12 @@ void add_merged(const std::vector<ImageBarrier>& fresh, std::vector<ImageBarrier
   }
 }
 
+// The validation layer 1.3.239 takes an image for as large as one of its samples.
+uint64_t bytes_a_sample(const PlanResource& resource) {
+  const auto* image = std::get_if<ImageDesc>(&resource.desc);
+  return image ? resource.bytes / image->samples : resource.bytes;
+}
+
 // The walk of one queue: over its own passes with barriers, and over the other's for what they leave behind.
 class Walk {
  public:
@@ -318,6 +324,7 @@ class Walk {
               [&](int a, int b) { return plan_.resources[a].last_pass > plan_.resources[b].last_pass; });
     const auto covers = [&](int other) {
       return plan_.resources[other].is_image() && plan_.resources[other].bytes >= image.bytes &&
+             bytes_a_sample(plan_.resources[other]) >= bytes_a_sample(image) &&
              std::all_of(states_[other].begin(), states_[other].end(),
                          [](const State& part) { return part.layout != VK_IMAGE_LAYOUT_UNDEFINED; });
     };

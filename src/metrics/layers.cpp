@@ -62,10 +62,19 @@ void compare_normals(const std::vector<ChannelPair>& xyz, int width, LayerResult
   result.metrics["one-sided"] = one_sided;
 }
 
-LayerResult compare_layer(const std::string& name, const std::vector<ChannelPair>& channels, int width, int height) {
+// "crypto_object01" where the file says that crypto_object is a layer of Cryptomatte: its floats are bits.
+bool is_matte_level(const FloatImage& image, const std::string& layer) {
+  return std::ranges::any_of(image.metadata, [&](const MetadataEntry& entry) {
+    return entry.name.starts_with("cryptomatte/") && entry.name.ends_with("/name") && layer.starts_with(entry.text) &&
+           layer.size() == entry.text.size() + 2;
+  });
+}
+
+LayerResult compare_layer(const std::string& name, const std::vector<ChannelPair>& channels, bool matte, int width,
+                          int height) {
   using Kind = LayerResult::Kind;
   LayerResult result{.name = name};
-  const bool ids = channels[0].first->type == ChannelType::uint32;
+  const bool ids = matte || channels[0].first->type == ChannelType::uint32;
   if (ids)
     result.kind = Kind::ids;
   else if (name == "depth" && channels.size() == 1)
@@ -121,7 +130,9 @@ std::vector<LayerResult> compare_layers(const FloatImage& reference, const Float
     const bool mixed = std::any_of(channels.begin(), channels.end(), [&](const ChannelPair& pair) {
       return (pair.first->type == ChannelType::uint32) != (channels[0].first->type == ChannelType::uint32);
     });
-    if (!mixed) results.push_back(compare_layer(name, channels, reference.width, reference.height));
+    if (!mixed)
+      results.push_back(compare_layer(name, channels, is_matte_level(reference, name) && is_matte_level(test, name),
+                                      reference.width, reference.height));
   }
   return results;
 }

@@ -4,6 +4,8 @@
 #include "passes/debug/dump.h"
 #include "passes/debug/layers.h"
 #include "passes/debug/light_heat.h"
+#include "passes/debug/mattes.h"
+#include "passes/debug/motion.h"
 #include "passes/geometry/cull.h"
 #include "passes/geometry/cull_compact.h"
 #include "passes/geometry/deform.h"
@@ -49,11 +51,11 @@ struct PassList {
 
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
-using AllPasses =
-    PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
-             LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
-             ReflectionsOver, Transparent, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
-             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
+                           LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky,
+                           Background, Reflections, ReflectionsOver, Transparent, Layers, Terms, FogLayers, SunLayers,
+                           LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample,
+                           Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -69,6 +69,8 @@ enum class LayerForm : uint8_t {
   distance,   // metres; background_depth_m where there is nothing
   direction,  // unit vectors; 0 where there is nothing
   id,         // 32-bit whole numbers, 2^32-1 where there is nothing
+  matte,      // pairs of an id, as bits of a float, and its share of the pixel
+  motion,     // pixels, x to the right, y up
 };
 // Layers that it can give (--layers): it publishes their images in declare().
 struct LayerName {

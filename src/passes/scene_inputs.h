@@ -19,11 +19,15 @@ struct SceneInputs {
   BufferHandle lamp_views, lamp_view_regions, lamps;  // the same of point and spot lights
   std::shared_ptr<const ViewImage> sun_image, lamp_image;
   std::shared_ptr<const std::vector<uint32_t>> view_first_command, lamp_first_command;
-  std::string sun_absence, lamp_absence;      // why there are none
-  std::optional<Hash128> sun_key, lamp_key;   // of the maps' content, where they may be kept
-  BufferHandle trees, ray_settings;           // empty: nothing is traced
-  TracedRays rays;                            // but for its handles, which are these
-  BufferHandle deform_jobs, joints, weights;  // empty when nothing is deformed
+  std::string sun_absence, lamp_absence;        // why there are none
+  std::optional<Hash128> sun_key, lamp_key;     // of the maps' content, where they may be kept
+  BufferHandle trees, ray_settings;             // empty: nothing is traced
+  TracedRays rays;                              // but for its handles, which are these
+  BufferHandle deform_jobs, joints, weights;    // empty when nothing is deformed
+  BufferHandle object_mattes, material_mattes;  // ids of names; empty unless their layers are wanted
+  // Where things were at the time before (shared/motion.h); empty: nothing moves, or nobody asks. The last two are
+  // empty where deformed vertices are the same.
+  BufferHandle motion, joints_before, weights_before;
   std::shared_ptr<const std::vector<DrawRun>> runs;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials
   uint32_t item_count = 0, cull_group_count = 0;

@@ -89,9 +89,12 @@ double World::coverage(const Hit& hit) const {
   return coverage_of(item.material->material, base_color(*item.material, v).w);
 }
 
+glm::dvec2 World::weights(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const {
+  return barycentrics_of(accel_.triangle(hit.item, hit.primitive).position, hit, origin, direction);
+}
+
 Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const {
-  const PosedTriangle triangle = accel_.triangle(hit.item, hit.primitive);
-  const glm::dvec2 b = barycentrics_of(triangle.position, hit, origin, direction);
+  const glm::dvec2 b = weights(hit, origin, direction);
   return surface_at(hit.item, hit.primitive, b, hit.back, -glm::normalize(direction));
 }
 

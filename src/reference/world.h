@@ -86,6 +86,8 @@ class World {
   Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
   // The same seen from a point on either side.
   Surface surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const;
+  // Those: weights of the second and third corner.
+  glm::dvec2 weights(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
   // The same at given barycentrics (weights of the second and third corner), seen from `to_viewer` (unit).
   Surface surface_at(uint32_t item, uint32_t primitive, glm::dvec2 barycentrics, bool back, glm::dvec3 to_viewer) const;
   double coverage(const Hit& hit) const;  // 1 opaque, 0 a hole

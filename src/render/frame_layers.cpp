@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/check.h"
+#include "render/cryptomatte.h"
 
 namespace candela {
 namespace {
@@ -43,6 +44,8 @@ FloatReader reader_of(const OutputImage& output, const std::byte* bytes) {
       return {bytes, 4, false};
     case VK_FORMAT_R16G16B16A16_SFLOAT:
       return {bytes, 4, true};
+    case VK_FORMAT_R32G32_SFLOAT:
+      return {bytes, 2, false};
     case VK_FORMAT_R32_SFLOAT:
       return {bytes, 1, false};
     default:
@@ -95,8 +98,10 @@ std::span<const std::byte> readback_bytes(const FrameResult& frame, const Output
 std::vector<std::string> channel_names(const OutputImage& output) {
   const std::string& layer = output.layer;
   if (layer == "beauty") return {"R", "G", "B", "A"};
+  if (is_cryptomatte(layer)) return matte_channels(layer, output.part);
   if (layer == "depth") return {"depth.Z"};
   if (output.format == VK_FORMAT_R32_SFLOAT) return {layer + ".Y"};
+  if (layer == "motion") return {"motion.X", "motion.Y"};
   if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
   return {layer + ".R", layer + ".G", layer + ".B"};
 }

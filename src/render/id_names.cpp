@@ -7,6 +7,7 @@
 #include <set>
 
 #include "render/metadata.h"
+#include "scene/matte_names.h"
 
 namespace candela {
 namespace {
@@ -26,28 +27,11 @@ std::set<uint32_t> ids_in(const PlaneView& plane, int width, int height) {
 
 }  // namespace
 
-std::vector<std::string> unique_names(const std::vector<std::string>& given, const std::string& kind) {
-  std::set<std::string> used;
-  std::vector<std::string> names;
-  for (size_t i = 0; i < given.size(); ++i) {
-    const std::string base = fmt::format("{} #{}", given[i].empty() ? kind : given[i], i);
-    std::string name = given[i].empty() ? base : given[i];
-    for (int more = 1; !used.insert(name).second; ++more) name = more == 1 ? base : fmt::format("{}.{}", base, more);
-    names.push_back(std::move(name));
-  }
-  return names;
-}
-
 void add_id_names(std::vector<MetadataEntry>& metadata, const Scene& scene, const PlaneView& plane, int width,
                   int height) {
   const bool objects = plane.name == "object_id";
   if (!objects && plane.name != "material_id") return;
-  std::vector<std::string> given;
-  if (objects)
-    for (const Node& node : scene.nodes) given.push_back(node.name);
-  else
-    for (const Material& material : scene.materials) given.push_back(material.name);
-  const std::vector<std::string> names = unique_names(given, objects ? "node" : "material");
+  const std::vector<std::string> names = objects ? node_names(scene) : material_names(scene);
   nlohmann::ordered_json j = nlohmann::ordered_json::object();
   for (const uint32_t id : ids_in(plane, width, height))
     if (id < names.size()) j[fmt::format("{}", id)] = names[id];

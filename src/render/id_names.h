@@ -7,11 +7,8 @@
 
 namespace candela {
 
-// Names that tell nodes or materials apart: a name that one before has, and none, get the index, "Box #7", "node #3".
-std::vector<std::string> unique_names(const std::vector<std::string>& given, const std::string& kind);
-
-// For a plane of layer object_id or material_id: an attribute candela:LAYER with the names of the ids in the picture,
-// as JSON, {"3":"Box","7":"Box #7"}. Any other layer: nothing.
+// For a plane of layer object_id or material_id: an attribute candela:LAYER with the names (scene/matte_names.h) of the
+// ids in the picture, as JSON, {"3":"Box","7":"Box #7"}. Any other layer: nothing.
 void add_id_names(std::vector<MetadataEntry>& metadata, const Scene& scene, const PlaneView& plane, int width,
                   int height);
 void add_id_names(FloatImage& image, const Scene& scene);  // of all its planes

@@ -13,6 +13,7 @@
 #include "image/png_text.h"
 #include "image/prepare.h"
 #include "passes/surfaces/terms.h"
+#include "render/cryptomatte.h"
 #include "render/dump.h"
 #include "render/frame_layers.h"
 #include "render/frame_names.h"
@@ -67,6 +68,12 @@ std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job,
   if (job.timings_in_metadata)
     metadata.push_back(text_entry("candela:timings", timings_json(frame, job, session).dump()));
   return metadata;
+}
+
+// What names the ids of the file's Cryptomatte layers.
+void add_cryptomattes(std::vector<MetadataEntry>& metadata, const FrameResult& frame, const Scene& scene) {
+  for (const OutputImage& output : frame.outputs)
+    if (is_cryptomatte(output.layer) && output.part == 0) add_cryptomatte(metadata, scene, output.layer);
 }
 
 // Display output is no layer, and a layer that only --view asks for is in no file.
@@ -145,11 +152,11 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
     else if (output.layer == "depth")
       add_depth_layer(image, frame, output, nonfinite);
     else
-      add_color_layer(image, frame, output, job.exr_float || output.layer.starts_with("heatmap."),
-                      nonfinite);  // counts
+      add_color_layer(image, frame, output, job.exr_float || output.exact, nonfinite);
   }
   image.metadata = metadata_of(frame, job, session, frame_number, rate);
   add_id_names(image, session.scene());
+  add_cryptomattes(image.metadata, frame, session.scene());
   add_clamped(image.metadata, nonfinite);
   return image;
 }
@@ -265,6 +272,7 @@ LinearPicture linear_picture(const FrameResult& frame, const Job& job, const Ses
   view.metadata = metadata_of(frame, job, session, frame_number, rate);
   for (const PlaneView& plane : view.planes)
     add_id_names(view.metadata, session.scene(), plane, view.width, view.height);
+  add_cryptomattes(view.metadata, frame, session.scene());
   add_clamped(view.metadata, nonfinite);
   return picture;
 }

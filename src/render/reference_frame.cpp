@@ -7,7 +7,6 @@
 #include "base/text.h"
 #include "frame/content_hash.h"
 #include "frame/job_sky.h"
-#include "frame/posed_scene.h"
 #include "reference/leaf_view.h"
 #include "render/id_names.h"
 #include "render/metadata.h"
@@ -86,6 +85,7 @@ Expected<void> check_traced_job(const Job& job) {
   common.view = Job().view;
   if (auto fine = check_job(common); !fine) return fine;
   if (auto fine = check_traced_layers(job.layers); !fine) return fine;
+  if (auto fine = check_compression(job.layers, job.exr_compression); !fine) return fine;
   return check_traced_view(job.view);
 }
 
@@ -173,6 +173,14 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   return frame;
 }
 
+Expected<void> add_time_before(ReferenceFrame& frame, const Job& job, const std::vector<std::string>& layers) {
+  if (std::ranges::find(layers, "motion") == layers.end()) return {};
+  auto before = pose_before(frame.scene(), job, frame.time_s, frame.pose);
+  if (!before) return std::unexpected(before.error());
+  frame.before = std::move(*before);
+  return {};
+}
+
 std::string settings_json(const reference::TraceSettings& s, const AccelOptions& accel) {
   Json j;
   j["mode"] = name_of(s.mode);
@@ -208,9 +216,9 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
 }
 
 std::vector<std::string> reference_layer_names() {
-  std::vector<std::string> names = {"variance", "fog", "fog.transmittance"};
+  std::vector<std::string> names = {"variance", "fog", "fog.transmittance", "motion"};
   const std::vector<std::string> counts = {"heatmap.traversal", "heatmap.leaves"};
-  for (const std::vector<std::string>& more : {term_layer_names(), surface_layer_names(), counts})
+  for (const std::vector<std::string>& more : {term_layer_names(), surface_layer_names(), matte_layer_names(), counts})
     names.insert(names.end(), more.begin(), more.end());
   return names;
 }
@@ -226,7 +234,8 @@ std::vector<float> reference_counts(const reference::Film& film, const Reference
 
 FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
                            const std::string& settings, const std::vector<std::string>& layers,
-                           std::optional<int64_t> frame_number, FrameRate rate) {
+                           std::optional<int64_t> frame_number, FrameRate rate,
+                           const reference::SamplerSettings& sampler) {
   FloatImage image;
   image.width = film.width(), image.height = film.height();
   const auto add = [&](std::string name, ChannelType type) -> std::vector<float>& {
@@ -243,11 +252,15 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
   }
   add_surface_layers(image, frame, layers, type);
   add_term_layers(image, film, layers, type);
+  add_motion_layer(image, frame, layers);
+  add_matte_layers(image, frame, layers, sampler, film.samples());
   const auto names = [](const std::vector<std::string>& these, const std::string& layer) {
     return std::find(these.begin(), these.end(), layer) != these.end();
   };
   for (const std::string& layer : layers) {
-    if (names(surface_layer_names(), layer) || names(term_layer_names(), layer)) continue;
+    if (names(surface_layer_names(), layer) || names(term_layer_names(), layer) || names(matte_layer_names(), layer) ||
+        layer == "motion")
+      continue;
     if (layer.starts_with("heatmap.")) {
       add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);
       continue;

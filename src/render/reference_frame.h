@@ -6,6 +6,7 @@
 
 #include "frame/job.h"
 #include "frame/job_sky.h"
+#include "frame/posed_scene.h"
 #include "image/image.h"
 #include "reference/film.h"
 
@@ -41,7 +42,10 @@ struct ReferenceFrame {
   const Hash128& scene_content() const { return loaded->content; }
   std::vector<std::string> notes, warnings;
   std::unique_ptr<reference::World> world;
+  std::optional<PosedScene> before;  // the time before, for the layer motion
 };
+// Poses the time before where the layers ask for motion. Errors: those of pose_before().
+Expected<void> add_time_before(ReferenceFrame& frame, const Job& job, const std::vector<std::string>& layers);
 Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const ReferenceScene> loaded, const Job& job,
                                                          double time_s, const AccelOptions& accel,
                                                          reference::Mode mode);
@@ -69,9 +73,10 @@ std::vector<std::string> reference_layer_names();  // variance, fog, fog.transmi
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer);
 
 // The film as an image of linear radiance with layers and metadata, of the same form as linear_image() of a GPU's
-// frame.
+// frame. sampler: of the film's samples.
 FloatImage reference_image(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
                            const std::string& settings, const std::vector<std::string>& layers,
-                           std::optional<int64_t> frame_number, FrameRate rate);
+                           std::optional<int64_t> frame_number, FrameRate rate,
+                           const reference::SamplerSettings& sampler = {});
 
 }  // namespace candela

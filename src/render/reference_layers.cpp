@@ -3,9 +3,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "base/check.h"
 #include "reference/centre_surface.h"
+#include "reference/deform.h"
+#include "render/cryptomatte.h"
+#include "scene/matte_names.h"
 
 namespace candela {
 namespace {
@@ -47,6 +51,43 @@ void add_vectors(FloatImage& image, const Centres& centres, const std::string& l
   }
 }
 
+// A pixel's ids with the samples that each covers, the most first, of equal ones the lower id.
+using Ranks = std::vector<std::pair<uint32_t, uint64_t>>;
+
+Ranks ranks_of(const std::vector<uint32_t>& ids) {
+  Ranks ranks;
+  for (const uint32_t id : ids) {
+    const auto found = std::ranges::find(ranks, id, [](const auto& rank) { return rank.first; });
+    if (found == ranks.end())
+      ranks.emplace_back(id, 1);
+    else
+      ++found->second;
+  }
+  std::ranges::sort(ranks, [](const auto& a, const auto& b) {
+    return a.second != b.second ? a.second > b.second : a.first < b.first;
+  });
+  return ranks;
+}
+
+// Channels of as many levels as the pixels need, three at least: what readers are used to.
+void add_ranks(FloatImage& image, const std::string& layer, const std::vector<Ranks>& pixels, uint64_t samples) {
+  size_t most = 6;
+  for (const Ranks& ranks : pixels) most = std::max(most, ranks.size());
+  for (size_t level = 0; 2 * level < most; ++level) {
+    const std::vector<std::string> names = matte_channels(layer, uint32_t(level));
+    for (size_t c = 0; c < 4; ++c) {
+      Channel channel{names[c], ChannelType::float32, std::vector<float>(pixels.size()), {}};
+      for (size_t i = 0; i < pixels.size(); ++i) {
+        const size_t rank = 2 * level + c / 2;
+        if (rank >= pixels[i].size()) continue;
+        const auto& [id, count] = pixels[i][rank];
+        channel.f[i] = c % 2 == 0 ? std::bit_cast<float>(id) : float(double(count) / double(samples));
+      }
+      image.channels.push_back(std::move(channel));
+    }
+  }
+}
+
 auto is_in(const std::vector<std::string>& layers) {
   return [&layers](const std::string& name) { return std::find(layers.begin(), layers.end(), name) != layers.end(); };
 }
@@ -74,6 +115,96 @@ reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<s
   return {.fog = !frame.world->media().empty(),
           .terms = std::ranges::any_of(term_layer_names(), is_in(layers)),
           .lamp_shadow = is_in(layers)("shadow.lamps")};
+}
+
+namespace {
+
+// Points of triangles in the picture, in pixels from its middle, y up.
+class Places {
+ public:
+  Places(const Scene& scene, const FrameData& data, const View& view, int width, int height)
+      : scene_(scene), data_(data), view_(view), half_px_(0.5 * width, 0.5 * height) {
+    for (const Deformation& d : data.deformations) deformed_.push_back(deform_vertices(scene, data, d));
+  }
+  // Of the surface's point at the time of the data; behind the camera there is none.
+  std::optional<glm::dvec2> of(const reference::CentreSurface& c) const {
+    const DrawItem& item = data_.items[c.item];
+    const MeshSection& section = scene_.meshes[item.mesh].sections[item.section];
+    const glm::dmat4 relative_from_local(data_.relative_from_local[item.transform]);
+    const std::vector<glm::vec3>& vertices =
+        item.deformed >= 0 ? deformed_[size_t(item.deformed)].position : section.position;
+    const glm::dvec3 weights(1 - c.weights.x - c.weights.y, c.weights.x, c.weights.y);
+    glm::dvec4 point(0, 0, 0, 1);
+    for (int i = 0; i < 3; ++i) {
+      const uint32_t vertex = section.index[3 * size_t(c.primitive) + size_t(i)];
+      const glm::dvec4 corner = relative_from_local * glm::dvec4(glm::dvec3(vertices[vertex]), 1.0);
+      point += weights[i] * glm::dvec4(glm::dvec3(corner), 0.0);
+    }
+    const glm::dvec4 clip = view_.clip_from_relative * point;
+    if (!(clip.w > 0)) return std::nullopt;
+    return glm::dvec2(clip.x, -clip.y) / clip.w * half_px_;
+  }
+
+ private:
+  const Scene& scene_;
+  const FrameData& data_;
+  const View& view_;
+  glm::dvec2 half_px_;
+  std::vector<DeformedVertices> deformed_;
+};
+
+}  // namespace
+
+void add_motion_layer(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers) {
+  if (!is_in(layers)("motion")) return;
+  CHECK(frame.before);
+  const Places now(frame.scene(), frame.data, frame.view, image.width, image.height),
+      before(frame.scene(), frame.before->data, frame.before->view, image.width, image.height);
+  Channel x{"motion.X", ChannelType::float32, {}, {}}, y{"motion.Y", ChannelType::float32, {}, {}};
+  for (const auto& c : centres_of(frame, image.width, image.height)) {
+    const auto to = c ? now.of(*c) : std::nullopt, from = c ? before.of(*c) : std::nullopt;
+    glm::vec2 moved(0);
+    if (to && from) moved = glm::vec2(*to - *from);
+    if (!std::isfinite(moved.x) || !std::isfinite(moved.y)) moved = glm::vec2(0);
+    x.f.push_back(moved.x), y.f.push_back(moved.y);
+  }
+  image.channels.push_back(std::move(x));
+  image.channels.push_back(std::move(y));
+}
+
+const std::vector<std::string>& matte_layer_names() {
+  static const std::vector<std::string> names = {"crypto_object", "crypto_material"};
+  return names;
+}
+
+void add_matte_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers,
+                      const reference::SamplerSettings& sampler, uint64_t samples) {
+  if (std::ranges::none_of(matte_layer_names(), is_in(layers))) return;
+  const auto objects = matte_ids(node_names(frame.scene())), materials = matte_ids(material_names(frame.scene()));
+  const size_t pixels = size_t(image.width) * size_t(image.height);
+  std::vector<Ranks> by_object(pixels), by_material(pixels);
+  tbb::parallel_for(0, image.height, [&](int y) {
+    std::vector<uint32_t> seen[2];
+    for (int x = 0; x < image.width; ++x) {
+      for (auto& ids : seen) ids.clear();
+      for (uint64_t s = 0; s < samples; ++s) {
+        const glm::dvec2 place = glm::dvec2(x, y) + reference::SampleStream(sampler, x, y, s).pixel();
+        const auto hit =
+            reference::nearest_surface(*frame.world, frame.world->camera_ray(place, image.width, image.height));
+        if (!hit) continue;
+        const DrawItem& item = frame.data.items[hit->item];
+        seen[0].push_back(objects[item.node]);
+        seen[1].push_back(item.material >= 0 ? materials[size_t(item.material)] : materials.back());
+      }
+      const size_t i = size_t(y) * size_t(image.width) + size_t(x);
+      by_object[i] = ranks_of(seen[0]), by_material[i] = ranks_of(seen[1]);
+    }
+  });
+  for (const std::string& layer : matte_layer_names()) {
+    if (!is_in(layers)(layer)) continue;
+    add_ranks(image, layer, layer == "crypto_object" ? by_object : by_material, samples);
+    add_cryptomatte(image.metadata, frame.scene(), layer);
+  }
 }
 
 void add_term_layers(FloatImage& image, const reference::Film& film, const std::vector<std::string>& layers,

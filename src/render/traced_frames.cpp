@@ -42,7 +42,7 @@ DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& f
     Job exact = job;
     exact.exr_float = true;
     layer = reference_image(film, frame, exact, "", {view}, {}, {});
-    std::erase_if(layer.channels, [&](const Channel& c) { return c.name != view && !c.name.starts_with(view + "."); });
+    std::erase_if(layer.channels, [&](const Channel& c) { return !c.name.starts_with(view); });
     if (layer_form(view) != LayerForm::light) return layer_view(layer, layer_form(view), view);
   }
   const DisplayLook look = display_look(job, frame.look);
@@ -106,6 +106,8 @@ Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
   StageTimer timer(result.timings, "trace");
   const auto frame = pose_reference(loaded_, job_, time_s_, request_.accel, request_.settings.mode);
   if (!frame) return std::unexpected(frame.error());
+  if (auto added = add_time_before(**frame, job_, kept_layers(job_.layers, job_.view)); !added)
+    return std::unexpected(added.error());
   result.width_px = job_.width_px, result.height_px = job_.height_px, result.time_s = time_s_;
   result.notes = (*frame)->notes, result.warnings = (*frame)->warnings;
   reference::Film film = begin_film(job_, **frame, request_, kept_layers(job_.layers, job_.view)).film;
@@ -117,7 +119,7 @@ Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
   auto picture = std::make_shared<TracedPicture>();
   if (wanted_.linear) {
     picture->linear = reference_image(film, **frame, job_, settings_json(request_.settings, request_.accel),
-                                      job_.layers, number, rate_);
+                                      job_.layers, number, rate_, request_.settings.sampler);
     picture->linear.metadata.push_back(text_entry(identity_name, identity(time_s_, number, rate_)));
   }
   if (wanted_.display) picture->display = traced_display(film, **frame, job_, job_.view);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -83,6 +84,34 @@ DisplayImage ids(const FloatImage& image) {
   return picture;
 }
 
+// Of the two largest ids of each pixel, by their coverage.
+DisplayImage mattes(const FloatImage& image) {
+  DisplayImage picture = blank(image.width, image.height);
+  for (size_t i = 0; i < image.channels.front().f.size(); ++i) {
+    std::array<double, 3> sum{};
+    for (size_t rank = 0; rank < 2; ++rank) {
+      const double coverage = double(image.channels[2 * rank + 1].f[i]);
+      const Rgb color = color_of_id(std::bit_cast<uint32_t>(image.channels[2 * rank].f[i]));
+      for (size_t c = 0; c < 3; ++c) sum[c] += coverage * double(color[c]) / 255;
+    }
+    set(picture, i, {code_of(sum[0]), code_of(sum[1]), code_of(sum[2])});
+  }
+  return picture;
+}
+
+DisplayImage motions(const FloatImage& image) {
+  DisplayImage picture = blank(image.width, image.height);
+  const std::vector<float>&x = image.channels[0].f, &y = image.channels[1].f;
+  double farthest = 0;
+  for (size_t i = 0; i < x.size(); ++i)
+    if (std::isfinite(x[i]) && std::isfinite(y[i]))
+      farthest = std::max({farthest, std::abs(double(x[i])), std::abs(double(y[i]))});
+  const auto code = [&](float v) { return code_of(0.5 + (farthest > 0 ? 0.5 * double(v) / farthest : 0)); };
+  for (size_t i = 0; i < x.size(); ++i)
+    set(picture, i, std::isfinite(x[i]) && std::isfinite(y[i]) ? Rgb{code(x[i]), code(y[i]), 128} : not_finite);
+  return picture;
+}
+
 struct Range {
   float low = std::numeric_limits<float>::infinity(), high = -low;
 };
@@ -155,6 +184,10 @@ DisplayImage layer_view(const FloatImage& layer, LayerForm form, const std::stri
       return by_channel(layer, srgb_encoded);
     case LayerForm::id:
       return ids(layer);
+    case LayerForm::matte:
+      return mattes(layer);
+    case LayerForm::motion:
+      return motions(layer);
     case LayerForm::light:
       break;
   }

@@ -8,7 +8,7 @@ namespace {
 // each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of each
 // are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
-                         const Lighting& lighting, uint32_t n, TermImages& terms, FogImages& fog) {
+                         const Lighting& lighting, uint32_t n, TermImages& terms, FogImages& fog, MatteImages& mattes) {
   SceneInputs sample = scene;
   sample.is_subsample = true;
   sample.features = with_subsample(scene.features);
@@ -41,6 +41,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
       for (size_t l = 0; l < parts.size(); ++l)
         if (parts[l]) fog[l] = add(parts[l], fog[l], fmt::format("{}.{}", instance, FogLayers::layers[l].name));
     }
+    matte_ids(frame, sample, seen, mattes, instance);
     if (!divided) continue;
     const TermImages parts = divide(frame, sample, seen, lit, seen_all.reflected, instance);
     for (uint32_t t = 0; t < term_count; ++t)
@@ -68,8 +69,9 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   ImageHandle radiance;
   TermImages terms;
   FogImages fog;
+  MatteImages mattes;
   if (n > 1) {
-    radiance = supersampled(frame, scene, technique, surfaces, lighting, n, terms, fog);
+    radiance = supersampled(frame, scene, technique, surfaces, lighting, n, terms, fog, mattes);
   } else {
     frame.add(Supersample{}, {});
     const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting, {});
@@ -77,10 +79,12 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     radiance = all.radiance;
     terms = divide(frame, scene, surfaces, lighting, all.reflected);
     fog = fog_layers(frame, scene, surfaces, lighting);
+    matte_ids(frame, scene, surfaces, mattes);
   }
   describe(frame, scene, surfaces, lighting, occlusion);
   terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
+  publish_mattes(frame, scene, mattes, n * n);
   post(frame, scene, surfaces, lighting, radiance, terms[size_t(Term::emission)]);
 }
 

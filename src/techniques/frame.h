@@ -15,11 +15,13 @@ namespace candela {
 // it (pack_layout).
 struct FrameOutput {
   std::string layer;  // "beauty" (linear, pre-exposed, premultiplied alpha), "display" (tone-mapped), "depth", ...
+  uint32_t part = 0;  // of a layer of several images, in their order: a level of Cryptomatte
   VkFormat format = VK_FORMAT_UNDEFINED;
   int resource = -1;  // the buffer in the plan; none of what is only looked at
   Packing packing = Packing::texels;
   int counts = -1;                // place among what Pack counted
   uint32_t components = 4;        // that a file stores, from red on
+  bool exact = false;             // 32-bit floats, whatever the job's colours are stored as
   bool carries_exposure = false;  // values grow with the light and thus have the pre-exposure; alpha has not
 };
 

@@ -7,17 +7,22 @@
 namespace candela {
 namespace {
 
+// Depths, counts, ids and pixels.
+bool is_exact(const std::string& layer) {
+  const LayerForm form = layer_form(layer);
+  return form == LayerForm::distance || form == LayerForm::motion || form == LayerForm::matte ||
+         layer.starts_with("heatmap.");
+}
+
 uint32_t components_of(const std::string& layer, VkFormat format) {
-  if (layer == "beauty" || layer == "display") return 4;
-  return format_channels(format) == 1 ? 1 : 3;
+  if (layer == "beauty" || layer == "display" || layer_form(layer) == LayerForm::matte) return 4;
+  return std::min(format_channels(format), 3u);
 }
 
 Packing packing_of(const FrameRequest& request, const FrameOutput& output) {
   if (!request.for_files || output.format == VK_FORMAT_R32_UINT) return Packing::texels;
   if (output.layer == "display") return request.display_alpha() ? Packing::texels : Packing::rgb;
-  const LayerForm form = layer_form(output.layer);
-  const bool exact = request.exr_float || request.shown_alone(output.layer) || form == LayerForm::distance ||
-                     output.layer.starts_with("heatmap.");
+  const bool exact = request.exr_float || output.exact || request.shown_alone(output.layer);
   return exact ? Packing::float_planes : Packing::half_planes;
 }
 
@@ -35,7 +40,10 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
   std::vector<Wanted> wanted;
   const auto want = [&](const std::string& layer, ImageHandle image, bool stored) {
     if (!image) return;
-    FrameOutput output{layer, std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format};
+    FrameOutput output{layer};
+    output.part = uint32_t(std::ranges::count(wanted, layer, [](const Wanted& w) { return w.output.layer; }));
+    output.format = std::get<ImageDesc>(frame.builder.resources()[size_t(image.resource)].desc).format;
+    output.exact = is_exact(layer);
     output.components = components_of(layer, output.format);
     output.carries_exposure = layer != "display" && layer_form(layer) == LayerForm::light;
     output.packing = packing_of(request, output);
@@ -50,12 +58,14 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
   Readback::In copied;
   for (Wanted& each : wanted) {
     FrameOutput& output = each.output;
+    const std::string name =
+        layer_form(output.layer) == LayerForm::matte ? fmt::format("{}{:02}", output.layer, output.part) : output.layer;
     if (output.packing == Packing::texels) {
       const uint64_t bytes = uint64_t(scene.width_px) * scene.height_px * format_bytes(output.format);
-      copied.sources.push_back({output.layer, each.image, bytes});
+      copied.sources.push_back({name, each.image, bytes});
       continue;
     }
-    Pack::In::Source source{output.layer, each.image, output.format};
+    Pack::In::Source source{name, each.image, output.format};
     if (each.stored) source.packing = output.packing;
     source.components = output.components;
     if (output.carries_exposure) source.scale = float(1.0 / double(std::exp2(request.pre_exposure_ev)));

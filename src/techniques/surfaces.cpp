@@ -16,6 +16,16 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
   return surfaces;
 }
 
+namespace {
+// Deformed vertices of the time before; this one's where they are the same.
+BufferHandle deformed_before(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
+  if (!scene.joints_before && !scene.weights_before) return surfaces.deformed;
+  SceneInputs before = scene;
+  before.joints = scene.joints_before, before.weights = scene.weights_before;
+  return frame.add(Deform{}, {before}, "before").deformed;
+}
+}  // namespace
+
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
               const OcclusionTexels& occlusion) {
   Layers::In wanted{scene, surfaces.draws, surfaces.deformed, lighting.lists};
@@ -24,6 +34,7 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
   frame.add(LampLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
   frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.lists.rays});
+  frame.add(MotionLayer{}, {scene, surfaces.draws, surfaces.deformed, deformed_before(frame, scene, surfaces)});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
 }
 

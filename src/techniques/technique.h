@@ -71,6 +71,12 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                      std::string_view instance = {});
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
+// Cryptomatte: ids at the samples of beauty, picture by picture of a supersampled frame, and their ranks.
+using MatteImages = std::array<ImageHandle, matte_count>;
+void matte_ids(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, MatteImages& images,
+               std::string_view instance = {});
+void publish_mattes(Frame& frame, const SceneInputs& scene, const MatteImages& images, uint32_t pictures);
+
 // The sinks of the frame: beauty, display output and layers, as far as they are asked for, each as it is or, for files,
 // as they hold it.
 void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, ImageHandle display);

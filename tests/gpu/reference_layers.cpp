@@ -70,11 +70,13 @@ class ReferenceLayers : public ReferenceParity {
   static LayerPair layers_of(Job job, double time_s) {
     job.exr_float = true;
     job.layers = surface_layer_names();
+    job.layers.push_back("motion");
     LayerPair out;
     const auto session = open(job);
     const auto reference = open_reference(job, time_s, {});
     EXPECT_TRUE(session && reference);
     if (!session || !reference) return out;
+    EXPECT_TRUE(add_time_before(**reference, job, job.layers));
     NonFinite nonfinite;
     out.gpu = linear_image(render(*session, time_s), job, *session, std::nullopt, {}, nonfinite);
     out.reference = reference_image(reference::Film(job.width_px, job.height_px), **reference, job, "{}", job.layers,
@@ -93,6 +95,7 @@ TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
     const double normal_floor = name == "normal-mapped" ? 9e-3 : 2e-5, colour_floor = 2e-3;
     std::vector<Bound> bounds = {{"depth.Z", 1e-6, 0.01}};
     for (const char* part : {"X", "Y", "Z"}) bounds.push_back({std::string("normal.") + part, normal_floor, 0.02});
+    for (const char* part : {"X", "Y"}) bounds.push_back({std::string("motion.") + part, 1e-5, 0.02});
     for (const char* part : {"R", "G", "B"}) bounds.push_back({std::string("albedo.") + part, colour_floor, 0.02});
     size_t edges = 0, surfaces = 0;
     for (size_t i = 0; i < size_t(p.w()) * size_t(p.h()); ++i) {

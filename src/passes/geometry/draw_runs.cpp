@@ -84,9 +84,10 @@ std::vector<SpecConstant> light_constants(const CellLists& lists) {
 
 NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
                                        BufferHandle deformed, std::string_view pass, std::string fragment_shader,
-                                       std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants) {
+                                       std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants,
+                                       std::string vertex_shader) {
   RunPipelineChoice choice;
-  choice.desc.vertex_shader = "draw.vert";
+  choice.desc.vertex_shader = std::move(vertex_shader);
   choice.desc.fragment_shader = std::move(fragment_shader);
   choice.desc.color_formats = std::move(color_formats);
   choice.desc.depth_format = depth_format;
@@ -130,9 +131,11 @@ shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const 
 }
 
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog) {
+                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog, const OwnBuffers& own) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
+  if (own.table) push.table = commands.address(own.table);
+  if (own.deformed_before) push.deformed_before = commands.address(own.deformed_before);
   push.subsample_ndc = scene.subsample_ndc;
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;

@@ -32,16 +32,22 @@ struct NearestSurface {
 };
 NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
                                        BufferHandle deformed, std::string_view pass, std::string fragment_shader,
-                                       std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants = {});
+                                       std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants = {},
+                                       std::string vertex_shader = "draw.vert");
 
 // The colour image of a shading pass: `color` written again, or a new one where there is none yet. It is not cleared:
 // sky or background cover what no surface does.
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);
 
+struct OwnBuffers {
+  BufferHandle table, deformed_before;  // optional: of DrawPush
+};
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights. fog: of one
-// that declared fog.
+// that declared fog. own: what the pass alone
+// reads, and has declared.
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists = nullptr, const CellLists* fog = nullptr);
+                 const RunPipelines& pipelines, const CellLists* lists = nullptr, const CellLists* fog = nullptr,
+                 const OwnBuffers& own = {});
 
 // The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists);

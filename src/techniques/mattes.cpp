@@ -1,0 +1,27 @@
+#include "techniques/technique.h"
+
+namespace candela {
+
+void matte_ids(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, MatteImages& images,
+               std::string_view instance) {
+  for (uint32_t i = 0; i < matte_count; ++i) {
+    MatteIds pass;
+    pass.matte = Matte(i);
+    // A layer that nobody wants is said once, not for each picture.
+    if (!pass.needed(frame.facts, frame.request) && !instance.empty()) continue;
+    const std::string_view layer = matte_layers[i].name;
+    const std::string name = instance.empty() ? std::string(layer) : fmt::format("{}.{}", instance, layer);
+    images[i] = frame.add(pass, {scene, surfaces.draws, surfaces.deformed, surfaces.depth, images[i]}, name).ids;
+  }
+}
+
+void publish_mattes(Frame& frame, const SceneInputs& scene, const MatteImages& images, uint32_t pictures) {
+  for (uint32_t i = 0; i < matte_count; ++i) {
+    MatteRanks pass;
+    pass.matte = Matte(i);
+    MatteRanks::In in{images[i], scene.width_px, scene.height_px, scene.samples * pictures, scene.samples > 1};
+    frame.add(pass, in, matte_layers[i].name);
+  }
+}
+
+}  // namespace candela

@@ -44,7 +44,7 @@ details{margin:1em 0}summary{cursor:pointer;font-weight:600}
 code{font-size:.9em}
 @media(max-width:600px){body{padding:1em .8em 3em;font-size:15px}.facts{grid-template-columns:1fr}
 .facts dt{margin-top:.4em}
-.findings{padding:.6em .8em}}
+.findings{padding:.6em .8em}th,td{padding:.25em .4em}td.text{white-space:normal;min-width:6em}}
 @media print{details{display:none}h2{break-after:avoid}figure,tr{break-inside:avoid}}
 )css";
 

@@ -3,6 +3,7 @@
 
 #include "frame_fixture.h"
 #include "reference/bloom.h"
+#include "render/outputs.h"
 #include "scene/look.h"
 
 namespace candela::test {
@@ -61,6 +62,25 @@ TEST_F(FrameBloom, OfEmissionIsTheGlowOfThatLayer) {
     EXPECT_GT(brightest, 0.1);
     EXPECT_LT(brightest, 1);
   }
+}
+
+// Files hold scattered light as the scene has it, however bright the picture is made.
+TEST_F(FrameBloom, TheLayerDoesNotCarryTheExposure) {
+  Job job = wall(R"({"strength": 0.5, "beauty": true})");
+  job.layers = {"bloom"};
+  job.exr_float = true;
+  std::vector<std::vector<float>> glows;
+  for (const float ev : {0.0f, 3.0f}) {
+    job.exposure_ev = ev;
+    const auto session = open(job);
+    NonFinite nonfinite;
+    const FloatImage image = linear_image(render(*session), job, *session, std::nullopt, FrameRate{}, nonfinite);
+    const auto red = std::ranges::find(image.channels, std::string("bloom.R"), &Channel::name);
+    ASSERT_NE(red, image.channels.end());
+    glows.push_back(red->f);
+  }
+  for (size_t i = 0; i < glows[0].size(); ++i) EXPECT_NEAR(glows[1][i], glows[0][i], 1e-3f * glows[0][i] + 1e-6f) << i;
+  EXPECT_GT(*std::ranges::max_element(glows[0]), 0.1f);
 }
 
 // Where nothing emits, nothing glows.

@@ -84,8 +84,9 @@ TEST_F(CompareImages, APageShowsBothPicturesAndWhatBroke) {
   const std::string a = made("render", "a.png", {}), b = made("render", "b.png", {"--exposure", "1"});
   EXPECT_EQ(compared(a, b, {"--limit", "flip=0.001", "--limit", "max=100", "--html", folder / "page.html"}).code, 1);
   const std::string page = bytes_of(folder / "page.html");
-  EXPECT_EQ(page.find("<tr class=\"broken\"><td>flip"), page.rfind("<tr class=\"broken\">"));
-  EXPECT_NE(page.find("<tr class=\"broken\"><td>flip"), std::string::npos);
+  EXPECT_NE(page.find("<li class=\"wrong\">flip is "), std::string::npos);
+  EXPECT_EQ(page.find("<li class=\"wrong\">"), page.rfind("<li class=\"wrong\">")) << "max is within its limit";
+  EXPECT_NE(page.find("<li>max is "), std::string::npos);
   size_t pictures = 0;
   for (size_t at = page.find("data:image/png"); at != std::string::npos; at = page.find("data:image/png", at + 1))
     ++pictures;

@@ -22,7 +22,7 @@ void main() {
     precise vec2 before = in_before.xy / in_before.z;
     precise vec2 difference = now - before;
     moved = difference * vec2(0.5, -0.5) * vec2(frame.size_px);
-    if (!(max(abs(moved.x), abs(moved.y)) < 3.4e38)) moved = vec2(0.0);
+    if (!(abs(moved.x) < 3.4e38 && abs(moved.y) < 3.4e38)) moved = vec2(0.0);
   }
   out_motion_px = moved;
 }

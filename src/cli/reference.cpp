@@ -98,7 +98,7 @@ Expected<void> write_images(const ReferencePlan& plan, const ReferenceOptions& o
                                           plan.moment.rate, plan.request.settings.sampler),
                           plan.job.exr_compression);
     } else {
-      const DisplayImage image = traced_display(film, frame, plan.job, o.view);
+      const DisplayImage image = traced_display(film, frame, plan.job, o.view, plan.request.settings.sampler);
       written = write_png(path, image, {{"candela:reference", settings}});
     }
     if (!written) return written;

@@ -164,10 +164,10 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   tbb::parallel_pipeline(at_once, tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, take) &
                                       tbb::make_filter<size_t, Result>(tbb::filter_mode::parallel, decode) &
                                       tbb::make_filter<Result, void>(tbb::filter_mode::serial_in_order, load));
-  uploader->submit();
-  uploaded.keep.push_back(uploader);
   for (auto& [key, made] : loaded)
     made.index = bindless_.add_sampled(made.texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  uploader->submit();
+  uploaded.keep.push_back(uploader);
   textures_.merge(loaded);
   uploaded.decode_ms = ms_since(start);
 }

@@ -65,7 +65,7 @@ std::string job_json(const Job& job) {
   if (!job.tonemap.empty()) j["tonemap"] = job.tonemap;
   j["view"] = job.view;
   if (!job.layers.empty()) j["layers"] = job.layers;
-  if (std::ranges::find(job.layers, "motion") != job.layers.end()) j["motion_s"] = job.motion_s;
+  if (job.view == "motion" || std::ranges::find(job.layers, "motion") != job.layers.end()) j["motion_s"] = job.motion_s;
   j["background"] = job.background;
   j["seed"] = job.seed;
   j["exr-type"] = job.exr_float ? "float" : "half";

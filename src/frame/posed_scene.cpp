@@ -33,7 +33,11 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
 
 Expected<PosedScene> pose_before(const Scene& scene, const Job& job, double time_s, const Pose& now) {
   auto before = pose_scene(scene, job, time_s - job.motion_s);
-  if (!before || before->pose.node_visible == now.node_visible) return before;
+  if (!before)
+    return fail(before.error().kind, before.error().place,
+                "{} (at {} s, the time before, which the layer motion needs)", before.error().message,
+                time_s - job.motion_s);
+  if (before->pose.node_visible == now.node_visible) return before;
   before->pose.node_visible = now.node_visible;
   before->data = make_frame_data(scene, before->pose, before->view);
   return before;

@@ -242,18 +242,18 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   t.spans.insert(t.spans.end(), compiling_times.spans.begin(), compiling_times.spans.end());
   if (const auto prepared = runner_->prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
   const KeptImages kept = kept_images(planned);
+  uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
   if (settings_.timed && fresh) {
     // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own
     // work.
     const StageTimer timer(t, "warm_up");
-    runner_->run(planned.graph, uploaded.imports, {.images = kept.by_resource});
+    runner_->run(planned.graph, uploaded.imports, {.images = kept.by_resource}, uploaded.keep);
   }
   if (settings_.overlap) {
     const StageTimer timer(t, "overlap");
     t.overlap = measure_overlap(planned.graph, uploaded.imports, kept);
   }
   const double submit_start = process_clock_us();
-  uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
   const FrameTicket ticket = runner_->submit(
       planned.graph, uploaded.imports,
       {.timed = settings_.timed, .hash_outputs = hash_outputs, .images = kept.by_resource}, std::move(uploaded.keep));

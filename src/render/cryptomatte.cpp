@@ -33,7 +33,10 @@ std::vector<std::string> matte_channels(const std::string& layer, uint32_t level
 
 void add_cryptomatte(std::vector<MetadataEntry>& metadata, const Scene& scene, const std::string& layer) {
   nlohmann::ordered_json manifest = nlohmann::ordered_json::object();
-  for (const std::string& name : manifest_names(scene, layer)) manifest[name] = fmt::format("{:08x}", matte_id(name));
+  // Names are unique: appended, for a look-up of each among those before it would take their square.
+  auto& entries = manifest.get_ref<nlohmann::ordered_json::object_t&>();
+  for (const std::string& name : manifest_names(scene, layer))
+    entries.emplace_back(name, fmt::format("{:08x}", matte_id(name)));
   const std::string key = "cryptomatte/" + fmt::format("{:08x}", hash32(layer)).substr(0, 7) + "/";
   const auto add = [&](const std::string& name, std::string text) {
     metadata.push_back(text_entry((key + name).c_str(), std::move(text)));

@@ -33,8 +33,9 @@ void add_id_names(std::vector<MetadataEntry>& metadata, const Scene& scene, cons
   if (!objects && plane.name != "material_id") return;
   const std::vector<std::string> names = objects ? node_names(scene) : material_names(scene);
   nlohmann::ordered_json j = nlohmann::ordered_json::object();
+  auto& entries = j.get_ref<nlohmann::ordered_json::object_t&>();  // each id is there once: appended
   for (const uint32_t id : ids_in(plane, width, height))
-    if (id < names.size()) j[fmt::format("{}", id)] = names[id];
+    if (id < names.size()) entries.emplace_back(fmt::format("{}", id), names[id]);
   metadata.push_back(text_entry(objects ? "candela:object_id" : "candela:material_id",
                                 j.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
 }

@@ -70,17 +70,19 @@ std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job,
   return metadata;
 }
 
-// What names the ids of the file's Cryptomatte layers.
-void add_cryptomattes(std::vector<MetadataEntry>& metadata, const FrameResult& frame, const Scene& scene) {
-  for (const OutputImage& output : frame.outputs)
-    if (is_cryptomatte(output.layer) && output.part == 0) add_cryptomatte(metadata, scene, output.layer);
-}
-
 // Display output is no layer, and a layer that only --view asks for is in no file.
 bool in_exr(const OutputImage& output, const Job& job) {
   if (output.layer == "display" || output.resource < 0) return false;
   return job.view == "beauty" || output.layer != job.view ||
          std::find(job.layers.begin(), job.layers.end(), job.view) != job.layers.end();
+}
+
+// What names the ids of the file's Cryptomatte layers.
+void add_cryptomattes(std::vector<MetadataEntry>& metadata, const FrameResult& frame, const Job& job,
+                      const Scene& scene) {
+  for (const OutputImage& output : frame.outputs)
+    if (is_cryptomatte(output.layer) && output.part == 0 && in_exr(output, job))
+      add_cryptomatte(metadata, scene, output.layer);
 }
 
 void add_clamped(std::vector<MetadataEntry>& metadata, const NonFinite& nonfinite) {
@@ -156,7 +158,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   }
   image.metadata = metadata_of(frame, job, session, frame_number, rate);
   add_id_names(image, session.scene());
-  add_cryptomattes(image.metadata, frame, session.scene());
+  add_cryptomattes(image.metadata, frame, job, session.scene());
   add_clamped(image.metadata, nonfinite);
   return image;
 }
@@ -272,7 +274,7 @@ LinearPicture linear_picture(const FrameResult& frame, const Job& job, const Ses
   view.metadata = metadata_of(frame, job, session, frame_number, rate);
   for (const PlaneView& plane : view.planes)
     add_id_names(view.metadata, session.scene(), plane, view.width, view.height);
-  add_cryptomattes(view.metadata, frame, session.scene());
+  add_cryptomattes(view.metadata, frame, job, session.scene());
   add_clamped(view.metadata, nonfinite);
   return picture;
 }

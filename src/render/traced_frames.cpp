@@ -34,14 +34,14 @@ Expected<void> check_finite(const reference::Film& film, const Job& job) {
 }
 
 DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
-                            const std::string& view) {
+                            const std::string& view, const reference::SamplerSettings& sampler) {
   if (view.starts_with("heatmap."))
     return count_view(reference_counts(film, frame, view), film.width(), film.height(), count_title(view));
   FloatImage layer;
   if (view != "beauty") {
     Job exact = job;
     exact.exr_float = true;
-    layer = reference_image(film, frame, exact, "", {view}, {}, {});
+    layer = reference_image(film, frame, exact, "", {view}, {}, {}, sampler);
     std::erase_if(layer.channels, [&](const Channel& c) { return !c.name.starts_with(view); });
     if (layer_form(view) != LayerForm::light) return layer_view(layer, layer_form(view), view);
   }
@@ -122,7 +122,7 @@ Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
                                       job_.layers, number, rate_, request_.settings.sampler);
     picture->linear.metadata.push_back(text_entry(identity_name, identity(time_s_, number, rate_)));
   }
-  if (wanted_.display) picture->display = traced_display(film, **frame, job_, job_.view);
+  if (wanted_.display) picture->display = traced_display(film, **frame, job_, job_.view, request_.settings.sampler);
   finished.traced = std::move(picture);
   return finished;
 }

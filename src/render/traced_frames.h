@@ -21,7 +21,7 @@ Expected<void> check_finite(const reference::Film& film, const Job& job);
 // What PNG and video show of a film: view is beauty or one of reference_layer_names(), whose
 // parts the film keeps.
 DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
-                            const std::string& view);
+                            const std::string& view, const reference::SamplerSettings& sampler);
 // What a film keeps for files with these layers and pictures of that view.
 std::vector<std::string> kept_layers(std::vector<std::string> layers, const std::string& view);
 // Film of the parts that the layers need, without samples, and whose it is.

@@ -188,6 +188,20 @@ TEST(Cryptomatte, IsComparedAsIds) {
   EXPECT_TRUE(seen) << layers.dump();
 }
 
+// A layer for the screen alone is in no file, and so are the names of its ids.
+TEST(Cryptomatte, IsNotNamedWhereOnlyTheScreenShowsIt) {
+  const TestFolder folder;
+  const std::string file = folder / "a.exr";
+  ASSERT_EQ(candela({"render", scene("spheres"), "--size", "48x27", "--view", "crypto_object", "-o", file, "-o",
+                     folder / "a.png", "--quiet"})
+                .code,
+            0);
+  const auto image = read_image(file);
+  ASSERT_TRUE(image);
+  for (const MetadataEntry& entry : image->metadata) EXPECT_FALSE(entry.name.starts_with("cryptomatte/")) << entry.name;
+  for (const Channel& channel : image->channels) EXPECT_FALSE(channel.name.starts_with("crypto_")) << channel.name;
+}
+
 // A reader that is not ours, where the machine has one.
 TEST(Cryptomatte, IsReadByOiiotool) {
   ASSERT_EQ(std::system("oiiotool --help >/dev/null 2>&1"), 0) << "the package openimageio-tools is missing";

@@ -28,6 +28,21 @@ Job rich_job() {
   return job;
 }
 
+// The time before is part of the picture, by a layer or by a view alone.
+TEST(JobJson, HoldsTheTimeOfMotion) {
+  for (const bool layer : {false, true}) {
+    Job job;
+    job.motion_s = 1.0 / 60;
+    if (layer)
+      job.layers = {"motion"};
+    else
+      job.view = "motion";
+    const auto again = job_from_json(job_json(job));
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->motion_s, job.motion_s) << layer;
+  }
+}
+
 TEST(JobJson, RoundTripsEveryMember) {
   for (const Job& job : {Job{}, rich_job()}) {
     const std::string text = job_json(job);

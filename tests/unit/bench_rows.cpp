@@ -163,7 +163,7 @@ TEST(Picture, LightListsComeFromTheLayers) {
   EXPECT_FALSE(light_lists(frame));
   const auto add = [&](const char* layer, const std::vector<float>& values) {
     const int resource = int(frame.outputs.size());
-    frame.outputs.push_back({layer, VK_FORMAT_R32_SFLOAT, resource});
+    frame.outputs.push_back({.layer = layer, .format = VK_FORMAT_R32_SFLOAT, .resource = resource});
     frame.readbacks[resource] = std::make_shared<Bytes>(values);
   };
   add(listed_layer, {0, 10, 10, 20});

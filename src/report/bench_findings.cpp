@@ -26,7 +26,7 @@ std::string beside(const BenchRow& row, const BenchRow& quickest) {
   return fmt::format("{} takes {:.2f} times as long", row_way(row), median(row.frame.ms) / median(quickest.frame.ms));
 }
 
-void quickest_sentence(const BenchAxis& axis, const std::string& where, std::vector<Finding>& findings) {
+void quickest_sentence(const BenchAxis& axis, const std::string& where, std::vector<PageFinding>& findings) {
   int64_t most = -1;
   for (const BenchRow* row : axis.rows) most = std::max(most, lights_of(*row));
   std::vector<const BenchRow*> rows;
@@ -49,7 +49,7 @@ void quickest_sentence(const BenchAxis& axis, const std::string& where, std::vec
   findings.push_back({text});
 }
 
-void growth_sentence(const BenchAxis& axis, const std::string& where, std::vector<Finding>& findings) {
+void growth_sentence(const BenchAxis& axis, const std::string& where, std::vector<PageFinding>& findings) {
   std::string text;
   for (const Scaling& s : scalings(axis.rows))
     if (s.top.points >= 3)
@@ -58,7 +58,7 @@ void growth_sentence(const BenchAxis& axis, const std::string& where, std::vecto
   if (!text.empty()) findings.push_back({where + ": the time of a frame grows, " + text});
 }
 
-void picture_sentences(const BenchRun& run, std::vector<Finding>& findings) {
+void picture_sentences(const BenchRun& run, std::vector<PageFinding>& findings) {
   size_t compared = 0, wrong = 0, missed = 0;
   uint64_t most = 0;
   std::string worst;
@@ -94,10 +94,10 @@ std::vector<BenchAxis> axes_of(const BenchRun& run) {
   return axes;
 }
 
-std::vector<Finding> bench_findings(const BenchRun& run) {
-  std::vector<Finding> findings;
+std::vector<PageFinding> bench_findings(const BenchRun& run) {
+  std::vector<PageFinding> findings;
   picture_sentences(run, findings);
-  std::stable_partition(findings.begin(), findings.end(), [](const Finding& f) { return f.wrong; });
+  std::stable_partition(findings.begin(), findings.end(), [](const PageFinding& f) { return f.wrong; });
   const std::vector<BenchAxis> axes = axes_of(run);
   constexpr size_t most_places = 6;
   std::vector<std::string> devices;
@@ -117,8 +117,8 @@ std::vector<Finding> bench_findings(const BenchRun& run) {
   return findings;
 }
 
-std::vector<Finding> error_findings(const BenchRun& run) {
-  std::vector<Finding> findings;
+std::vector<PageFinding> error_findings(const BenchRun& run) {
+  std::vector<PageFinding> findings;
   for (const ErrorPlace& place : error_places(run)) {
     const BenchRow& first = *place.rows.front();
     const std::string where = first.scene + (lights_of(first) < 0 ? "" : fmt::format(", {} lights", lights_of(first)));

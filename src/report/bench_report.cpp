@@ -139,7 +139,7 @@ PageHead head_of(const BenchRun& run, const std::string& title, Figures& figures
   for (const BenchRow& row : run.rows)
     if (row.errors.empty()) without_errors.rows.push_back(row);
   head.findings = error_findings(run);
-  for (Finding& finding : bench_findings(without_errors)) head.findings.push_back(std::move(finding));
+  for (PageFinding& finding : bench_findings(without_errors)) head.findings.push_back(std::move(finding));
   std::vector<std::string> scenes, devices, programs;
   for (const BenchRow& row : run.rows) {
     scenes.push_back(fmt::format("{}, {}x{}", row.scene, row.width_px, row.height_px));

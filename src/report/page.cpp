@@ -59,9 +59,9 @@ std::string page_html(const PageHead& head, const std::string& body, const std::
       escape_markup(head.title), page_style, style);
   if (!head.findings.empty()) {
     const bool wrong =
-        std::any_of(head.findings.begin(), head.findings.end(), [](const Finding& f) { return f.wrong; });
+        std::any_of(head.findings.begin(), head.findings.end(), [](const PageFinding& f) { return f.wrong; });
     html += fmt::format("<div class=\"findings{}\"><ul>\n", wrong ? " faulty" : "");
-    for (const Finding& finding : head.findings)
+    for (const PageFinding& finding : head.findings)
       html += fmt::format("<li{}>{}</li>\n", finding.wrong ? " class=\"wrong\"" : "", escape_markup(finding.text));
     html += "</ul></div>\n";
   }

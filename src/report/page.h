@@ -5,7 +5,7 @@
 
 namespace candela {
 
-struct Finding {
+struct PageFinding {
   std::string text;
   bool wrong = false;  // in red
 };
@@ -14,7 +14,7 @@ struct Finding {
 // scene. Facts without text are left out.
 struct PageHead {
   std::string title;
-  std::vector<Finding> findings;
+  std::vector<PageFinding> findings;
   std::vector<std::pair<std::string, std::string>> facts;
   std::string picture;  // HTML (Figures::add_picture), or a sentence that says why there is none; may be empty
 };

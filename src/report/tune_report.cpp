@@ -16,8 +16,8 @@ std::string ms_text(const TuneTrial& t) {
 }
 
 // One sentence for the tightest error that a setting meets.
-std::vector<Finding> findings_of(const std::vector<TuneChoice>& errors) {
-  std::vector<Finding> findings;
+std::vector<PageFinding> findings_of(const std::vector<TuneChoice>& errors) {
+  std::vector<PageFinding> findings;
   const TuneTrial* before = nullptr;
   for (const TuneChoice& c : errors) {
     if (!c.trial) {

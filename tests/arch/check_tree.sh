@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks the tree against the rules of the design: check_tree.sh includes|text|length|format ROOT. Prints FILE:LINE: reason for each
+# Checks the tree against the rules of the design: check_tree.sh includes|text|length|names|format ROOT. Prints FILE:LINE: reason for each
 # break and exits 1 when there is one.
 set -euo pipefail
 rule=$1
@@ -109,6 +109,20 @@ length() {
     END { exit bad }'
 }
 
+# A type has one definition in a namespace: two of one name in different headers are linked as if they were one.
+names() {
+  find src -name '*.h' -print0 2>/dev/null | sort -z | xargs -0 -r awk '
+    FNR == 1 { space = "" }
+    /^namespace [^{]/ { space = $2 }
+    /^(struct|class|enum class|enum) [A-Za-z0-9_]+( final)?( :.*)? \{/ {
+      name = $1 == "enum" && $2 == "class" ? $3 : $2
+      key = space "::" name
+      if (key in at && at[key] != FILENAME) { printf "%s:%d: %s is defined in %s too\n", FILENAME, FNR, key, at[key]; bad = 1 }
+      at[key] = FILENAME
+    }
+    END { exit bad }'
+}
+
 # C++ is as clang-format of Debian 12 leaves it; no line of code or shader is wider than 120 columns.
 format() {
   local bad=0 found
@@ -122,6 +136,6 @@ format() {
 }
 
 case $rule in
-  includes | text | length | format) "$rule" ;;
+  includes | text | length | names | format) "$rule" ;;
   *) printf 'unknown rule: %s\n' "$rule" >&2; exit 2 ;;
 esac

@@ -22,7 +22,7 @@ fresh() {
 
 expect() {  # RULE FILE TEXT REASON
   fresh
-  for rule in includes text length format; do
+  for rule in includes text length names format; do
     if ! "$here/check_tree.sh" "$rule" "$tree" >/dev/null; then printf 'the clean tree breaks %s\n' "$rule"; failures=1; fi
   done
   printf '%b\n' "$3" >"$tree/$2"
@@ -56,6 +56,7 @@ expect text cmake/a.cmake 'set(a /wo''rk/b)' 'absolute path'
 expect text run 'curl https://deb.deb''ian.org' 'host name'
 expect text src/scene/a.cpp 'auto j = nlohmann::json::parse(text);' 'base/json.h alone'
 expect length src/base/a.cpp "$(printf '\\n%.0s' {1..501})" 'longer than'
+expect names src/passes/zone.h 'struct Tone {\n};' 'is defined in'
 expect format src/base/a.cpp 'int  a;' 'code should be clang-formatted'
 expect format shaders/a.comp "$(printf 'x%.0s' {1..121})" 'wider than'
 exit "$failures"

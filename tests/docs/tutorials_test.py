@@ -37,7 +37,7 @@ class Tutorials(unittest.TestCase):
         self.run_page("video", ["film.mp4", "frames/0011.png", "turn.mp4"])
 
     def test_many_lights(self):
-        self.run_page("many-lights", ["lights/index.html", "lights/figures/01-time-of-a-frame.svg", "first.json",
+        self.run_page("many-lights", ["lights/index.html", "lights/figures/02-time-of-a-frame.svg", "first.json",
                                       "second.json", "lists.png"])
 
     def test_image_diff_ci(self):

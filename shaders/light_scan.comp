@@ -1,7 +1,8 @@
 #version 460
 // Where each cell's list begins: the sum of the counts before it (exclusive prefix sum). In two levels, as Merrill and
 // Grimshaw 2009 scan inside a group: inside runs of cells, then over the runs. lavapipe compiles a barrier in a loop
-// slowly. Nothing is summed in place: that form, with one thread a run, gives an H200 other sums (driver 580.159).
+// slowly. Nothing is summed in place: that form, with one thread a run, hangs an H200 (driver 580.159), and why is not
+// known.
 #include "shared/lights.h"
 layout(push_constant, scalar) uniform Push { LightScanPush pc; };
 layout(local_size_x = 256) in;

@@ -7,19 +7,11 @@
 #include "base/check.h"
 #include "base/statistics.h"
 #include "frame/plan_frame.h"
+#include "image/half.h"
 #include "image/png_write.h"
 
 namespace candela {
 namespace {
-
-float half_to_float(uint16_t h) {
-  const uint32_t exponent = (h >> 10) & 31, mantissa = h & 1023;
-  const float sign = h >> 15 ? -1.0f : 1.0f;
-  if (exponent == 31)
-    return mantissa ? std::numeric_limits<float>::quiet_NaN() : sign * std::numeric_limits<float>::infinity();
-  return exponent == 0 ? sign * std::ldexp(float(mantissa), -24)
-                       : sign * std::ldexp(float(mantissa + 1024), int(exponent) - 25);
-}
 
 float channel(const Beauty& image, size_t pixel, size_t c) {
   const std::byte* at = image.bytes.data() + pixel * image.pixel_bytes;

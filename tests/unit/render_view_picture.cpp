@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -71,6 +72,27 @@ TEST(ViewPicture, IdsHaveColoursOfTheirOwn) {
   }
   EXPECT_EQ(colors.size(), 300u);
   EXPECT_EQ(at(picture, 300), black);
+}
+
+// Half of one id and half of nothing is half as bright as all of it.
+TEST(ViewPicture, MattesAreIdsByTheirCoverage) {
+  const float id = std::bit_cast<float>(0x3f123456u), other = std::bit_cast<float>(0x40765432u);
+  const auto pixel = [&](float a, float share_a, float b, float share_b) {
+    return at(layer_view(row({{a}, {share_a}, {b}, {share_b}}, 1), LayerForm::matte, "crypto_object"), 0);
+  };
+  const Rgb all = pixel(id, 1, 0, 0), half = pixel(id, 0.5f, 0, 0), both = pixel(id, 0.5f, other, 0.5f);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(half[c], all[c] / 2.0, 1) << c;
+  EXPECT_NE(both, half);
+  EXPECT_EQ(pixel(0, 0, 0, 0), black);
+}
+
+TEST(ViewPicture, MotionIsRedAndGreenAboutTheMiddle) {
+  const DisplayImage picture = layer_view(row({{0, 4, -4}, {0, -2, 0}}, 3), LayerForm::motion, "motion");
+  EXPECT_EQ(at(picture, 0), (Rgb{128, 128, 128}));
+  EXPECT_EQ(at(picture, 1), (Rgb{255, 64, 128}));
+  EXPECT_EQ(at(picture, 2), (Rgb{0, 128, 128}));
+  const DisplayImage still = layer_view(row({{0}, {0}}, 1), LayerForm::motion, "motion");
+  EXPECT_EQ(at(still, 0), (Rgb{128, 128, 128}));
 }
 
 TEST(ViewPicture, WhatIsNotFiniteIsMagenta) {

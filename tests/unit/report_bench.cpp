@@ -162,7 +162,7 @@ TEST(BenchHtml, APictureOfTheSceneIsKeptWithTheRows) {
 }
 
 TEST(BenchHtml, FiguresAreFilesToo) {
-  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  ASSERT_TRUE(has_gnuplot()) << "the package gnuplot-nox is missing: ./run install";
   Figures figures(true);
   const std::string html = bench_html(run_of({row_of(4, 10), row_of(16, 20)}), "t", figures);
   std::vector<std::string> names;

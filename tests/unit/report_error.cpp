@@ -83,7 +83,7 @@ TEST(ErrorRows, CsvHasAColumnForEachError) {
 }
 
 TEST(ErrorReport, HasFrontsNoiseSentencesAndStrips) {
-  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  ASSERT_TRUE(has_gnuplot()) << "the package gnuplot-nox is missing: ./run install";
   Figures figures(true);
   const std::string html = bench_html(run(), "t", figures);
   for (const char* part : {"Error against time: a &lt;scene&gt;", "the cheapest setting is", "Reference, result, FLIP",

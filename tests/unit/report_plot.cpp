@@ -130,7 +130,7 @@ TEST(Plot, LongNamesAreShortened) {
 }
 
 TEST(Plot, GnuplotDrawsAllKindsTheSameWayEachTime) {
-  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  ASSERT_TRUE(has_gnuplot()) << "the package gnuplot-nox is missing: ./run install";
   for (const std::string& script :
        {plot_script(lines()), plot_script(scatter()), plot_script(bars(400, 4)), plot_script(bars(4, 2))}) {
     const auto svg = gnuplot_svg(script), again = gnuplot_svg(script);
@@ -147,7 +147,7 @@ TEST(Figures, AreNamedInOrderAndEscaped) {
   Figures none(false);
   EXPECT_EQ(none.add("t", plot_script(lines())), "");
   EXPECT_TRUE(none.files().empty());
-  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  ASSERT_TRUE(has_gnuplot()) << "the package gnuplot-nox is missing: ./run install";
   Figures figures(true);
   EXPECT_TRUE(has(figures.add("A <b> / \"c\" ../d", plot_script(lines()), "<caption>"), "&lt;caption&gt;"));
   EXPECT_EQ(figures.add("empty", ""), "");

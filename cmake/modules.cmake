@@ -20,6 +20,10 @@ function(candela_module name)
   add_library(candela_${name} STATIC ${sources})
   target_include_directories(candela_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/shaders)
   target_link_libraries(candela_${name} PUBLIC ${A_LINK})
+  # Files are compiled a dozen at a time: what they share, most of it headers and templates, is compiled once.
+  if(CANDELA_UNITY)
+    set_target_properties(candela_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+  endif()
   # One precompiled header for all modules: base makes it.
   if(name STREQUAL "base")
     target_precompile_headers(candela_base PRIVATE ${CMAKE_SOURCE_DIR}/src/base/pch.h)

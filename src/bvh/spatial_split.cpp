@@ -10,7 +10,7 @@
 namespace candela {
 namespace {
 
-constexpr int most_buckets = 64;
+constexpr int most_slabs = 64;
 
 // A triangle made ready to be cut by several planes.
 class Cutter {
@@ -74,12 +74,12 @@ struct Slabs {  // equal slabs of a box on one axis
   }
 };
 
-struct Bins {
+struct SlabBins {
   BuildBox* box;
   uint32_t *entry, *exit;
 };
 
-void add_reference(const Bins& bins, const Slabs& slabs, const BoxReference& r, const Cutter& cutter, int axis) {
+void add_reference(const SlabBins& bins, const Slabs& slabs, const BoxReference& r, const Cutter& cutter, int axis) {
   const int first = slabs.of(r.low[axis]);
   int last = std::max(first, slabs.of(r.high[axis]));
   if (last > first && r.high[axis] <= slabs.plane(last)) --last;  // merely touches the next slab
@@ -112,12 +112,12 @@ struct SpatialBinning {
   SpatialBinning(Span r, std::span<const TriangleCorners> t, const Slabs* s)
       : references(r), triangles(t), slabs(s), boxes(size_t(3 * s->count)), counts(size_t(6 * s->count)) {}
   SpatialBinning(SpatialBinning& other, tbb::split) : SpatialBinning(other.references, other.triangles, other.slabs) {}
-  Bins axis(int a) {
+  SlabBins axis(int a) {
     const int n = slabs->count;
     return {&boxes[size_t(a * n)], &counts[size_t(2 * a * n)], &counts[size_t((2 * a + 1) * n)]};
   }
   void operator()(const tbb::blocked_range<uint32_t>& range) {
-    const Bins bins[3] = {axis(0), axis(1), axis(2)};
+    const SlabBins bins[3] = {axis(0), axis(1), axis(2)};
     for (uint32_t i = range.begin(); i < range.end(); ++i) {
       const BoxReference& r = references.references[i];
       const Cutter cutter(triangles[r.id]);
@@ -131,10 +131,10 @@ struct SpatialBinning {
   }
 };
 
-void best_on_axis(const Bins& bins, const Slabs& slabs, int axis, uint32_t most, uint32_t block_shift,
+void best_on_axis(const SlabBins& bins, const Slabs& slabs, int axis, uint32_t most, uint32_t block_shift,
                   SpatialSplit& best) {
-  BuildBox right_box[most_buckets];
-  uint32_t right_count[most_buckets];
+  BuildBox right_box[most_slabs];
+  uint32_t right_count[most_slabs];
   BuildBox box;
   uint32_t count = 0;
   for (int k = slabs.count - 1; k > 0; --k) {

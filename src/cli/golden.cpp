@@ -73,7 +73,7 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
   return row;
 }
 
-Expected<void> write_report(const fs::path& folder, const std::vector<GoldenRow>& rows, const std::string& sum) {
+Expected<void> write_golden_report(const fs::path& folder, const std::vector<GoldenRow>& rows, const std::string& sum) {
   std::vector<std::string> devices;
   for (const GoldenRow& row : rows) devices.push_back(row.device);
   const PageHead head{.title = "candela goldens: " + sum,
@@ -136,7 +136,7 @@ Expected<int> run_check(const GoldenOptions& o) {
                                       {"failed", count[Kind::failed]},
                                       {"skipped", count[Kind::skipped]}})
                         : print(table_text(rows) + sum + "\n");
-  if (printed && !o.report.empty()) printed = write_report(o.report, report, sum);
+  if (printed && !o.report.empty()) printed = write_golden_report(o.report, report, sum);
   if (!printed) return std::unexpected(printed.error());
   return count[Kind::failed] > 0 ? int(ErrorKind::comparison) : 0;
 }

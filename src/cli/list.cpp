@@ -101,7 +101,7 @@ Expected<int> list_knobs(const ListOptions& o) {
   return done(print_json(j));
 }
 
-std::vector<std::string> generated_scenes() {
+std::vector<std::string> generated_scene_names() {
   const auto names = scene_names();
   return {names.begin(), names.end()};
 }
@@ -133,7 +133,7 @@ void add_list(CLI::App& app, Action& action) {
   add_names(*list, action, o, "views", "What PNG and video can show (--view)", view_names, layer_says);
   CLI::App* look = list->add_subcommand("look-schema", "The JSON Schema of look files (docs/schemas)");
   look->callback([&action] { action = [] { return done(print(look_schema())); }; });
-  add_names(*list, action, o, "scenes", "Scenes that make-scene writes", generated_scenes, scene_description);
+  add_names(*list, action, o, "scenes", "Scenes that make-scene writes", generated_scene_names, scene_description);
 }
 
 }  // namespace candela::cli

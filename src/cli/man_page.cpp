@@ -68,7 +68,7 @@ std::string options_text(const CommandEntry& command, const char* heading) {
   return text;
 }
 
-std::string synopsis(const CommandEntry& command) {
+std::string roff_synopsis(const CommandEntry& command) {
   std::string line = bold(command.path);
   if (!command.commands.empty()) line += " " + italic("COMMAND");
   line += " [" + italic("OPTIONS") + "]";
@@ -95,7 +95,7 @@ std::string man_page(const CommandEntry& command, const CommandEntry& program) {
   if (!help.empty() && help.back() == '.') help.pop_back();
   std::string text =
       fmt::format(".TH {} 1 \"\" \"candela {}\" \"candela\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}", page_name(command),
-                  CANDELA_VERSION, roff(page_name(command)), roff(help), synopsis(command));
+                  CANDELA_VERSION, roff(page_name(command)), roff(help), roff_synopsis(command));
   if (!command.commands.empty()) {
     text += ".SH COMMANDS\n";
     for (const CommandEntry& c : command.commands)

@@ -4,7 +4,7 @@
 namespace candela {
 namespace {
 
-constexpr std::string_view body = R"SH(
+constexpr std::string_view shell_body = R"SH(
 say() { printf '%s\n' "$*" >&2; }
 
 # Of machines that try at the same time, one makes the folder. Its name holds how often the shard was run before, so
@@ -75,7 +75,7 @@ Expected<std::vector<FarmFile>> shell_file(const FarmJob& job) {
   text += fmt::format("shards={}\nrounds=${{ROUNDS:-{}}}  # how often a shard is tried\n", job.shards, job.rounds);
   text += "sequence() {  # OPTION...\n  \"$candela\" sequence \\\n" + argument_lines(job.arguments, "    ", " \\") +
           "    \"$@\"\n}\n";
-  text += body;
+  text += shell_body;
   return std::vector<FarmFile>{{"job.sh", text}};
 }
 

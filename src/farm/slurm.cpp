@@ -36,7 +36,7 @@ std::string log_pattern(const std::filesystem::path& folder) {
 }
 
 // Behind the variables. Nothing in it depends on the job.
-constexpr std::string_view body = R"BASH(
+constexpr std::string_view slurm_body = R"BASH(
 say() { printf '%s\n' "$*" >&2; }
 
 # Submits the shards (1,2,3...) as arrays no longer than the cluster takes, and prints the numbers of the jobs.
@@ -156,7 +156,7 @@ Expected<std::vector<FarmFile>> slurm_file(const FarmJob& job) {
   text += fmt::format("shards={}\nrounds={}  # how often a shard is tried\nmemory_mb={}\n", job.shards, job.rounds,
                       job.needs.memory_mb);
   text += "sequence=(\n" + argument_lines(job.arguments, "  ", "") + ")\n";
-  text += body;
+  text += slurm_body;
   return std::vector<FarmFile>{{"job.sbatch", text}};
 }
 

@@ -15,7 +15,7 @@ constexpr uint32_t usual_layer_px = 2048;
 
 std::string why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs) {
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
-  if (facts.lit_items + facts.blend_lit_items == 0 && !request.draws_fog() && !request.draws_volumetric())
+  if (!facts.takes_light() && !request.draws_fog() && !request.draws_volumetric())
     return "nothing that is drawn takes light";
   const bool traced = knobs.method == LampKnobs::by_rays;
   if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)

@@ -13,7 +13,7 @@ constexpr double rounding = 16 * 0x1p-23;
 
 }  // namespace
 
-bool casts_shadows(const DrawRun& run) { return run.alpha != AlphaMode::blend && run.topology == Topology::triangles; }
+bool casts_shadows(const DrawRun& run) { return run.solid() && run.topology == Topology::triangles; }
 
 bool may_keep(const shared::View& view, const shared::Item& item) {
   const glm::dvec3 centre(item.bounds_centre), extent(item.bounds_extent);

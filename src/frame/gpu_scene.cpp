@@ -3,9 +3,9 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
-#include <chrono>
 #include <cstring>
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "frame/changed_ranges.h"
 #include "frame/mip_chain.h"
@@ -16,11 +16,6 @@
 
 namespace candela {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 constexpr VkBufferUsageFlags storage_usage =
     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
@@ -98,7 +93,7 @@ void GpuScene::set_samplers(const TextureKnobs& knobs) {
 void GpuScene::load_split_sum(const PlannedFrame& frame) {
   const bool wanted = frame.facts.environment || frame.request.neutral_light || frame.facts.probes > 0 ||
                       frame.request.draws_reflections();
-  if (!wanted || frame.facts.lit_items + frame.facts.blend_lit_items == 0 || split_sum_index_ != shared::absent) return;
+  if (!wanted || !frame.facts.takes_light() || split_sum_index_ != shared::absent) return;
   constexpr uint32_t columns = shared::split_sum_columns, rows = shared::split_sum_rows;
   std::vector<uint16_t> texels;
   for (uint32_t i = 0; i < columns * rows; ++i)
@@ -123,7 +118,7 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   std::map<TextureKey, bool> wanted;  // -> whether some sampler wants mipmaps
   for (size_t m = 0; m < frame.pose.materials.size(); ++m) {
     if (!frame.facts.material_used[m]) continue;
-    for_each_slot(frame.pose.materials[m], [&](const TextureSlot& slot, bool srgb) {
+    for_each_shown_slot(frame.pose.materials[m], [&](const TextureSlot& slot, bool srgb) {
       if (!slot || !frame.facts.image_used[size_t(slot.image)]) return;
       const TextureKey key{slot.image, srgb};
       if (!textures_.contains(key)) wanted[key] = mipmapped_.at(key);

@@ -16,7 +16,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr uint32_t last_slice = shared::sky_slice_count - 1;
 
 double roughness_of_slice(double slice) { return std::exp2((slice - last_slice) / shared::sky_slices_per_octave); }

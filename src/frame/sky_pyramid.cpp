@@ -12,7 +12,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr uint32_t least_width = 64, most_width = 2048;
 
 SkyLevel half_of(const SkyLevel& in) {

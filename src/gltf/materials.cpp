@@ -35,6 +35,7 @@ struct Importer {
   std::vector<SceneImage> merged_images;
   std::map<std::pair<int, int>, int> merged_index =
       {};  // occlusion and metallic-roughness image -> index of the merged one
+  std::map<std::pair<int, float>, int> roughness_index = {};  // image and glossiness -> index of the image made of them
 
   bool transform_is_animated(const std::string& texture_path) const {
     const std::string prefix = texture_path + "/extensions/KHR_texture_transform/";
@@ -102,7 +103,91 @@ struct Importer {
       material.specular_texture = slot(*e, "specularTexture", where);
       material.specular_color_texture = slot(*e, "specularColorTexture", where);
     }
+    read_lobes(json, path, material);
     read_transmission(json, path, material);
+  }
+
+  void read_lobes(const Json& json, const std::string& path, Material& material) {
+    if (const Json* e = extension(json, "KHR_materials_clearcoat")) {
+      const std::string where = path + "/extensions/KHR_materials_clearcoat";
+      Clearcoat& c = material.clearcoat;
+      c.factor = factor(document, *e, "clearcoatFactor", 0, 1, where);
+      c.roughness = factor(document, *e, "clearcoatRoughnessFactor", 0, 1, where);
+      c.texture = slot(*e, "clearcoatTexture", where);
+      c.roughness_texture = slot(*e, "clearcoatRoughnessTexture", where);
+      c.normal_texture = slot(*e, "clearcoatNormalTexture", where);
+      if (const Json* info = member(*e, "clearcoatNormalTexture"))
+        c.normal_scale = float(number(document, *info, "scale", 1, where + "/clearcoatNormalTexture"));
+    }
+    if (const Json* e = extension(json, "KHR_materials_sheen")) {
+      const std::string where = path + "/extensions/KHR_materials_sheen";
+      Sheen& s = material.sheen;
+      s.color = color_factor(document, *e, "sheenColorFactor", glm::vec3(0), 1, where);
+      s.roughness = factor(document, *e, "sheenRoughnessFactor", 0, 1, where);
+      s.color_texture = slot(*e, "sheenColorTexture", where);
+      s.roughness_texture = slot(*e, "sheenRoughnessTexture", where);
+    }
+    if (const Json* e = extension(json, "KHR_materials_iridescence")) {
+      const std::string where = path + "/extensions/KHR_materials_iridescence";
+      Iridescence& i = material.iridescence;
+      i.factor = factor(document, *e, "iridescenceFactor", 0, 1, where);
+      const float ior = factor(document, *e, "iridescenceIor", 1.3, no_limit, where);
+      i.ior = std::max(ior, 1.f);
+      if (i.ior != ior) document.warn(where + "/iridescenceIor", "{} is below 1; 1 is used (VALUE_NOT_IN_RANGE)", ior);
+      i.least_nm = factor(document, *e, "iridescenceThicknessMinimum", 100, no_limit, where);
+      i.most_nm = factor(document, *e, "iridescenceThicknessMaximum", 400, no_limit, where);
+      i.texture = slot(*e, "iridescenceTexture", where);
+      i.thickness_texture = slot(*e, "iridescenceThicknessTexture", where);
+    }
+    if (const Json* e = extension(json, "KHR_materials_anisotropy")) {
+      const std::string where = path + "/extensions/KHR_materials_anisotropy";
+      Anisotropy& a = material.anisotropy;
+      a.stated = true;
+      a.strength = factor(document, *e, "anisotropyStrength", 0, 1, where);
+      a.rotation_rad = float(number(document, *e, "anisotropyRotation", 0, where));
+      a.texture = slot(*e, "anisotropyTexture", where);
+    }
+    if (const Json* e = extension(json, "KHR_materials_diffuse_transmission")) {
+      const std::string where = path + "/extensions/KHR_materials_diffuse_transmission";
+      DiffuseTransmission& d = material.diffuse_transmission;
+      d.factor = factor(document, *e, "diffuseTransmissionFactor", 0, 1, where);
+      d.color = color_factor(document, *e, "diffuseTransmissionColorFactor", glm::vec3(1), no_limit, where);
+      d.texture = slot(*e, "diffuseTransmissionTexture", where);
+      d.color_texture = slot(*e, "diffuseTransmissionColorTexture", where);
+    }
+  }
+
+  // In the terms of metallic-roughness: no metal, a base of the diffuse colour, and a dielectric whose reflectance at
+  // normal incidence is the specular colour (the index 0 of KHR_materials_ior stands for 1, KHR_materials_specular
+  // scales it). Its energy goes by that extension too: what the strongest channel reflects the base does not get.
+  void read_specular_glossiness(const Json& e, const std::string& path, Material& material) {
+    const std::string where = path + "/extensions/KHR_materials_pbrSpecularGlossiness";
+    material.base_color = color_factor(document, e, "diffuseFactor", glm::vec4(1), 1, where);
+    material.base_color_texture = slot(e, "diffuseTexture", where);
+    material.metallic = 0;
+    material.ior = 0;
+    material.specular = 1;
+    material.specular_color = color_factor(document, e, "specularFactor", glm::vec3(1), 1, where);
+    const float glossiness = factor(document, e, "glossinessFactor", 1, 1, where);
+    const TextureSlot both = slot(e, "specularGlossinessTexture", where);
+    material.specular_color_texture = both;
+    material.specular_texture = {};
+    material.orm_texture = {};
+    material.orm_has_metallic_roughness = bool(both);
+    material.roughness = both ? 1 : 1 - glossiness;
+    if (!both) return;
+    const auto [known, is_new] =
+        roughness_index.try_emplace({both.image, glossiness}, int(image_used.size() + merged_images.size()));
+    if (is_new) {
+      SceneImage made;
+      made.name = "roughness of glossiness";
+      made.place = document.place(fmt::format("/images/{}, its glossiness", both.image));
+      made.glossiness_of = both.image;
+      made.glossiness_factor = glossiness;
+      merged_images.push_back(std::move(made));
+    }
+    material.orm_texture = both;
+    material.orm_texture.image = known->second;
   }
 
   // Ranges are the validation's. A thickness texture is for techniques that have no other way to know how thick a body
@@ -130,7 +215,8 @@ struct Importer {
     Material material;
     material.name = text(document, json, "name", "", path);
     TextureSlot metallic_roughness;
-    if (const Json* pbr = member(json, "pbrMetallicRoughness")) {
+    const Json* gloss = extension(json, "KHR_materials_pbrSpecularGlossiness");
+    if (const Json* pbr = gloss ? nullptr : member(json, "pbrMetallicRoughness")) {
       const std::string where = path + "/pbrMetallicRoughness";
       material.base_color = color_factor(document, *pbr, "baseColorFactor", glm::vec4(1), 1, where);
       material.metallic = factor(document, *pbr, "metallicFactor", 1, 1, where);
@@ -157,6 +243,11 @@ struct Importer {
     material.alpha_cutoff = factor(document, json, "alphaCutoff", 0.5, no_limit, path);
     material.double_sided = boolean(document, json, "doubleSided", false, path);
     read_extensions(json, path, material);
+    if (gloss) {
+      if (material.orm_has_occlusion) material.occlusion_texture = material.orm_texture;
+      material.orm_has_occlusion = false;
+      read_specular_glossiness(*gloss, path, material);
+    }
     return material;
   }
 };

@@ -208,8 +208,7 @@ struct StoredAsFloat {
 void complete_normals_and_tangents(Document& document, const Scene& scene, MeshSection& section,
                                    StoredAsFloat stored_as_float) {
   const Material* material = section.material >= 0 ? &scene.materials[size_t(section.material)] : nullptr;
-  const bool wants_tangents =
-      material && material->normal_texture && !material->unlit && section.topology == Topology::triangles;
+  const bool wants_tangents = material && material->wants_tangents() && section.topology == Topology::triangles;
   if (section.normal.empty() || !wants_tangents) {
     section.tangent.clear();
     for (MorphTarget& target : section.morph) target.tangent.clear();
@@ -224,12 +223,14 @@ void complete_normals_and_tangents(Document& document, const Scene& scene, MeshS
   }
   repair_tangents(document, section, stored_as_float.tangent);
   if (!wants_tangents || !section.tangent.empty()) return;
-  const int uv_set = material->normal_texture.uv_set;
+  const int uv_set = material->tangent_uv_set();
   if ((uv_set == 0 ? section.uv0 : section.uv1).empty()) {
-    document.warn(
-        section.place,
-        "the normal texture needs TEXCOORD_{}, which is absent; it has no effect (MESH_PRIMITIVE_TOO_FEW_TEXCOORDS)",
-        uv_set);
+    document.warn(section.place,
+                  "the {} needs TEXCOORD_{}, which is absent; it has no effect (MESH_PRIMITIVE_TOO_FEW_TEXCOORDS)",
+                  material->normal_texture             ? "normal texture"
+                  : material->clearcoat.normal_texture ? "clear coat's normal texture"
+                                                       : "anisotropy",
+                  uv_set);
     return;
   }
   document.charge(section.index.size(), 64, section.place);

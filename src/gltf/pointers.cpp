@@ -1,6 +1,9 @@
 #include "gltf/pointers.h"
 
+#include <array>
 #include <charconv>
+
+#include "scene/material_table.h"
 
 namespace candela::gltf {
 namespace {
@@ -38,19 +41,6 @@ constexpr Property node_properties[] = {
     {"rotation", node_rotation, 4},
     {"scale", node_scale, 3},
     {"extensions/KHR_node_visibility/visible", node_visible, 1},
-};
-constexpr Property material_properties[] = {
-    {"pbrMetallicRoughness/baseColorFactor", material_base_color, 4},
-    {"pbrMetallicRoughness/metallicFactor", material_metallic, 1},
-    {"pbrMetallicRoughness/roughnessFactor", material_roughness, 1},
-    {"emissiveFactor", material_emissive, 3},
-    {"alphaCutoff", material_alpha_cutoff, 1},
-    {"normalTexture/scale", material_normal_scale, 1},
-    {"occlusionTexture/strength", material_occlusion_strength, 1},
-    {"extensions/KHR_materials_emissive_strength/emissiveStrength", material_emissive_strength, 1},
-    {"extensions/KHR_materials_ior/ior", material_ior, 1},
-    {"extensions/KHR_materials_specular/specularFactor", material_specular, 1},
-    {"extensions/KHR_materials_specular/specularColorFactor", material_specular_color, 3},
 };
 constexpr Property light_properties[] = {
     {"color", light_color, 3},
@@ -93,14 +83,9 @@ std::optional<PointerTarget> found_in(std::span<const Property> properties, std:
 // Which slot of the imported material a texture of the file went to: occlusion may have been joined with
 // metallic-roughness.
 std::optional<TextureSlotName> slot_named(const Material& material, std::string_view texture) {
-  if (texture == "pbrMetallicRoughness/baseColorTexture") return TextureSlotName::base_color;
-  if (texture == "pbrMetallicRoughness/metallicRoughnessTexture") return TextureSlotName::orm;
-  if (texture == "normalTexture") return TextureSlotName::normal;
-  if (texture == "occlusionTexture")
-    return material.occlusion_texture ? TextureSlotName::occlusion : TextureSlotName::orm;
-  if (texture == "emissiveTexture") return TextureSlotName::emissive;
-  if (texture == "extensions/KHR_materials_specular/specularTexture") return TextureSlotName::specular;
-  if (texture == "extensions/KHR_materials_specular/specularColorTexture") return TextureSlotName::specular_color;
+  if (texture == "occlusionTexture" && !material.occlusion_texture) return TextureSlotName::orm;
+  for (const MaterialTexture& t : material_textures())
+    if (texture == t.pointer) return t.slot;
   return std::nullopt;
 }
 
@@ -134,7 +119,10 @@ std::optional<PointerTarget> pointer_target(const Scene& scene, std::string_view
   if (const auto node = in_array(pointer, "/nodes/")) return node_target(scene, *node);
   if (const auto material = in_array(pointer, "/materials/")) {
     if (material->index >= scene.materials.size()) return std::nullopt;
-    if (const auto target = found_in(material_properties, material->rest, material->index)) return target;
+    for (const MaterialProperty& p : material_properties())
+      if (const auto target =
+              found_in(std::array{Property{p.pointer, p.path, p.components}}, material->rest, material->index))
+        return target;
     return texture_target(scene.materials[material->index], material->rest, material->index);
   }
   if (const auto light = in_array(pointer, "/extensions/KHR_lights_punctual/lights/"))

@@ -2,12 +2,12 @@
 
 #include <tbb/parallel_for.h>
 
-#include <chrono>
 #include <cstring>
 #include <exception>
 #include <set>
 
 #include "base/check.h"
+#include "base/clock.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "gpu/frame_runner.h"
@@ -16,10 +16,6 @@
 namespace candela::gpu {
 
 namespace {
-
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 std::string key_of(const std::vector<SpecConstant>& constants) {
   std::string key;
@@ -151,7 +147,7 @@ Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareT
     for (const std::string& file : shaders_of(desc))
       if (!shaders_.contains(file)) missing.insert(file);
   if (missing.empty()) return {};
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const std::vector<std::string> files(missing.begin(), missing.end());
   std::vector<Expected<glsl::ShaderCompiler::Result>> results(files.size());
   tbb::parallel_for(size_t(0), files.size(), [&](size_t i) { results[i] = compiler_.compile(files[i]); });
@@ -189,7 +185,7 @@ Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDe
   }
   if (const auto compiled = compile(missing, times); !compiled) return std::unexpected(compiled.error());
   if (!missing.empty()) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     std::vector<Pipeline> made(missing.size());
     std::vector<std::exception_ptr> failures(missing.size());
     tbb::parallel_for(size_t(0), missing.size(), [&](size_t i) {

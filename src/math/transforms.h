@@ -49,4 +49,6 @@ inline glm::dmat4 relative_from_world(glm::dvec3 camera_position) {
 // World pose of a camera at eye that looks at target; +Y up, or +Z where the view is along Y.
 glm::dmat4 look_at_pose(glm::dvec3 eye, glm::dvec3 target);
 
+inline double square(double x) { return x * x; }
+
 }  // namespace candela

@@ -10,8 +10,6 @@
 namespace candela {
 namespace {
 
-bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 // Without branches: what is not finite leaves NaN.
 bool finite_pair(glm::vec3 a, glm::vec3 b) {
   const glm::vec3 none = (a - a) + (b - b);

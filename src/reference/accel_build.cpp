@@ -19,8 +19,6 @@ constexpr size_t small_section = 32;
 // or come near the ends of the float range, the triangles are brought to relative space instead.
 constexpr double worst_condition = 1e4, smallest_scale = 1e-6, largest_scale = 1e6;
 
-bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 // By columns and rows: bounds of how far the matrix stretches any direction.
 double largest_stretch(const glm::dmat3& m) {
   double sum = 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <vector>
 
 #include "bvh/build.h"
@@ -7,6 +8,8 @@
 #include "reference/accel.h"
 
 namespace candela {
+
+inline bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 // Geometry that several items show: a tree in mesh space.
 struct AccelPart {

@@ -16,7 +16,7 @@ namespace {
 // Nodes in equal steps of the logarithm of roughness and of the cube root of n.v: lobes keep their shape when both
 // shrink together.
 constexpr int roughness_nodes = 24, view_nodes = 40, per_axis = 48;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double least_view = 1e-4;
 
 double node_roughness(int i) { return std::pow(least_roughness, 1 - double(i) / (roughness_nodes - 1)); }

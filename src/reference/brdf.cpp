@@ -9,13 +9,8 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double least_n_v = 1e-4;
-
-double alpha_of(const Surface& s) {
-  const double r = std::max(s.roughness, least_roughness);
-  return r * r;
-}
 
 // About what the specular lobe reflects, as scale of f0 and bias of f90: a fit (Karis, "Physically Based Shading on
 // Mobile", 2014), whose bias is below 0 where surfaces are rough. Good enough to share out samples, for nothing else.

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <glm/glm.hpp>
 
 // The metallic-roughness BRDF of glTF 2.0, appendix B, in double, written from the specification (TECHNIQUES 9.1) and
@@ -32,6 +33,12 @@ struct Surface {
   glm::dvec3 specular_tint{1};   // KHR_materials_specular: of the reflectance at normal incidence
   const Interior *before = nullptr, *behind = nullptr;  // bodies about the point on either side; null: there are none
 };
+
+// Width of the specular lobe.
+inline double alpha_of(const Surface& s) {
+  const double r = std::max(s.roughness, least_roughness);
+  return r * r;
+}
 
 // f(l, v) (n.l), 1/sr; 0 for light from below the shading normal. l and v are unit and point away from the surface.
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);

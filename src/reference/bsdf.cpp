@@ -9,15 +9,10 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double same_index = 1e-7;  // indices are floats: closer than their steps is equal
 
 bool is_smooth(const Surface& s) { return s.roughness < least_roughness; }
-double alpha_of(const Surface& s) {
-  const double r = std::max(s.roughness, least_roughness);
-  return r * r;
-}
-
 // What becomes of light that meets a facet at this cosine.
 struct Shares {
   glm::dvec3 reflected, through, diffuse;

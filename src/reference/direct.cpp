@@ -16,7 +16,6 @@ constexpr uint32_t dimensions_a_layer = 8;
 constexpr int most_layers = 256;
 // Those of a surface's reflections lie behind all of them.
 constexpr uint32_t reflection_dimensions = 4 + uint32_t(most_layers) * dimensions_a_layer;
-constexpr uint32_t first_size_dimension = 1u << 23;  // of lights with a size, apart from the rest
 
 }  // namespace
 

@@ -23,10 +23,8 @@
 namespace candela::reference {
 namespace {
 
-constexpr uint32_t first_fog_dimension = 1u << 21;
-constexpr uint32_t dimensions_a_step = 8;
-// Behind this optical depth e^-40 (4e-18) of the light is left.
-constexpr double deepest = 40;
+constexpr uint32_t first_march_dimension = 1u << 21;
+constexpr uint32_t march_step_dimensions = 8;
 
 double stratum(int j, int count, double offset) { return (j + (j % 2 == 0 ? offset : 1 - offset)) / count; }
 
@@ -268,7 +266,8 @@ glm::dvec3 Integrator::fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 
                                     SampleStream& stream) const {
   const Medium& medium = world_.media()[which];
   const uint32_t steps = uint32_t(settings_.fog_steps), media = uint32_t(world_.media().size());
-  const uint32_t dimension = first_fog_dimension + (layer * media + uint32_t(which)) * (4 + steps * dimensions_a_step);
+  const uint32_t dimension =
+      first_march_dimension + (layer * media + uint32_t(which)) * (4 + steps * march_step_dimensions);
   glm::dvec3 sum(0);
   if (medium.glows()) {
     double offset = 0.5;
@@ -351,7 +350,7 @@ glm::dvec3 Integrator::fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 
       Weighed weighed;
       for (int k = 0; k < all.kinds(); ++k) weighed.add(points.of_kind[k] * all.density(k, p), k == kind);
       const double chosen = weighed.density();
-      stream.start(dimension + 4 + step++ * dimensions_a_step);
+      stream.start(dimension + 4 + step++ * march_step_dimensions);
       if (chosen > 0) sum += all.towards_camera(p) / chosen * fog_ambient(p.position, direction, g, stream);
     }
   }

@@ -16,7 +16,7 @@
 namespace candela::reference {
 namespace {
 
-constexpr uint32_t first_fog_dimension = 1u << 22, dimensions_a_step = 16;
+constexpr uint32_t first_walk_dimension = 1u << 22, walk_step_dimensions = 16;
 constexpr double least_scattering = 0.25;
 // Of the lamps along the ray so many, the strongest: any choice of them is right, but each costs.
 constexpr size_t most_lights_in_view = 16;
@@ -171,7 +171,7 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
   const Air air(media, origin, direction, end_m);
   const Span span = air.span();
   const glm::dvec3 clear = left_of(air.whole_depth()), held = held_of(air.whole_depth());
-  stream.start(first_fog_dimension + number * dimensions_a_step);
+  stream.start(first_walk_dimension + number * walk_step_dimensions);
   const double decision = stream.next(), place = stream.next(), channel = stream.next(), way = stream.next();
   const glm::dvec2 for_direction = stream.next2();
   const double roulette = stream.next(), which = stream.next();

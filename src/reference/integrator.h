@@ -16,6 +16,10 @@ enum class Ambient : uint8_t { traced, occlusion, off };
 // tests.
 enum class Strategy : uint8_t { both, light, brdf };
 
+// The dimensions that lights with a size take from a stream, apart from the rest.
+inline constexpr uint32_t first_size_dimension = 1u << 23;
+// Behind this optical depth e^-40 (4e-18) of the light is left.
+inline constexpr double deepest = 40;
 inline constexpr int most_fog_steps = 65536, most_fog_lights = 4096;  // their product fits an int
 
 struct TraceSettings {

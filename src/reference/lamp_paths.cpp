@@ -10,16 +10,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/transforms.h"
 #include "reference/glass_light.h"
 #include "reference/integrator.h"
 
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int most_passed = 256;
-
-double square(double x) { return x * x; }
 
 // Of the directions in which a lamp's rays leave, which are all alike: a spot's cone, else all; 1/sr.
 double ray_density(const PunctualLight& light) {

@@ -4,19 +4,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/transforms.h"
 #include "reference/equi_angular.h"
 
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 // Of an estimate, the part that does not know the phase function, the range's window and the cone, and the one that
 // knows no fog either: what three points may miss.
 constexpr double without_shape = 0.05, without_fog = 1e-6;
 // Clusters are taken apart down to this part of a point's worth.
 constexpr double least_worth = 0.25;
-
-double square(double x) { return x * x; }
 
 // The part of a line, in metres from its point nearest to a spot, that lies in the spot's cone. `nearest`: that point
 // as seen from the spot.

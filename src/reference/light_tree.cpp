@@ -8,7 +8,7 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int buckets = 12;
 // Clusters are taken apart where the point is nearer to their centre than this many radii.
 constexpr double split_reach = 1;

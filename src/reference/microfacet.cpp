@@ -7,7 +7,7 @@
 
 namespace candela::reference {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 double ggx_d(double n_h, double alpha) {
   const double a2 = alpha * alpha, t = n_h * n_h * (a2 - 1) + 1;

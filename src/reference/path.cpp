@@ -11,7 +11,6 @@ namespace {
 constexpr int roulette_after = 4;
 constexpr int shadowed_bounces =
     1;  // surfaces at which each light that is chosen gets a shadow ray: what the camera sees
-constexpr uint32_t first_size_dimension = 1u << 23;  // of lights with a size, apart from the rest
 constexpr uint32_t first_lamp_dimension = 1u << 24;
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic

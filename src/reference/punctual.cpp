@@ -23,7 +23,7 @@ PunctualLight punctual_light(const LightItem& item) {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // What a light is from a point: a cap of directions about an axis, and the illuminance that a direction of it stands
 // for when they are chosen evenly.

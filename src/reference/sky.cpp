@@ -12,7 +12,7 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Where u falls in a cumulative distribution, and how far inside that cell.
 struct Place {

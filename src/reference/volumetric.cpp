@@ -13,8 +13,6 @@ namespace candela::reference {
 namespace {
 
 constexpr uint32_t first_dimension = 1u << 23;
-// Behind this optical depth e^-40 (4e-18) of the light is left.
-constexpr double deepest = 40;
 // Path has no number of points; one sample's are few, and its samples are many.
 constexpr int steps_of_path = 4;
 

@@ -41,8 +41,7 @@ void World::add_textures(const Material& material) {
   const auto add = [&](const TextureSlot& slot, bool srgb) {
     if (slot) textures_[{slot.image, srgb}] = nullptr;
   };
-  for_each_slot(material, add);
-  if (input_.glass) for_each_traced_slot(material, add);
+  for_each_shown_slot(material, add);
 }
 
 void World::load_materials(std::vector<std::string>& warnings) {

@@ -7,7 +7,7 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 LightExtent extent_of(const PunctualLight& light) {
   LightExtent e;

@@ -166,7 +166,7 @@ BenchRow row_from(const Json& j) {
   return row;
 }
 
-std::string cell(const std::string& text) {
+std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -200,7 +200,7 @@ constexpr const char* memory_columns[] = {"scene_bytes", "frame_bytes", "readbac
 
 std::string csv_line(const std::vector<std::string>& cells) {
   std::string line;
-  for (size_t i = 0; i < cells.size(); ++i) line += (i ? "," : "") + cell(cells[i]);
+  for (size_t i = 0; i < cells.size(); ++i) line += (i ? "," : "") + csv_cell(cells[i]);
   return line + "\r\n";
 }
 

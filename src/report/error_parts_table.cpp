@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view prefix = "part.";
 
-std::string cell(const std::string& text, const char* name = "td", const char* kind = "") {
+std::string part_cell(const std::string& text, const char* name = "td", const char* kind = "") {
   return fmt::format("<{0}{1}>{2}</{0}>", name, *kind ? fmt::format(" class=\"{}\"", kind) : "", escape_markup(text));
 }
 
@@ -34,18 +34,18 @@ std::string parts_table(const ErrorPlace& place) {
   const std::vector<std::string> parts = parts_of(place);
   if (parts.empty()) return {};
   std::string html = "<div class=\"wide\"><table>\n<tr>";
-  for (const char* name : {"against", "technique", "quality"}) html += cell(name, "th", "text");
-  for (const std::string& part : parts) html += cell(part, "th");
+  for (const char* name : {"against", "technique", "quality"}) html += part_cell(name, "th", "text");
+  for (const std::string& part : parts) html += part_cell(part, "th");
   html += "</tr>\n";
   for (const std::string& reference : error_reference_names())
     for (const BenchRow* row : place.rows) {
       const PictureError* error = error_against(*row, reference);
       if (!error || !error->metrics.contains("part.all")) continue;
-      html += "<tr>" + cell(reference, "td", "text") + cell(row->technique, "td", "text") +
-              cell(row->quality, "td", "text");
+      html += "<tr>" + part_cell(reference, "td", "text") + part_cell(row->technique, "td", "text") +
+              part_cell(row->quality, "td", "text");
       for (const std::string& part : parts) {
         const auto found = error->metrics.find(std::string(prefix) + part);
-        html += cell(found == error->metrics.end() ? "" : fmt::format("{:.2e}", found->second));
+        html += part_cell(found == error->metrics.end() ? "" : fmt::format("{:.2e}", found->second));
       }
       html += "</tr>\n";
     }

@@ -78,7 +78,7 @@ size_t count(std::span<const GoldenRow> rows, int wanted) {
   return size_t(std::count_if(rows.begin(), rows.end(), [&](const GoldenRow& row) { return urgency(row) == wanted; }));
 }
 
-const std::string style =
+const std::string golden_style =
     "section{border-left:6px solid #009e73;padding:.2em 0 .2em 1em;margin:1.2em 0}section.failed{border-color:#b00020}"
     "section.warned{border-color:#e69f00}section h2{margin:.2em 0;padding:0;border:0;font-size:1.15em}"
     "small{font-weight:normal}.blank,.absent,.beyond "
@@ -93,7 +93,7 @@ std::string golden_html(std::span<const GoldenRow> rows, PageHead head) {
        count(rows, 0) > 0});
   std::string html;
   for (const GoldenRow* row : sorted(rows)) html += section(*row);
-  return page_html(head, html, style + viewer_style(), viewer_script());
+  return page_html(head, html, golden_style + viewer_style(), viewer_script());
 }
 
 std::string golden_junit(std::span<const GoldenRow> rows, const std::string& suite) {

@@ -14,7 +14,7 @@ using Rows = std::vector<std::vector<double>>;
 
 bool has_bar(const Interval& ci) { return ci.low < ci.high; }
 
-std::string style(const char* with, const std::string& color, int shape, double size, double line_width = 1.5) {
+std::string plot_style(const char* with, const std::string& color, int shape, double size, double line_width = 1.5) {
   return fmt::format("with {} pt {} ps {} lw {} lc rgb '{}'", with, shape, size, line_width, color);
 }
 
@@ -32,15 +32,15 @@ double total_of(const std::vector<std::pair<std::string, double>>& parts) {
   return sum;
 }
 
-struct Box {
+struct PlotBox {
   double x0, y0, x1, y1;
-  bool meets(const Box& o) const { return x0 < o.x1 && o.x0 < x1 && y0 < o.y1 && o.y0 < y1; }
+  bool meets(const PlotBox& o) const { return x0 < o.x1 && o.x0 < x1 && y0 < o.y1 && o.y0 < y1; }
 };
 
 // The number of each point of the front, beside it where nothing else is. places: of the front's points, first; then of
 // others that must not be covered. Points on one spot have one text, "3–5".
 void number_points(PlotCanvas& canvas, size_t count, const Rows& places) {
-  std::vector<Box> taken;
+  std::vector<PlotBox> taken;
   for (const auto& place : places) taken.push_back({place[0] - 8, place[1] - 8, place[0] + 8, place[1] + 8});
   const auto on_one_spot = [&](size_t a, size_t b) {
     return std::abs(places[a][0] - places[b][0]) < 12 && std::abs(places[a][1] - places[b][1]) < 12;
@@ -55,10 +55,10 @@ void number_points(PlotCanvas& canvas, size_t count, const Rows& places) {
     for (double away = 15; away < 100 && !placed; away += 10)
       for (const auto& [dx, dy] : around) {
         const double u = x + dx * (away + half_wide - 6), v = y + dy * away;
-        const Box box{u - half_wide, v - half_high, u + half_wide, v + half_high};
+        const PlotBox box{u - half_wide, v - half_high, u + half_wide, v + half_high};
         if (box.x0 < canvas.left() + 2 || box.x1 > canvas.right() || box.y0 < canvas.top() - 8 ||
             box.y1 > canvas.bottom() - 2 ||
-            std::any_of(taken.begin(), taken.end(), [&](const Box& other) { return other.meets(box); }))
+            std::any_of(taken.begin(), taken.end(), [&](const PlotBox& other) { return other.meets(box); }))
           continue;
         canvas.text(u, v, text, "center", ",15");
         taken.push_back(box);
@@ -103,7 +103,7 @@ void draw_points(PlotCanvas& canvas, const ScatterPlot& plot, size_t group, bool
   const std::string color = plot_color(group, dimmed);
   canvas.data(x_bars, x_bars_style(color));
   canvas.data(y_bars, y_bars_style(color));
-  canvas.data(points, "1:2 " + style("points", color, plot_shape(group, ring && !dimmed), dimmed ? 0.7 : 1.1, 2));
+  canvas.data(points, "1:2 " + plot_style("points", color, plot_shape(group, ring && !dimmed), dimmed ? 0.7 : 1.1, 2));
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ std::string plot_script(const LinePlot& plot) {
     for (const auto& row : drawn[i])
       if (row[2] < row[3]) bars.push_back(row);
     canvas.data(bars, y_bars_style(color));
-    canvas.data(drawn[i], "1:2 " + style("linespoints", color, plot_shape(i), 0.9, 2.5));
+    canvas.data(drawn[i], "1:2 " + plot_style("linespoints", color, plot_shape(i), 0.9, 2.5));
     key.push_back({plot.lines[i].name, color, plot_shape(i)});
   }
   canvas.key(key);

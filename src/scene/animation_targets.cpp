@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "scene/material_table.h"
+
 namespace candela {
 namespace {
 
@@ -21,6 +23,7 @@ std::string light_place(const Scene& scene, size_t light) {
 PropertyRange range_of(TargetPath path) {
   using enum TargetPath;
   constexpr double right_angle = std::numbers::pi / 2;
+  if (const MaterialProperty* p = material_property(path)) return {p->name(), p->lowest, p->highest};
   switch (path) {
     case node_translation:
       return {"translation"};
@@ -32,28 +35,6 @@ PropertyRange range_of(TargetPath path) {
       return {"weights"};
     case node_visible:
       return {"visible"};
-    case material_base_color:
-      return {"baseColorFactor", 0, 1};
-    case material_metallic:
-      return {"metallicFactor", 0, 1};
-    case material_roughness:
-      return {"roughnessFactor", 0, 1};
-    case material_emissive:
-      return {"emissiveFactor", 0, 1};
-    case material_emissive_strength:
-      return {"emissiveStrength", 0};
-    case material_alpha_cutoff:
-      return {"alphaCutoff", 0};
-    case material_normal_scale:
-      return {"normalTexture/scale"};
-    case material_occlusion_strength:
-      return {"occlusionTexture/strength", 0, 1};
-    case material_ior:
-      return {"ior", 0};
-    case material_specular:
-      return {"specularFactor", 0, 1};
-    case material_specular_color:
-      return {"specularColorFactor", 0};
     case texture_offset:
       return {"KHR_texture_transform/offset"};
     case texture_rotation:
@@ -82,6 +63,8 @@ PropertyRange range_of(TargetPath path) {
       return {"xmag"};
     case camera_ymag:
       return {"ymag"};
+    default:
+      break;
   }
   return {"value"};
 }
@@ -129,26 +112,6 @@ void assign_vector(AnimationTarget& target, const AnimationChannel& channel, V& 
     assign(target, channel, destination[int(c)], values[c]);
 }
 
-TextureSlot* texture_slot(Material& material, int element) {
-  switch (TextureSlotName(element)) {
-    case TextureSlotName::base_color:
-      return &material.base_color_texture;
-    case TextureSlotName::orm:
-      return &material.orm_texture;
-    case TextureSlotName::occlusion:
-      return &material.occlusion_texture;
-    case TextureSlotName::normal:
-      return &material.normal_texture;
-    case TextureSlotName::emissive:
-      return &material.emissive_texture;
-    case TextureSlotName::specular:
-      return &material.specular_texture;
-    case TextureSlotName::specular_color:
-      return &material.specular_color_texture;
-  }
-  return nullptr;
-}
-
 void apply_weights(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
   std::vector<float>& weights = target.pose.node_weights[size_t(channel.object)];
   if (channel.element >= 0) {
@@ -179,36 +142,21 @@ void apply_to_node(AnimationTarget& target, const AnimationChannel& channel, std
 void apply_to_material(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
   using enum TargetPath;
   Material& m = target.pose.materials[size_t(channel.object)];
-  TextureSlot* slot = texture_slot(m, channel.element);
+  if (const MaterialProperty* p = material_property(channel.path)) {
+    float* values_at = p->at(m);
+    if (channel.element >= 0) return assign(target, channel, values_at[channel.element], values[0]);
+    for (size_t c = 0; c < values.size() && c < size_t(p->components); ++c)
+      assign(target, channel, values_at[c], values[c]);
+    return;
+  }
+  TextureSlot& slot = texture_slot(m, TextureSlotName(channel.element));
   switch (channel.path) {
-    case material_base_color:
-      return assign_vector(target, channel, m.base_color, values, channel.element);
-    case material_metallic:
-      return assign(target, channel, m.metallic, values[0]);
-    case material_roughness:
-      return assign(target, channel, m.roughness, values[0]);
-    case material_emissive:
-      return assign_vector(target, channel, m.emissive, values, channel.element);
-    case material_emissive_strength:
-      return assign(target, channel, m.emissive_strength, values[0]);
-    case material_alpha_cutoff:
-      return assign(target, channel, m.alpha_cutoff, values[0]);
-    case material_normal_scale:
-      return assign(target, channel, m.normal_scale, values[0]);
-    case material_occlusion_strength:
-      return assign(target, channel, m.occlusion_strength, values[0]);
-    case material_ior:
-      return assign(target, channel, m.ior, values[0]);
-    case material_specular:
-      return assign(target, channel, m.specular, values[0]);
-    case material_specular_color:
-      return assign_vector(target, channel, m.specular_color, values, channel.element);
     case texture_offset:
-      return slot ? assign_vector(target, channel, slot->offset, values, -1) : void();
+      return assign_vector(target, channel, slot.offset, values, -1);
     case texture_scale:
-      return slot ? assign_vector(target, channel, slot->scale, values, -1) : void();
+      return assign_vector(target, channel, slot.scale, values, -1);
     case texture_rotation:
-      return slot ? assign(target, channel, slot->rotation_rad, values[0]) : void();
+      return assign(target, channel, slot.rotation_rad, values[0]);
     default:
       return;
   }

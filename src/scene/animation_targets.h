@@ -3,6 +3,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "scene/pose.h"
@@ -18,7 +19,7 @@ struct NodeState {
 
 // What the specification allows a property that a channel drives.
 struct PropertyRange {
-  const char* name;
+  std::string_view name;
   double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
 };
 PropertyRange range_of(TargetPath path);

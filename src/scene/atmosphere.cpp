@@ -9,7 +9,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double ground_m = 6'360'000, top_m = 6'460'000, thickness_m = top_m - ground_m;
 // Per metre at sea level (Hillaire 2020, table 1).
 constexpr glm::dvec3 molecules(5.802e-6, 13.558e-6, 33.1e-6), ozone_absorption(0.650e-6, 1.881e-6, 0.085e-6);

@@ -8,7 +8,7 @@
 
 namespace candela {
 namespace {
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // A_l / pi: 1, 2/3, 1/4.
 AmbientSh convolve(const std::array<glm::dvec3, 9>& radiance) {

@@ -3,16 +3,17 @@
 #include <cstring>
 
 #include "scene/draw_list.h"
+#include "scene/texture_slots.h"
 
 namespace candela {
 namespace {
 
 bool uses_uv_set(const Material& m, bool unlit, int set) {
   const auto slot = [&](const TextureSlot& t) { return t && t.uv_set == set; };
-  if (slot(m.base_color_texture)) return true;
-  if (unlit) return false;
-  return slot(m.orm_texture) || slot(m.occlusion_texture) || slot(m.normal_texture) || slot(m.emissive_texture) ||
-         slot(m.specular_texture) || slot(m.specular_color_texture);
+  if (unlit) return slot(m.base_color_texture);
+  bool any = false;
+  for_each_slot(m, [&](const TextureSlot& t, bool) { any |= slot(t); });
+  return any;
 }
 
 class Cursor {
@@ -34,7 +35,7 @@ void layout_section(const MeshSection& s, const Material* material, Cursor& curs
   const auto when = [](bool wanted, const auto& array) { return wanted ? array.size() : 0; };
   l.position = cursor.take(s.position.size(), 3);
   l.normal = cursor.take(when(!unlit, s.normal), 3);
-  l.tangent = cursor.take(when(!unlit && material && material->normal_texture, s.tangent), 4);
+  l.tangent = cursor.take(when(!unlit && material && material->wants_tangents(), s.tangent), 4);
   l.uv0 = cursor.take(when(material && uses_uv_set(*material, unlit, 0), s.uv0), 2);
   l.uv1 = cursor.take(when(material && uses_uv_set(*material, unlit, 1), s.uv1), 2);
   l.color = cursor.take(s.color.size(), 4);

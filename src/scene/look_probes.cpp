@@ -4,7 +4,7 @@
 namespace candela::look_rows {
 namespace {
 
-struct Box {
+struct BoxFields {
   std::optional<glm::dvec3> lowest, highest;
 };
 struct Keys {
@@ -36,7 +36,7 @@ Row<T> fixed_row(Row<T> row) {
   return row;
 }
 
-Expected<void> set_box(const Json&, const std::string& place, Box& box, Keys& keys) {
+Expected<void> set_box(const Json&, const std::string& place, BoxFields& box, Keys& keys) {
   for (const auto& [corner, name] : {std::pair(&box.lowest, "min"), std::pair(&box.highest, "max")})
     if (!*corner) return wrong(place, fmt::format("lacks {}", name));
   for (int c = 0; c < 3; ++c)
@@ -69,12 +69,12 @@ Expected<void> add_probe(const Json&, const std::string& place, Keys& keys, Look
 }  // namespace
 
 Row<Look> probes_row() {
-  const Rows<Box> corners = {point_row("min", &Box::lowest, "x, y and z of the lowest corner"),
-                             point_row("max", &Box::highest, "x, y and z of the highest corner")};
+  const Rows<BoxFields> corners = {point_row("min", &BoxFields::lowest, "x, y and z of the lowest corner"),
+                                   point_row("max", &BoxFields::highest, "x, y and z of the highest corner")};
   const Rows<Keys> rows = {
       point_row("position", &Keys::position, "metres, world: where the image is taken, inside the box"),
-      object_row<Keys, Box>(
-          "box", corners, [](Keys&) { return Box{}; }, set_box,
+      object_row<Keys, BoxFields>(
+          "box", corners, [](Keys&) { return BoxFields{}; }, set_box,
           "metres, world: surfaces in it reflect the image, as if what is seen lay on its faces"),
       fixed_row(number_row<Keys>(
           "fade_m", above_zero(), [](Keys& k) -> double& { return k.probe.fade_m; },

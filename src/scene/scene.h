@@ -20,6 +20,9 @@ struct SceneImage {
   // An ORM texture made of two images, as indices into Scene::images; then encoded is empty. decode_scene_image makes
   // it.
   int merge_occlusion = -1, merge_metallic_roughness = -1;
+  // An ORM texture whose roughness is 1 - factor * alpha of another image (KHR_materials_pbrSpecularGlossiness).
+  int glossiness_of = -1;
+  float glossiness_factor = 1;
 };
 
 enum class Wrap : uint8_t { repeat, clamp, mirror };
@@ -43,8 +46,41 @@ struct TextureSlot {
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
 
-// Metallic-roughness material (glTF 2.0 appendix B, with ior, specular, emissive_strength, unlit; transmission, volume
-// and dispersion for the path tracer).
+// What a material may have besides its metallic-roughness base, each by the Khronos extension of its name. Textures
+// multiply factors.
+enum class Lobe : uint8_t { clearcoat, sheen, iridescence, anisotropy, transmission, diffuse_transmission };
+inline constexpr int lobe_count = 6;
+
+// A second, colourless dielectric layer on top (f0 0.04), with a normal of its own: that of the mesh, or a texture's.
+struct Clearcoat {
+  float factor = 0, roughness = 0, normal_scale = 1;
+  TextureSlot texture, roughness_texture, normal_texture;  // R; G; tangent space
+};
+// Fibres that stand up from cloth.
+struct Sheen {
+  glm::vec3 color{0};
+  float roughness = 0;
+  TextureSlot color_texture, roughness_texture;  // sRGB; A
+};
+// A thin film, between two thicknesses by its texture; without one as thick as the larger.
+struct Iridescence {
+  float factor = 0, ior = 1.3f, least_nm = 100, most_nm = 400;
+  TextureSlot texture, thickness_texture;  // R; G
+};
+// Facets that are smoother across a direction: that of the tangent, turned counter-clockwise.
+struct Anisotropy {
+  bool stated = false;  // the file has it, so that surfaces have tangents: the strength may be animated
+  float strength = 0, rotation_rad = 0;
+  TextureSlot texture;  // RG: direction in tangent space, from -1 to 1; B: strength
+};
+// The share of diffuse light that comes out on the other side.
+struct DiffuseTransmission {
+  float factor = 0;
+  glm::vec3 color{1};
+  TextureSlot texture, color_texture;  // A; sRGB
+};
+
+// Metallic-roughness material (glTF 2.0 appendix B) with ior, specular, emissive_strength, unlit and the lobes above.
 struct Material {
   std::string name;
   glm::vec4 base_color{1};
@@ -64,16 +100,49 @@ struct Material {
       specular_color_texture;
   bool orm_has_occlusion = false, orm_has_metallic_roughness = false;
   // KHR_materials_transmission: the share of the light that the diffuse base would reflect which goes through instead.
-  // The texture (R) is there only in a scene that was loaded for path tracing.
+  // By its texture's R.
   float transmission = 0;
   TextureSlot transmission_texture;
-  // KHR_materials_volume. Thickness 0: a sheet that does not bend light; else the surface bounds a body. (How thick it
-  // is tells geometry.)
+  // KHR_materials_volume. Thickness 0: a sheet that does not bend light; else the surface bounds a body. How thick it
+  // is, in the mesh's space and by its texture's G, is for techniques that cannot ask geometry.
   float thickness_m = 0;
+  TextureSlot thickness_texture;
   float attenuation_distance_m =
       std::numeric_limits<float>::infinity();  // white light has the attenuation colour after this way
   glm::vec3 attenuation_color{1};
   float dispersion = 0;  // KHR_materials_dispersion: 20 over the Abbe number
+  Clearcoat clearcoat;
+  Sheen sheen;
+  Iridescence iridescence;
+  Anisotropy anisotropy;
+  DiffuseTransmission diffuse_transmission;
+
+  bool wants_tangents() const { return !unlit && (normal_texture || clearcoat.normal_texture || anisotropy.stated); }
+  // The texture coordinates along which they lie.
+  int tangent_uv_set() const {
+    return normal_texture             ? normal_texture.uv_set
+           : clearcoat.normal_texture ? clearcoat.normal_texture.uv_set
+                                      : anisotropy.texture.uv_set;
+  }
+  // Whether it shows the lobe.
+  bool has(Lobe lobe) const {
+    if (unlit) return false;
+    switch (lobe) {
+      case Lobe::clearcoat:
+        return clearcoat.factor > 0;
+      case Lobe::sheen:
+        return sheen.color != glm::vec3(0);
+      case Lobe::iridescence:
+        return iridescence.factor > 0;
+      case Lobe::anisotropy:
+        return anisotropy.strength > 0;
+      case Lobe::transmission:
+        return transmission > 0;
+      case Lobe::diffuse_transmission:
+        return diffuse_transmission.factor > 0;
+    }
+    return false;
+  }
 };
 
 enum class Topology : uint8_t { triangles, lines, points };
@@ -92,7 +161,7 @@ struct MeshSection {
   int material = -1;  // -1: the glTF default material
   std::vector<glm::vec3> position;
   std::vector<glm::vec3> normal;   // lines and points may have none (then they are unlit, as the specification says)
-  std::vector<glm::vec4> tangent;  // only where the material has a normal texture; w is the bitangent's sign
+  std::vector<glm::vec4> tangent;  // only where the material wants them; w is the bitangent's sign
   std::vector<glm::vec2> uv0, uv1;
   std::vector<glm::vec4> color;  // linear, alpha 1 where the file had three components
   std::vector<glm::u16vec4> joints0, joints1;
@@ -172,13 +241,31 @@ enum class TargetPath : uint8_t {
   material_metallic,
   material_roughness,
   material_emissive,
-  material_emissive_strength,
   material_alpha_cutoff,
   material_normal_scale,
   material_occlusion_strength,
+  material_emissive_strength,
   material_ior,
   material_specular,
   material_specular_color,
+  material_clearcoat,
+  material_clearcoat_roughness,
+  material_clearcoat_normal_scale,
+  material_sheen_color,
+  material_sheen_roughness,
+  material_iridescence,
+  material_iridescence_ior,
+  material_iridescence_least,
+  material_iridescence_most,
+  material_anisotropy,
+  material_anisotropy_rotation,
+  material_transmission,
+  material_thickness,
+  material_attenuation_distance,
+  material_attenuation_color,
+  material_dispersion,
+  material_diffuse_transmission,
+  material_diffuse_transmission_color,
   texture_offset,
   texture_rotation,
   texture_scale,  // of material `object`, slot `element`
@@ -194,7 +281,27 @@ enum class TargetPath : uint8_t {
   camera_xmag,
   camera_ymag,
 };
-enum class TextureSlotName : int { base_color, orm, occlusion, normal, emissive, specular, specular_color };
+enum class TextureSlotName : int {
+  base_color,
+  orm,
+  occlusion,
+  normal,
+  emissive,
+  specular,
+  specular_color,
+  clearcoat,
+  clearcoat_roughness,
+  clearcoat_normal,
+  sheen_color,
+  sheen_roughness,
+  iridescence,
+  iridescence_thickness,
+  anisotropy,
+  transmission,
+  thickness,
+  diffuse_transmission,
+  diffuse_transmission_color,
+};
 struct AnimationChannel {
   TargetPath path = TargetPath::node_translation;
   int object = -1;  // node, material, light or camera index
@@ -244,7 +351,7 @@ struct Scene {
 // Whether some material lets light through (KHR_materials_transmission).
 inline bool has_transmission(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
-                     [](const Material& m) { return m.transmission > 0 && !m.unlit; });
+                     [](const Material& m) { return m.has(Lobe::transmission); });
 }
 
 }  // namespace candela

@@ -83,6 +83,25 @@ DecodedImage merged(const DecodedImage& occlusion, const DecodedImage& metallic_
   return out;
 }
 
+// Roughness from glossiness; occlusion 1, no metal.
+DecodedImage rough_of_gloss(const DecodedImage& gloss, float factor) {
+  DecodedImage out = gloss;
+  out.source_channels = 3;
+  if (out.format != DecodedImage::Format::rgba8 && out.format != DecodedImage::Format::rgba16)
+    out.format = DecodedImage::Format::rgba16;
+  const size_t texels = size_t(gloss.width) * size_t(gloss.height);
+  out.pixels.assign(texels * (out.format == DecodedImage::Format::rgba8 ? 4 : 8), std::byte(0));
+  for (int y = 0; y < gloss.height; ++y)
+    for (int x = 0; x < gloss.width; ++x) {
+      const size_t at = (size_t(y) * size_t(gloss.width) + size_t(x)) * 4;
+      store(out, at, 1.f);
+      store(out, at + 1, 1 - factor * channel_value(gloss, x, y, 3));
+      store(out, at + 2, 0.f);
+      store(out, at + 3, 1.f);
+    }
+  return out;
+}
+
 // Large squares of colours that no scene has, in every channel far from neutral.
 DecodedImage placeholder_image() {
   constexpr int side_px = 64, square_px = 8;
@@ -115,6 +134,7 @@ uint64_t mesh_bytes(const MeshSection& s) {
 
 // Nothing where there is no head that can be read: the placeholder is small.
 std::optional<ImageInfo> info_of(const Scene& scene, const SceneImage& image) {
+  if (image.glossiness_of >= 0) return info_of(scene, scene.images[size_t(image.glossiness_of)]);
   if (image.merge_occlusion >= 0) {
     const auto a = info_of(scene, scene.images[size_t(image.merge_occlusion)]),
                b = info_of(scene, scene.images[size_t(image.merge_metallic_roughness)]);
@@ -131,6 +151,12 @@ Expected<SceneTexture> decode_scene_image(const Scene& scene, int image) {
   CHECK(image >= 0 && size_t(image) < scene.images.size());
   const SceneImage& stored = scene.images[size_t(image)];
   SceneTexture texture;
+  if (stored.glossiness_of >= 0) {
+    const auto gloss = decode_stored(scene, stored.glossiness_of, texture.warnings);
+    if (!gloss) return std::unexpected(gloss.error());
+    texture.image = rough_of_gloss(*gloss, stored.glossiness_factor);
+    return texture;
+  }
   auto first = decode_stored(scene, stored.merge_occlusion < 0 ? image : stored.merge_occlusion, texture.warnings);
   if (!first) return std::unexpected(first.error());
   if (stored.merge_occlusion < 0) {
@@ -153,7 +179,7 @@ Expected<uint64_t> decoded_bytes(const Scene& scene) {
   const auto use = [&](const TextureSlot& slot, bool) {
     if (slot) used[size_t(slot.image)] = true;
   };
-  for (const Material& material : scene.materials) for_each_slot(material, use), for_each_traced_slot(material, use);
+  for (const Material& material : scene.materials) for_each_slot(material, use);
   for (size_t i = 0; i < used.size(); ++i)
     if (const auto info = used[i] ? info_of(scene, scene.images[i]) : std::nullopt)
       if (auto fits = charge_decoded(sum, decoded_bytes_with_mips(*info), scene.images[i].place); !fits)

@@ -1,5 +1,7 @@
 #include "scene/shading.h"
 
+#include "scene/material_table.h"
+
 namespace candela {
 namespace {
 
@@ -9,22 +11,15 @@ void make_lambert(Material& m) {
   m.specular = 0;  // KHR_materials_specular: neither f0 nor f90 is left
   m.specular_texture = {}, m.specular_color_texture = {};
   m.transmission = 0, m.transmission_texture = {};
-  m.thickness_m = 0, m.dispersion = 0;
+  m.thickness_m = 0, m.thickness_texture = {}, m.dispersion = 0;
+  m.clearcoat = {}, m.sheen = {}, m.iridescence = {}, m.anisotropy = {}, m.diffuse_transmission = {};
   m.orm_has_metallic_roughness = false;
   if (!m.orm_has_occlusion) m.orm_texture = {};
 }
 
 bool is_of_gloss(TargetPath path) {
-  switch (path) {
-    case TargetPath::material_metallic:
-    case TargetPath::material_roughness:
-    case TargetPath::material_ior:
-    case TargetPath::material_specular:
-    case TargetPath::material_specular_color:
-      return true;
-    default:
-      return false;
-  }
+  const MaterialProperty* property = material_property(path);
+  return property && !property->lambert;
 }
 
 }  // namespace

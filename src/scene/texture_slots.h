@@ -1,25 +1,21 @@
 #pragma once
-#include "scene/scene.h"
+#include "scene/material_table.h"
 
 namespace candela {
 
-// Calls f(slot, whether its colours are sRGB) for every texture that shading the material may read.
+// Calls f(slot, whether its colours are sRGB) for every texture that shading the material may read at some time of its
+// animation.
 template <class F>
 void for_each_slot(const Material& m, F&& f) {
-  f(m.base_color_texture, true);
-  if (m.unlit) return;
-  f(m.orm_texture, false);
-  f(m.occlusion_texture, false);
-  f(m.normal_texture, false);
-  f(m.emissive_texture, true);
-  f(m.specular_texture, false);
-  f(m.specular_color_texture, true);
+  for (const MaterialTexture& t : material_textures())
+    if (t.slot == TextureSlotName::base_color || !m.unlit) f(t.of(m), t.srgb);
 }
 
-// The same for slots that only path tracing reads.
+// The same of a posed material: textures of lobes that it does not show are not read.
 template <class F>
-void for_each_traced_slot(const Material& m, F&& f) {
-  if (!m.unlit && m.transmission > 0) f(m.transmission_texture, false);
+void for_each_shown_slot(const Material& m, F&& f) {
+  for (const MaterialTexture& t : material_textures())
+    if (t.read(m)) f(t.of(m), t.srgb);
 }
 
 }  // namespace candela

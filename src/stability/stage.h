@@ -24,7 +24,7 @@ void add_images(Recipes& all, const std::vector<std::pair<int, int>>& sizes);
 void add_fog(Recipes& all);
 void add_skies(Recipes& all);
 
-inline constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 json exact(glm::dvec3 v);
 json exact(glm::dquat q);

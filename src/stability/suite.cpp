@@ -13,7 +13,7 @@ constexpr const char* built_in = "stability";
 
 // A text that is one of `names`.
 auto one_of(const char* what, std::vector<std::string> names) {
-  return [what, names = std::move(names)](const Json& j, const Place& at) -> Expected<std::string> {
+  return [what, names = std::move(names)](const Json& j, const SuitePlace& at) -> Expected<std::string> {
     auto text = text_of(j, at);
     if (text && std::find(names.begin(), names.end(), *text) == names.end())
       return fail(ErrorKind::input, at.at, "{}", unknown_name(what, *text, names));
@@ -30,16 +30,17 @@ std::vector<std::string> families() {
 
 template <class T, class Read>
 auto list_into(std::vector<T> StabilityOptions::*member, Read read) {
-  return
-      [member, read](const Json& j, const Place& at, StabilityOptions& o) { return read_list(j, at, o.*member, read); };
+  return [member, read](const Json& j, const SuitePlace& at, StabilityOptions& o) {
+    return read_list(j, at, o.*member, read);
+  };
 }
 
-Expected<void> text_alone(const Json& j, const Place& at, StabilityOptions&) {
+Expected<void> text_alone(const Json& j, const SuitePlace& at, StabilityOptions&) {
   std::string text;
   return read_text(j, at, text);
 }
 
-Expected<void> read_large(const Json& j, const Place& at, StabilityOptions& o) {
+Expected<void> read_large(const Json& j, const SuitePlace& at, StabilityOptions& o) {
   if (!j.is_boolean()) return at.wrong("is neither true nor false");
   o.large = j.get<bool>();
   return {};
@@ -47,7 +48,7 @@ Expected<void> read_large(const Json& j, const Place& at, StabilityOptions& o) {
 
 Readers<StabilityOptions> readers() {
   return {{"suite",
-           [](const Json& j, const Place& at, StabilityOptions&) -> Expected<void> {
+           [](const Json& j, const SuitePlace& at, StabilityOptions&) -> Expected<void> {
              const auto name = one_of("built-in suite of a file", {built_in})(j, at);
              return name ? Expected<void>() : std::unexpected(name.error());
            }},
@@ -57,8 +58,8 @@ Readers<StabilityOptions> readers() {
           {"only", list_into(&StabilityOptions::only, text_of)},
           {"sizes", list_into(&StabilityOptions::sizes, size_of)},
           {"techniques", list_into(&StabilityOptions::techniques, one_of("technique", technique_names()))},
-          {"seed",
-           [](const Json& j, const Place& at, StabilityOptions& o) { return read_whole(j, at, uint64_t(0), o.seed); }},
+          {"seed", [](const Json& j, const SuitePlace& at,
+                      StabilityOptions& o) { return read_whole(j, at, uint64_t(0), o.seed); }},
           {"large", read_large}};
 }
 
@@ -74,7 +75,7 @@ Expected<StabilityOptions> stability_suite_from_json(const std::string& text, co
   if (!j) return std::unexpected(j.error());
   if (!j->is_object()) return fail(ErrorKind::input, place, "is not a JSON object");
   StabilityOptions options;
-  if (auto read = read_keys(*j, Place{{}, {}, place + ": "}, readers(), options); !read)
+  if (auto read = read_keys(*j, SuitePlace{{}, {}, place + ": "}, readers(), options); !read)
     return std::unexpected(read.error());
   if (std::set(options.sizes.begin(), options.sizes.end()).size() != options.sizes.size())
     return fail(ErrorKind::input, place + ": /sizes", "the same size stands there twice");

@@ -10,14 +10,11 @@ namespace candela {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double period_s = 4;  // everything is back where it began
 
 constexpr std::array<glm::dvec3, 6> lantern_colors{
     {{1, 0.55, 0.2}, {0.3, 0.6, 1}, {1, 0.3, 0.35}, {0.35, 1, 0.6}, {0.85, 0.4, 1}, {1, 0.85, 0.4}}};
-
-void push(std::vector<double>& out, glm::dvec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
-void push(std::vector<double>& out, glm::dquat q) { out.insert(out.end(), {q.x, q.y, q.z, q.w}); }
 
 // 0 on the joints between 2 x 2 stone tiles, 1 on the tiles.
 double tile_height(double u, double v) {
@@ -39,12 +36,12 @@ void animate_turn(GlbWriter& out, int node, int steps, double turns, std::string
 }
 
 // Geometry that several objects share, scaled by their nodes: it is most of the file.
-struct Parts {
+struct AnimatedParts {
   json ball;    // radius 1
   json column;  // height 3.4
 };
 
-void add_floor_and_sky(GlbWriter& out, SceneOptions& options, const Parts& parts) {
+void add_floor_and_sky(GlbWriter& out, SceneOptions& options, const AnimatedParts& parts) {
   const uint64_t seed = options.rng.next() >> 32;
   const int tiles = out.texture("tiles", png_from(64, 64, 3, [seed](double u, double v) {
                                   const double tone = 0.12 * double(((int(u * 2) + int(v * 2)) % 2)) +
@@ -91,7 +88,7 @@ void add_floor_and_sky(GlbWriter& out, SceneOptions& options, const Parts& parts
   out.node("stars", {{"mesh", out.mesh("stars", points, out.material("star", star))}});
 }
 
-void add_columns(GlbWriter& out, const Parts& parts) {
+void add_columns(GlbWriter& out, const AnimatedParts& parts) {
   const int marble =
       out.texture("marble", png_from(32, 32, 3, [](double u, double v) {
                     const double flute = 0.5 + 0.5 * std::cos(2 * pi * 6 * u),
@@ -107,7 +104,7 @@ void add_columns(GlbWriter& out, const Parts& parts) {
   }
 }
 
-void add_lanterns(GlbWriter& out, SceneOptions& options, const Parts& parts) {
+void add_lanterns(GlbWriter& out, SceneOptions& options, const AnimatedParts& parts) {
   out.use_extension("KHR_materials_emissive_strength");
   const bool scattered = options.lights > 0;
   const int count = scattered ? options.lights : int(lantern_colors.size());
@@ -139,7 +136,7 @@ void add_lanterns(GlbWriter& out, SceneOptions& options, const Parts& parts) {
 }
 
 // The centre: a woven ring that turns about a polished ball, both above a plinth.
-void add_centrepiece(GlbWriter& out, const Parts& parts) {
+void add_centrepiece(GlbWriter& out, const AnimatedParts& parts) {
   const int weave =
       out.texture("weave", png_from(48, 48, 3, [](double u, double v) {
                     const bool over = (int(u * 6) + int(v * 6)) % 2 != 0;
@@ -169,7 +166,7 @@ void add_centrepiece(GlbWriter& out, const Parts& parts) {
   out.animate(core, "scale", "CUBICSPLINE", std::array{0.0, period_s / 2, period_s}, scales, 3);
 }
 
-void add_players(GlbWriter& out, const Parts& parts) {
+void add_players(GlbWriter& out, const AnimatedParts& parts) {
   const int checker = out.texture("checker", checker_png(32, 4, {0.1, 0.3, 0.45}, {0.9, 0.86, 0.75}));
   const int crate =
       out.mesh("crate", out.primitive(box({0.9, 0.9, 0.9})), out.material("checker", pbr_textured(checker, 0, 0.5)));
@@ -224,7 +221,7 @@ void add_camera(GlbWriter& out) {
 }  // namespace
 
 void make_animated(GlbWriter& out, SceneOptions& options) {
-  const Parts parts{out.primitive(sphere(1, 20, 14, {2, 1})), out.primitive(column(0.32, 3.4, 12))};
+  const AnimatedParts parts{out.primitive(sphere(1, 20, 14, {2, 1})), out.primitive(column(0.32, 3.4, 12))};
   add_floor_and_sky(out, options, parts);
   add_columns(out, parts);
   add_centrepiece(out, parts);

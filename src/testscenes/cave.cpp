@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "testscenes/mesh_kit.h"
@@ -7,7 +8,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 // A tunnel along -Z, from before the camera to a wall at its end.
 constexpr double begin_m = 5, end_m = -17, radius_m = 3;

@@ -12,8 +12,8 @@
 namespace candela::dusk {
 namespace {
 
-double mix(double a, double b, double t) { return a + (b - a) * t; }
-glm::dvec3 mix(glm::dvec3 a, glm::dvec3 b, double t) { return a + (b - a) * t; }
+double blend(double a, double b, double t) { return a + (b - a) * t; }
+glm::dvec3 blend(glm::dvec3 a, glm::dvec3 b, double t) { return a + (b - a) * t; }
 double bump(double distance, double width) { return std::exp(-distance * distance / (width * width)); }
 
 Rng rng_of(uint64_t seed, int index) {
@@ -71,15 +71,16 @@ glm::dvec3 room_color(uint64_t seed, int index, double s, double t) {
   if (r.picture && std::abs(s - r.picture_s) < 0.12 && std::abs(t - 0.42) < 0.09) c *= 0.35;
   if (r.shelf > 0 && s > r.shelf && s < r.shelf + 0.35 && t > 0.3) {
     const double book = std::fmod(s * 23 + std::floor(t * 7) * 0.37, 1.0);
-    c *= std::fmod(t * 7, 1.0) < 0.14 ? 0.25 : mix(0.3, 0.85, book);
+    c *= std::fmod(t * 7, 1.0) < 0.14 ? 0.25 : blend(0.3, 0.85, book);
   }
   if (t > 0.78) c *= 0.5;  // furniture below
   if (r.plant)
-    c *= mix(1.0, 0.18, bump(std::hypot(s - 0.3, (t - 0.85) * 0.8), 0.16 + 0.04 * std::sin(s * 60 + t * 35)));
+    c *= blend(1.0, 0.18, bump(std::hypot(s - 0.3, (t - 0.85) * 0.8), 0.16 + 0.04 * std::sin(s * 60 + t * 35)));
   c += r.light * 1.6 * bump(away, 0.07);
-  if (t < r.blind) c = r.light * (0.34 + 0.12 * std::cos(t * 90)) * mix(0.75, 1.0, std::exp(-away));
+  if (t < r.blind) c = r.light * (0.34 + 0.12 * std::cos(t * 90)) * blend(0.75, 1.0, std::exp(-away));
   const double side = std::min(s, 1 - s);
-  if (side < r.curtain) c = r.light * glm::dvec3(0.9, 0.62, 0.42) * (0.28 + 0.14 * std::cos(s * 70)) * mix(1.2, 0.6, t);
+  if (side < r.curtain)
+    c = r.light * glm::dvec3(0.9, 0.62, 0.42) * (0.28 + 0.14 * std::cos(s * 70)) * blend(1.2, 0.6, t);
   return c * r.bright;
 }
 
@@ -96,7 +97,7 @@ glm::dvec3 shop_color(uint64_t seed, int index, double s, double t) {
   const glm::dvec3 light = lights[size_t(index) % lights.size()];
   const double shelves = 3 + double(rng.next() % 3), items = 12 + double(rng.next() % 9), phase = rng.uniform();
   // Back wall between a bright ceiling and a floor; side walls draw in.
-  glm::dvec3 c = light * mix(0.5, 0.16, t);
+  glm::dvec3 c = light * blend(0.5, 0.16, t);
   const bool back = t > 0.22 && t < 0.8 && s > 0.08 && s < 0.92;
   if (back) {
     const double y = (t - 0.22) / 0.58 * shelves, x = (s + 0.13 * phase) * items;
@@ -105,7 +106,7 @@ glm::dvec3 shop_color(uint64_t seed, int index, double s, double t) {
     const glm::dvec3 tint(item.uniform(0.25, 1), item.uniform(0.2, 0.9), item.uniform(0.15, 0.8));
     const double tall = item.uniform(0.35, 0.85);
     const bool thing = y - row > 1 - tall && x - column > 0.12 && x - column < 0.88;
-    c = y - row > 0.93 ? light * 0.12 : thing ? light * tint * tint * 0.55 : light * 0.17 * mix(1.2, 0.7, t);
+    c = y - row > 0.93 ? light * 0.12 : thing ? light * tint * tint * 0.55 : light * 0.17 * blend(1.2, 0.7, t);
   }
   if (t <= 0.22) {  // spots along the ceiling
     const double lamp = std::fmod(s * 6 + phase, 1.0) - 0.5;
@@ -215,7 +216,7 @@ double to_frame(glm::dvec2 p, glm::dvec2 size, double inset) {
 // A tube is nearly white inside; around it the board shines.
 glm::dvec3 neon(glm::dvec3 color, double distance) {
   const double tube = 1 - smooth_step(0.22, 0.5, distance);
-  return mix(color * (0.012 + 0.16 * std::exp(-distance * 1.1)), mix(color, glm::dvec3(1), 0.3), tube);
+  return blend(color * (0.012 + 0.16 * std::exp(-distance * 1.1)), blend(color, glm::dvec3(1), 0.3), tube);
 }
 
 struct Sign {

@@ -9,7 +9,7 @@
 namespace candela::dusk {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // A section across the car at z: half width, sill, shoulder and top of the body.
 struct Section {

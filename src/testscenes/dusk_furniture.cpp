@@ -8,7 +8,7 @@
 namespace candela::dusk {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // An outline of (radius, height) with flat faces: every band has its own normals.
 std::vector<OutlinePoint> faceted(std::initializer_list<glm::dvec2> points) {

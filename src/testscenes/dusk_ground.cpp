@@ -10,7 +10,8 @@
 namespace candela::dusk {
 namespace {
 
-constexpr double pi = std::numbers::pi, far_x_m = 70, paint_m = 0.006;
+using std::numbers::pi;
+constexpr double far_x_m = 70, paint_m = 0.006;
 
 void flat(MeshKit& kit, const Paint& paint, double x0, double x1, double z_near, double z_far, double y) {
   kit.quad(paint, {x0, y, z_near}, {x1 - x0, 0, 0}, {0, 0, z_far - z_near});

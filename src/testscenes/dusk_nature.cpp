@@ -10,7 +10,7 @@
 namespace candela::dusk {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 struct TreeMaker {
   MeshKit& kit;

@@ -8,7 +8,7 @@
 namespace candela::dusk {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // A ring of tubes in the plane across `axis`.
 void ring(MeshKit& kit, const Paint& paint, glm::dvec3 centre, double radius, double thick, int pieces, int sides) {

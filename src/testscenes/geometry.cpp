@@ -9,10 +9,8 @@
 namespace candela {
 
 namespace {
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
-void push(std::vector<double>& out, glm::dvec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
-void push(std::vector<double>& out, glm::dquat q) { out.insert(out.end(), {q.x, q.y, q.z, q.w}); }
 }  // namespace
 
 void make_skinned(GlbWriter& out, SceneOptions&) {

@@ -21,6 +21,9 @@ json vector_json(std::initializer_list<double> values);
 json vector_json(glm::dvec3 v);
 json quaternion_json(glm::dquat q);  // x, y, z, w
 
+inline void push(std::vector<double>& out, glm::dvec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
+inline void push(std::vector<double>& out, glm::dquat q) { out.insert(out.end(), {q.x, q.y, q.z, q.w}); }
+
 // A glTF document in the making. The indices that come back are the glTF indices. `root` is open for what has no method
 // here.
 class GlbWriter {

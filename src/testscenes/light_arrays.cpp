@@ -1,11 +1,6 @@
 #include "testscenes/light_arrays.h"
 
 namespace candela {
-namespace {
-
-void push(std::vector<double>& out, glm::dvec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
-
-}  // namespace
 
 void LightArrays::add(glm::dvec3 at, glm::dvec3 tint, double candela, double range_m, glm::dvec3 change) {
   push(translation, at);

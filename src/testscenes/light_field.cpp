@@ -12,7 +12,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int default_lights = 64;
 // Tile edges depend on the picture's size; lights on edges lie on those of a picture this many tiles of 16 px wide and
 // high.

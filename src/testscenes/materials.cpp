@@ -8,7 +8,7 @@
 namespace candela {
 
 namespace {
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987;
 constexpr int clamp_to_edge = 33071, mirrored_repeat = 33648, repeat = 10497;
 

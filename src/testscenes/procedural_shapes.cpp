@@ -8,7 +8,7 @@ namespace candela {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 void add_quad_indices(std::vector<uint32_t>& index, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
   index.insert(index.end(), {a, b, c, a, c, d});

@@ -14,24 +14,24 @@ namespace {
 
 using namespace street;
 
-constexpr int default_lights = 256;
-constexpr double end_s = 300;             // of the animations; the cars stop then
+constexpr int street_lights = 256;
+constexpr double street_end_s = 300;      // of the animations; the cars stop then
 constexpr double hold_s = 1.0 / 1024;     // in which cars jump back by one cell, where the next ones have come
 constexpr std::array speeds_s{6.4, 8.0};  // for one cell: 10 and 8 m/s
 
-struct Cell {
+struct CityCell {
   int x, z;
   glm::dvec3 centre() const { return {(x + 0.5) * cell_m, 0, (z + 0.5) * cell_m}; }
 };
 
 // The nearest ones to a place in front of the camera.
-std::vector<Cell> cells_outwards(int count) {
+std::vector<CityCell> cells_outwards(int count) {
   const glm::dvec3 focus(1, 0, -63);
   const int reach = int(std::ceil(std::sqrt(double(count)))) + 2;
-  std::vector<Cell> cells;
+  std::vector<CityCell> cells;
   for (int z = -reach; z <= reach; ++z)
     for (int x = -reach; x <= reach; ++x) cells.push_back({x, z - 1});
-  const auto key = [&](const Cell& c) {
+  const auto key = [&](const CityCell& c) {
     const glm::dvec3 d = c.centre() - focus;
     return std::tuple(glm::dot(d, d), c.z, c.x);
   };
@@ -44,8 +44,6 @@ Rng rng_at(uint64_t seed, int a, int b) {
   Rng rng(seed ^ (uint64_t(uint32_t(a)) << 32 | uint32_t(b)));
   return Rng(rng.next());
 }
-
-void push(std::vector<double>& out, glm::dvec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
 
 json mesh_instances(GlbWriter& out, const std::vector<double>& translation, const std::vector<double>& rotation = {},
                     const std::vector<double>& scale = {}) {
@@ -69,7 +67,7 @@ class City {
     houses_.resize(parts_.blocks.size());
   }
 
-  void add(const Cell& cell, int lights) {
+  void add(const CityCell& cell, int lights) {
     Rng rng = rng_at(seed_, cell.x, cell.z);
     // Spots and points in turn, lamps and cars, windows and signs, so that a cell cut short has its share of each.
     int lamps = 0, head_lamps = 0, windows = 0, signs = 0;
@@ -90,7 +88,7 @@ class City {
 
   // Points anywhere over the cells, up to the height of the signs: lights that have no lamp, window or sign of their
   // own.
-  void scatter(const std::vector<Cell>& cells, int count) {
+  void scatter(const std::vector<CityCell>& cells, int count) {
     Rng rng = rng_at(seed_, int(cells.size()), 920);
     for (int i = 0; i < count; ++i) {
       const glm::dvec3 corner = cells[size_t(i) % cells.size()].centre() - glm::dvec3(cell_m / 2, 0, cell_m / 2);
@@ -124,7 +122,7 @@ class City {
     std::vector<double> translation, rotation, scale;
   };
 
-  void add_street(const Cell& cell, int lamps, Rng& rng) {
+  void add_street(const CityCell& cell, int lamps, Rng& rng) {
     push(streets_, cell.centre());
     for (int i = 0; i < lamps_a_cell; ++i) {
       const Lamp& lamp = parts_.lamps[size_t(i)];
@@ -143,11 +141,11 @@ class City {
     }
   }
 
-  void add_houses(const Cell& cell, int windows, int signs, Rng& rng) {
+  void add_houses(const CityCell& cell, int windows, int signs, Rng& rng) {
     const size_t which = size_t(rng.next() % parts_.blocks.size());
     const int quarters = int(rng.next() % 4);
     const double height = 0.85 + 0.1 * double(rng.next() % 5);
-    const Block& block = parts_.blocks[which];
+    const street::Block& block = parts_.blocks[which];
     Houses& h = houses_[which];
     push(h.translation, cell.centre());
     const glm::dquat rotation = rotation_about({0, 1, 0}, quarters * 1.5707963267948966);
@@ -171,7 +169,7 @@ class City {
 
   // Ways: 0 drives to -Z, 1 to -X, 2 to +Z, 3 to +X. Positions are in the space of the way's node, where they drive to
   // -Z.
-  void add_lane(const Cell& cell, int way, int head_lamps) {
+  void add_lane(const CityCell& cell, int way, int head_lamps) {
     const bool along_z = way % 2 == 0;
     Rng lane = rng_at(seed_, along_z ? cell.x : cell.z, 910 + way);
     const CarPair& cars = parts_.cars[size_t(lane.next() % parts_.cars.size())];
@@ -210,7 +208,7 @@ class City {
       return;
     }
     std::vector<double> times, values;
-    for (double t = 0; t < end_s; t += speeds_s[speed]) {
+    for (double t = 0; t < street_end_s; t += speeds_s[speed]) {
       times.insert(times.end(), {t == 0 ? 0 : t + hold_s, t + speeds_s[speed]});
       push(values, {0, 0, cell_m / 2});
       push(values, {0, 0, -cell_m / 2});
@@ -252,10 +250,10 @@ void add_street_camera(GlbWriter& out) { out.camera_node({2.5, 5.8, 10}, {7.5, 0
 }  // namespace
 
 void make_street(GlbWriter& out, SceneOptions& options) {
-  const int lights = options.lights > 0 ? options.lights : default_lights;
+  const int lights = options.lights > 0 ? options.lights : street_lights;
   City city(out, options.rng.next());
   int left = lights;
-  for (const Cell& cell : cells_outwards((lights + lights_a_cell - 1) / lights_a_cell)) {
+  for (const CityCell& cell : cells_outwards((lights + lights_a_cell - 1) / lights_a_cell)) {
     city.add(cell, std::min(left, lights_a_cell));
     left -= std::min(left, lights_a_cell);
   }
@@ -266,9 +264,9 @@ void make_street(GlbWriter& out, SceneOptions& options) {
 void make_street_dense(GlbWriter& out, SceneOptions& options) {
   // Where the street has 1,024 lights.
   constexpr int cells = 16;
-  const int lights = options.lights > 0 ? options.lights : default_lights;
+  const int lights = options.lights > 0 ? options.lights : street_lights;
   City city(out, options.rng.next());
-  const std::vector<Cell> all = cells_outwards(cells);
+  const std::vector<CityCell> all = cells_outwards(cells);
   int placed = 0;
   for (int i = 0; i < cells; ++i) {
     // As even as whole numbers are.

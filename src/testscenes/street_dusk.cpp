@@ -14,7 +14,8 @@ namespace {
 
 using namespace dusk;
 
-constexpr double pi = std::numbers::pi, end_s = 12;
+using std::numbers::pi;
+constexpr double end_s = 12;
 
 int spot(GlbWriter& out, const char* name, double range, double inner, double outer) {
   return out.light({{"name", name},

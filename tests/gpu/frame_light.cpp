@@ -6,7 +6,7 @@
 namespace candela::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int width = 80, height = 60;
 const glm::dvec3 albedo(0.8, 0.4, 0.2);
 

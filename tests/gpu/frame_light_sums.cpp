@@ -7,7 +7,7 @@
 namespace candela::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int width = 96, height = 72;
 constexpr double yfov_deg = 50;
 const glm::dvec3 albedo(0.8, 0.4, 0.2);

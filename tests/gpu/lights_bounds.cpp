@@ -5,7 +5,7 @@
 namespace candela::gpu::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 glm::dvec3 direction(Rng& rng) {
   const double z = rng.uniform(-1, 1), a = rng.uniform(0, 2 * pi), r = std::sqrt(1 - z * z);

@@ -8,7 +8,7 @@
 namespace candela::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Json rotation_towards(glm::dvec3 direction) { return rotation_between({0, 0, -1}, direction); }
 Json at(glm::dvec3 p) { return {{"translation", {p.x, p.y, p.z}}}; }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "passes_fixture.h"
 #include "shared/scene.h"
@@ -10,7 +11,7 @@
 namespace candela::gpu::test {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr double near_m = 0.1;
 
 struct Camera {

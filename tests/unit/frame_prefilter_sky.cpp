@@ -13,7 +13,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 DecodedImage sky_of(int width, int height, const std::function<glm::dvec3(glm::dvec3)>& f) {
   DecodedImage image{width, height, DecodedImage::Format::rgba32f, 3, {}};

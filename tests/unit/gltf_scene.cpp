@@ -388,11 +388,11 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(GltfAnimation, UnknownPointersAreWarningsThatNameThem) {
   GltfBuilder b = pointer_file();
-  animate(b, "/materials/0/extensions/KHR_materials_sheen/sheenRoughnessFactor", 1);
+  animate(b, "/materials/0/extensions/KHR_materials_sheen/sheenGlow", 1);
   const Expected<Scene> scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
   EXPECT_TRUE(scene->animations.at(0).channels.empty());
-  EXPECT_TRUE(mentions(scene->warnings, "/materials/0/extensions/KHR_materials_sheen/sheenRoughnessFactor"));
+  EXPECT_TRUE(mentions(scene->warnings, "/materials/0/extensions/KHR_materials_sheen/sheenGlow"));
 }
 
 // The output accessor is the one that the caller adds next.

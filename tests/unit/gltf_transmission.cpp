@@ -25,7 +25,7 @@ const Json textured = {{"transmissionFactor", 0.75}, {"transmissionTexture", {{"
 
 int traced_slots(const Material& m) {
   int count = 0;
-  for_each_traced_slot(m, [&](const TextureSlot& slot, bool srgb) { count += bool(slot) && !srgb; });
+  for_each_slot(m, [&](const TextureSlot& slot, bool srgb) { count += bool(slot) && !srgb; });
   return count;
 }
 

@@ -1,6 +1,7 @@
 #include "reference/albedo.h"
 
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include "reference/integrator.h"
 #include "split_sum_integral.h"
@@ -8,7 +9,7 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 AmbientSh uniform_sky() {
   AmbientSh sh{};

@@ -9,7 +9,7 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 glm::dvec3 direction(double degrees, double longitude = 0) {  // from +Z
   const double t = degrees * pi / 180;

@@ -1,10 +1,12 @@
 // Pictures of fog whose radiance is known in closed form, in both modes.
+#include <numbers>
+
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const TestCamera camera{.eye = {0, 0, 4}, .yfov_deg = 50, .width = 12, .height = 8};
 
 // Between the planes z = -1 and z = 1.

@@ -1,12 +1,14 @@
 // Many lamps in fog: points of a ray that all of them share (lamps_along_ray.h), against the sum over every lamp and
 // against closed forms.
+#include <numbers>
+
 #include "reference/lamps_along_ray.h"
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const TestCamera camera{.eye = {0, 1.5, 9}, .target = {0, 1, 0}, .yfov_deg = 50, .width = 8, .height = 6};
 
 double number(uint32_t i) {

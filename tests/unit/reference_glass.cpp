@@ -1,10 +1,12 @@
 // Paths through glass: pictures whose radiance is known.
+#include <numbers>
+
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::unique_ptr<TestWorld> glass_world(GltfBuilder& b, const TestCamera& camera, Sky sky = {}, bool sky_visible = false,
                                        glm::dvec4 background = glm::dvec4(0)) {

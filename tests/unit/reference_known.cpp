@@ -1,11 +1,13 @@
 // Pictures whose radiance is known in closed form.
+#include <numbers>
+
 #include "reference/albedo.h"
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const glm::dvec3 albedo(0.8, 0.4, 0.2);
 
 GltfBuilder plane(const Json& material) {

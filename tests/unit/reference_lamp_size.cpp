@@ -1,10 +1,12 @@
 // Point and spot lights that are spheres.
+#include <numbers>
+
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 PunctualLight lamp_of(double radius_m, LightType type = LightType::point) {
   PunctualLight light;

@@ -1,9 +1,11 @@
+#include <numbers>
+
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 LightItem light_item(LightType type) {
   LightItem item{type};

@@ -12,7 +12,7 @@
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Fog falling(double falloff, double height = 0) {
   Fog fog;

@@ -11,7 +11,7 @@
 namespace candela::reference {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // The points of one half of the samples, in the two dimensions that follow each other from `dimension`.
 std::vector<glm::dvec2> points_of(int count, uint32_t dimension, uint64_t half) {

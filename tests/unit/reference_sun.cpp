@@ -1,10 +1,13 @@
 // Directional lights with a disc.
+#include <numbers>
+
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi, lux = 3;
+using std::numbers::pi;
+constexpr double lux = 3;
 
 GltfBuilder floor_under_the_sun(double tilt_rad = 0) {
   GltfBuilder b = empty_scene();

@@ -1,12 +1,14 @@
 // The terms that beauty is divided into: each against its closed form, their sum, and that asking for them changes
 // nothing.
+#include <numbers>
+
 #include "reference/glass_light.h"
 #include "reference_fixture.h"
 
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const glm::dvec3 albedo(0.8, 0.4, 0.2);
 const TestCamera above{.eye = {0, 0, 4}, .yfov_deg = 20, .width = 6, .height = 6};
 

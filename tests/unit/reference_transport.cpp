@@ -1,5 +1,6 @@
 // How light is followed: coverage, both ways of meeting a light, and that no schedule changes a byte.
 #include <tbb/global_control.h>
+#include <numbers>
 
 #include <fstream>
 
@@ -8,7 +9,7 @@
 namespace candela::reference::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Json with_alpha(Json material, const char* mode, double alpha) {
   material["alphaMode"] = mode;

@@ -10,7 +10,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 DecodedImage make_environment(int width, int height, const std::function<glm::dvec3(glm::dvec3)>& radiance) {
   DecodedImage image;

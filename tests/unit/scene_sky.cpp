@@ -13,7 +13,7 @@
 namespace candela::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 glm::vec3 texel(const DecodedImage& image, int x, int y) {
   glm::vec3 t;

@@ -11,7 +11,7 @@
 namespace candela {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // One node with one camera, placed by `world`.
 struct CameraScene {

@@ -1,0 +1,149 @@
+#include "scene/material_table.h"
+
+#include <limits>
+#include <numbers>
+
+namespace candela {
+namespace {
+
+using enum TargetPath;
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+constexpr double least_distance_m = std::numeric_limits<float>::min();
+
+constexpr MaterialProperty properties[] = {
+    {material_base_color, "pbrMetallicRoughness/baseColorFactor", 4, 0, 1, [](Material& m) { return &m.base_color.x; },
+     true},
+    {material_metallic, "pbrMetallicRoughness/metallicFactor", 1, 0, 1, [](Material& m) { return &m.metallic; }, false},
+    {material_roughness, "pbrMetallicRoughness/roughnessFactor", 1, 0, 1, [](Material& m) { return &m.roughness; },
+     false},
+    {material_emissive, "emissiveFactor", 3, 0, 1, [](Material& m) { return &m.emissive.x; }, true},
+    {material_alpha_cutoff, "alphaCutoff", 1, 0, unbounded, [](Material& m) { return &m.alpha_cutoff; }, true},
+    {material_normal_scale, "normalTexture/scale", 1, -unbounded, unbounded,
+     [](Material& m) { return &m.normal_scale; }, true},
+    {material_occlusion_strength, "occlusionTexture/strength", 1, 0, 1,
+     [](Material& m) { return &m.occlusion_strength; }, true},
+    {material_emissive_strength, "extensions/KHR_materials_emissive_strength/emissiveStrength", 1, 0, unbounded,
+     [](Material& m) { return &m.emissive_strength; }, true},
+    {material_ior, "extensions/KHR_materials_ior/ior", 1, 0, unbounded, [](Material& m) { return &m.ior; }, false},
+    {material_specular, "extensions/KHR_materials_specular/specularFactor", 1, 0, 1,
+     [](Material& m) { return &m.specular; }, false},
+    {material_specular_color, "extensions/KHR_materials_specular/specularColorFactor", 3, 0, unbounded,
+     [](Material& m) { return &m.specular_color.x; }, false},
+    {material_clearcoat, "extensions/KHR_materials_clearcoat/clearcoatFactor", 1, 0, 1,
+     [](Material& m) { return &m.clearcoat.factor; }, false},
+    {material_clearcoat_roughness, "extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", 1, 0, 1,
+     [](Material& m) { return &m.clearcoat.roughness; }, false},
+    {material_clearcoat_normal_scale, "extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale", 1, -unbounded,
+     unbounded, [](Material& m) { return &m.clearcoat.normal_scale; }, false},
+    {material_sheen_color, "extensions/KHR_materials_sheen/sheenColorFactor", 3, 0, 1,
+     [](Material& m) { return &m.sheen.color.x; }, false},
+    {material_sheen_roughness, "extensions/KHR_materials_sheen/sheenRoughnessFactor", 1, 0, 1,
+     [](Material& m) { return &m.sheen.roughness; }, false},
+    {material_iridescence, "extensions/KHR_materials_iridescence/iridescenceFactor", 1, 0, 1,
+     [](Material& m) { return &m.iridescence.factor; }, false},
+    {material_iridescence_ior, "extensions/KHR_materials_iridescence/iridescenceIor", 1, 1, unbounded,
+     [](Material& m) { return &m.iridescence.ior; }, false},
+    {material_iridescence_least, "extensions/KHR_materials_iridescence/iridescenceThicknessMinimum", 1, 0, unbounded,
+     [](Material& m) { return &m.iridescence.least_nm; }, false},
+    {material_iridescence_most, "extensions/KHR_materials_iridescence/iridescenceThicknessMaximum", 1, 0, unbounded,
+     [](Material& m) { return &m.iridescence.most_nm; }, false},
+    {material_anisotropy, "extensions/KHR_materials_anisotropy/anisotropyStrength", 1, 0, 1,
+     [](Material& m) { return &m.anisotropy.strength; }, false},
+    {material_anisotropy_rotation, "extensions/KHR_materials_anisotropy/anisotropyRotation", 1, -unbounded, unbounded,
+     [](Material& m) { return &m.anisotropy.rotation_rad; }, false},
+    {material_transmission, "extensions/KHR_materials_transmission/transmissionFactor", 1, 0, 1,
+     [](Material& m) { return &m.transmission; }, false},
+    {material_thickness, "extensions/KHR_materials_volume/thicknessFactor", 1, 0, unbounded,
+     [](Material& m) { return &m.thickness_m; }, false},
+    {material_attenuation_distance, "extensions/KHR_materials_volume/attenuationDistance", 1, least_distance_m,
+     unbounded, [](Material& m) { return &m.attenuation_distance_m; }, false},
+    {material_attenuation_color, "extensions/KHR_materials_volume/attenuationColor", 3, 0, 1,
+     [](Material& m) { return &m.attenuation_color.x; }, false},
+    {material_dispersion, "extensions/KHR_materials_dispersion/dispersion", 1, 0, unbounded,
+     [](Material& m) { return &m.dispersion; }, false},
+    {material_diffuse_transmission, "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor", 1, 0, 1,
+     [](Material& m) { return &m.diffuse_transmission.factor; }, false},
+    {material_diffuse_transmission_color,
+     "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorFactor", 3, 0, unbounded,
+     [](Material& m) { return &m.diffuse_transmission.color.x; }, false},
+};
+
+bool lit(const Material& m) { return !m.unlit; }
+bool has_clearcoat(const Material& m) { return m.has(Lobe::clearcoat); }
+bool has_sheen(const Material& m) { return m.has(Lobe::sheen); }
+bool has_iridescence(const Material& m) { return m.has(Lobe::iridescence); }
+bool has_anisotropy(const Material& m) { return m.has(Lobe::anisotropy); }
+bool has_transmission_lobe(const Material& m) { return m.has(Lobe::transmission); }
+bool has_thickness(const Material& m) { return m.has(Lobe::transmission) && m.thickness_m > 0; }
+bool has_diffuse_transmission(const Material& m) { return m.has(Lobe::diffuse_transmission); }
+
+constexpr MaterialTexture textures[] = {
+    {TextureSlotName::base_color, "pbrMetallicRoughness/baseColorTexture",
+     [](Material& m) -> TextureSlot& { return m.base_color_texture; }, true, [](const Material&) { return true; }},
+    {TextureSlotName::orm, "pbrMetallicRoughness/metallicRoughnessTexture",
+     [](Material& m) -> TextureSlot& { return m.orm_texture; }, false, lit},
+    {TextureSlotName::occlusion, "occlusionTexture", [](Material& m) -> TextureSlot& { return m.occlusion_texture; },
+     false, lit},
+    {TextureSlotName::normal, "normalTexture", [](Material& m) -> TextureSlot& { return m.normal_texture; }, false,
+     lit},
+    {TextureSlotName::emissive, "emissiveTexture", [](Material& m) -> TextureSlot& { return m.emissive_texture; }, true,
+     lit},
+    {TextureSlotName::specular, "extensions/KHR_materials_specular/specularTexture",
+     [](Material& m) -> TextureSlot& { return m.specular_texture; }, false, lit},
+    {TextureSlotName::specular_color, "extensions/KHR_materials_specular/specularColorTexture",
+     [](Material& m) -> TextureSlot& { return m.specular_color_texture; }, true, lit},
+    {TextureSlotName::clearcoat, "extensions/KHR_materials_clearcoat/clearcoatTexture",
+     [](Material& m) -> TextureSlot& { return m.clearcoat.texture; }, false, has_clearcoat},
+    {TextureSlotName::clearcoat_roughness, "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
+     [](Material& m) -> TextureSlot& { return m.clearcoat.roughness_texture; }, false, has_clearcoat},
+    {TextureSlotName::clearcoat_normal, "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
+     [](Material& m) -> TextureSlot& { return m.clearcoat.normal_texture; }, false, has_clearcoat},
+    {TextureSlotName::sheen_color, "extensions/KHR_materials_sheen/sheenColorTexture",
+     [](Material& m) -> TextureSlot& { return m.sheen.color_texture; }, true, has_sheen},
+    {TextureSlotName::sheen_roughness, "extensions/KHR_materials_sheen/sheenRoughnessTexture",
+     [](Material& m) -> TextureSlot& { return m.sheen.roughness_texture; }, false, has_sheen},
+    {TextureSlotName::iridescence, "extensions/KHR_materials_iridescence/iridescenceTexture",
+     [](Material& m) -> TextureSlot& { return m.iridescence.texture; }, false, has_iridescence},
+    {TextureSlotName::iridescence_thickness, "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
+     [](Material& m) -> TextureSlot& { return m.iridescence.thickness_texture; }, false, has_iridescence},
+    {TextureSlotName::anisotropy, "extensions/KHR_materials_anisotropy/anisotropyTexture",
+     [](Material& m) -> TextureSlot& { return m.anisotropy.texture; }, false, has_anisotropy},
+    {TextureSlotName::transmission, "extensions/KHR_materials_transmission/transmissionTexture",
+     [](Material& m) -> TextureSlot& { return m.transmission_texture; }, false, has_transmission_lobe},
+    {TextureSlotName::thickness, "extensions/KHR_materials_volume/thicknessTexture",
+     [](Material& m) -> TextureSlot& { return m.thickness_texture; }, false, has_thickness},
+    {TextureSlotName::diffuse_transmission, "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture",
+     [](Material& m) -> TextureSlot& { return m.diffuse_transmission.texture; }, false, has_diffuse_transmission},
+    {TextureSlotName::diffuse_transmission_color,
+     "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture",
+     [](Material& m) -> TextureSlot& { return m.diffuse_transmission.color_texture; }, true, has_diffuse_transmission},
+};
+
+constexpr bool in_order() {
+  for (size_t i = 0; i < std::size(textures); ++i)
+    if (size_t(textures[i].slot) != i) return false;
+  for (size_t i = 0; i < std::size(properties); ++i)
+    if (size_t(properties[i].path) != size_t(material_base_color) + i) return false;
+  return true;
+}
+static_assert(in_order());
+
+}  // namespace
+
+std::string_view MaterialProperty::name() const {
+  if (!pointer.starts_with("pbrMetallicRoughness/") && !pointer.starts_with("extensions/")) return pointer;
+  const size_t objects = pointer.starts_with("extensions/") ? pointer.find('/', 11) : pointer.find('/');
+  return pointer.substr(objects + 1);
+}
+
+std::span<const MaterialProperty> material_properties() { return properties; }
+const MaterialProperty* material_property(TargetPath path) {
+  const size_t i = size_t(path) - size_t(material_base_color);
+  return path >= material_base_color && i < std::size(properties) ? &properties[i] : nullptr;
+}
+
+std::span<const MaterialTexture> material_textures() { return textures; }
+TextureSlot& texture_slot(Material& material, TextureSlotName slot) { return textures[size_t(slot)].at(material); }
+
+}  // namespace candela

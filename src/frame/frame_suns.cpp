@@ -12,7 +12,7 @@ namespace {
 
 std::string why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs) {
   if (facts.directional_lights == 0) return "no directional light shines";
-  if (facts.lit_items + facts.blend_lit_items == 0) return "nothing that is drawn takes light";
+  if (!facts.takes_light()) return "nothing that is drawn takes light";
   const bool traced = SunMode(knobs.mode) == SunMode::traced;
   if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
     return "nothing that is drawn casts a shadow";

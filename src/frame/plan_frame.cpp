@@ -2,9 +2,9 @@
 
 #include <bit>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "frame/caster_hash.h"
@@ -21,11 +21,6 @@
 
 namespace candela {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // The part of an exposure that is in the linear pictures: enough to keep bright light within a half's range, little
 // enough that nothing leaves a float's. Tone mapping applies the rest.
@@ -213,7 +208,7 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
     f.notes.push_back(
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   std::vector<std::string> missing = not_drawn(f.facts, f.pose);
-  if (f.facts.sized_lights > 0 && f.facts.lit_items + f.facts.blend_lit_items > 0 && !f.traced.soft_lamps)
+  if (f.facts.sized_lights > 0 && f.facts.takes_light() && !f.traced.soft_lamps)
     missing.push_back("sizes of point and spot lights (drawn as points: shadows.method, shadows.soft)");
   if (!missing.empty()) f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
   if (f.facts.draw_items == 0)
@@ -243,15 +238,15 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
   add_sky_sun(f.sky, f.data);
   f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
-  f.facts = survey(context.scene, f.pose, f.data, bool(f.sky));
-  if (!has_light(context.scene) && !f.sky && f.facts.lit_items + f.facts.blend_lit_items > 0) {
+  const bool refraction = false;
+  f.facts = survey(context.scene, f.pose, f.data, bool(f.sky), refraction);
+  if (!has_light(context.scene) && !f.sky && f.facts.takes_light()) {
     f.request.neutral_light = true;
     add_neutral_light(f.view, f.data);
-    f.facts = survey(context.scene, f.pose, f.data, false);
+    f.facts = survey(context.scene, f.pose, f.data, false, refraction);
   }
-  f.facts.image_light =
-      f.facts.environment && f.facts.lit_items + f.facts.blend_lit_items > 0 && f.request.wants_true("ibl");
-  if (f.request.draws_probes() && !f.request.neutral_light && f.facts.lit_items + f.facts.blend_lit_items > 0)
+  f.facts.image_light = f.facts.environment && f.facts.takes_light() && f.request.wants_true("ibl");
+  if (f.request.draws_probes() && !f.request.neutral_light && f.facts.takes_light())
     f.facts.probes = uint32_t(f.request.look.probes.size());
   const float floor_lux = knobs->get<LightRangeKnobs>().floor_lux;
   const uint32_t bounded = apply_light_floor(f.data.lights, floor_lux);
@@ -259,7 +254,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     f.notes.push_back(fmt::format(
         "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
         bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
-  f.draws = make_draw_list(context.scene, f.pose, f.data);
+  f.draws = make_draw_list(context.scene, f.pose, f.data, refraction);
   const AmbientSh ambient = f.sky ? f.sky.ambient() : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
   if (f.request.has_layer("motion") && !context.face) {

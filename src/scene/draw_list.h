@@ -11,11 +11,14 @@ struct DrawRun {
   Topology topology = Topology::triangles;
   AlphaMode alpha = AlphaMode::opaque;
   bool unlit = false, cull_back = true, mirrored = false;
+  bool refracts = false;          // is drawn after what is seen through it
   uint32_t first = 0, count = 0;  // into DrawList::order
   bool same_state(const DrawRun& o) const {
     return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back &&
-           mirrored == o.mirrored;
+           mirrored == o.mirrored && refracts == o.refracts;
   }
+  // Hides what is behind it.
+  bool solid() const { return alpha != AlphaMode::blend && !refracts; }
 };
 
 // The order in which items are drawn. Opaque and masked ones are grouped by state, stable within; blended ones come
@@ -25,7 +28,12 @@ struct DrawList {
   std::vector<uint32_t> order;  // indices of FrameData::items
   std::vector<DrawRun> runs;
 };
-DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame);
+// refraction: surfaces that let light through are drawn so.
+DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction = false);
+
+// Whether a section lets light through that was not covered (KHR_materials_transmission). Blended ones do not: what
+// they do not cover is seen behind them as it is.
+bool refracts(const MeshSection& section, const Material& material);
 
 // Whether a section is drawn without lighting: its material says so, or it has no normals (lines and points).
 bool is_unlit(const MeshSection& section, const Material* material);

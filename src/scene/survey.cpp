@@ -1,6 +1,7 @@
 #include "scene/survey.h"
 
 #include "base/text.h"
+#include "scene/draw_list.h"
 
 #include <algorithm>
 #include <limits>
@@ -46,12 +47,14 @@ void use_material(SceneFacts& facts, const Material& m) {
 }
 
 void count_item(SceneFacts& facts, const DrawItem& item, const MeshSection& section, const Material& material,
-                const FrameData& frame) {
+                const FrameData& frame, bool refraction) {
   add(facts.draw_items, 1);
   const bool unlit =
       material.unlit || section.normal.empty();  // no normal: lines and points, which the specification leaves unlit
   const bool blend = material.alpha_mode == AlphaMode::blend;
-  if (blend) {
+  if (refraction && refracts(section, material)) {
+    add(facts.refracting_items, 1);
+  } else if (blend) {
     add(facts.blend_items, 1);
     add(unlit ? facts.blend_unlit_items : facts.blend_lit_items, 1);
   } else {
@@ -104,7 +107,7 @@ nlohmann::ordered_json indices(const std::vector<bool>& used) {
 
 }  // namespace
 
-SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment) {
+SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment, bool refraction) {
   SceneFacts facts;
   facts.environment = environment;
   facts.perspective = frame.perspective;
@@ -114,7 +117,7 @@ SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, 
     const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
     const bool has_material = item.material >= 0;
     const Material& material = has_material ? pose.materials[size_t(item.material)] : scene.default_material;
-    count_item(facts, item, section, material, frame);
+    count_item(facts, item, section, material, frame, refraction);
     if (has_material && !facts.material_used[size_t(item.material)]) {
       facts.material_used[size_t(item.material)] = true;
       use_material(facts, material);
@@ -136,6 +139,7 @@ std::string facts_json(const SceneFacts& f) {
       {"unlit_items", f.unlit_items},
       {"blend_lit_items", f.blend_lit_items},
       {"blend_unlit_items", f.blend_unlit_items},
+      {"refracting_items", f.refracting_items},
       {"deformed_items", f.deformed_items},
       {"skinned_items", f.skinned_items},
       {"morphed_items", f.morphed_items},

@@ -16,6 +16,9 @@ struct SceneFacts {
   uint32_t draw_items = 0, opaque_items = 0, mask_items = 0, blend_items = 0;
   uint32_t lit_items = 0, unlit_items = 0;  // of opaque and mask
   uint32_t blend_lit_items = 0, blend_unlit_items = 0;
+  uint32_t refracting_items =
+      0;  // where refraction is drawn: lit, let light through, and are not among the opaque ones
+  bool takes_light() const { return lit_items + blend_lit_items + refracting_items > 0; }
   uint32_t deformed_items = 0, skinned_items = 0, morphed_items = 0;
   uint32_t deformed_vertices = 0;
   uint32_t triangles = 0, lines = 0, points = 0;  // drawn, instances counted each time
@@ -32,7 +35,9 @@ struct SceneFacts {
        any_texture_transform = false, any_specular = false;  // over visible materials
   std::vector<bool> material_used, image_used;               // by visible items: only these are uploaded and decoded
 };
-SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment);
+// refraction: surfaces that let light through are drawn so; else they are opaque ones.
+SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment,
+                  bool refraction = false);
 std::string facts_json(const SceneFacts& facts);
 
 // What the job wants of the frame.

@@ -3,6 +3,7 @@
 namespace candela {
 
 Need DepthPrepass::needed(const SceneFacts& facts, const FrameRequest&) const {
+  if (refracting) return needed_if(facts.refracting_items > 0, "the scene has no surface that refracts");
   return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
 }
 
@@ -16,7 +17,8 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.masked_fragment = "depth_prepass.frag";
   out.pipelines = declare_runs(
-      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+      builder, in.scene, in.draws, in.deformed,
+      [this](const DrawRun& r) { return refracting ? r.alpha != AlphaMode::blend : r.solid(); }, choice);
   ImageDesc desc{"depth", depth_format, in.scene.width_px, in.scene.height_px, in.scene.samples};
   out.depth = builder.write(builder.create(desc), Access::depth_attachment);
   return out;

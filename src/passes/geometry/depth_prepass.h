@@ -8,6 +8,8 @@ namespace candela {
 // Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float (TECHNIQUES 1.1), so
 // that shading runs once for each visible fragment. Masked surfaces drop what their mask cuts away, at the pixel's
 // shading point.
+//
+// refracting: of those and of surfaces that refract, for what is drawn over what is seen through them.
 struct DepthPrepass {
   static constexpr std::string_view name = "depth_prepass";
   using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
@@ -23,6 +25,7 @@ struct DepthPrepass {
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
+  bool refracting = false;
 };
 
 }  // namespace candela

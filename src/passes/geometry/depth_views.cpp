@@ -25,7 +25,7 @@ DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   choice.masked_fragment = "depth_prepass.frag";
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,
-      [](const DrawRun& r) { return r.alpha != AlphaMode::blend && r.topology == Topology::triangles; }, choice);
+      [](const DrawRun& r) { return r.solid() && r.topology == Topology::triangles; }, choice);
   out.depth = in.target ? in.target : builder.create(image_desc(*in.image));
   for (uint32_t layer = 0; layer < in.image->layers; ++layer)
     out.depth = builder.write(out.depth, Access::depth_attachment, ImageRange::layer(layer));

@@ -122,7 +122,7 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.constants = light_constants(in.lists);
   out.drawn = declare_runs(
-      builder, scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+      builder, scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
   out.reflected.surface =
       builder.write(image("reflections.surface", VK_FORMAT_R32G32B32A32_UINT), Access::color_attachment);
   out.reflected.reflectance =

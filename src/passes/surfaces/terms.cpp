@@ -67,7 +67,7 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
         declare_reflected(builder, in.scene, in.reflected, in.depth, choice.desc.color_formats, tested, terms);
   }
   out.opaque = declare_runs(
-      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
   if (wants_lighting(in)) {
     CellLists unoccluded = in.lists;
     unoccluded.occlusion = {};

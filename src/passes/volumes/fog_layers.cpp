@@ -44,7 +44,7 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.fragment_shader = with_fog("fog_layers.frag" + wanted, lists);
   if (!in.scene.runs->empty()) {
     out.opaque = declare_runs(
-        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
     declare_fog(builder, in.scene, of_blended(lists));
     choice.desc.fragment_shader = with_fog("fog_layers.frag" + wanted, of_blended(lists));
     choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;

@@ -42,10 +42,16 @@ set(source_version_file ${CMAKE_BINARY_DIR}/generated/source_version.cpp)
 add_custom_target(candela_source_version BYPRODUCTS ${source_version_file}
   COMMAND ${CMAKE_COMMAND} -DROOT=${CMAKE_SOURCE_DIR} -DOUT=${source_version_file} -P ${CMAKE_SOURCE_DIR}/cmake/source_version.cmake VERBATIM)
 
+# What candela_cli says of the build, in whatever links it.
+function(candela_build_info name linked)
+  target_sources(${name} PRIVATE ${CMAKE_BINARY_DIR}/generated/build_info.cpp ${source_version_file})
+  add_dependencies(${name} candela_source_version)
+  target_compile_definitions(${name} PRIVATE CANDELA_LIBRARIES_LINKED="${linked}")
+endfunction()
+
 # candela_program(NAME shared|static): the program; its libraries shared, or inside it.
 function(candela_program name linked)
-  add_executable(${name} src/main.cpp ${CMAKE_BINARY_DIR}/generated/build_info.cpp ${source_version_file})
-  add_dependencies(${name} candela_source_version)
+  add_executable(${name} src/main.cpp)
+  candela_build_info(${name} ${linked})
   target_link_libraries(${name} PRIVATE candela_cli)
-  target_compile_definitions(${name} PRIVATE CANDELA_LIBRARIES_LINKED="${linked}")
 endfunction()

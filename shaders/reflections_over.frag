@@ -70,7 +70,7 @@ void main() {
       for (int s = 0; s < SAMPLES; ++s) {
         const float d = frame_depth(pixel, s);
         if (!(d > 0.0)) continue;
-        const vec2 place = vec2(pixel) + occlusion_sample_px(SAMPLES, uint(s));
+        const vec2 place = vec2(pixel) + sample_place_px(SAMPLES, uint(s));
         const vec3 q = occlusion_position(place, metres_of(d), pc.subsample_ndc);
         if (occlusion_likeness(q, p, plane) > 0.5) of_surface += 1.0 / float(SAMPLES);
       }

@@ -37,6 +37,7 @@ void main() {
   r.normal = to_camera_space(IS_UNLIT == 0 ? s.normal : plane_normal);
   r.plane = to_camera_space(plane_normal);
   vec3 share = vec3(0.0), sky = vec3(0.0);
+  float roughness = s.roughness;
   float open = 1.0;
   r.f0 = vec3(0.0);
   r.f90 = 0.0;
@@ -48,22 +49,45 @@ void main() {
 #endif
   if (IS_UNLIT == 0) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
+#ifdef LOBED
+    // The base alone reflects the scene, as far as the layers on it let its light through; coat and sheen reflect the
+    // sky and the probes.
+    const BrdfTerms filmed = under_film(brdf, IBL_METHOD != 0);
+    const Surface base = with_round_facets(s);
+    const float under = (1.0 - brdf.lobes.coat_takes) * (1.0 - brdf.lobes.sheen_takes);
+    r.f0 = filmed.f0 / brdf.lobes.gain;
+    r.f90 = largest(filmed.f90 / brdf.lobes.gain);
+    const vec3 albedo = split_sum(base.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
+    share = (filmed.f0 * albedo.x + filmed.f90 * albedo.y) * (s.occlusion * under) * through;
+#else
+    const Surface base = s;
     r.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
     r.f90 = mix(s.dielectric_f90, 1.0, s.metallic);
     // What the material says of its own hollows hides the scene as it hides the sky.
     const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
     share = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
+#endif
+    roughness = base.roughness;
     if (HAS_AMBIENT != 0) {
       shade_probes(s, brdf, v.relative_position);
+#ifdef LOBED
+      sky = base_of_sky(s, brdf, s.normal).specular * (under * s.occlusion * frame.pre_exposure) * through;
+#else
       sky = ambient_lobes(s, brdf, s.normal).specular * (s.occlusion * frame.pre_exposure) * through;
+#endif
       if (HAS_OCCLUSION != 0)
-        open = reflected_open(occlusion_open(v.relative_position, plane_normal), s, to_viewer, plane_normal);
+        open = reflected_open(occlusion_open(v.relative_position, plane_normal), base, to_viewer, plane_normal);
 #ifdef FOG
       sky *= fog_sky_through_surface(v.relative_position, s.normal);
 #endif
       if (PROBE_COUNT != 0) {
         // Near surfaces leave all of the probes' light. What is drawn of the sum is `sky` times `open`.
-        const vec3 local = probes.specular * (s.occlusion * frame.pre_exposure) * through, drawn = sky * open + local;
+#ifdef LOBED
+        const vec3 of_probes = probes.base;
+#else
+        const vec3 of_probes = probes.specular;
+#endif
+        const vec3 local = of_probes * (s.occlusion * frame.pre_exposure) * through, drawn = sky * open + local;
         const float whole = dot(sky + local, vec3(1.0)), part = dot(drawn, vec3(1.0));
         if (whole > 0.0 && part > 0.0) {
           open = min(part / whole, 1.0);
@@ -73,6 +97,6 @@ void main() {
     }
   }
   out_surface = pack_reflecting(r);
-  out_reflectance = pack_reflectance(share, s.roughness);
+  out_reflectance = pack_reflectance(share, roughness);
   out_sky = vec4(sky, open);
 }

@@ -14,18 +14,28 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/ambient.glsl"
 #include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
+#include "lib/blended.glsl"
 #ifdef FOG
 #include "lib/fog.glsl"
 #include "lib/fog_lamps.glsl"
 #endif
-
-layout(location = 0) out vec4 out_radiance;  // premultiplied, pre-exposed
+#ifdef REFRACTION
+#include "lib/refraction.glsl"
+layout(location = 8) in flat float in_scale;
+#endif
+#ifdef BEHIND
+#include "lib/behind.glsl"
+#endif
 
 void main() {
+#ifdef BEHIND
+  keep_behind();
+#endif
+  if (!is_put_out()) return;
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
-  const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
+  Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples
   // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
@@ -34,7 +44,12 @@ void main() {
   const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
                                       : v.relative_position;
   begin_rays(surface_point, plane_normal);
-  const BrdfTerms brdf = brdf_terms(s, to_viewer);
+  BrdfTerms brdf = brdf_terms(s, to_viewer);
+#ifdef REFRACTION
+  const Refracted behind = refracted_light(in_ids.x, s, brdf, v, in_scale);
+  s.base_color *= 1.0 - behind.share;
+  brdf.diffuse *= 1.0 - behind.share;
+#endif
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) {
     shade_probes(s, brdf, v.relative_position);
@@ -57,10 +72,20 @@ void main() {
       radiance += reaching;
     }
   }
+#ifdef REFRACTION
+  // What lies behind is seen through all of the fog before it; the fog before the glass is in it already.
+  const float covered = 1.0 - max(behind.tint.r, max(behind.tint.g, behind.tint.b)) * (1.0 - behind.light.a);
 #ifdef FOG
   const FogSeen fog = fog_before(v.relative_position);
-  out_radiance = vec4((radiance * frame.pre_exposure * fog.through + fog.light) * coverage, coverage);
+  const vec3 through = behind.tint * max(behind.light.rgb - fog.light, vec3(0.0));
+  put_out(vec4(radiance * frame.pre_exposure * fog.through + through + fog.light, covered), v.relative_position);
 #else
-  out_radiance = vec4(radiance * frame.pre_exposure * coverage, coverage);
+  put_out(vec4(radiance * frame.pre_exposure + behind.tint * behind.light.rgb, covered), v.relative_position);
+#endif
+#elif defined(FOG)
+  const FogSeen fog = fog_before(v.relative_position);
+  put_out(vec4((radiance * frame.pre_exposure * fog.through + fog.light) * coverage, coverage), v.relative_position);
+#else
+  put_out(vec4(radiance * frame.pre_exposure * coverage, coverage), v.relative_position);
 #endif
 }

@@ -6,20 +6,28 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/scene.glsl"
 #include "lib/surface.glsl"
 #include "lib/draw.frag.glsl"
+#include "lib/blended.glsl"
 #ifdef FOG
 #include "lib/fog.glsl"
 #endif
-
-layout(location = 0) out vec4 out_radiance;  // premultiplied, pre-exposed
+#ifdef BEHIND
+#include "lib/behind.glsl"
+#endif
 
 void main() {
+#ifdef BEHIND
+  keep_behind();
+#endif
+  if (!is_put_out()) return;
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
-  const vec4 base = surface_base_color(m, load_varyings());
+  const Varyings v = load_varyings();
+  const vec4 base = surface_base_color(m, v);
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, base.a);  // the pre-pass cut: shade_forward.frag
 #ifdef FOG
-  const FogSeen fog = fog_before(load_varyings().relative_position);
-  out_radiance = vec4((max(base.rgb, vec3(0.0)) * frame.pre_exposure * fog.through + fog.light) * coverage, coverage);
+  const FogSeen fog = fog_before(v.relative_position);
+  const vec3 radiance = max(base.rgb, vec3(0.0)) * frame.pre_exposure * fog.through + fog.light;
+  put_out(vec4(radiance * coverage, coverage), v.relative_position);
 #else
-  out_radiance = vec4(max(base.rgb, vec3(0.0)) * frame.pre_exposure * coverage, coverage);
+  put_out(vec4(max(base.rgb, vec3(0.0)) * frame.pre_exposure * coverage, coverage), v.relative_position);
 #endif
 }

@@ -18,6 +18,10 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/fog.glsl"
 #include "lib/fog_lamps.glsl"
 #endif
+#ifdef REFRACTION
+#include "lib/refraction.glsl"
+layout(location = 8) in flat float in_scale;
+#endif
 
 // Each wanted term is defined as its attachment's number; an unwanted one has no output.
 #ifdef DIRECT_SUN
@@ -63,7 +67,7 @@ void main() {
   const Material m = MaterialsRef(frame.materials).m[in_ids.x];
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
-  const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
+  Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);  // the pre-pass cut: shade_forward.frag
 #ifdef FOG
   through_fog = fog_before_through(v.relative_position);
@@ -75,6 +79,11 @@ void main() {
   begin_rays(surface_point, plane_normal);
   BrdfTerms brdf;
   if (IS_UNLIT == 0) brdf = brdf_terms(s, to_viewer);
+#ifdef REFRACTION
+  const Refracted behind = refracted_light(in_ids.x, s, brdf, v, in_scale);
+  s.base_color *= 1.0 - behind.share;
+  brdf.diffuse *= 1.0 - behind.share;
+#endif
   // What unlit surfaces show counts as emission.
 #ifdef EMISSION
   out_emission = covering(IS_UNLIT != 0 ? s.base_color : s.emission, coverage);
@@ -131,7 +140,14 @@ void main() {
 #ifdef DIRECT_SPOT
   out_direct_spot = covering(spot, coverage);
 #endif
-#ifdef BACKGROUND
+#if defined(BACKGROUND) && defined(REFRACTION)
+#ifdef FOG
+  const vec3 nearer = fog_before(v.relative_position).light;  // is no term
+#else
+  const vec3 nearer = vec3(0.0);
+#endif
+  out_background = vec4(behind.tint * max(behind.light.rgb - nearer, vec3(0.0)), 1.0);
+#elif defined(BACKGROUND)
   out_background = covering(vec3(0.0), coverage);
 #endif
 #ifdef REFLECTIONS

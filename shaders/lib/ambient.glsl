@@ -31,6 +31,10 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   BrdfTerms in_image = b;
   in_image.normal = in_sky(b.normal);
   in_image.to_viewer = in_sky(b.to_viewer);
+#ifdef LOBED
+  in_image.lobes.tangent = in_sky(b.lobes.tangent);
+  in_image.lobes.bitangent = in_sky(b.lobes.bitangent);
+#endif
   if (IBL_METHOD == ibl_sampled) {
     const SkyLobes sampled = sampled_sky(in_image, in_sky(facing), s.roughness);
     return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity);
@@ -39,9 +43,22 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * albedo.z);
   const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_sky(facing))
                                               : ambient_radiance(facing);
+#ifdef LOBED
+  vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * (1.0 - s.lobes.passing) * around;
+  if (HAS_PASSING && b.lobes.passing != vec3(0.0)) {
+    const vec3 behind =
+        HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_sky(-facing)) : ambient_radiance(-facing);
+    diffuse += PI * b.lobes.passing * diffuse_left * behind;
+  }
+#else
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * around;
+#endif
   vec3 specular = b.f0 * albedo.x + b.f90 * albedo.y;
+#ifdef LOBED
+  const vec3 mirrored = reflect(-b.to_viewer, s.lobes.mirroring);
+#else
   const vec3 mirrored = reflect(-b.to_viewer, s.normal);
+#endif
   if (IBL_METHOD == ibl_split) {
     specular *= frame.sky_intensity * filtered_sky(in_sky(mirrored), slice_of_roughness(s.roughness));
   } else if (IBL_METHOD == ibl_lobe) {
@@ -55,6 +72,7 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   }
   return AmbientLobes(diffuse, specular);
 }
+#ifndef LOBED
 // Without what probes give instead (shade_probes() goes before).
 AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
   AmbientLobes lobes = whole_sky_lobes(s, b, facing);
@@ -65,6 +83,7 @@ vec3 ambient_light(Surface s, BrdfTerms b) {
   const AmbientLobes lobes = ambient_lobes(s, b, s.normal);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }
+#endif
 // What is left of the lobes where a share `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
 // Rousiers, "Moving Frostbite to Physically Based Rendering", 2014: a smooth surface loses them later than a rough one
 // its light.
@@ -100,6 +119,9 @@ float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
   const vec3 bent = bent_about(s.normal, o.bent, plane_normal);
   return clamp(open * open_by_leaning(bent, o.share, s.normal, v, s.roughness), 0.0, 1.0);
 }
+#ifdef LOBED
+#include "lib/lobes_ambient.glsl"
+#else
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
   const AmbientLobes lobes = ambient_lobes(s, b, facing);
@@ -109,3 +131,4 @@ vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_norma
   const AmbientLobes lobes = occluded_lobes(s, b, o, plane_normal);
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }
+#endif

@@ -18,6 +18,10 @@ float further_bounces(float alpha, float visible) {
   return visible * (c1 + visible * (c2 + visible * (c3 + visible * (c4 + visible * (c5 + visible * c6)))));
 }
 
+#ifdef LOBED
+#include "lib/lobes.glsl"
+#endif
+
 // What all lights of a shaded point share. The mix of the dielectric and the metal is linear in both Fresnel terms, and
 // what a dielectric's strongest channel reflects is the Fresnel term of its strongest f0.
 struct BrdfTerms {
@@ -27,7 +31,15 @@ struct BrdfTerms {
   vec3 f0, f90;           // of the mix, with what further bounces between facets add
   vec3 diffuse;           // of the dielectric part, over pi, before what Fresnel takes
   float f0_max, f90_max;  // of the dielectric's strongest channel
+#ifdef LOBED
+  BrdfLobes lobes;
+#endif
 };
+
+#ifdef LOBED
+float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l);
+#include "lib/lobes_eval.glsl"
+#endif
 
 BrdfTerms brdf_terms(Surface s, vec3 v) {
   BrdfTerms b;
@@ -39,12 +51,20 @@ BrdfTerms brdf_terms(Surface s, vec3 v) {
   b.alpha2 = b.alpha * b.alpha;
   b.smith_v = sqrt(b.n_v * b.n_v * (1.0 - b.alpha2) + b.alpha2);
   b.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+#ifdef LOBED
+  const vec3 gain = 1.0 + b.f0 * facets_further_bounces(s, b);
+#else
   const vec3 gain = 1.0 + b.f0 * further_bounces(b.alpha, b.n_v / b.smith_v);
+#endif
   b.f0 *= gain;
   b.f90 = mix(s.dielectric_f90, 1.0, s.metallic) * gain;
   b.diffuse = s.base_color * ((1.0 - s.metallic) / PI);
   b.f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
   b.f90_max = s.dielectric_f90;
+#ifdef LOBED
+  b.diffuse *= 1.0 - s.lobes.passing;
+  b.lobes = brdf_lobes(s, b, gain);
+#endif
   return b;
 }
 

@@ -7,12 +7,15 @@ layout(location = 4) centroid in vec2 in_uv0;
 layout(location = 5) centroid in vec2 in_uv1;
 layout(location = 6) centroid in vec4 in_color;
 layout(location = 7) in vec3 in_plane_position;  // HAS_SHADOWS or HAS_OCCLUSION: for derivatives
+#ifdef STORED
+layout(location = 10) in flat uint in_item;
+#endif
 
 Varyings load_varyings() {
   Varyings v;
   v.relative_position = in_position;
   v.normal = IS_UNLIT == 0 ? in_normal : vec3(0.0);
-  v.tangent = IS_UNLIT == 0 && HAS_NORMAL_TEXTURE != 0 ? in_tangent : vec4(0.0);
+  v.tangent = IS_UNLIT == 0 && HAS_TANGENT ? in_tangent : vec4(0.0);
   v.uv0 = HAS_TEXTURES != 0 ? in_uv0 : vec2(0.0);
   v.uv1 = HAS_UV1 != 0 ? in_uv1 : vec2(0.0);
   v.color = HAS_VERTEX_COLOR != 0 ? in_color : vec4(1.0);

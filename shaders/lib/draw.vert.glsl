@@ -16,6 +16,12 @@ layout(location = 7) out vec3 out_plane_position;
 layout(location = 8) out vec3 out_now;  // clip space without its depth
 layout(location = 9) out vec3 out_before;
 #endif
+#ifdef REFRACTION
+layout(location = 8) out flat float out_scale;  // world metres to one of the mesh: the cube root of the volume's
+#endif
+#ifdef STORED
+layout(location = 10) out flat uint out_item;  // of the frame, in the order of drawing
+#endif
 
 void main() {
   const uint v = gl_VertexIndex;
@@ -23,6 +29,9 @@ void main() {
   const Geometry g = load_geometry(item.geometry);
   const Transform t = TransformsRef(frame.transforms).t[item.transform];
   const uint64_t base = deformable_base(g);
+#ifdef STORED
+  out_item = uint(gl_InstanceIndex);
+#endif
   out_ids = uvec2(item.material, item.object_id);
   out_position = relative_position(item, g, v);
   gl_Position = clip_position(out_position);
@@ -31,11 +40,14 @@ void main() {
   out_now = gl_Position.xyw;
   out_before = clip_position_before(item, g, v).xyw;
 #endif
+#ifdef REFRACTION
+  out_scale = pow(abs(dot(t.row0.xyz, cross(t.row1.xyz, t.row2.xyz))), 1.0 / 3.0);
+#endif
   if (HAS_SHADOWS || HAS_OCCLUSION != 0) out_plane_position = out_position;
   if (IS_UNLIT == 0) {
     out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0))
         : vec3(0.0);
-    if (HAS_NORMAL_TEXTURE != 0) {
+    if (HAS_TANGENT) {
       out_tangent = vec4(0.0);
       if (g.tangent != absent) {
         const vec4 tangent = load4(base, g.tangent + 4u * v);

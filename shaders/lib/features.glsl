@@ -24,6 +24,14 @@ layout(constant_id = 19) const int HAS_LAMP_SHADOWS = 0;   // the same of point 
 layout(constant_id = 20) const int RAY_STACK = 1;          // of traced light: entries (lib/trace.glsl)
 layout(constant_id = 21) const int RAYS_MEET_BLENDED = 0;  // something lets a part of their light through
 layout(constant_id = 22) const int PROBE_COUNT = 0;        // reflection probes of the frame
+layout(constant_id = 23) const int LOBES = 0;              // of materials (shared/lobes.h), only with LOBED
+layout(constant_id = 24) const int LOBE_TEXTURES = 0;      // those that have textures
+const int lobe_clearcoat = 1, lobe_sheen = 2, lobe_iridescence = 4, lobe_anisotropy = 8, lobe_diffuse_transmission = 32;
+const bool HAS_COAT = (LOBES & lobe_clearcoat) != 0, HAS_SHEEN = (LOBES & lobe_sheen) != 0;
+const bool HAS_FILM = (LOBES & lobe_iridescence) != 0, HAS_ANISOTROPY = (LOBES & lobe_anisotropy) != 0;
+const bool HAS_PASSING = (LOBES & lobe_diffuse_transmission) != 0;
+const int LOBES_WITH_TANGENTS = (LOBES & lobe_anisotropy) | (LOBE_TEXTURES & lobe_clearcoat);
+const bool HAS_TANGENT = HAS_NORMAL_TEXTURE != 0 || LOBES_WITH_TANGENTS != 0;
 const int shadows_traced = 2, shadows_soft = 4, occlusion_traced_bent = -2;
 const bool SUNS_TRACED = (HAS_SUN_SHADOWS & shadows_traced) != 0, SUNS_SOFT = (HAS_SUN_SHADOWS & shadows_soft) != 0;
 const bool LAMPS_TRACED = (HAS_LAMP_SHADOWS & shadows_traced) != 0, LAMPS_SOFT = (HAS_LAMP_SHADOWS & shadows_soft) != 0;

@@ -57,7 +57,11 @@ vec3 sky_lights(BrdfTerms b, float slice) {
       v_h = 0.0;
     }
     const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x;
+#ifdef LOBED
+    sum += light.illuminance * base_fresnel(b, v_h).specular * (base_dv(b, light.direction, h, h_h, n_l) * n_l);
+#else
     sum += light.illuminance * (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (ggx_dv(b, h, h_h, n_l) * n_l);
+#endif
   }
   return share * sum;
 }
@@ -81,6 +85,9 @@ SkyTexels sky_through(vec3 d, float solid_angle) {
 struct SkyLobes {
   vec3 diffuse, specular;
 };
+#ifdef LOBED
+#include "lib/lobes_sampled.glsl"
+#else
 // Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the
 // viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each as wide as its share (Krivanek
 // and Colbert 2008): with more samples it tends to the integral. The same directions for every pixel, so no noise.
@@ -135,3 +142,4 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
   sum.specular += sky_lights(b, slice);
   return sum;
 }
+#endif

@@ -30,11 +30,24 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
   return factor;
 }
 
+#ifdef LOBED
+// Of the fragment's triangle, on the viewer's side, where shadows are asked for: what lies on the one side of it gets
+// no light from the other but through the surface. Zero: nobody asks.
+vec3 lit_plane = vec3(0.0);
+#endif
+
 // From unit direction l; arriving: of its intensity, per square metre perpendicular to l.
 vec3 light_along(LightRef light, BrdfTerms brdf, vec3 l, float arriving) {
+#ifdef LOBED
+  const LobesLit lit = evaluate_lobes(brdf, l);
+  vec3 f = lit.front + lit.through;
+  if (HAS_PASSING && lit_plane != vec3(0.0)) f = dot(lit_plane, l) < 0.0 ? lit.through : lit.front;
+  return f == vec3(0.0) ? f : light_intensity(light) * arriving * f;
+#else
   const float n_l = dot(brdf.normal, l);
   if (!(n_l > 0.0)) return vec3(0.0);
   return light_intensity(light) * (arriving * n_l) * evaluate_brdf(brdf, l, n_l);
+#endif
 }
 
 vec3 light_contribution(LightRef light, BrdfTerms brdf, vec3 position) {

@@ -41,6 +41,14 @@ float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) 
 
 // A light's part of the radiance, as far as it comes through. surface_point, plane_normal: where its triangle is.
 vec3 light_reaching(LightRef light, uint number, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
+#ifdef LOBED
+  if (HAS_PASSING) {
+    lit_plane = plane_normal;
+    vec3 l;
+    light_arriving(light, position, l);
+    if (dot(plane_normal, l) < 0.0) plane_normal = -plane_normal;  // of the side that the light is on
+  }
+#endif
   if ((SUNS_SOFT && SUNS_TRACED) || (LAMPS_SOFT && LAMPS_TRACED)) {
     const bool is_sun = floatBitsToUint(light_word(light, 3u).y) == light_directional;
     if (is_sun ? SUNS_SOFT && SUNS_TRACED : LAMPS_SOFT && LAMPS_TRACED && light_word(light, 7u).x > 0.0)

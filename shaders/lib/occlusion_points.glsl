@@ -2,19 +2,11 @@
 // The points that ambient occlusion is computed at: each texel has one depth sample of its pixels, the first that a
 // surface covers. Its distance in metres along the view axis is kept as a float whose last bits say which sample it is,
 // so that the point is known exactly. 0: no surface. Needs lib/frame.glsl.
+#include "lib/sample_places.glsl"
 #include "shared/occlusion.h"
 
 // Farther points would overflow when squared. They count as no surface.
 const float OCCLUSION_FARTHEST_M = 1e18;
-
-// Within the pixel: Vulkan's standard sample locations.
-vec2 occlusion_sample_px(int samples, uint s) {
-  const vec2 at2[2] = vec2[](vec2(0.75), vec2(0.25));
-  const vec2 at4[4] = vec2[](vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.125, 0.625), vec2(0.625, 0.875));
-  const vec2 at8[8] = vec2[](vec2(0.5625, 0.3125), vec2(0.4375, 0.6875), vec2(0.8125, 0.5625), vec2(0.3125, 0.1875),
-                             vec2(0.1875, 0.8125), vec2(0.0625, 0.4375), vec2(0.6875, 0.9375), vec2(0.9375, 0.0625));
-  return samples == 2 ? at2[s] : samples == 4 ? at4[s] : samples == 8 ? at8[s] : vec2(0.5);
-}
 
 // How many of a point's last bits name its sample.
 uint occlusion_name_mask(int shape) {
@@ -32,7 +24,7 @@ vec2 occlusion_place_px(ivec2 texel, float point, int shape) {
   const uint name = floatBitsToUint(point) & occlusion_name_mask(shape);
   const uint pixel = name / samples;
   return vec2(texel * int(side) + ivec2(pixel % side, pixel / side)) +
-      occlusion_sample_px(int(samples), name % samples);
+      sample_place_px(int(samples), name % samples);
 }
 
 // Camera space: right, up, back. metres: along the view axis.

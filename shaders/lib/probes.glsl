@@ -35,12 +35,22 @@ vec3 probe_radiance(Probe p, vec3 at, vec3 d, float slice) {
 struct ProbesShaded {
   vec3 specular;
   float left;
+#ifdef LOBED
+  vec3 base;  // of that, by the base
+} probes = ProbesShaded(vec3(0.0), 1.0, vec3(0.0));
+#else
 } probes = ProbesShaded(vec3(0.0), 1.0);
-void shade_probes(Surface s, BrdfTerms b, vec3 at) {
-  if (PROBE_COUNT == 0) return;
+#endif
+// Of the specular lobe of one surface.
+vec3 probe_lobe(Surface s, BrdfTerms b, vec3 at) {
   const float n_v = clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0);
   const vec2 lobe = lobe_shape(frame.probes.lobe_texture, frame.probes.clamp_sampler, s.roughness, n_v);
-  const vec3 d = normalize_or(mix(s.normal, reflect(-b.to_viewer, s.normal), lobe.x), s.normal);
+#ifdef LOBED
+  const vec3 mirrored = reflect(-b.to_viewer, s.lobes.mirroring);
+#else
+  const vec3 mirrored = reflect(-b.to_viewer, s.normal);
+#endif
+  const vec3 d = normalize_or(mix(s.normal, mirrored, lobe.x), s.normal);
   vec3 light = vec3(0.0);
   for (int i = 0; i < PROBE_COUNT; ++i) {
     const Probe p = frame.probes.probe[i];
@@ -49,5 +59,18 @@ void shade_probes(Surface s, BrdfTerms b, vec3 at) {
     probes.left -= weight;
   }
   const vec3 albedo = split_sum(s.roughness, n_v);
-  probes.specular = light * (b.f0 * albedo.x + b.f90 * albedo.y);
+  return light * (b.f0 * albedo.x + b.f90 * albedo.y);
+}
+void shade_probes(Surface s, BrdfTerms b, vec3 at) {
+  if (PROBE_COUNT == 0) return;
+#ifdef LOBED
+  vec3 coat = vec3(0.0);
+  if (HAS_COAT) coat = probe_lobe(coat_surface(s), coat_terms(b), at);
+  probes.left = 1.0;
+  const float under = (1.0 - b.lobes.coat_takes) * (1.0 - b.lobes.sheen_takes);
+  probes.base = probe_lobe(with_round_facets(s), under_film(b, IBL_METHOD != 0), at) * under;
+  probes.specular = coat + probes.base;
+#else
+  probes.specular = probe_lobe(s, b, at);
+#endif
 }

@@ -7,6 +7,23 @@ struct Varyings {
   vec4 color;
 };
 
+#ifdef LOBED
+// Of a point; absent lobes are zeros.
+struct SurfaceLobes {
+  float coat, coat_roughness;
+  vec3 coat_normal;  // unit, towards the viewer's side
+  float coat_takes;  // the share of light that the coat mirrors to the viewer, and that nothing below gets
+  vec3 sheen;
+  float sheen_roughness;
+  float film, film_ior, film_nm;
+  float anisotropy;         // strength
+  vec3 tangent, bitangent;  // unit, at right angles to the shading normal; facets are rougher along the tangent
+  vec3 mirroring;           // normal about which ambient light is mirrored
+  float passing;            // share of diffuse light that comes out on the other side
+  vec3 passing_color;
+};
+#endif
+
 struct Surface {
   vec3 base_color;
   float alpha;
@@ -15,6 +32,9 @@ struct Surface {
   vec3 emission;
   vec3 dielectric_f0;
   float dielectric_f90;
+#ifdef LOBED
+  SurfaceLobes lobes;
+#endif
 };
 
 vec2 texture_uv(TextureRef r, Varyings v) {
@@ -70,6 +90,10 @@ vec3 surface_normal(Material m, Varyings v, float facing, vec3 to_viewer) {
   return facing * normalize_or(n, facing * to_viewer);
 }
 
+#ifdef LOBED
+#include "lib/surface_lobes.glsl"
+#endif
+
 Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
   Surface s;
   const vec4 base = surface_base_color(m, v);
@@ -101,5 +125,10 @@ Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
   }
   s.dielectric_f0 = min(m.ior_f0 * specular_color, vec3(1.0)) * specular;
   s.dielectric_f90 = specular;
+#ifdef LOBED
+  s.lobes = load_lobes(m.id, v, s.normal, facing, to_viewer);
+  s.lobes.mirroring = mirroring_normal(s, to_viewer);
+  s.emission *= 1.0 - s.lobes.coat_takes;
+#endif
   return s;
 }

@@ -164,6 +164,7 @@ bool trace_accept(TraceScene s, TraceHit h, uint mode, TraceHit passed, inout Tr
   if ((mode & TRACE_LOCATE) == 0u) {
     if ((mode & TRACE_PASSED) != 0u && trace_is_passed(h, passed)) return false;
     const TraceItem item = trace_item(s, h.item);
+    if ((item.flags & trace_refracts) != 0u) return false;
     if ((mode & TRACE_TO_LAMP) != 0u && (item.flags & trace_glows) != 0u) return false;
     if ((item.flags & trace_masked) != 0u && trace_coverage(s, item, h.primitive, h.u, h.v) == 0.0) return false;
     state.t_max = h.t;

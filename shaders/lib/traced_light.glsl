@@ -144,7 +144,12 @@ TraceRay ray_to_light(LightCap cap, uint i, uvec2 own, out vec3 l) {
 }
 float ray_seen(TraceRay ray, vec3 l, bool is_lamp) {
   // The surface itself keeps off light from behind it, which a shading normal may let in.
-  if (!(dot(rays_side, l) > 0.0)) return 0.0;
+#ifdef LOBED
+  const bool through = HAS_PASSING && lit_plane != vec3(0.0);  // light_along() has asked
+#else
+  const bool through = false;
+#endif
+  if (!through && !(dot(rays_side, l) > 0.0)) return 0.0;
   if (!(dot(ray.direction, l) > 0.0)) return 1.0;  // closer than what keeps it off the surface
   return rays_through(ray, is_lamp ? TRACE_TO_LAMP : 0u, 0.0, 0.0);
 }

@@ -15,8 +15,9 @@ struct DrawPush {  // every pass that draws the scene
   uint fog_light;            // the same of the grid of fog's light
   uint occlusion;            // of ambient occlusion's texels; only where shading reads them
   uint subsample;            // number of this sample of a supersampled frame
-  uint64_t table;            // what this pass alone reads: ids of mattes, or a Motion
+  uint64_t table;            // what this pass alone reads: ids of mattes, a Motion, ...
   uint64_t deformed_before;  // deformed vertices of the time before, where there is a Motion
+  uint own;                  // what this pass alone reads
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;

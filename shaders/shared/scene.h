@@ -77,6 +77,7 @@ struct Light {
 // Everything that is the same for all draws of a frame.
 struct FrameConstants {
   uint64_t vertices, transforms, geometries, items, materials;
+  uint64_t lobes;  // table of shared/lobes.h; only where visible materials have lobes
   mat4 clip_from_relative;
   vec4 planes[5];      // relative space, inside is dot(n, p) + w >= 0
   vec4 ambient_sh[9];  // radiance projected on spherical harmonics, cosine-convolved, divided by pi
@@ -116,9 +117,9 @@ static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) 
 static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture) == 76);
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
-static_assert(offsetof(FrameConstants, pre_exposure) == 416 && offsetof(FrameConstants, grid) == 424 &&
-              offsetof(FrameConstants, fog) == 504 && offsetof(FrameConstants, image_light) == 1432 &&
-              offsetof(FrameConstants, probes) == 1504 && sizeof(FrameConstants) == 1904);
+static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameConstants, grid) == 432 &&
+              offsetof(FrameConstants, fog) == 512 && offsetof(FrameConstants, image_light) == 1440 &&
+              offsetof(FrameConstants, probes) == 1512 && sizeof(FrameConstants) == 1912);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

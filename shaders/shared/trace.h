@@ -11,13 +11,13 @@ inline constexpr uint trace_table_align = 256;
 inline constexpr uint no_trace = 0xffffffffu;
 inline constexpr uint trace_leaf_bit = 0x80000000u, trace_leaf_shift = 26;
 inline constexpr uint trace_asks_fronts = 1, trace_asks_backs = 2, trace_masked = 4, trace_blended = 8,
-                      trace_glows = 16, trace_mirrored = 32;
+                      trace_glows = 16, trace_mirrored = 32, trace_refracts = 64;
 #else
 const uint trace_table_align = 256u;
 const uint no_trace = 0xffffffffu;
 const uint trace_leaf_bit = 0x80000000u, trace_leaf_shift = 26u;
 const uint trace_asks_fronts = 1u, trace_asks_backs = 2u, trace_masked = 4u, trace_blended = 8u, trace_glows = 16u,
-           trace_mirrored = 32u;
+           trace_mirrored = 32u, trace_refracts = 64u;
 #endif
 
 // Where the tables begin, in units of trace_table_align bytes.

@@ -181,6 +181,8 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"sun", "skip_served", {"0", "1"}},
       {"sun", "draws", {"2097152", "4194304"}},
       {"shadows", "draws", {"2097152", "4194304"}},
+      {"fragments", "memory_mib", {"128", "256"}},
+      {"fragments", "rounds", {"16", "32"}},
   };
   return table;
 }

@@ -42,6 +42,7 @@ bool makes_films(const std::string& command) {
 Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--technique" && makes_films(command)) return with(technique_names(), {traced_technique});
   if (option == "--technique" || option == "--techniques") return technique_names();
+  if (option == "--transparency") return transparency_names();
   if (option == "--mode") return {"direct", "path"};
   if (option == "--bvh") return {"equal-counts", "sah", "sbvh"};
   if (option == "--sampler") return {"sobol", "jittered", "uniform"};

@@ -23,6 +23,11 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
   command.add_option("--technique", o.technique, "How the frame is made (candela list techniques)")
       ->capture_default_str()
       ->type_name("NAME");
+  command
+      .add_option("--transparency", o.transparency,
+                  "How blended surfaces come over each other (candela list transparency)")
+      ->capture_default_str()
+      ->type_name("NAME");
   command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")
       ->capture_default_str()
       ->type_name("NAME");
@@ -93,6 +98,9 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command
       .add_option("--shading", o.shading, "How surfaces answer light: pbr, or lambert (the base colour, without gloss)")
       ->capture_default_str()
+      ->type_name("NAME");
+  command
+      .add_option("--variant", o.variant, "Variant of the file's materials, by name; without one the default materials")
       ->type_name("NAME");
   command
       .add_option("--probe", o.probe,
@@ -292,11 +300,13 @@ Expected<Job> job_of(const JobOptions& o) {
   if (o.turntable > 0) job.camera.turn_s = rate->seconds(o.turntable);
   job.samples = o.samples;
   job.technique = o.technique;
+  job.transparency = o.transparency;
   job.quality = o.quality;
   job.effects = o.effects;
   job.sky = o.sky;
   job.look = o.look == "none" ? "" : o.look.empty() ? look_beside(o.scene).string() : o.look;
   job.shading = o.shading;
+  job.variant = o.variant;
   job.probe = o.probe;
   job.exposure_ev = o.exposure_ev;
   job.tonemap = o.tonemap;

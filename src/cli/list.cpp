@@ -124,6 +124,8 @@ void add_list(CLI::App& app, Action& action) {
   devices->add_flag("--json", o->json, "As JSON");
   devices->callback([o, &action] { action = [o] { return list_devices_table(*o); }; });
   add_names(*list, action, o, "techniques", "Ways to make a frame (--technique)", technique_names, technique_says);
+  add_names(*list, action, o, "transparency", "Ways to draw blended surfaces (--transparency)", transparency_names,
+            transparency_says);
   add_names(*list, action, o, "passes", "Passes, the keys of timings and knobs", pass_names);
   CLI::App* knobs = list->add_subcommand("knobs", "Knobs of all passes with their values (--set)");
   knobs->add_option("--quality", o->quality, "Values at this preset")->capture_default_str()->type_name("NAME");

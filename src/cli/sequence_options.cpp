@@ -82,9 +82,9 @@ Expected<FilmJob> film_job(const CLI::App& command, const SequenceOptions& o) {
     return FilmJob{*job, std::nullopt};
   }
   if (auto good = refuse(command,
-                         {"--quality", "--effects", "--set", "--samples", "--device", "--devices", "--queues",
-                          "--validate", "--shader-dir", "--timeout", "--cache", "--in-flight", "--timings", "--trace",
-                          "--metadata-timings", "--allow-blank"},
+                         {"--transparency", "--quality", "--effects", "--set", "--samples", "--device", "--devices",
+                          "--queues", "--validate", "--shader-dir", "--timeout", "--cache", "--in-flight", "--timings",
+                          "--trace", "--metadata-timings", "--allow-blank"},
                          "says how a GPU makes frames; --technique reference traces them on the CPU");
       !good)
     return std::unexpected(good.error());

@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "reference/accel_trees.h"
+#include "scene/draw_list.h"
 #include "scene/glow.h"
 #include "shared/trace.h"
 
@@ -107,8 +108,8 @@ shared::TraceInstance shared_instance(const AccelInstance& from, const glm::mat4
 
 class LayOut {
  public:
-  LayOut(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data)
-      : accel_(accel), trees_(accel.trees()), scene_(scene), pose_(pose), data_(data) {}
+  LayOut(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction)
+      : accel_(accel), trees_(accel.trees()), scene_(scene), pose_(pose), data_(data), refraction_(refraction) {}
 
   FrameRays run() {
     place();
@@ -182,6 +183,7 @@ class LayOut {
         if (material->alpha_mode == AlphaMode::mask) out.flags |= shared::trace_masked;
         if (material->alpha_mode == AlphaMode::blend) out.flags |= shared::trace_blended;
         if (glows_all_over(*material)) out.flags |= shared::trace_glows;
+        if (refraction_ && refracts(trees_.section_of(item), *material)) out.flags |= shared::trace_refracts;
         rays_.blended |= material->alpha_mode == AlphaMode::blend;
       }
       items[i] = out;
@@ -225,6 +227,7 @@ class LayOut {
   const Scene& scene_;
   const Pose& pose_;
   const FrameData& data_;
+  const bool refraction_;
   FrameRays rays_;
   shared::TraceScene head_{};
   Tables tables_;
@@ -234,7 +237,7 @@ class LayOut {
 
 }  // namespace
 
-Hash128 rays_key(const Pose& pose, const FrameData& data) {
+Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction) {
   Hashed out;
   for (const DrawItem& item : data.items) {
     for (const uint32_t n :
@@ -243,7 +246,9 @@ Hash128 rays_key(const Pose& pose, const FrameData& data) {
     out.add(data.relative_from_local[item.transform]);
     const Material* m = material_of(pose, item);
     if (!m) continue;
-    out.add(uint32_t(m->alpha_mode) | uint32_t(m->double_sided) << 4 | uint32_t(glows_all_over(*m)) << 5);
+    const bool passes = refraction && refracts(scene.meshes[item.mesh].sections[item.section], *m);
+    out.add(uint32_t(m->alpha_mode) | uint32_t(m->double_sided) << 4 | uint32_t(glows_all_over(*m)) << 5 |
+            uint32_t(passes) << 6);
     if (m->alpha_mode == AlphaMode::opaque) continue;
     const TextureSlot& slot = m->base_color_texture;
     out.add(slot.image), out.add(slot.uv_set), out.add(slot.offset), out.add(slot.scale), out.add(slot.rotation_rad);
@@ -256,16 +261,18 @@ Hash128 rays_key(const Pose& pose, const FrameData& data) {
   return out.hash();
 }
 
-FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data) {
+FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,
+                       bool refraction) {
   static_assert(sizeof(WideNode) == sizeof(shared::TraceNode) && sizeof(TriangleBlock) == sizeof(shared::TraceBlock));
   static_assert(leaf_bit == shared::trace_leaf_bit && leaf_count_shift == shared::trace_leaf_shift &&
                 no_child == shared::no_trace && no_triangle == shared::no_trace);
-  return LayOut(accel, scene, pose, data).run();
+  return LayOut(accel, scene, pose, data, refraction).run();
 }
 
-std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data) {
-  FrameRays rays = lay_out_rays(Accel(scene, pose, data), scene, pose, data);
-  rays.key = rays_key(pose, data);
+std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data,
+                                                 bool refraction) {
+  FrameRays rays = lay_out_rays(Accel(scene, pose, data), scene, pose, data, refraction);
+  rays.key = rays_key(scene, pose, data, refraction);
   return std::make_shared<const FrameRays>(std::move(rays));
 }
 

@@ -21,13 +21,17 @@ struct FrameRays {
   size_t triangles = 0;
 };
 
+// refraction: surfaces that let light through are drawn so, and rays of light pass them.
+
 // Of the posed geometry: equal keys mean equal trees, whatever frames they are of.
-Hash128 rays_key(const Pose& pose, const FrameData& data);
+Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction);
 
 // Lays out trees that are built.
-FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data);
+FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,
+                       bool refraction = false);
 
 // Builds them for a frame.
-std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data);
+std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data,
+                                                 bool refraction);
 
 }  // namespace candela

@@ -148,6 +148,79 @@ shared::Material shared_material(const Material& m, uint32_t id) {
   return out;
 }
 
+// Without its textures' indices, like all of these.
+shared::Glass shared_glass(const Material& m) {
+  shared::Glass out{};
+  if (!m.has(Lobe::transmission)) return out;
+  out.transmission = m.transmission;
+  out.thickness_m = m.thickness_m;
+  out.ior = m.ior;
+  out.dispersion = m.dispersion;
+  for (int c = 0; c < 3; ++c) {
+    const double left = std::min(double(m.attenuation_color[c]), 1.0);
+    const double per_m = left < 1 ? -std::log(std::max(left, 1e-30)) / double(m.attenuation_distance_m) : 0;
+    out.absorption[c] = float(std::min(per_m, 1e30));
+  }
+  return out;
+}
+
+shared::MaterialLobes shared_lobes(const Material& m, bool refraction) {
+  shared::MaterialLobes out{};
+  if (refraction) out.glass = shared_glass(m);
+  if (m.has(Lobe::clearcoat)) {
+    out.coat = m.clearcoat.factor;
+    out.coat_roughness = m.clearcoat.roughness;
+    out.coat_normal_scale = m.clearcoat.normal_scale;
+  }
+  if (m.has(Lobe::sheen)) {
+    out.sheen = m.sheen.color;
+    out.sheen_roughness = m.sheen.roughness;
+  }
+  if (m.has(Lobe::iridescence)) {
+    out.film = m.iridescence.factor;
+    out.film_ior = m.iridescence.ior;
+    out.film_least_nm = m.iridescence.least_nm;
+    out.film_most_nm = m.iridescence.most_nm;
+  }
+  if (m.has(Lobe::anisotropy)) {
+    out.anisotropy = m.anisotropy.strength;
+    out.anisotropy_turn = {std::cos(m.anisotropy.rotation_rad), std::sin(m.anisotropy.rotation_rad)};
+  }
+  if (m.has(Lobe::diffuse_transmission)) {
+    out.passing = m.diffuse_transmission.factor;
+    out.passing_color = m.diffuse_transmission.color;
+  }
+  return out;
+}
+
+uint32_t lobes_of(const Material& m) {
+  uint32_t lobes = 0;
+  for (int i = 0; i < lobe_count; ++i)
+    if (m.has(Lobe(i))) lobes |= 1u << i;
+  return lobes;
+}
+
+// Nothing where no visible material shows a lobe that the frame shades.
+std::vector<uint32_t> lobe_table(const std::vector<Material>& materials, const FrameData& data, const DrawList& draws) {
+  const bool refraction = std::ranges::any_of(draws.runs, &DrawRun::refracts);
+  const uint32_t shaded = shared::shaded_lobes | (refraction ? 1u << uint32_t(Lobe::transmission) : 0u);
+  std::vector<bool> shows(materials.size());
+  bool any = false;
+  for (const DrawItem& item : data.items)
+    if (item.material >= 0 && (lobes_of(materials[size_t(item.material)]) & shaded) != 0)
+      shows[size_t(item.material)] = any = true;
+  if (!any) return {};
+  std::vector<uint32_t> words(materials.size(), shared::absent);
+  for (size_t i = 0; i < materials.size(); ++i) {
+    if (!shows[i]) continue;
+    words[i] = uint32_t(words.size());
+    words.resize(words.size() + sizeof(shared::MaterialLobes) / 4);
+    const shared::MaterialLobes lobes = shared_lobes(materials[i], refraction);
+    std::memcpy(&words[words[i]], &lobes, sizeof lobes);
+  }
+  return words;
+}
+
 }  // namespace
 
 FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
@@ -166,6 +239,7 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
   for (size_t m = 0; m < pose.materials.size(); ++m)
     upload.materials.push_back(shared_material(pose.materials[m], uint32_t(m)));
   upload.materials.push_back(shared_material(scene.default_material, shared::absent));
+  upload.lobes = lobe_table(pose.materials, data, draws);
   for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
   if (request.has_layer("crypto_object")) upload.object_mattes = matte_ids(node_names(scene));
   if (request.has_layer("crypto_material")) upload.material_mattes = matte_ids(material_names(scene));

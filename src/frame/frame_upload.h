@@ -9,6 +9,7 @@
 #include "scene/survey.h"
 #include "shared/cull.h"
 #include "shared/deform.h"
+#include "shared/lobes.h"
 #include "shared/scene.h"
 
 namespace candela {
@@ -21,6 +22,7 @@ struct FrameUpload {
   std::vector<shared::Geometry> geometries;  // static sections first, then one for each deformation
   std::vector<shared::Item> items;           // in draw order
   std::vector<shared::Material> materials;   // the pose's, and the default one; GpuScene fills in their textures
+  std::vector<uint32_t> lobes;               // words of shared/lobes.h; empty: no material has any. Textures likewise
   std::vector<shared::Light> lights;
   std::vector<shared::CullGroup> groups;
   std::vector<shared::DeformJob> deform_jobs;

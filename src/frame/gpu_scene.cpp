@@ -192,6 +192,21 @@ void GpuScene::set_textures(const Material& m, shared::Material& out) const {
   out.specular_color_texture = texture_ref(m.specular_color_texture, true);
 }
 
+void GpuScene::set_lobe_textures(const Material& m, shared::MaterialLobes& out) const {
+  out.coat_texture = texture_ref(m.clearcoat.texture, false);
+  out.coat_roughness_texture = texture_ref(m.clearcoat.roughness_texture, false);
+  out.coat_normal_texture = texture_ref(m.clearcoat.normal_texture, false);
+  out.sheen_texture = texture_ref(m.sheen.color_texture, true);
+  out.sheen_roughness_texture = texture_ref(m.sheen.roughness_texture, false);
+  out.film_texture = texture_ref(m.iridescence.texture, false);
+  out.film_thickness_texture = texture_ref(m.iridescence.thickness_texture, false);
+  out.anisotropy_texture = texture_ref(m.anisotropy.texture, false);
+  out.passing_texture = texture_ref(m.diffuse_transmission.texture, false);
+  out.passing_color_texture = texture_ref(m.diffuse_transmission.color_texture, true);
+  out.glass.transmission_texture = texture_ref(m.transmission_texture, false);
+  out.glass.thickness_texture = texture_ref(m.thickness_texture, false);
+}
+
 std::shared_ptr<GpuScene::Buffers> GpuScene::free_buffers() {
   for (const auto& buffers : frame_buffers_)
     if (buffers.use_count() == 1) return buffers;
@@ -254,6 +269,14 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   uploaded.keep.push_back(own);
   for (size_t m = 0; m < frame.upload.materials.size(); ++m)
     set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : Material{}, frame.upload.materials[m]);
+  for (size_t m = 0; m < frame.pose.materials.size() && !frame.upload.lobes.empty(); ++m) {
+    const uint32_t word = frame.upload.lobes[m];
+    if (word == shared::absent) continue;
+    shared::MaterialLobes lobes;
+    std::memcpy(&lobes, &frame.upload.lobes[word], sizeof lobes);
+    set_lobe_textures(frame.pose.materials[m], lobes);
+    std::memcpy(&frame.upload.lobes[word], &lobes, sizeof lobes);
+  }
   shared::FrameConstants& c = frame.upload.constants;
   sky_.load(frame, c, uploaded.keep);
   if (frame.facts.probes > 0) probes_.write(c.probes);

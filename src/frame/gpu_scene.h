@@ -47,6 +47,7 @@ class GpuScene {
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
   shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
   void set_textures(const Material& material, shared::Material& out) const;
+  void set_lobe_textures(const Material& material, shared::MaterialLobes& out) const;
 
   gpu::Device& device_;
   gpu::Bindless& bindless_;

@@ -51,6 +51,7 @@ std::string job_json(const Job& job) {
   j["size"] = fmt::format("{}x{}", job.width_px, job.height_px);
   j["samples"] = job.samples;
   j["technique"] = job.technique;
+  if (job.transparency != Job().transparency) j["transparency"] = job.transparency;
   j["quality"] = job.quality;
   if (!job.settings.empty()) {
     j["set"] = Json::array();
@@ -60,6 +61,7 @@ std::string job_json(const Job& job) {
   if (!job.sky.empty()) j["sky"] = job.sky;
   if (!job.look.empty()) j["look"] = job.look;
   if (job.shading != Job().shading) j["shading"] = job.shading;
+  if (!job.variant.empty()) j["variant"] = job.variant;
   if (!job.probe.empty()) j["probe"] = job.probe;
   if (job.exposure_ev) j["exposure"] = shortest(*job.exposure_ev);
   if (!job.tonemap.empty()) j["tonemap"] = job.tonemap;
@@ -176,12 +178,14 @@ const std::map<std::string, Reader>& readers() {
       {"size", read_size},
       {"samples", int_into(&Job::samples)},
       {"technique", text_into(&Job::technique)},
+      {"transparency", text_into(&Job::transparency)},
       {"quality", text_into(&Job::quality)},
       {"set", read_settings},
       {"effects", text_into(&Job::effects)},
       {"sky", text_into(&Job::sky)},
       {"look", text_into(&Job::look)},
       {"shading", text_into(&Job::shading)},
+      {"variant", text_into(&Job::variant)},
       {"probe", text_into(&Job::probe)},
       {"exposure",
        [](const Json& v, Job& job) -> std::string {

@@ -32,12 +32,14 @@ struct Job {
   int width_px = 1280, height_px = 720;
   int samples = 0;  // MSAA samples 1, 2, 4 or 8; 0: as the quality says
   std::string technique = "clustered";
-  std::string quality = "high";       // draft, normal, high, exact: rungs of every knob's ladder
-  std::vector<KnobSetting> settings;  // --set PASS.KNOB=VALUE, over the quality
-  std::string effects = "auto";       // auto (by quality and look), none, or names separated by commas
+  std::string transparency = "sorted";  // how blended surfaces come over each other (candela list transparency)
+  std::string quality = "high";         // draft, normal, high, exact: rungs of every knob's ladder
+  std::vector<KnobSetting> settings;    // --set PASS.KNOB=VALUE, over the quality
+  std::string effects = "auto";         // auto (by quality and look), none, or names separated by commas
   std::string sky;   // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
   std::string look;  // look file
   std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
+  std::string variant;               // of materials, by its name in the file; empty: the default materials
   std::string probe;                 // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;  // absent: as the look says, else 0
   std::string tonemap;               // agx, none, reinhard, aces, neutral, rec709; empty: as the look says, else agx

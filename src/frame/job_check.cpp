@@ -100,6 +100,9 @@ Expected<void> check_job(const Job& job) {
   if (auto good = check_direction(job.camera); !good) return good;
   static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
   if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;
+  if (auto known = check_name("--transparency", "method of transparency", job.transparency, transparency_names());
+      !known)
+    return known;
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
   if (!job.tonemap.empty())
     if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;

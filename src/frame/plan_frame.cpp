@@ -60,6 +60,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
   if (request.view_alone) request.layers.push_back(request.view);
   request.technique = job.technique;
+  request.transparency = job.transparency;
   request.quality = job.quality;
   request.effects = job.effects;
   request.tonemap = display.curve;
@@ -97,6 +98,25 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
   return extent;
 }
 
+// Between which depths along the view axis blended surfaces lie, as far as they are before the camera.
+std::pair<float, float> blended_depths(const FrameData& data, const DrawList& draws, const View& view) {
+  double nearest = std::numeric_limits<double>::infinity(), farthest = view.near_m;
+  const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
+  for (const DrawRun& run : draws.runs) {
+    if (run.alpha != AlphaMode::blend) continue;
+    for (uint32_t i = run.first; i < run.first + run.count; ++i) {
+      const Aabb& bounds = data.items[draws.order[i]].bounds_relative;
+      const double middle = glm::dot(glm::dvec3(bounds.centre()), forward);
+      const double half = glm::dot(glm::dvec3(bounds.extent()), glm::abs(forward));
+      const bool known = std::isfinite(middle) && std::isfinite(half);
+      nearest = std::min(nearest, known ? middle - half : view.near_m);
+      farthest = std::max(farthest, known ? middle + half : view.near_m * 0x1p20);
+    }
+  }
+  nearest = std::max(nearest, view.near_m);
+  return {float(nearest), float(std::max(farthest, nearest))};
+}
+
 // Of lights with a size: whether shading draws their shadows soft.
 bool soft_suns(const PlannedFrame& f, const SunKnobs& knobs) {
   const bool sized = f.request.look.sun && f.request.look.sun->angular_radius_deg > 0;
@@ -112,10 +132,11 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
   AmbientOcclusion occlusion;
   occlusion.knobs = knobs.get<AmbientOcclusion::Knobs>();
   if (f.upload.items.empty()) return;
+  const bool refraction = f.facts.refracting_items > 0;
   if (f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request))
-    f.rays = context.rays && context.rays->key == rays_key(f.pose, f.data)
+    f.rays = context.rays && context.rays->key == rays_key(context.scene, f.pose, f.data, refraction)
                  ? context.rays
-                 : make_frame_rays(context.scene, f.pose, f.data);
+                 : make_frame_rays(context.scene, f.pose, f.data, refraction);
   TracedRays& traced = f.traced;
   traced.soft_suns = soft_suns(f, knobs.get<SunKnobs>());
   traced.soft_lamps = soft_lamps(f, knobs.get<LampKnobs>());
@@ -182,8 +203,24 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.width_px = uint32_t(f.request.width_px);
   s.height_px = uint32_t(f.request.height_px);
   s.samples = uint32_t(f.request.samples);
+  if (f.facts.blend_items > 0) std::tie(s.blended_near_m, s.blended_far_m) = blended_depths(f.data, f.draws, f.view);
   if (f.request.draws_volumetric()) s.volumetric_reach_m = volumetric_reach_m(*f.request.look.volumetric, f.data);
   return s;
+}
+
+// Layers that divide beauty composite blended surfaces in the order of `sorted`: by another method their sum would be
+// another picture.
+Expected<void> check_divided(const PlannedFrame& f) {
+  if (f.facts.blend_items == 0 || f.request.transparency == Transparent::method) return {};
+  std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
+  parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
+  for (const LayerName& part : parts)
+    if (f.request.has_layer(part.name))
+      return fail(ErrorKind::usage, "--layers",
+                  "{} is a part of beauty whose blended surfaces are drawn by the method sorted; leave it out, or "
+                  "--transparency {}",
+                  part.name, f.request.transparency);
+  return {};
 }
 
 std::string probe_note(const PlannedFrame& f) {
@@ -238,13 +275,14 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
   add_sky_sun(f.sky, f.data);
   f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
-  const bool refraction = false;
+  const bool refraction = f.request.wants_true(Refraction::effect);
   f.facts = survey(context.scene, f.pose, f.data, bool(f.sky), refraction);
   if (!has_light(context.scene) && !f.sky && f.facts.takes_light()) {
     f.request.neutral_light = true;
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false, refraction);
   }
+  if (auto fine = check_divided(f); !fine) return std::unexpected(fine.error());
   f.facts.image_light = f.facts.environment && f.facts.takes_light() && f.request.wants_true("ibl");
   if (f.request.draws_probes() && !f.request.neutral_light && f.facts.takes_light())
     f.facts.probes = uint32_t(f.request.look.probes.size());
@@ -352,6 +390,11 @@ std::vector<std::string> technique_names() {
   for (const Technique& t : techniques()) names.emplace_back(t.name);
   return names;
 }
+std::vector<std::string> transparency_names() {
+  std::vector<std::string> names;
+  for (const TransparencyMethod& m : transparency_methods()) names.emplace_back(m.name);
+  return names;
+}
 std::vector<std::string> layer_names() {
   std::vector<std::string> names;
   AllPasses::each([&]<class P>(std::type_identity<P>) {
@@ -382,6 +425,11 @@ std::vector<std::string> view_names() {
 std::string_view technique_says(std::string_view name) {
   for (const Technique& t : techniques())
     if (t.name == name) return t.description;
+  return {};
+}
+std::string_view transparency_says(std::string_view name) {
+  for (const TransparencyMethod& m : transparency_methods())
+    if (m.name == name) return m.description;
   return {};
 }
 std::string_view layer_says(std::string_view name) {

@@ -88,12 +88,14 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
 
 // Tables for `candela list`, --set and the help text.
 std::vector<std::string> technique_names();
+std::vector<std::string> transparency_names();
 std::vector<std::string> pass_names();
 std::vector<std::string> layer_names();
 std::vector<std::string> tonemap_names();
 std::vector<std::string> view_names();
 // A line about a technique or a layer; empty for what is none.
 std::string_view technique_says(std::string_view name);
+std::string_view transparency_says(std::string_view name);
 std::string_view layer_says(std::string_view name);
 std::vector<std::string> effect_names();
 struct KnobRow {

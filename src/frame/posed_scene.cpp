@@ -6,7 +6,7 @@
 namespace candela {
 
 Expected<Scene> load_scene(const Job& job, LoadFor use) {
-  auto scene = load_gltf(job.scene, use);
+  auto scene = load_gltf(job.scene, {use, job.variant});
   if (scene) apply_shading(*scene, job.shading);
   if (scene) add_probe(*scene, probe_from_name(job.probe));
   return scene;

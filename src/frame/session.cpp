@@ -45,6 +45,7 @@ class DeviceSession : public Session {
   struct Begun {
     FrameResult result;
     std::vector<FrameReport> reports;
+    std::string refusal;  // why the device's picture is not the frame's
     int counts = -1;
     double submit_us = 0;  // when recording began
   };
@@ -291,6 +292,7 @@ Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
+  if (!begun.refusal.empty()) return fail(ErrorKind::out_of_memory, "", "{}", begun.refusal);
   if (settings_.validate)
     if (const auto messages = device_->validation_messages(); !messages.empty())
       return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
@@ -322,6 +324,7 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
     if (found == result.readbacks.end()) continue;
     const std::span<const std::byte> bytes = found->second->bytes();
     for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (report.refusal && begun.refusal.empty()) begun.refusal = report.refusal(bytes);
     if (!report.notes) continue;
     for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));
   }

@@ -35,6 +35,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.transforms", &Inputs::transforms, u.transforms, offsetof(Constants, transforms));
     add("frame.geometries", &Inputs::geometries, u.geometries, offsetof(Constants, geometries));
     add("frame.materials", &Inputs::materials, u.materials, offsetof(Constants, materials));
+    add("frame.lobes", &Inputs::lobes, u.lobes, offsetof(Constants, lobes));
     add_lights();
     add("frame.cull_groups", &Inputs::cull_groups, u.groups);
     add("frame.views", &Inputs::views, frame.suns.views.table);

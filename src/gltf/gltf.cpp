@@ -9,6 +9,7 @@
 #include "gltf/materials.h"
 #include "gltf/meshes.h"
 #include "gltf/nodes.h"
+#include "gltf/variants.h"
 #include "scene/deformation_bounds.h"
 #include "scene/scene_images.h"
 
@@ -16,11 +17,12 @@ namespace candela {
 namespace {
 
 // The order is that of reference: what is named comes before what names it.
-Scene import_scene(gltf::Document& document, LoadFor use) {
+Scene import_scene(gltf::Document& document, const LoadOptions& options) {
   Scene scene;
   scene.path = document.name;
-  scene.extensions = gltf::survey_extensions(document, use);
-  gltf::import_materials(document, gltf::animated_pointers(document), use, scene);
+  scene.extensions = gltf::survey_extensions(document, options.use);
+  gltf::choose_variant(document, options.variant, scene);
+  gltf::import_materials(document, gltf::animated_pointers(document), options.use, scene);
   gltf::import_meshes(document, scene);
   gltf::import_cameras(document, scene);
   gltf::import_lights(document, scene);
@@ -35,21 +37,21 @@ Scene import_scene(gltf::Document& document, LoadFor use) {
 
 }  // namespace
 
-Expected<Scene> load_gltf(const std::filesystem::path& path, LoadFor use) {
+Expected<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& options) {
   const Expected<std::vector<std::byte>> bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
-  Expected<Scene> scene = load_gltf_from_memory(*bytes, path.string(), path.parent_path(), use);
+  Expected<Scene> scene = load_gltf_from_memory(*bytes, path.string(), path.parent_path(), options);
   if (scene) scene->files.insert(scene->files.begin(), path.string());
   return scene;
 }
 
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
-                                      const std::filesystem::path& folder, LoadFor use) {
+                                      const std::filesystem::path& folder, const LoadOptions& options) {
   std::set<std::string> earlier;
   try {
     gltf::Document document = gltf::open_document(bytes, name, folder);
     earlier = document.finding_codes;
-    Scene scene = import_scene(document, use);
+    Scene scene = import_scene(document, options);
     prepare_deformation_bounds(scene);
     if (const auto fits = decoded_bytes(scene); !fits) return std::unexpected(fits.error());
     return scene;

@@ -8,20 +8,25 @@
 
 namespace candela {
 
-// What is going to be made of a scene. path_tracing: light goes through surfaces and bodies
-// (KHR_materials_transmission, _volume, _dispersion), so these extensions are supported and their textures read; raster
-// techniques draw such surfaces opaque.
+// What is going to be made of a scene. path_tracing: light goes through surfaces and bodies as their geometry is, so
+// that these extensions are supported and nothing approximate; raster techniques take the file's word for a body's
+// thickness.
 enum class LoadFor : uint8_t { raster, path_tracing };
+struct LoadOptions {
+  LoadFor use;
+  std::string variant;  // of materials (KHR_materials_variants); empty: what primitives have without one
+  LoadOptions(LoadFor use = LoadFor::raster, std::string variant = {}) : use(use), variant(std::move(variant)) {}
+};
 
 // Loads .gltf (files, base64) or .glb. Everything is checked before it is used: every index, every byte range, every
 // size. A file that breaks the specification in a way that leaves no right picture is an error (kind input) whose
 // message names what the Khronos validator names and whose place is "FILE: /json/path"; what can be used is used, with
 // a line in Scene::warnings. An ignored extension in extensionsRequired is an error that names extension, node and
 // consequence. Memory stays in proportion to the file's size.
-Expected<Scene> load_gltf(const std::filesystem::path& path, LoadFor use = LoadFor::raster);
+Expected<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& options = {});
 
 // The same from memory (fuzzing, tests); relative URIs resolve against `folder`.
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
-                                      const std::filesystem::path& folder, LoadFor use = LoadFor::raster);
+                                      const std::filesystem::path& folder, const LoadOptions& options = {});
 
 }  // namespace candela

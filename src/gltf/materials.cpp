@@ -196,11 +196,12 @@ struct Importer {
     if (const Json* e = extension(json, "KHR_materials_transmission")) {
       const std::string where = path + "/extensions/KHR_materials_transmission";
       material.transmission = factor(document, *e, "transmissionFactor", 0, 1, where);
-      if (use == LoadFor::path_tracing) material.transmission_texture = slot(*e, "transmissionTexture", where);
+      material.transmission_texture = slot(*e, "transmissionTexture", where);
     }
     if (const Json* e = extension(json, "KHR_materials_volume")) {
       const std::string where = path + "/extensions/KHR_materials_volume";
       material.thickness_m = factor(document, *e, "thicknessFactor", 0, no_limit, where);
+      if (use == LoadFor::raster) material.thickness_texture = slot(*e, "thicknessTexture", where);
       if (e->contains("attenuationDistance"))
         material.attenuation_distance_m = std::max(factor(document, *e, "attenuationDistance", 1, no_limit, where),
                                                    std::numeric_limits<float>::min());

@@ -5,6 +5,7 @@
 #include "gltf/draco.h"
 #include "gltf/mikktspace.h"
 #include "gltf/topology.h"
+#include "gltf/variants.h"
 #include "gltf/vertices.h"
 
 namespace candela::gltf {
@@ -280,7 +281,7 @@ std::optional<MeshSection> import_primitive(Document& document, const Scene& sce
   MeshSection section;
   section.place = source.path;
   section.topology = topology_of(source.primitive->mode);
-  section.material = source.primitive->material;
+  section.material = material_in_variant(document, *source.json, source.path, scene, source.primitive->material);
   section.index = std::move(source.list);
   if (section.index.empty()) return std::nullopt;
   read_vertices(document, scene, source, *position, section);

@@ -147,6 +147,9 @@ Expected<VkDevice> create_device(const Candidate& chosen, bool second_queue) {
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &wanted.core};
   info.queueCreateInfoCount = uint32_t(queues.size());
   info.pQueueCreateInfos = queues.data();
+  const char* const extension = VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME;
+  info.enabledExtensionCount = has_post_depth_coverage(chosen.physical) ? 1 : 0;
+  info.ppEnabledExtensionNames = &extension;
   VkDevice device = VK_NULL_HANDLE;
   const VkResult result = vkCreateDevice(chosen.physical, &info, nullptr, &device);
   if (result != VK_SUCCESS)

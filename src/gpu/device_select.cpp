@@ -30,6 +30,7 @@ constexpr Feature<VkPhysicalDeviceFeatures> required_core[] = {
 };
 constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
     {"samplerAnisotropy", &VkPhysicalDeviceFeatures::samplerAnisotropy},
+    {"geometryShader", &VkPhysicalDeviceFeatures::geometryShader},  // gl_PrimitiveID in fragment shaders
     {"sampleRateShading", &VkPhysicalDeviceFeatures::sampleRateShading},
     {"depthClamp", &VkPhysicalDeviceFeatures::depthClamp},
     {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics},
@@ -259,6 +260,16 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
   enable(wanted.v12, required_12);
   enable(wanted.v12, optional_12, &present.v12);
   enable(wanted.v13, required_13);
+}
+
+bool has_post_depth_coverage(VkPhysicalDevice physical) {
+  uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+  return std::ranges::any_of(extensions, [](const VkExtensionProperties& e) {
+    return std::strcmp(e.extensionName, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) == 0;
+  });
 }
 
 Error start_error(VkResult result, std::string message) {

@@ -25,6 +25,9 @@ std::string missing_features(const DeviceFeatures& present);
 // Sets in `wanted` all required features, and the optional ones that `present` has.
 void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted);
 
+// A fragment's coverage after the depth test is of no version of Vulkan, and optional.
+bool has_post_depth_coverage(VkPhysicalDevice physical);
+
 struct Candidate {
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   DeviceInfo info;

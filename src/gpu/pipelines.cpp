@@ -63,14 +63,24 @@ struct Specialization {
   VkSpecializationInfo info{};
 };
 
+bool uses(const std::vector<uint32_t>& spirv, uint32_t capability) {
+  constexpr size_t header_words = 5;
+  constexpr uint32_t op_capability = (2u << 16) | 17u;
+  for (size_t i = header_words; i + 1 < spirv.size() && spirv[i] == op_capability; i += 2)
+    if (spirv[i + 1] == capability) return true;
+  return false;
+}
+
 VkPipelineColorBlendAttachmentState blend_state(const AttachmentState& attachment) {
   const Blend blend = attachment.blend;
   VkPipelineColorBlendAttachmentState state{};
   state.colorWriteMask = attachment.write_mask;  // Vulkan's bits, red to alpha
   state.blendEnable = blend != Blend::none;
   state.srcColorBlendFactor = state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
-  state.dstColorBlendFactor = state.dstAlphaBlendFactor =
-      blend == Blend::additive ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  state.dstColorBlendFactor = state.dstAlphaBlendFactor = blend == Blend::additive ? VK_BLEND_FACTOR_ONE
+                                                          : blend == Blend::coverage
+                                                              ? VK_BLEND_FACTOR_ONE_MINUS_SRC_COLOR
+                                                              : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   state.colorBlendOp = state.alphaBlendOp = VK_BLEND_OP_ADD;
   return state;
 }
@@ -254,6 +264,15 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   raster.depthBiasConstantFactor = desc.depth_bias_constant;
   raster.depthBiasSlopeFactor = desc.depth_bias_slope;
   raster.depthClampEnable = desc.depth_clamp;
+  if (!desc.fragment_shader.empty()) {
+    constexpr uint32_t geometry = 2, post_depth_coverage = 4447;  // of SPIR-V
+    const std::vector<uint32_t>& spirv = shaders_.at(desc.fragment_shader).spirv;
+    if (uses(spirv, geometry) && !features_.geometryShader)
+      throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("geometryShader, for {}", desc.fragment_shader));
+    if (uses(spirv, post_depth_coverage) && !has_post_depth_coverage(device_.physical()))
+      throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT,
+                     fmt::format("{}, for {}", VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME, desc.fragment_shader));
+  }
   if (desc.depth_clamp && !features_.depthClamp)
     throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("depthClamp, for {}", desc.vertex_shader));
   VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};

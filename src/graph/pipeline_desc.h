@@ -24,7 +24,8 @@ struct ComputePipelineDesc {
   bool operator==(const ComputePipelineDesc&) const = default;
 };
 
-enum class Blend : uint8_t { none, premultiplied_over, additive };
+// coverage: channel by channel, what is covered already or by this: 1 - (1 - old) (1 - new).
+enum class Blend : uint8_t { none, premultiplied_over, additive, coverage };
 
 // Of one colour attachment: how it blends, and which channels are written (bit 0 red to bit 3 alpha).
 struct AttachmentState {

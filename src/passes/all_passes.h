@@ -30,9 +30,13 @@
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
+#include "passes/surfaces/refraction.h"
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
+#include "passes/transparency/fragments.h"
+#include "passes/transparency/moments.h"
+#include "passes/transparency/weighted.h"
 #include "passes/volumes/fog.h"
 #include "passes/volumes/fog_layers.h"
 #include "passes/volumes/fog_march.h"
@@ -51,11 +55,12 @@ struct PassList {
 
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
-using AllPasses = PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan,
-                           LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky,
-                           Background, Reflections, ReflectionsOver, Transparent, Layers, Terms, FogLayers, SunLayers,
-                           LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample,
-                           Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+using AllPasses =
+    PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
+             LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
+             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Layers, Terms, FogLayers,
+             SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
+             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -103,6 +103,11 @@ concept Reports = requires(const P pass, const typename P::Out out, const typena
   { out.report } -> std::convertible_to<BufferHandle>;
   { pass.warnings(report) } -> std::same_as<std::vector<std::string>>;
 };
+// The same with why the picture is not to be had: empty where it is.
+template <class P>
+concept Refuses = requires(const P pass, const typename P::Report& report) {
+  { pass.refusal(report) } -> std::same_as<std::string>;
+};
 // The same with what is worth telling, but no cause for concern.
 template <class P>
 concept ReportsNotes = requires(const P pass, const typename P::Report& report) {

@@ -13,6 +13,7 @@ namespace candela {
 // What every pass that touches the scene takes: the uploaded buffers, the frame's shape, and the draw runs.
 struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
+  BufferHandle lobes;                                      // of materials; empty without
   BufferHandle light_bounds, light_chunks, light_globals;  // empty without light lists
   LightGridShape light_grid;
   BufferHandle views, view_regions, suns;             // of shadow maps; empty without
@@ -39,6 +40,7 @@ struct SceneInputs {
   bool is_subsample = false;
   glm::vec2 subsample_ndc{0};
   float subsample_footprint = 1;
+  float blended_near_m = 0, blended_far_m = 0;  // between which depths along the view axis blended surfaces lie
   float volumetric_reach_m = 0;                 // of a ray, beyond which no lamp's light in the air is left
   uint32_t subsample = 0, subsamples = 1;       // which of how many
   std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed

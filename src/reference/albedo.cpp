@@ -1,12 +1,12 @@
 #include "reference/albedo.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "reference/brdf.h"
+#include "reference/cubic_weights.h"
 #include "reference/microfacet.h"
 #include "reference/sampling.h"
 
@@ -36,22 +36,6 @@ const Table& table() {
   }();
   return made;
 }
-
-// Four nodes about a place and their weights (Catmull and Rom 1974). Where one lies beyond the ends, it is the
-// parabola's through the three next to it.
-struct Weights {
-  Weights(double at, int nodes) {
-    const int cell = std::clamp(int(at), 0, nodes - 2);
-    const double t = std::clamp(at - cell, 0.0, 1.0), t2 = t * t, t3 = t2 * t;
-    weight = {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
-    first = std::clamp(cell - 1, 0, nodes - 4);
-    const double w0 = weight[0], w3 = weight[3];
-    if (cell == 0) weight = {weight[1] + 3 * w0, weight[2] - 3 * w0, w3 + w0, 0};
-    if (cell == nodes - 2) weight = {0, w0 + w3, weight[1] - 3 * w3, weight[2] + 3 * w3};
-  }
-  std::array<double, 4> weight;
-  int first;
-};
 
 }  // namespace
 
@@ -85,10 +69,10 @@ DirectionalAlbedo integrate_albedo(double roughness, double n_v, int count) {
 
 DirectionalAlbedo directional_albedo(double roughness, double n_v) {
   const double low = std::cbrt(least_view);
-  const Weights rows(
+  const CubicWeights rows(
       (1 - std::log(std::max(roughness, least_roughness)) / std::log(least_roughness)) * (roughness_nodes - 1),
       roughness_nodes);
-  const Weights columns((std::cbrt(std::max(n_v, least_view)) - low) / (1 - low) * (view_nodes - 1), view_nodes);
+  const CubicWeights columns((std::cbrt(std::max(n_v, least_view)) - low) / (1 - low) * (view_nodes - 1), view_nodes);
   DirectionalAlbedo out;
   for (size_t r = 0; r < 4; ++r)
     for (size_t c = 0; c < 4; ++c) {
@@ -99,19 +83,37 @@ DirectionalAlbedo directional_albedo(double roughness, double n_v) {
   return out;
 }
 
-glm::dvec3 specular_gain(glm::dvec3 f0, double roughness, double n_v) {
+namespace {
+
+// share: cosine of the view where facets are as those of roughness 1.
+glm::dvec3 gain_of(glm::dvec3 f0, double alpha, double share) {
   // Rows by powers of alpha from 0, columns by powers of the share from 1.
   static constexpr double fit[4][6] = {{0.25913, -0.826616, 3.97086, -8.91993, 9.34809, -3.83096},
                                        {0.000180769, 1.85641, -5.33695, 5.53192, -1.18695, -0.926116},
                                        {4.20931, -18.1444, 36.7748, -29.5164, -0.449344, 8.6848},
                                        {-0.24951, 3.01914, 13.3698, -53.0425, 65.411, -27.7572}};
-  const double r = std::max(roughness, least_roughness), alpha = r * r, view = std::max(n_v, least_view);
-  const double share = view / std::sqrt(view * view * (1 - alpha * alpha) + alpha * alpha);
   double sum = 0;
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 6; ++column)
       sum += fit[row][column] * std::pow(alpha, row) * std::pow(share, column + 1);
   return 1.0 + f0 * sum;
+}
+
+}  // namespace
+
+glm::dvec3 specular_gain(glm::dvec3 f0, double roughness, double n_v) {
+  const double r = std::max(roughness, least_roughness), alpha = r * r, view = std::max(n_v, least_view);
+  return gain_of(f0, alpha, view / std::sqrt(view * view * (1 - alpha * alpha) + alpha * alpha));
+}
+
+double mean_alpha(const StretchedFacets& f) {
+  return std::sqrt(0.39 * f.alpha.x * f.alpha.x + 0.61 * f.alpha.y * f.alpha.y);
+}
+
+glm::dvec3 specular_gain(glm::dvec3 f0, const StretchedFacets& f, glm::dvec3 v) {
+  const double view = std::max(std::abs(glm::dot(f.z, v)), least_view);
+  const double x = f.alpha.x * glm::dot(f.x, v), y = f.alpha.y * glm::dot(f.y, v);
+  return gain_of(f0, mean_alpha(f), view / std::sqrt(view * view + x * x + y * y));
 }
 
 }  // namespace candela::reference

@@ -39,6 +39,7 @@ double largest(glm::dvec3 c) { return std::max({c.x, c.y, c.z}); }
 double luminance(glm::dvec3 c) { return glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)); }
 
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  if (s.lobes) return evaluate_lobes(s, l, v);
   const double n_l = glm::dot(s.normal, l);
   if (!(n_l > 0)) return glm::dvec3(0);
   const double n_v = std::max(std::abs(glm::dot(s.normal, v)), least_n_v);
@@ -57,6 +58,7 @@ glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
 }
 
 glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  if (s.lobes) return diffuse_lobes(s, l, v);
   const double n_l = glm::dot(s.normal, l);
   if (!(n_l > 0)) return glm::dvec3(0);
   const glm::dvec3 sum = l + v;
@@ -68,12 +70,14 @@ glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
 }
 
 glm::dvec3 sample_brdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u) {
+  if (s.lobes) return sample_lobes(s, v, lobe, u);
   if (lobe >= specular_share(s, v)) return cosine_direction(s.normal, u);
   const glm::dvec3 h = visible_normal(s.normal, v, alpha_of(s), u);
   return glm::normalize(2 * glm::dot(v, h) * h - v);
 }
 
 double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  if (s.lobes) return lobes_pdf(s, l, v);
   const double n_l = glm::dot(s.normal, l);
   if (!(n_l > 0)) return 0;
   const double share = specular_share(s, v);

@@ -1,10 +1,14 @@
 #pragma once
 #include <algorithm>
 #include <glm/glm.hpp>
+#include <optional>
+
+#include "reference/lobes.h"
 
 // The metallic-roughness BRDF of glTF 2.0, appendix B, in double, written from the specification (TECHNIQUES 9.1) and
 // not from the shaders: an error in either shows as a difference. Beyond the specification it keeps the light that
-// bounces more than once between facets: Surface::specular_gain.
+// bounces more than once between facets: Surface::specular_gain. Surfaces with lobes of other extensions are passed on
+// to lobes.h.
 namespace candela::reference {
 
 // Perceptual roughness below this counts as this, in every path: 32-bit floats overflow otherwise (TECHNIQUES 9.1).
@@ -26,6 +30,7 @@ struct Surface {
   glm::dvec3 specular_gain{1};  // of the opaque specular lobe, by light that bounces on between facets (albedo.h)
   double coverage = 1;          // 1 opaque, 0 a hole (glTF 3.9.4)
   bool unlit = false;           // base_color is what it shows
+  std::optional<Lobes> lobes;   // beyond the base; nothing: there are none
   // Where light goes through (paths alone; the functions below know nothing of it).
   const Glass* glass = nullptr;  // null: opaque
   double transmission = 0;       // share of the base's light
@@ -40,7 +45,8 @@ inline double alpha_of(const Surface& s) {
   return r * r;
 }
 
-// f(l, v) (n.l), 1/sr; 0 for light from below the shading normal. l and v are unit and point away from the surface.
+// f(l, v) (n.l), 1/sr; 0 for light from below the shading normal, unless lobes take it. l and v are unit and point away
+// from the surface.
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 // The part of it that the base reflects diffusely.
 glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);

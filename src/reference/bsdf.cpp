@@ -12,10 +12,10 @@ namespace {
 using std::numbers::pi;
 constexpr double same_index = 1e-7;  // indices are floats: closer than their steps is equal
 
-bool is_smooth(const Surface& s) { return s.roughness < least_roughness; }
-// What becomes of light that meets a facet at this cosine.
+bool is_smooth(const Surface& s) { return s.roughness < least_roughness && !is_stretched(s); }
+// What becomes of light that meets a facet at this cosine; behind: of diffuse light from the other side.
 struct Shares {
-  glm::dvec3 reflected, through, diffuse;
+  glm::dvec3 reflected, through, diffuse, behind{0};
 };
 Shares shares_at(const Surface& s, double cosine) {
   const double grazing = std::pow(std::clamp(1 - cosine, 0.0, 1.0), 5);
@@ -32,9 +32,34 @@ Shares shares_at(const Surface& s, double cosine) {
                    normal < 1 ? (exact - normal) / (1 - normal) : 1.0);
     f = glm::clamp(f, glm::dvec3(0), glm::dvec3(1));  // at indices above 4 the reflectance dips before it rises
   }
-  const glm::dvec3 metal = s.base_color + (1.0 - s.base_color) * grazing;
+  glm::dvec3 metal = s.base_color + (1.0 - s.base_color) * grazing;
+  if (s.lobes) {
+    // The film is seen from the air on either side, and no film ends total reflection.
+    const double sine2 = (1 - cosine * cosine) / (s.eta * s.eta);
+    const double in_air = s.eta < 1 ? std::sqrt(std::max(1 - sine2, 0.0)) : cosine;
+    if (s.eta >= 1 || sine2 < 1) f = under_film(s, f, glm::min(s.dielectric_f0, glm::dvec3(1)), in_air);
+    metal = under_film(s, metal, s.base_color, in_air);
+    const double left = (1 - s.metallic) * (1 - largest(f));
+    const double diffuse = left * (1 - s.transmission);
+    return {glm::mix(f, metal, s.metallic), s.base_color * (left * s.transmission), diffuse_color(s, true) * diffuse,
+            diffuse_color(s, false) * diffuse};
+  }
   const glm::dvec3 base = s.base_color * ((1 - s.metallic) * (1 - largest(f)));
   return {glm::mix(f, metal, s.metallic), base * s.transmission, base * (1 - s.transmission)};
+}
+
+// D and Smith's term over 4 (n.l) (n.v); D and the masking of v over n.v.
+double facets_lit(const Surface& s, glm::dvec3 l, glm::dvec3 v, glm::dvec3 h) {
+  const double n_l = std::abs(glm::dot(s.normal, l)), n_v = glm::dot(s.normal, v), alpha = alpha_of(s);
+  if (!is_stretched(s)) return ggx_d(glm::dot(s.normal, h), alpha) * smith_v(n_l, n_v, alpha);
+  const StretchedFacets facets = facets_of(s);
+  return ggx_d(facets, h) * smith_v(facets, l, n_l, v, n_v);
+}
+double facets_seen(const Surface& s, glm::dvec3 v, glm::dvec3 h) {
+  const double n_v = glm::dot(s.normal, v), alpha = alpha_of(s);
+  if (!is_stretched(s)) return smith_g1(n_v, alpha) * ggx_d(glm::dot(s.normal, h), alpha) / n_v;
+  const StretchedFacets facets = facets_of(s);
+  return smith_g1(facets, v) * ggx_d(facets, h) / n_v;
 }
 
 // The facet that takes light between l and v; its normal is on the side of v. Zero: none does.
@@ -63,11 +88,14 @@ double facets_per_direction(const Surface& s, glm::dvec3 l, glm::dvec3 v, glm::d
 // How often each kind of lobe is chosen: a function of the viewer's direction alone.
 struct Choices {
   double diffuse = 0, straight = 0, facets = 0;
+  double behind = 0;  // of diffuse light, that from the other side
 };
 Choices choices_of(const Surface& s, double n_v) {
   const Shares shares = shares_at(s, n_v);
   Choices c;
-  c.diffuse = luminance(shares.diffuse);
+  const double behind = luminance(shares.behind);
+  c.diffuse = luminance(shares.diffuse) + behind;
+  if (transmits_diffusely(s)) c.behind = c.diffuse > 0 ? std::clamp(behind / c.diffuse, 0.05, 0.95) : 0.5;
   c.straight = is_straight(s) ? luminance(shares.through) : 0;
   c.facets = luminance(shares.reflected) + (is_straight(s) ? 0 : luminance(shares.through));
   const double sum = c.diffuse + c.straight + c.facets;
@@ -117,7 +145,8 @@ BsdfSample window(const Surface& s, glm::dvec3 v) {
 std::optional<BsdfSample> sample_smooth(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u) {
   const double n_v = glm::dot(s.normal, v);
   const Shares shares = shares_at(s, n_v);
-  const double r = luminance(shares.reflected), t = luminance(shares.through), sum = r + t + luminance(shares.diffuse);
+  const double r = luminance(shares.reflected), t = luminance(shares.through),
+               sum = r + t + luminance(shares.diffuse) + luminance(shares.behind);
   if (!(sum > 0)) return {};
   BsdfSample out;
   if (lobe * sum < r) {
@@ -128,7 +157,9 @@ std::optional<BsdfSample> sample_smooth(const Surface& s, glm::dvec3 v, double l
     out.weight = shares.through * (sum / t);
     if (s.glass->body) out.weight /= s.eta * s.eta;
   } else {
-    out.l = cosine_direction(s.normal, u);
+    const double rest = std::clamp((lobe * sum - r - t) / (sum - r - t), 0.0, 1.0);
+    out.through = rest < choices_of(s, n_v).behind;
+    out.l = cosine_direction(out.through ? -s.normal : s.normal, u);
     out.pdf = bsdf_pdf(s, out.l, v);
     if (!(out.pdf > 0) || !is_open(s, out.l)) return {};
     out.weight = evaluate_bsdf(s, out.l, v) / out.pdf;
@@ -147,10 +178,12 @@ std::optional<BsdfSample> sample_rough(const Surface& s, glm::dvec3 v, double lo
     return out;
   }
   if (lobe < choices.straight + choices.diffuse) {
-    out.l = cosine_direction(s.normal, u);
+    out.through = lobe - choices.straight < choices.diffuse * choices.behind;
+    out.l = cosine_direction(out.through ? -s.normal : s.normal, u);
   } else {
     const double rest = (lobe - choices.straight - choices.diffuse) / choices.facets;
-    const glm::dvec3 h = visible_normal(s.normal, v, alpha_of(s), u);
+    const glm::dvec3 h =
+        is_stretched(s) ? visible_normal(facets_of(s), v, u) : visible_normal(s.normal, v, alpha_of(s), u);
     const double v_h = glm::dot(v, h);
     if (!(v_h > 0)) return {};
     if (rest < reflected_part(s, shares_at(s, v_h))) {
@@ -170,6 +203,64 @@ std::optional<BsdfSample> sample_rough(const Surface& s, glm::dvec3 v, double lo
   }
   out.pdf = bsdf_pdf(s, out.l, v);
   if (!(out.pdf > 0) || !is_open(s, out.l)) return {};
+  out.weight = evaluate_bsdf(s, out.l, v) / out.pdf;
+  return out;
+}
+
+// Light from behind that the base scatters. Inside a body it has the radiance of the body's medium.
+glm::dvec3 diffuse_from_behind(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  const double n_l = glm::dot(s.normal, l);
+  if (!(n_l < 0) || !transmits_diffusely(s)) return glm::dvec3(0);
+  const glm::dvec3 h = glm::normalize(l - 2 * n_l * s.normal + v);
+  return shares_at(s, glm::dot(v, h)).behind * (-n_l / pi / (s.glass->body ? s.eta * s.eta : 1.0));
+}
+
+// f(l, v) |n.l| and the density of what lies under layers.
+glm::dvec3 evaluate_glass(const Surface& s, glm::dvec3 l, glm::dvec3 v, bool punctual) {
+  const double n_l = glm::dot(s.normal, l), n_v = glm::dot(s.normal, v);
+  if (n_l == 0 || !(n_v > 0)) return glm::dvec3(0);
+  const glm::dvec3 behind = diffuse_from_behind(s, l, v);
+  if (n_l < 0 && (is_smooth(s) || is_straight(s))) return behind;
+  const glm::dvec3 h = facet_between(s, l, v);
+  if (h == glm::dvec3(0)) return behind;
+  const double v_h = glm::dot(v, h);
+  const Shares shares = shares_at(s, v_h);
+  // D and G over 4 (n.l) (n.v), times n.l.
+  const double facets = facets_lit(s, l, v, h) * std::abs(n_l);
+  if (n_l > 0)
+    return shares.diffuse * (n_l / pi) + (punctual || !is_smooth(s) ? shares.reflected * facets : glm::dvec3(0));
+  if (!s.glass->body) return shares.through * facets + behind;
+  return shares.through * (4 * facets * v_h * facets_per_direction(s, l, v, h) / (s.eta * s.eta)) + behind;
+}
+
+double glass_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
+  const double n_l = glm::dot(s.normal, l), n_v = glm::dot(s.normal, v);
+  if (n_l == 0 || !(n_v > 0)) return 0;
+  const Choices choices = choices_of(s, n_v);
+  const double diffuse = choices.diffuse * (n_l > 0 ? 1 - choices.behind : choices.behind) * std::abs(n_l) / pi;
+  if (is_smooth(s) || (n_l < 0 && is_straight(s))) return diffuse;
+  const glm::dvec3 h = facet_between(s, l, v);
+  if (h == glm::dvec3(0)) return diffuse;
+  const double v_h = glm::dot(v, h), visible = facets_seen(s, v, h);  // D_v over v.h
+  const double part = reflected_part(s, shares_at(s, v_h));
+  if (n_l > 0) return diffuse + choices.facets * part * visible / 4;
+  return diffuse +
+         choices.facets * (1 - part) * visible * (s.glass->body ? v_h * facets_per_direction(s, l, v, h) : 0.25);
+}
+
+std::optional<BsdfSample> sample_layered(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u) {
+  const LayerChoices layers = layer_choices(s, v);
+  if (lobe >= layers.coat + layers.sheen) {
+    const double rest = std::min((lobe - layers.coat - layers.sheen) / layers.under, 1 - 0x1p-53);
+    std::optional<BsdfSample> out = is_smooth(s) ? sample_smooth(s, v, rest, u) : sample_rough(s, v, rest, u);
+    if (out && !(out->pdf > 0)) out->weight *= share_under(s, out->l, v) / layers.under;
+    return out;
+  }
+  BsdfSample out;
+  out.l = lobe < layers.coat ? sample_coat(s, v, u) : cosine_direction(s.normal, u);
+  out.pdf = bsdf_pdf(s, out.l, v);
+  if (!(out.pdf > 0) || !is_open(s, out.l)) return {};
+  out.through = glm::dot(s.normal, out.l) < 0;
   out.weight = evaluate_bsdf(s, out.l, v) / out.pdf;
   return out;
 }
@@ -196,30 +287,21 @@ bool is_straight(const Surface& s) {
 }
 
 glm::dvec3 straight_share(const Surface& s, glm::dvec3 v) {
-  return is_straight(s) ? shares_at(s, glm::dot(s.normal, v)).through : glm::dvec3(0);
+  if (!is_straight(s)) return glm::dvec3(0);
+  const glm::dvec3 through = shares_at(s, glm::dot(s.normal, v)).through;
+  return s.lobes ? through * share_under(s, -v, v) : through;
 }
 
 bool is_open(const Surface& s, glm::dvec3 l) {
   const double geometric = glm::dot(s.geometric, l);
-  if (!s.glass) return geometric > 0;
+  if (!s.glass && !transmits_diffusely(s)) return geometric > 0;
   return geometric * glm::dot(s.normal, l) > 0;
 }
 
 glm::dvec3 evaluate_bsdf(const Surface& s, glm::dvec3 l, glm::dvec3 v, bool punctual) {
   if (!s.glass) return evaluate_brdf(s, l, v);
-  const double n_l = glm::dot(s.normal, l), n_v = glm::dot(s.normal, v), alpha = alpha_of(s);
-  if (n_l == 0 || !(n_v > 0)) return glm::dvec3(0);
-  if (n_l < 0 && (is_smooth(s) || is_straight(s))) return glm::dvec3(0);
-  const glm::dvec3 h = facet_between(s, l, v);
-  if (h == glm::dvec3(0)) return glm::dvec3(0);
-  const double v_h = glm::dot(v, h);
-  const Shares shares = shares_at(s, v_h);
-  // D and G over 4 (n.l) (n.v), times n.l.
-  const double facets = ggx_d(glm::dot(s.normal, h), alpha) * smith_v(std::abs(n_l), n_v, alpha) * std::abs(n_l);
-  if (n_l > 0)
-    return shares.diffuse * (n_l / pi) + (punctual || !is_smooth(s) ? shares.reflected * facets : glm::dvec3(0));
-  if (!s.glass->body) return shares.through * facets;
-  return shares.through * (4 * facets * v_h * facets_per_direction(s, l, v, h) / (s.eta * s.eta));
+  const glm::dvec3 under = evaluate_glass(s, l, v, punctual);
+  return s.lobes ? evaluate_layers(s, l, v) + share_under(s, l, v) * under : under;
 }
 
 glm::dvec3 diffuse_share(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
@@ -228,8 +310,11 @@ glm::dvec3 diffuse_share(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   glm::dvec3 diffuse(0);
   if (!s.glass) {
     diffuse = diffuse_brdf(s, l, v);
-  } else if (const double n_l = glm::dot(s.normal, l); n_l > 0) {
-    diffuse = shares_at(s, glm::dot(v, facet_between(s, l, v))).diffuse * (n_l / pi);
+  } else {
+    const double n_l = glm::dot(s.normal, l);
+    if (n_l > 0) diffuse = shares_at(s, glm::dot(v, facet_between(s, l, v))).diffuse * (n_l / pi);
+    if (n_l < 0) diffuse = diffuse_from_behind(s, l, v);
+    if (s.lobes) diffuse *= share_under(s, l, v);
   }
   for (int c = 0; c < 3; ++c) diffuse[c] = all[c] > 0 ? std::min(diffuse[c] / all[c], 1.0) : 0;
   return diffuse;
@@ -237,24 +322,15 @@ glm::dvec3 diffuse_share(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
 
 double bsdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   if (!s.glass) return brdf_pdf(s, l, v);
-  const double n_l = glm::dot(s.normal, l), n_v = glm::dot(s.normal, v), alpha = alpha_of(s);
-  if (n_l == 0 || !(n_v > 0)) return 0;
-  if (n_l < 0 && (is_smooth(s) || is_straight(s))) return 0;
-  const Choices choices = choices_of(s, n_v);
-  double pdf = n_l > 0 ? choices.diffuse * n_l / pi : 0;
-  if (is_smooth(s)) return pdf;
-  const glm::dvec3 h = facet_between(s, l, v);
-  if (h == glm::dvec3(0)) return pdf;
-  const double v_h = glm::dot(v, h),
-               visible = smith_g1(n_v, alpha) * ggx_d(glm::dot(s.normal, h), alpha) / n_v;  // D_v over v.h
-  const double part = reflected_part(s, shares_at(s, v_h));
-  if (n_l > 0) return pdf + choices.facets * part * visible / 4;
-  return choices.facets * (1 - part) * visible * (s.glass->body ? v_h * facets_per_direction(s, l, v, h) : 0.25);
+  if (!s.lobes) return glass_pdf(s, l, v);
+  const LayerChoices layers = layer_choices(s, v);
+  return layers_pdf(s, layers, l, v) + layers.under * glass_pdf(s, l, v);
 }
 
 std::optional<BsdfSample> sample_bsdf(const Surface& s, glm::dvec3 v, double lobe, glm::dvec2 u) {
   if (s.glass) {
     if (!(glm::dot(s.normal, v) > 0)) return {};
+    if (s.lobes) return sample_layered(s, v, lobe, u);
     return is_smooth(s) ? sample_smooth(s, v, lobe, u) : sample_rough(s, v, lobe, u);
   }
   BsdfSample out;
@@ -262,6 +338,7 @@ std::optional<BsdfSample> sample_bsdf(const Surface& s, glm::dvec3 v, double lob
   out.pdf = brdf_pdf(s, out.l, v);
   if (!(out.pdf > 0) || !is_open(s, out.l)) return {};
   out.weight = evaluate_brdf(s, out.l, v) / out.pdf;
+  out.through = glm::dot(s.geometric, out.l) < 0;
   return out;
 }
 

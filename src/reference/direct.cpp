@@ -26,14 +26,56 @@ glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band) {
   return glm::max(sum, glm::dvec3(0));
 }
 
+namespace {
+
+// The direction that a lobe of stretched facets reflects: about a normal that leans towards what those facets show, the
+// less the rounder the lobe (the bent normal of Khronos's sample renderer).
+glm::dvec3 bent_normal(const Surface& s, glm::dvec3 v) {
+  if (!is_stretched(s)) return s.normal;
+  const glm::dvec3 across = glm::cross(s.normal, s.lobes->along);
+  const glm::dvec3 leaning = glm::cross(glm::cross(across, v), across);
+  const double round = 1 - s.lobes->anisotropy * (1 - s.roughness), weight = round * round * round * round;
+  const glm::dvec3 bent = glm::mix(leaning, s.normal, weight);
+  const double length = glm::length(bent);
+  return length > 1e-6 ? bent / length : s.normal;
+}
+
+// a: of the base's facets; left: of the light, to the diffuse lobe, by a base without a film.
+HarmonicAmbient harmonic_lobes(const AmbientSh& sh, const Surface& s, glm::dvec3 v, const DirectionalAlbedo& a,
+                               double left) {
+  const double n_v = std::clamp(glm::dot(s.normal, v), 0.0, 1.0), under = share_under(s, v);
+  const double scale = a.scale + a.bias;
+  // The film's reflectance stands for that of all facets.
+  const auto filmed = [&](glm::dvec3 facets, glm::dvec3 f0) {
+    return scale > 0 ? under_film(s, facets / scale, f0, n_v) * scale : facets;
+  };
+  const glm::dvec3 dielectric = filmed(s.dielectric_f0 * a.scale + s.dielectric_f90 * a.bias, s.dielectric_f0),
+                   metal = filmed(s.base_color * a.scale + a.bias, s.base_color);
+  const double into =
+      (1 - largest(under_film(s, glm::dvec3(1 - left), s.dielectric_f0, n_v))) * (1 - s.metallic) * under;
+  HarmonicAmbient out;
+  out.diffuse = diffuse_color(s, true) * into * harmonic_sum(sh, s.normal);
+  if (transmits_diffusely(s)) out.behind = diffuse_color(s, false) * into * harmonic_sum(sh, -s.normal);
+  out.specular = s.specular_gain * glm::mix(dielectric, metal, s.metallic) * under *
+                 harmonic_sum(sh, glm::reflect(-v, bent_normal(s, v)));
+  out.specular += sheen_reflectance(s, v) * harmonic_sum(sh, s.normal);
+  if (s.lobes->clearcoat > 0)
+    out.specular += coat_reflectance(s, v) * harmonic_sum(sh, glm::reflect(-v, s.lobes->clearcoat_normal));
+  return out;
+}
+
+}  // namespace
+
 HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v) {
-  const DirectionalAlbedo a = directional_albedo(s.roughness, std::clamp(glm::dot(s.normal, v), 0.0, 1.0));
+  const DirectionalAlbedo a = facet_albedo(s, v);
   const glm::dvec3 dielectric = s.dielectric_f0 * a.scale + s.dielectric_f90 * a.bias,
                    metal = s.base_color * a.scale + a.bias;
   const double f0 = largest(s.dielectric_f0), left = 1 - (f0 + (s.dielectric_f90 - f0) * a.grazing);
+  if (s.lobes) return harmonic_lobes(sh, s, v, a, left);
   const glm::dvec3 diffuse = s.base_color * left * (1 - s.metallic) * harmonic_sum(sh, s.normal);
   return {diffuse,
-          s.specular_gain * glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal))};
+          s.specular_gain * glm::mix(dielectric, metal, s.metallic) * harmonic_sum(sh, glm::reflect(-v, s.normal)),
+          {}};
 }
 
 PixelSample Integrator::sample(int x, int y, uint64_t index, TermSample* terms) const {
@@ -134,12 +176,18 @@ std::optional<Hit> Integrator::reflecting_hit(const SurfacePoint& from, glm::dve
 
 Integrator::Lobe Integrator::specular_lobe(const Surface& s, const SurfacePoint& point, glm::dvec3 v,
                                            glm::dvec2 u) const {
-  const double alpha = std::pow(std::max(s.roughness, least_roughness), 2);
-  const glm::dvec3 h = visible_normal(s.normal, v, alpha, u);
   Lobe lobe;
-  lobe.l = glm::reflect(-v, h);
-  const double n_v = std::max(glm::dot(s.normal, v), 1e-6);
-  const double pdf = smith_g1(n_v, alpha) * ggx_d(glm::dot(s.normal, h), alpha) / (4 * n_v);
+  double pdf;
+  if (s.lobes) {
+    lobe.l = sample_specular(s, v, u);
+    pdf = specular_pdf(s, lobe.l, v);
+  } else {
+    const double alpha = alpha_of(s);
+    const glm::dvec3 h = visible_normal(s.normal, v, alpha, u);
+    lobe.l = glm::reflect(-v, h);
+    const double n_v = std::max(glm::dot(s.normal, v), 1e-6);
+    pdf = smith_g1(n_v, alpha) * ggx_d(glm::dot(s.normal, h), alpha) / (4 * n_v);
+  }
   if (!(pdf > 0) || !(glm::dot(s.normal, lobe.l) > 0)) return lobe;
   lobe.weight = evaluate_brdf(s, lobe.l, v) * (1.0 - diffuse_share(s, lobe.l, v)) / pdf;
   if (settings_.visibility && is_open(s, lobe.l)) lobe.hit = reflecting_hit(point, lobe.l);
@@ -318,12 +366,18 @@ glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& poin
 
 glm::dvec3 Integrator::occluded_ambient(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                                         TermSample* terms, const Lobe* lobe) const {
-  auto [diffuse, specular] = harmonic_ambient(world_.ambient_sh(), s, v);
-  const glm::dvec3 open = sky_visibility(s, point, cosine_direction(s.normal, stream.next2()));
+  auto [diffuse, specular, behind] = harmonic_ambient(world_.ambient_sh(), s, v);
+  const glm::dvec2 u = stream.next2();
+  const glm::dvec3 open = sky_visibility(s, point, cosine_direction(s.normal, u));
   if (lobe && lobe->hit) specular = glm::dvec3(0);
-  const glm::dvec3 ambient = diffuse + specular;
-  if (terms) terms->add_ambient(diffuse * open, ambient * open);
-  return ambient * open;
+  glm::dvec3 ambient = (diffuse + specular) * open;
+  diffuse *= open;
+  if (behind != glm::dvec3(0)) {
+    behind *= sky_visibility(s, point, cosine_direction(-s.normal, u));
+    diffuse += behind, ambient += behind;
+  }
+  if (terms) terms->add_ambient(diffuse, ambient);
+  return ambient;
 }
 
 }  // namespace candela::reference

@@ -219,8 +219,8 @@ class Integrator {
   int width_px_, height_px_;
 };
 
-// The normal by which lights are chosen: glass is lit from either side.
-inline glm::dvec3 lit_side(const Surface& s) { return s.glass ? glm::dvec3(0) : s.normal; }
+// The normal by which lights are chosen: what lets light through is lit from either side.
+inline glm::dvec3 lit_side(const Surface& s) { return s.glass || transmits_diffusely(s) ? glm::dvec3(0) : s.normal; }
 
 // A sky of spherical harmonics, as they are for diffuse light, in direction n; every band times its factor.
 glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band = glm::dvec3(1));
@@ -229,6 +229,7 @@ glm::dvec3 harmonic_sum(const AmbientSh& sh, glm::dvec3 n, glm::dvec3 band = glm
 // diffuse light, and for reflections as well.
 struct HarmonicAmbient {
   glm::dvec3 diffuse{0}, specular{0};
+  glm::dvec3 behind{0};  // diffuse light that comes through from the other side
 };
 HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dvec3 v);
 

@@ -345,7 +345,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
       continue;
     }
     passed.reset();
-    if (next->through && s.glass->body) compressed /= s.eta * s.eta;
+    if (next->through && s.glass && s.glass->body) compressed /= s.eta * s.eta;
     ++bounce;
     if (!survives(roulette, bounce, through, compressed) || through == glm::dvec3(0)) break;
     from_mirror = !(next->pdf > 0);

@@ -73,6 +73,73 @@ glm::dvec3 World::emission_at(const TracedMaterial& m, const Vertex& v) const {
   return e;
 }
 
+glm::dvec3 World::mapped_normal(const Texture* map, const TextureSlot& slot, double scale, const Vertex& v) const {
+  if (!map || !(glm::dot(glm::dvec3(v.tangent), glm::dvec3(v.tangent)) > 0)) return v.normal;
+  const glm::dvec3 n = (glm::dvec3(fetch(map, slot, v)) * 2.0 - 1.0) * glm::dvec3(scale, scale, 1);
+  const glm::dvec3 tangent(v.tangent), bitangent = v.tangent.w * glm::cross(v.normal, tangent);
+  return n.x * tangent + n.y * bitangent + n.z * v.normal;
+}
+
+std::optional<Lobes> World::lobes_at(const TracedMaterial& t, const Vertex& v, glm::dvec3 normal, glm::dvec3 to_viewer,
+                                     bool back) const {
+  const Material& m = t.material;
+  Lobes lobes;
+  // Layers lie outside a body: who looks from inside it sees none.
+  const bool inside = back && t.glass && t.glass->body;
+  if (m.has(Lobe::clearcoat) && !inside) {
+    lobes.clearcoat = m.clearcoat.factor, lobes.clearcoat_roughness = m.clearcoat.roughness;
+    if (t.clearcoat) lobes.clearcoat *= fetch(t.clearcoat, m.clearcoat.texture, v).x;
+    if (t.clearcoat_roughness)
+      lobes.clearcoat_roughness *= fetch(t.clearcoat_roughness, m.clearcoat.roughness_texture, v).y;
+    lobes.clearcoat = std::clamp(lobes.clearcoat, 0.0, 1.0);
+    const glm::dvec3 coat =
+        unit_or_zero(mapped_normal(t.clearcoat_normal, m.clearcoat.normal_texture, m.clearcoat.normal_scale, v));
+    lobes.clearcoat_normal = coat == glm::dvec3(0) ? to_viewer : back ? -coat : coat;
+  }
+  if (m.has(Lobe::sheen) && !inside) {
+    lobes.sheen_color = m.sheen.color, lobes.sheen_roughness = m.sheen.roughness;
+    if (t.sheen_color) lobes.sheen_color *= glm::dvec3(fetch(t.sheen_color, m.sheen.color_texture, v));
+    if (t.sheen_roughness) lobes.sheen_roughness *= fetch(t.sheen_roughness, m.sheen.roughness_texture, v).w;
+    lobes.sheen_color = glm::clamp(lobes.sheen_color, glm::dvec3(0), glm::dvec3(1));
+  }
+  if (m.has(Lobe::iridescence)) {
+    lobes.iridescence = m.iridescence.factor, lobes.film_ior = m.iridescence.ior;
+    if (t.iridescence) lobes.iridescence *= fetch(t.iridescence, m.iridescence.texture, v).x;
+    lobes.iridescence = std::clamp(lobes.iridescence, 0.0, 1.0);
+    const double along = t.film_thickness ? fetch(t.film_thickness, m.iridescence.thickness_texture, v).y : 1;
+    lobes.film_nm = glm::mix(double(m.iridescence.least_nm), double(m.iridescence.most_nm), along);
+  }
+  if (m.has(Lobe::anisotropy)) {
+    lobes.anisotropy = m.anisotropy.strength;
+    glm::dvec2 way(1, 0);
+    if (t.anisotropy) {
+      const glm::dvec3 texel(fetch(t.anisotropy, m.anisotropy.texture, v));
+      way = glm::dvec2(texel) * 2.0 - 1.0;
+      lobes.anisotropy *= texel.z;
+    }
+    lobes.anisotropy = std::clamp(lobes.anisotropy, 0.0, 1.0);
+    const double sine = std::sin(double(m.anisotropy.rotation_rad)),
+                 cosine = std::cos(double(m.anisotropy.rotation_rad));
+    const glm::dvec3 tangent(v.tangent), bitangent = v.tangent.w * glm::cross(v.normal, tangent);
+    const glm::dvec3 along = (cosine * way.x - sine * way.y) * tangent + (sine * way.x + cosine * way.y) * bitangent;
+    lobes.along = unit_or_zero(along - glm::dot(along, normal) * normal);
+    // Without a direction (no tangents, or one along the normal) facets are as wide every way.
+    if (!(glm::length(along - glm::dot(along, normal) * normal) > 1e-9)) lobes.anisotropy = 0;
+  }
+  if (m.has(Lobe::diffuse_transmission)) {
+    lobes.diffuse_transmission = m.diffuse_transmission.factor, lobes.transmitted_color = m.diffuse_transmission.color;
+    if (t.diffuse_transmission)
+      lobes.diffuse_transmission *= fetch(t.diffuse_transmission, m.diffuse_transmission.texture, v).w;
+    if (t.transmitted_color)
+      lobes.transmitted_color *= glm::dvec3(fetch(t.transmitted_color, m.diffuse_transmission.color_texture, v));
+    lobes.diffuse_transmission = std::clamp(lobes.diffuse_transmission, 0.0, 1.0);
+    lobes.transmitted_color = glm::max(lobes.transmitted_color, glm::dvec3(0));
+  }
+  const bool any = lobes.clearcoat > 0 || lobes.sheen_color != glm::dvec3(0) || lobes.iridescence > 0 ||
+                   lobes.anisotropy > 0 || lobes.diffuse_transmission > 0;
+  return any ? std::optional(lobes) : std::nullopt;
+}
+
 double World::coverage_of(const Material& m, double alpha) {
   if (m.alpha_mode == AlphaMode::blend) return std::clamp(alpha, 0.0, 1.0);
   if (m.alpha_mode == AlphaMode::mask) return alpha < double(m.alpha_cutoff) ? 0 : 1;
@@ -141,14 +208,7 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   s.metallic = std::clamp(s.metallic, 0.0, 1.0);
   s.roughness = std::clamp(s.roughness, 0.0, 1.0);
 
-  glm::dvec3 n = v.normal;
-  if (t.normal && glm::dot(glm::dvec3(v.tangent), glm::dvec3(v.tangent)) > 0) {
-    const glm::dvec3 map =
-        (glm::dvec3(fetch(t.normal, m.normal_texture, v)) * 2.0 - 1.0) * glm::dvec3(m.normal_scale, m.normal_scale, 1);
-    const glm::dvec3 tangent(v.tangent), bitangent = v.tangent.w * glm::cross(v.normal, tangent);
-    n = map.x * tangent + map.y * bitangent + map.z * v.normal;
-  }
-  n = unit_or_zero(n);
+  const glm::dvec3 n = unit_or_zero(mapped_normal(t.normal, m.normal_texture, m.normal_scale, v));
   // The whole frame turns over on back faces (glTF 3.9.6).
   s.normal = n == glm::dvec3(0) ? to_viewer : back ? -n : n;
   s.emission = emission_at(t, v);
@@ -161,8 +221,12 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   const double ratio = m.ior == 0 ? 1 : (double(m.ior) - 1) / (double(m.ior) + 1);
   s.dielectric_f0 = glm::min(ratio * ratio * specular_color, glm::dvec3(1)) * specular;
   s.dielectric_f90 = specular;
-  s.specular_gain = specular_gain(glm::mix(s.dielectric_f0, s.base_color, s.metallic), s.roughness,
-                                  std::min(std::abs(glm::dot(s.normal, to_viewer)), 1.0));
+  s.lobes = lobes_at(t, v, s.normal, to_viewer, back);
+  const glm::dvec3 f0 = glm::mix(s.dielectric_f0, s.base_color, s.metallic);
+  s.specular_gain = is_stretched(s)
+                        ? specular_gain(f0, facets_of(s), to_viewer)
+                        : specular_gain(f0, s.roughness, std::min(std::abs(glm::dot(s.normal, to_viewer)), 1.0));
+  if (s.lobes) s.emission *= share_under_coat(*s.lobes, to_viewer);
   if (t.glass) {
     s.specular_tint = specular_color;
     s.transmission = m.transmission;

@@ -77,6 +77,24 @@ void World::load_materials(std::vector<std::string>& warnings) {
     t.emissive = find(m.emissive_texture, true);
     t.specular = find(m.specular_texture, false);
     t.specular_color = find(m.specular_color_texture, true);
+    if (m.has(Lobe::clearcoat)) {
+      t.clearcoat = find(m.clearcoat.texture, false);
+      t.clearcoat_roughness = find(m.clearcoat.roughness_texture, false);
+      t.clearcoat_normal = find(m.clearcoat.normal_texture, false);
+    }
+    if (m.has(Lobe::sheen)) {
+      t.sheen_color = find(m.sheen.color_texture, true);
+      t.sheen_roughness = find(m.sheen.roughness_texture, false);
+    }
+    if (m.has(Lobe::iridescence)) {
+      t.iridescence = find(m.iridescence.texture, false);
+      t.film_thickness = find(m.iridescence.thickness_texture, false);
+    }
+    if (m.has(Lobe::anisotropy)) t.anisotropy = find(m.anisotropy.texture, false);
+    if (m.has(Lobe::diffuse_transmission)) {
+      t.diffuse_transmission = find(m.diffuse_transmission.texture, false);
+      t.transmitted_color = find(m.diffuse_transmission.color_texture, true);
+    }
     if (input_.glass && !m.unlit && m.transmission > 0) {
       t.transmission = find(m.transmission_texture, false);
       t.glass = Glass{m.ior, m.dispersion, m.thickness_m > 0, m.attenuation_color, m.attenuation_distance_m};

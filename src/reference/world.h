@@ -112,6 +112,10 @@ class World {
     Material material;
     const Texture *base = nullptr, *orm = nullptr, *occlusion = nullptr, *normal = nullptr, *emissive = nullptr,
                   *specular = nullptr, *specular_color = nullptr, *transmission = nullptr;
+    // Of lobes that the material shows.
+    const Texture *clearcoat = nullptr, *clearcoat_roughness = nullptr, *clearcoat_normal = nullptr,
+                  *sheen_color = nullptr, *sheen_roughness = nullptr, *iridescence = nullptr, *film_thickness = nullptr,
+                  *anisotropy = nullptr, *diffuse_transmission = nullptr, *transmitted_color = nullptr;
     std::optional<Glass> glass;  // nothing: opaque
   };
   struct TracedItem {
@@ -139,6 +143,10 @@ class World {
   glm::dvec4 fetch(const Texture* texture, const TextureSlot& slot, const Vertex& v) const;
   glm::dvec4 base_color(const TracedMaterial& m, const Vertex& v) const;
   glm::dvec3 emission_at(const TracedMaterial& m, const Vertex& v) const;
+  // nullopt: the material has no lobe here. to_viewer: unit.
+  std::optional<Lobes> lobes_at(const TracedMaterial& m, const Vertex& v, glm::dvec3 normal, glm::dvec3 to_viewer,
+                                bool back) const;
+  glm::dvec3 mapped_normal(const Texture* map, const TextureSlot& slot, double scale, const Vertex& v) const;
   static double coverage_of(const Material& m, double alpha);
 
   WorldInput input_;

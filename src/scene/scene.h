@@ -341,9 +341,11 @@ struct Scene {
   std::vector<Node> nodes;
   std::vector<Skin> skins;
   std::vector<Animation> animations;
-  std::vector<int> roots;  // root nodes of the default scene (scene 0 when none is named)
-  std::vector<int> order;  // nodes reachable from roots, parents before children
-  int probe_node = -1;     // probe.h
+  std::vector<int> roots;             // root nodes of the default scene (scene 0 when none is named)
+  std::vector<int> order;             // nodes reachable from roots, parents before children
+  int probe_node = -1;                // probe.h
+  std::vector<std::string> variants;  // of materials, by name (KHR_materials_variants)
+  int variant = -1;                   // the one that meshes have
   std::vector<ExtensionUse> extensions;
   std::vector<std::string> warnings;  // one line each, with place
 };

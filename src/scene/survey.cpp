@@ -29,8 +29,16 @@ void use_texture(SceneFacts& facts, const TextureSlot& slot, bool& any) {
   if (has_transform(slot)) facts.any_texture_transform = true;
 }
 
+void use_lobe(SceneFacts& facts, const Material& m, Lobe lobe, std::initializer_list<TextureSlot> slots) {
+  if (!m.has(lobe)) return;
+  facts.lobes |= 1u << uint32_t(lobe);
+  bool any = false;
+  for (const TextureSlot& slot : slots) use_texture(facts, slot, any);
+  if (any) facts.lobe_textures |= 1u << uint32_t(lobe);
+}
+
 // An unlit material shows its base colour alone, so nothing else of it counts.
-void use_material(SceneFacts& facts, const Material& m) {
+void use_material(SceneFacts& facts, const Material& m, bool refraction) {
   use_texture(facts, m.base_color_texture, facts.any_base_texture);
   if (m.unlit) return;
   use_texture(facts, m.orm_texture, facts.any_orm_texture);
@@ -41,6 +49,16 @@ void use_material(SceneFacts& facts, const Material& m) {
   if (m.ior != 1.5f || m.specular != 1 || m.specular_color != glm::vec3(1) || m.specular_texture ||
       m.specular_color_texture)
     facts.any_specular = true;
+  const Clearcoat& coat = m.clearcoat;
+  use_lobe(facts, m, Lobe::clearcoat, {coat.texture, coat.roughness_texture, coat.normal_texture});
+  use_lobe(facts, m, Lobe::sheen, {m.sheen.color_texture, m.sheen.roughness_texture});
+  use_lobe(facts, m, Lobe::iridescence, {m.iridescence.texture, m.iridescence.thickness_texture});
+  use_lobe(facts, m, Lobe::anisotropy, {m.anisotropy.texture});
+  const TextureSlot none;
+  use_lobe(facts, m, Lobe::transmission,
+           {refraction ? m.transmission_texture : none, refraction && m.thickness_m > 0 ? m.thickness_texture : none});
+  use_lobe(facts, m, Lobe::diffuse_transmission,
+           {m.diffuse_transmission.texture, m.diffuse_transmission.color_texture});
   if (!emits(m)) return;
   facts.emissive = true;
   use_texture(facts, m.emissive_texture, facts.any_emissive_texture);
@@ -98,6 +116,15 @@ void count_lights(SceneFacts& facts, const FrameData& frame) {
   }
 }
 
+nlohmann::ordered_json names_of_lobes(uint32_t lobes) {
+  static constexpr const char* names[lobe_count] = {"clearcoat",  "sheen",        "iridescence",
+                                                    "anisotropy", "transmission", "diffuse_transmission"};
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (uint32_t i = 0; i < lobe_count; ++i)
+    if ((lobes >> i & 1) != 0) list.push_back(names[i]);
+  return list;
+}
+
 nlohmann::ordered_json indices(const std::vector<bool>& used) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (size_t i = 0; i < used.size(); ++i)
@@ -120,7 +147,7 @@ SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, 
     count_item(facts, item, section, material, frame, refraction);
     if (has_material && !facts.material_used[size_t(item.material)]) {
       facts.material_used[size_t(item.material)] = true;
-      use_material(facts, material);
+      use_material(facts, material, refraction);
     }
   }
   for (const Deformation& deformation : frame.deformations)
@@ -164,6 +191,8 @@ std::string facts_json(const SceneFacts& f) {
       {"any_uv1", f.any_uv1},
       {"any_texture_transform", f.any_texture_transform},
       {"any_specular", f.any_specular},
+      {"lobes", names_of_lobes(f.lobes)},
+      {"lobes_with_textures", names_of_lobes(f.lobe_textures)},
       {"materials_used", indices(f.material_used)},
       {"images_used", indices(f.image_used)},
   };

@@ -33,7 +33,8 @@ struct SceneFacts {
   bool any_normal_texture = false, any_base_texture = false, any_orm_texture = false, any_occlusion_texture = false,
        any_emissive_texture = false, any_specular_texture = false, any_vertex_color = false, any_uv1 = false,
        any_texture_transform = false, any_specular = false;  // over visible materials
-  std::vector<bool> material_used, image_used;               // by visible items: only these are uploaded and decoded
+  uint32_t lobes = 0, lobe_textures = 0;        // 1 << Lobe: what visible materials show, and what of it has textures
+  std::vector<bool> material_used, image_used;  // by visible items: only these are uploaded and decoded
 };
 // refraction: surfaces that let light through are drawn so; else they are opaque ones.
 SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment,
@@ -57,6 +58,7 @@ struct FrameRequest {
   bool view_is_light = true;        // it goes through exposure and tone curve
   bool view_alone = false;          // the layer that it shows is asked for by nothing else
   std::string technique = "clustered";
+  std::string transparency = "sorted";  // how blended surfaces come over each other (techniques/technique.h)
   std::string tonemap = "agx";
   float exposure_ev = 0;         // stops; multiplies by 2^ev before tone mapping
   float pre_exposure_ev = 0;     // the part of it that linear pictures inside the frame have already

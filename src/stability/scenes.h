@@ -29,7 +29,7 @@ struct StabilityScene {
   std::optional<Job> plain_job;                          // where it is not `job`
   double time_s = 0, plain_time_s = 0;
   bool reference = true;
-  bool paths = false;          // paths of light must be finite too: what they go through is opaque for the techniques
+  bool paths = false;          // light goes through surfaces: paths must be finite too, and refraction may brighten
   double bound = 1e-3;         // relative error that a pixel may have against the reference
   double plain_bound = 1e-5;   // and against the plain scene
   double energy_bound = 1e-3;  // relative error of the sum over all pixels

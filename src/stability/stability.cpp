@@ -205,7 +205,8 @@ void StabilityRun::count_faults(const char* with, const Expected<Shot>& made, co
   fault(counts.brighter, "are brighter");
 }
 
-// The effects of quality high and of the look. Without a sky image to reflect and without fog they only take away.
+// The effects of quality high and of the look. Without a sky image to reflect, without fog and glass they only take
+// away.
 void StabilityRun::check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row) {
   count_faults("effects", shot(job, scene.time_s, false, "auto"), bare, row);
 }
@@ -328,8 +329,10 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
     if (first) row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);
-    // What a sky shines on a surface from one side may be more than its mean: pictures with one are not compared.
-    if (!first) check_effects(scene, job, scene.sky || !scene.sky_look.empty() ? nullptr : &*made, row);
+    // What a sky shines on a surface from one side may be more than its mean, and what is seen through a surface more
+    // than it reflects: such pictures are not compared.
+    const bool brightens = scene.sky || !scene.sky_look.empty() || scene.paths;
+    if (!first) check_effects(scene, job, brightens ? nullptr : &*made, row);
     if (!first && keep)
       if (auto kept = keep_picture(recipe, scene, *made, row); !kept) return kept;
     if (!first) first = std::move(*made);

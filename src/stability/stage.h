@@ -15,6 +15,7 @@ void add_worlds(Recipes& all);
 void add_lights(Recipes& all);
 void add_cones_and_crowds(Recipes& all);
 void add_materials(Recipes& all);
+void add_lobes(Recipes& all);
 void add_textures(Recipes& all);
 void add_geometry(Recipes& all);
 void add_transforms(Recipes& all);

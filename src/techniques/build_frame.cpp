@@ -37,13 +37,13 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(seen_all.radiance, sum, instance);
     if (foggy) {
-      const FogImages parts = fog_layers(frame, sample, seen, lit, instance);
+      const FogImages parts = fog_layers(frame, sample, seen, lit, seen_all, instance);
       for (size_t l = 0; l < parts.size(); ++l)
         if (parts[l]) fog[l] = add(parts[l], fog[l], fmt::format("{}.{}", instance, FogLayers::layers[l].name));
     }
     matte_ids(frame, sample, seen, mattes, instance);
     if (!divided) continue;
-    const TermImages parts = divide(frame, sample, seen, lit, seen_all.reflected, instance);
+    const TermImages parts = divide(frame, sample, seen, lit, seen_all, instance);
     for (uint32_t t = 0; t < term_count; ++t)
       if (parts[t]) terms[t] = add(parts[t], terms[t], fmt::format("{}.{}", instance, Terms::layers[t].name));
   }
@@ -77,8 +77,8 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting, {});
     const Composite all = composite(frame, scene, surfaces, lighting, shaded);
     radiance = all.radiance;
-    terms = divide(frame, scene, surfaces, lighting, all.reflected);
-    fog = fog_layers(frame, scene, surfaces, lighting);
+    terms = divide(frame, scene, surfaces, lighting, all);
+    fog = fog_layers(frame, scene, surfaces, lighting, all);
     matte_ids(frame, scene, surfaces, mattes);
   }
   describe(frame, scene, surfaces, lighting, occlusion);

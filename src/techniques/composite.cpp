@@ -19,6 +19,30 @@ Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& su
   return frame.add(Reflections{}, in, instance).reflected;
 }
 
+// Surfaces that let light through, over all that is seen through them.
+void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+             Composite& over, std::string_view instance) {
+  const std::string name = instance.empty() ? "refraction" : fmt::format("{}.refraction", instance);
+  if (const Need need = Refraction{}.needed(frame.facts, frame.request); !need) {
+    frame.add(Refraction{}, {}, instance);
+    return;
+  }
+  const CellLists lists = of_blended(lighting.lists);
+  over.depth = frame.add(DepthPrepass{true}, {scene, surfaces.draws, surfaces.deformed}, name).depth;
+  const Transparent::In blended{scene,          surfaces.draws, surfaces.deformed, lists,
+                                surfaces.depth, over.radiance,  over.depth};
+  const std::string behind = instance.empty() ? "behind" : fmt::format("{}.behind", instance);
+  ImageHandle& color = over.radiance;
+  color = newest(frame.add(Transparent{.behind = true}, blended, behind).color, color);
+  const Resolve::In resolve{color, scene.width_px, scene.height_px, scene.samples};
+  const ImageHandle picture = newest(frame.add(Resolve{}, resolve, name).resolved, color);
+  const Refraction::Out made = frame.add(
+      Refraction{}, {scene, surfaces.draws, surfaces.deformed, lists, over.depth, surfaces.depth, picture, color},
+      instance);
+  color = newest(made.color, color);
+  over.seen = made.seen;
+}
+
 }  // namespace
 
 Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
@@ -31,9 +55,11 @@ Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surf
       newest(frame.add(Background{}, {scene, depth, color, fog_to_infinity(lighting.lists)}, instance).color, color);
   out.reflected = reflections(frame, scene, surfaces, lighting, color, instance);
   color = newest(frame.add(ReflectionsOver{}, {scene, out.reflected, depth, color}, instance).color, color);
-  out.radiance = newest(
-      frame.add(Transparent{}, {scene, draws, deformed, of_blended(lighting.lists), depth, color}, instance).color,
-      color);
+  out.radiance = color;
+  out.depth = depth;
+  refract(frame, scene, surfaces, lighting, out, instance);
+  out.radiance =
+      transparent(frame, {scene, draws, deformed, of_blended(lighting.lists), out.depth, out.radiance}, instance);
   return out;
 }
 

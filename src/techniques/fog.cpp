@@ -40,10 +40,11 @@ CellLists fog_to_infinity(const CellLists& lists) {
 }
 
 FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                     std::string_view instance) {
+                     const Composite& composite, std::string_view instance) {
   CellLists lists = fog_alone(lighting.lists);
   if (fog_walks(of_blended(lighting.lists))) lists = lighting.lists;
   FogLayers::In in{scene, surfaces.draws, surfaces.deformed, lists, surfaces.depth, {}};
+  if (composite.seen) in.nearest = composite.depth;
   for (size_t i = 0; i < in.wanted.size(); ++i) in.wanted[i] = frame.request.has_layer(FogLayers::layers[i].name);
   return frame.add(FogLayers{}, in, instance).images;
 }

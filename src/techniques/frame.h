@@ -29,6 +29,7 @@ struct FrameOutput {
 struct FrameReport {
   int resource = -1;
   std::function<std::vector<std::string>(std::span<const std::byte>)> warnings, notes;
+  std::function<std::string(std::span<const std::byte>)> refusal = {};
 };
 
 // A graph under construction, with what passes ask to know whether they are needed, and what the frame gives.
@@ -101,6 +102,7 @@ struct Frame {
     };
     FrameReport result{buffer.resource, [pass, read](auto bytes) { return pass.warnings(read(bytes)); }, {}};
     if constexpr (ReportsNotes<P>) result.notes = [pass, read](auto bytes) { return pass.notes(read(bytes)); };
+    if constexpr (Refuses<P>) result.refusal = [pass, read](auto bytes) { return pass.refusal(read(bytes)); };
     return result;
   }
   template <class T>

@@ -49,10 +49,22 @@ bool shades_occluded(const Frame& frame);
 // each other. `shaded` may be empty.
 struct Composite {
   ImageHandle radiance;  // linear, with premultiplied alpha, multisampled where the request is
+  ImageHandle depth;     // of the surfaces, and of those that let light through
+  SeenThrough seen;      // by these
   Reflected reflected;   // empty: surfaces reflect the sky alone
 };
 Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                     ImageHandle shaded, std::string_view instance = {});
+
+// How blended surfaces come over each other (FrameRequest::transparency), and the pass that draws them over `in.color`:
+// the new version of it, or empty where the frame does without the pass.
+struct TransparencyMethod {
+  std::string_view name, description;
+  ImageHandle (*draw)(Frame&, const BlendedIn& in, std::string_view instance);
+};
+std::span<const TransparencyMethod> transparency_methods();
+// By the method that the request names.
+ImageHandle transparent(Frame& frame, const BlendedIn& in, std::string_view instance = {});
 
 // Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
@@ -61,14 +73,14 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
 // Beauty's terms (passes/surfaces/terms.h) as composite() would have them, as far as layers ask for them.
 using TermImages = std::array<ImageHandle, term_count>;
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                  const Reflected& reflected, std::string_view instance = {});
+                  const Composite& composite, std::string_view instance = {});
 // Resolves them like beauty, publishes and returns them.
 TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms);
 
 // The layers of fog, in the same way.
 using FogImages = std::array<ImageHandle, 2>;
 FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                     std::string_view instance = {});
+                     const Composite& composite, std::string_view instance = {});
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images);
 
 // Cryptomatte: ids at the samples of beauty, picture by picture of a supersampled frame, and their ranks.

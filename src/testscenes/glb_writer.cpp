@@ -141,6 +141,11 @@ json GlbWriter::primitive(const Shape& shape) {
     for (glm::dvec2 v : shape.uv) flat.insert(flat.end(), {v.x, v.y});
     attributes["TEXCOORD_0"] = float_accessor(flat, 2);
   }
+  if (!shape.tangent.empty()) {
+    std::vector<double> flat;
+    for (glm::dvec4 v : shape.tangent) flat.insert(flat.end(), {v.x, v.y, v.z, v.w});
+    attributes["TANGENT"] = float_accessor(flat, 4);
+  }
   if (!shape.color.empty()) {
     std::vector<double> flat;
     for (glm::dvec4 v : shape.color) flat.insert(flat.end(), {v.x, v.y, v.z, v.w});

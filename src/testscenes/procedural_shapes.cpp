@@ -123,4 +123,25 @@ Shape ground(double size, int cells, double uv_repeat) {
   return shape;
 }
 
+Shape with_tangents(Shape shape) {
+  std::vector<glm::dvec3> sum(shape.position.size(), glm::dvec3(0));
+  for (size_t i = 0; i + 2 < shape.index.size(); i += 3) {
+    const uint32_t* const corner = &shape.index[i];
+    const glm::dvec3 e1 = shape.position[corner[1]] - shape.position[corner[0]],
+                     e2 = shape.position[corner[2]] - shape.position[corner[0]];
+    const glm::dvec2 d1 = shape.uv[corner[1]] - shape.uv[corner[0]], d2 = shape.uv[corner[2]] - shape.uv[corner[0]];
+    const double area = d1.x * d2.y - d2.x * d1.y;
+    if (area == 0) continue;
+    for (int k = 0; k < 3; ++k) sum[corner[k]] += (e1 * d2.y - e2 * d1.y) / area;
+  }
+  for (size_t v = 0; v < sum.size(); ++v) {
+    const glm::dvec3 n = shape.normal[v], along = sum[v] - n * glm::dot(n, sum[v]);
+    const double length = glm::length(along);
+    // Poles of spheres have none.
+    const glm::dvec3 other = std::abs(n.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    shape.tangent.push_back({length > 1e-9 ? along / length : glm::normalize(glm::cross(n, other)), 1});
+  }
+  return shape;
+}
+
 }  // namespace candela

@@ -12,6 +12,7 @@ struct Shape {
   std::vector<glm::dvec3> position, normal;
   std::vector<glm::dvec2> uv;
   std::vector<glm::dvec4> color;
+  std::vector<glm::dvec4> tangent;  // w: the bitangent's sign
   std::vector<uint32_t> index;
 };
 
@@ -32,5 +33,8 @@ Shape box(glm::dvec3 size, int cells = 1);
 Shape quad(double width, double height, glm::dvec2 uv_repeat = {1, 1});
 // In the XZ plane, facing +Y, cut into cells x cells quads.
 Shape ground(double size, int cells, double uv_repeat);
+// With tangents along the first texture coordinate; the second one runs against the bitangent, for images have their
+// first row on top.
+Shape with_tangents(Shape shape);
 
 }  // namespace candela

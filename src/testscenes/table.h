@@ -12,7 +12,9 @@ struct SceneOptions {
 
 void make_unlit_box(GlbWriter& out, SceneOptions& options);
 void make_spheres(GlbWriter& out, SceneOptions& options);
+void make_lobes(GlbWriter& out, SceneOptions& options);
 void make_alpha(GlbWriter& out, SceneOptions& options);
+void make_glass(GlbWriter& out, SceneOptions& options);
 void make_normal_mapped(GlbWriter& out, SceneOptions& options);
 void make_texture_transform(GlbWriter& out, SceneOptions& options);
 void make_emissive_strength(GlbWriter& out, SceneOptions& options);
@@ -26,6 +28,11 @@ void make_near_world(GlbWriter& out, SceneOptions& options);
 void make_far_world(GlbWriter& out, SceneOptions& options);
 void make_orthographic(GlbWriter& out, SceneOptions& options);
 void make_animation_pointer(GlbWriter& out, SceneOptions& options);
+
+void make_sheets(GlbWriter& out, SceneOptions& options);
+void make_crossing(GlbWriter& out, SceneOptions& options);
+void make_foliage(GlbWriter& out, SceneOptions& options);
+void make_smoke(GlbWriter& out, SceneOptions& options);
 
 void make_cave(GlbWriter& out, SceneOptions& options);
 void make_room(GlbWriter& out, SceneOptions& options);

@@ -1,83 +1,17 @@
 // Image-based light against sums over the texels of the sky with the reference's BRDF, in double precision.
-#include <numbers>
-
-#include "frame_fixture.h"
-#include "image/exr.h"
-#include "reference/albedo.h"
-#include "reference/brdf.h"
-#include "scene/environment.h"
+#include "frame_sky_fixture.h"
 
 namespace candela::test {
 namespace {
 
-constexpr int sky_width = 256, sky_height = 128;
-
-struct Texels {
-  std::string file;
-  std::vector<std::pair<glm::dvec3, glm::dvec3>> light;  // direction, radiance times solid angle
-};
-
-class ImageLight : public FrameTest {
+class ImageLight : public SkyTest {
  protected:
-  static Texels write_sky(const std::string& name, const std::function<glm::dvec3(glm::dvec3)>& f) {
-    Texels out;
-    FloatImage image;
-    image.width = sky_width, image.height = sky_height;
-    for (const char* channel : {"R", "G", "B"}) image.channels.push_back({channel, ChannelType::float32, {}, {}});
-    for (int y = 0; y < sky_height; ++y) {
-      const double solid_angle =
-          2 * std::numbers::pi / sky_width *
-          (std::cos(std::numbers::pi * y / sky_height) - std::cos(std::numbers::pi * (y + 1) / sky_height));
-      for (int x = 0; x < sky_width; ++x) {
-        const glm::dvec3 d = equirect_direction((x + 0.5) / sky_width, (y + 0.5) / sky_height), c = f(d);
-        for (int k = 0; k < 3; ++k) image.channels[size_t(k)].f.push_back(float(c[k]));
-        out.light.emplace_back(d, c * solid_angle);
-      }
-    }
-    const auto bytes = encode_exr(image, ExrCompression::zip, name);
-    EXPECT_TRUE(bytes);
-    out.file = ::testing::TempDir() + "candela_image_light_" + name + ".exr";
-    std::ofstream(out.file, std::ios::binary).write(bytes->data(), long(bytes->size()));
-    return out;
-  }
-  // A bright sun of two degrees in a blue half of a sky over dark ground.
-  static Texels sunny() {
-    const glm::dvec3 sun = glm::normalize(glm::dvec3(0.5, 0.7, 0.6));
-    return write_sky("sunny", [=](glm::dvec3 d) {
-      const glm::dvec3 sky = d.y > 0 ? glm::dvec3(0.3, 0.5, 1) * (1 - 0.5 * d.y) : glm::dvec3(0.12, 0.1, 0.08);
-      return glm::dot(d, sun) > std::cos(0.035) ? glm::dvec3(900, 800, 600) : sky;
-    });
-  }
-
-  // Squares of a material, each turned another way, seen from +Z without perspective.
-  static constexpr int columns = 6, rows = 4, cell = 5;
-  static constexpr std::array<double, columns> roughness = {0.25, 0.4, 0.55, 0.7, 0.85, 1.0};
-  static glm::dquat turned(int row) {
-    const double tilts[rows][2] = {{0, 0}, {-0.7, 0.3}, {0.4, 0.8}, {-0.2, -1.1}};
-    return glm::dquat(glm::dvec3(tilts[row][0], tilts[row][1], 0));
-  }
   static Job squares(double metallic, const std::string& sky, glm::dvec3 color = {0.9, 0.6, 0.3}) {
-    GltfBuilder b = empty_scene();
-    use_materials(b);
-    for (int x = 0; x < columns; ++x) {
+    return SkyTest::squares(sky, [&](int x) {
       Json pbr = base_color(color.x, color.y, color.z);
       pbr["roughnessFactor"] = roughness[size_t(x)], pbr["metallicFactor"] = metallic;
-      const int mesh = add_square_mesh(b, 0.45f, add_material(b, {{"pbrMetallicRoughness", pbr}}));
-      for (int y = 0; y < rows; ++y) {
-        const glm::dquat q = turned(y);
-        add_node(b, {{"mesh", mesh},
-                     {"translation", {x - (columns - 1) / 2.0, (rows - 1) / 2.0 - y, 0}},
-                     {"rotation", {q.x, q.y, q.z, q.w}}});
-      }
-    }
-    b.json["cameras"] = {
-        {{"type", "orthographic"},
-         {"orthographic", {{"xmag", columns / 2.0}, {"ymag", rows / 2.0}, {"znear", 1}, {"zfar", 9}}}}};
-    add_node(b, {{"camera", 0}, {"translation", {0, 0, 5}}});
-    Job job = job_for(write(b), columns * cell, rows * cell);
-    job.sky = sky;
-    job.effects = "ibl";  // no occlusion: the squares would hide some of the sky from each other
-    return job;
+      return Json{{"pbrMetallicRoughness", pbr}};
+    });
   }
   static glm::dvec3 truth(int x, int y, double metallic, const Texels& sky) {
     reference::Surface s;
@@ -86,10 +20,7 @@ class ImageLight : public FrameTest {
     s.roughness = roughness[size_t(x)], s.metallic = metallic;
     s.specular_gain =
         reference::specular_gain(glm::mix(s.dielectric_f0, s.base_color, metallic), s.roughness, s.normal.z);
-    glm::dvec3 sum(0);
-    for (const auto& [d, light] : sky.light)
-      if (glm::dot(d, s.normal) > 0) sum += light * reference::evaluate_brdf(s, d, {0, 0, 1});
-    return sum;
+    return sum_over(sky, s);
   }
   static double relmse(const Images& images, double metallic, const Texels& sky) {
     double sum = 0;

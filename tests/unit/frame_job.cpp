@@ -15,6 +15,7 @@ Job rich_job() {
   job.camera = {.eye = glm::dvec3(1.1, -2, 1e6 + 0.1), .target = glm::dvec3(0), .yfov_deg = 33.3, .camera = {}};
   job.width_px = 33, job.height_px = 17, job.samples = 1;
   job.quality = "exact";
+  job.transparency = "weighted";
   job.settings = {{"cull", "enabled", "0"}, {"a", "b", "-1.5"}};
   job.sky = "sky.hdr";
   job.look = "look.json";

@@ -65,6 +65,50 @@ TEST(Plan, AnUnlitBoxTakesNoLightAndNoSky) {
   EXPECT_EQ(reason(frame, "shade_forward"), "the scene has no opaque or masked surface that takes light");
 }
 
+// Lobes are variants of the shaders that are lit, with what visible materials have of them; without any nothing is.
+TEST(Plan, LobesCostNothingWhereNoMaterialHasThem) {
+  const auto lobed = [](const PlannedFrame& frame) {
+    return plan_text(frame.graph.plan).find("LOBE") != std::string::npos;
+  };
+  for (const char* name : {"spheres", "normal-mapped", "alpha", "unlit-box"})
+    EXPECT_FALSE(lobed(plan(generated(name)))) << name;
+  Scene scene = generated("lobes");
+  const PlannedFrame frame = plan(scene);
+  const std::string text = plan_text(frame.graph.plan);
+  EXPECT_NE(text.find("shade_forward.frag#LOBED=1"), std::string::npos);
+  EXPECT_NE(text.find("LOBES=47 LOBE_TEXTURES=47"), std::string::npos);
+  EXPECT_NE(text.find("frame.lobes"), std::string::npos);
+  for (Material& m : scene.materials)
+    m.clearcoat = {}, m.sheen = {}, m.iridescence = {}, m.anisotropy = {}, m.diffuse_transmission = {};
+  EXPECT_FALSE(lobed(plan(scene)));
+  scene.materials[0].sheen.color = glm::vec3(1);
+  EXPECT_NE(plan_text(plan(scene).graph.plan).find("LOBES=2"), std::string::npos);
+  scene.materials[0].unlit = true;
+  EXPECT_FALSE(lobed(plan(scene)));
+}
+
+// One pass a method, and the others say which one draws.
+TEST(Plan, BlendedSurfacesAreDrawnByTheChosenMethod) {
+  for (const std::string& method : transparency_names()) {
+    Job job = small_job();
+    job.transparency = method;
+    const PlannedFrame frame = plan(generated("alpha"), job), without = plan(generated("unlit-box"), job);
+    EXPECT_EQ(has(frame, "transparent"), method == "sorted") << method;
+    EXPECT_EQ(has(frame, "weighted"), method == "weighted") << method;
+    EXPECT_EQ(has(frame, "moments"), method == "moments") << method;
+    EXPECT_EQ(has(frame, "fragments"), method == "layers") << method;
+    if (method != "sorted")
+      EXPECT_EQ(reason(frame, "transparent"), "blended surfaces are drawn by the method " + method);
+    for (const char* pass : {"transparent", "weighted", "moments", "fragments"})
+      EXPECT_EQ(reason(without, pass), "the scene has no blended surface") << method << " " << pass;
+  }
+  Job unknown = small_job();
+  unknown.transparency = "weigthed";
+  const auto refused = check_job(unknown);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("weighted"), std::string::npos) << refused.error().text();
+}
+
 // A knob changes the plan's hash whatever way its value takes to the shader, and its text shows it.
 TEST(Plan, KnobsOfKeptPassesArePartOfIt) {
   const Scene scene = generated("spheres");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "scene_pieces.h"
 
 // What the CPU hands to the device: lights, materials and items, from the numbers of the file.
@@ -54,6 +56,33 @@ TEST(FrameUpload, SpotsHaveTheirCones) {
   EXPECT_EQ(l.direction, glm::vec3(0, 0, -1));
   EXPECT_EQ(l.intensity, glm::vec3(3, 1.5, 0.75));
   EXPECT_EQ(l.inverse_range, 0.125f);
+}
+
+// A table of the materials' records, and none where no material that is drawn has lobes.
+TEST(FrameUpload, LobesHaveRecords) {
+  Json material = diffuse_material(1, 1, 1);
+  EXPECT_TRUE(upload_of(square_with(material)).lobes.empty());
+  material["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.25}};
+  material["extensions"]["KHR_materials_iridescence"] = {{"iridescenceFactor", 0}, {"iridescenceIor", 2}};
+  material["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 1}, {"anisotropyRotation", 0.5}};
+  GltfBuilder b = square_with(diffuse_material(1, 1, 1));
+  add_material(b, material);  // that nothing shows
+  EXPECT_TRUE(upload_of(b).lobes.empty());
+  add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, material))}});
+  const FrameUpload upload = upload_of(b);
+  ASSERT_GE(upload.lobes.size(), 3u);
+  EXPECT_EQ(upload.lobes[0], shared::absent);
+  EXPECT_EQ(upload.lobes[1], shared::absent);
+  EXPECT_EQ(upload.lobes[2], 3u);
+  ASSERT_EQ(upload.lobes.size(), 3 + sizeof(shared::MaterialLobes) / 4);
+  shared::MaterialLobes lobes;
+  std::memcpy(&lobes, &upload.lobes[3], sizeof lobes);
+  EXPECT_EQ(lobes.coat, 0.5f);
+  EXPECT_EQ(lobes.coat_roughness, 0.25f);
+  EXPECT_EQ(lobes.film_ior, 0) << "of a film that it does not show";
+  EXPECT_EQ(lobes.anisotropy, 1);
+  EXPECT_NEAR(lobes.anisotropy_turn.x, std::cos(0.5), 1e-7);
+  EXPECT_NEAR(lobes.anisotropy_turn.y, std::sin(0.5), 1e-7);
 }
 
 // Where floats cannot square a distance, a weaker light stands nearer by: its light arrives as before.

@@ -99,8 +99,8 @@ struct GltfBuilder {
     }
     return out;
   }
-  Expected<Scene> load(LoadFor use = LoadFor::raster) const {
-    return load_gltf_from_memory(glb(), "test.glb", "", use);
+  Expected<Scene> load(const LoadOptions& options = {}) const {
+    return load_gltf_from_memory(glb(), "test.glb", "", options);
   }
 };
 

@@ -79,6 +79,23 @@ TEST(GltfLobes, AreReadWithTheirTextures) {
   EXPECT_FALSE(scene->meshes[0].sections[0].tangent.empty()) << "made for the clear coat's normal texture";
 }
 
+TEST(GltfLobes, AreSupported) {
+  Json extensions;
+  for (const char* name : {"clearcoat", "sheen", "iridescence", "anisotropy", "diffuse_transmission"})
+    extensions[std::string("KHR_materials_") + name] = Json::object();
+  GltfBuilder b = with_extensions(extensions);
+  b.json["extensionsRequired"] = {"KHR_materials_sheen"};
+  for (const LoadFor use : {LoadFor::raster, LoadFor::path_tracing}) {
+    const auto scene = b.load(use);
+    ASSERT_TRUE(scene) << scene.error().text();
+    ASSERT_EQ(scene->extensions.size(), 5u);
+    for (const ExtensionUse& e : scene->extensions) {
+      EXPECT_EQ(e.support, Support::supported) << e.name;
+      EXPECT_EQ(e.consequence, "") << e.name;
+    }
+  }
+}
+
 TEST(GltfLobes, DefaultsShowNothing) {
   Json extensions;
   for (const char* name : {"clearcoat", "sheen", "iridescence", "anisotropy", "diffuse_transmission"})

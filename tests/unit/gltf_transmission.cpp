@@ -55,28 +55,22 @@ TEST(GltfTransmission, IsReadForPaths) {
   EXPECT_FALSE(has_transmission(*defaults));
 }
 
-// What raster techniques do not draw is not read for them, and they say so.
-TEST(GltfTransmission, IsLeftOutForRasterTechniques) {
-  const auto scene = glass(textured).load();
+// Raster techniques look up the picture behind: they take the file's thickness, and say that they are approximate.
+TEST(GltfTransmission, RasterTechniquesReadThicknessToo) {
+  const Json volume = {{"thicknessFactor", 0.5}, {"thicknessTexture", {{"index", 0}}}};
+  GltfBuilder b = glass(textured, volume);
+  b.json["extensionsRequired"] = {"KHR_materials_transmission"};
+  const auto scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
-  EXPECT_FALSE(bool(scene->materials[0].transmission_texture));
-  EXPECT_TRUE(scene->images[1].encoded.empty());
+  EXPECT_EQ(scene->materials[0].transmission_texture.image, 1);
+  EXPECT_EQ(scene->materials[0].thickness_texture.image, 0);
+  EXPECT_FALSE(scene->images[0].encoded.empty());
+  EXPECT_FALSE(scene->images[1].encoded.empty());
   EXPECT_TRUE(has_transmission(*scene));
   for (const ExtensionUse& use : scene->extensions) {
-    EXPECT_EQ(use.support, Support::ignored) << use.name;
+    EXPECT_EQ(use.support, Support::approximated) << use.name;
     EXPECT_NE(use.consequence, "");
   }
-}
-
-TEST(GltfTransmission, AFileThatRequiresItLoadsForPathsAlone) {
-  GltfBuilder b = glass(textured);
-  b.json["extensionsRequired"] = {"KHR_materials_transmission"};
-  const auto raster = b.load();
-  ASSERT_FALSE(raster);
-  EXPECT_EQ(raster.error().kind, ErrorKind::input);
-  EXPECT_NE(raster.error().text().find("KHR_materials_transmission"), std::string::npos);
-  EXPECT_NE(raster.error().text().find("--mode path"), std::string::npos) << raster.error().text();
-  EXPECT_TRUE(b.load(LoadFor::path_tracing));
 }
 
 TEST(GltfTransmission, BadValuesAreNamed) {

@@ -82,6 +82,25 @@ TEST(Survey, OnlyTexturesThatAreSeenCount) {
   EXPECT_TRUE(facts.image_used[1]);
 }
 
+// Lobes of visible lit materials, and the textures of those that are shown.
+TEST(Survey, LobesThatAreSeenCount) {
+  Fixture f;
+  EXPECT_EQ(survey(f.scene, f.pose, f.frame, false).lobes, 0u);
+  Material& m = f.pose.materials[0];
+  m.clearcoat.normal_texture.image = 3;
+  EXPECT_EQ(survey(f.scene, f.pose, f.frame, false).lobe_textures, 0u) << "a coat of factor 0 is none";
+  m.clearcoat.factor = 1;
+  m.anisotropy.strength = 0.5;
+  f.pose.materials[2].sheen.color = glm::vec3(1);  // not visible
+  SceneFacts facts = survey(f.scene, f.pose, f.frame, false);
+  EXPECT_EQ(facts.lobes, 1u << uint32_t(Lobe::clearcoat) | 1u << uint32_t(Lobe::anisotropy));
+  EXPECT_EQ(facts.lobe_textures, 1u << uint32_t(Lobe::clearcoat));
+  EXPECT_TRUE(facts.image_used[3]);
+  EXPECT_NE(facts_json(facts).find("clearcoat"), std::string::npos);
+  m.unlit = true;
+  EXPECT_EQ(survey(f.scene, f.pose, f.frame, false).lobes, 0u);
+}
+
 TEST(Survey, PrintsAsJson) {
   Fixture f;
   f.frame.perspective = false;

@@ -28,6 +28,7 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
   builder.read(scene.indices, Access::index_read, "the scene's indices");
   builder.read(draws.commands, Access::indirect_read, "draw commands");
   builder.read(draws.counts, Access::indirect_read, "draw counts");
+  builder.read_optional(scene.lobes, Access::graphics_read);
   builder.read_optional(deformed, Access::vertex_read);
   RunPipelines pipelines;
   for (const DrawRun& run : *scene.runs) {
@@ -41,6 +42,7 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
     if (masked && !choice.masked_fragment.empty()) desc.fragment_shader = choice.masked_fragment;
     desc.constants = run_constants(scene.features, desc, masked, run.unlit);
     if (sends_rays(desc.constants)) desc.fragment_shader += "#TRACES=1";
+    if (shades_lobes(desc.constants)) desc.fragment_shader += "#LOBED=1";
     pipelines.by_run.push_back(builder.pipeline(desc));
   }
   return pipelines;
@@ -131,10 +133,11 @@ shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const 
 }
 
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog, const OwnBuffers& own) {
+                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog, const OwnInputs& own) {
   commands.bind_index_buffer(scene.indices);
   shared::DrawPush push{};
-  if (own.table) push.table = commands.address(own.table);
+  push.table = own.table ? commands.address(own.table) : own.word;
+  push.own = own.number;
   if (own.deformed_before) push.deformed_before = commands.address(own.deformed_before);
   push.subsample_ndc = scene.subsample_ndc;
   push.subsample_footprint = scene.subsample_footprint;
@@ -153,7 +156,7 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
     commands.push(push);
     commands.set_cull(run.cull_back, run.mirrored);
     commands.draw_indexed_indirect_count(draws.commands, uint64_t(run.first) * sizeof(shared::DrawCommand),
-                                         draws.counts, r * sizeof(uint32_t), run.count);
+                                         draws.counts, own.first_count + r * sizeof(uint32_t), run.count);
   }
 }
 

@@ -39,15 +39,18 @@ NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs&
 // sky or background cover what no surface does.
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);
 
-struct OwnBuffers {
+// What a pass alone reads, and has declared.
+struct OwnInputs {
   BufferHandle table, deformed_before;  // optional: of DrawPush
+  uint64_t word = 0;                    // in the place of a table: places among images, or numbers
+  uint32_t number = 0;
+  uint64_t first_count = 0;  // into the counts of the draws, in bytes
 };
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights. fog: of one
-// that declared fog. own: what the pass alone
-// reads, and has declared.
+// that declared fog.
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
                  const RunPipelines& pipelines, const CellLists* lists = nullptr, const CellLists* fog = nullptr,
-                 const OwnBuffers& own = {});
+                 const OwnInputs& own = {});
 
 // The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists);

@@ -1,5 +1,8 @@
 #include "passes/geometry/features.h"
 
+#include <algorithm>
+
+#include "shared/lobes.h"
 #include "shared/occlusion.h"
 
 namespace candela {
@@ -27,7 +30,9 @@ SpecConstant constant(Feature f, uint32_t value = 1) {
                                       "HAS_LAMP_SHADOWS",
                                       "RAY_STACK",
                                       "RAYS_MEET_BLENDED",
-                                      "PROBE_COUNT"};
+                                      "PROBE_COUNT",
+                                      "LOBES",
+                                      "LOBE_TEXTURES"};
   return {uint32_t(f), names[uint32_t(f)], value};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -42,6 +47,10 @@ bool concerns_base_color(const SpecConstant& c) {
     default:
       return false;
   }
+}
+// Puts out a surface's light, or stores it (passes/transparency/fragments.h).
+bool shades(const GraphicsPipelineDesc& desc) {
+  return !desc.color_formats.empty() || desc.fragment_shader.find("#STORED=") != std::string::npos;
 }
 }  // namespace
 
@@ -62,8 +71,11 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
   add(facts.lights() > 0, Feature::lights);
   add(ambient, Feature::ambient);
   add(facts.any_base_texture || facts.any_orm_texture || facts.any_occlusion_texture || facts.any_normal_texture ||
-          facts.any_emissive_texture || facts.any_specular_texture,
+          facts.any_emissive_texture || facts.any_specular_texture || facts.lobe_textures != 0,
       Feature::textures);
+  const uint32_t lobes = facts.lobes & shared::shaded_lobes, textured = facts.lobe_textures & shared::shaded_lobes;
+  if (lobes != 0) list.push_back(constant(Feature::lobes, lobes));
+  if (textured != 0) list.push_back(constant(Feature::lobe_textures, textured));
   return list;
 }
 
@@ -85,10 +97,14 @@ std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended) {
   return list;
 }
 
-bool sends_rays(const std::vector<SpecConstant>& constants) {
-  return std::any_of(constants.begin(), constants.end(),
-                     [](const SpecConstant& c) { return Feature(c.id) == Feature::ray_stack; });
+namespace {
+bool holds(const std::vector<SpecConstant>& constants, Feature f) {
+  return std::any_of(constants.begin(), constants.end(), [&](const SpecConstant& c) { return Feature(c.id) == f; });
 }
+}  // namespace
+
+bool sends_rays(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::ray_stack); }
+bool shades_lobes(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::lobes); }
 
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {
   std::vector<SpecConstant> list = {constant(Feature::ibl_method)};
@@ -112,12 +128,12 @@ std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, 
       if (Feature(c.id) == Feature::subsample) return {c};
     return {};
   }
-  const bool base_only = unlit || desc.color_formats.empty();
+  const bool base_only = unlit || !shades(desc);
   std::vector<SpecConstant> list = desc.constants;
   for (const SpecConstant& c : scene)
     if (!base_only || concerns_base_color(c)) list.push_back(c);
   if (masked) list.push_back(constant(Feature::is_masked));
-  if (unlit && !desc.color_formats.empty()) list.push_back(constant(Feature::is_unlit));
+  if (unlit && shades(desc)) list.push_back(constant(Feature::is_unlit));
   return list;
 }
 

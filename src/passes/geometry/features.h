@@ -31,6 +31,8 @@ enum class Feature : uint32_t {
   ray_stack,
   rays_meet_blended,
   probe_count,
+  lobes,
+  lobe_textures,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -48,7 +50,8 @@ SpecConstant lamp_shadows_constant(bool traced, bool soft);
 SpecConstant occlusion_constant(uint32_t shape, bool traced);
 // Of a pass that traces light: entries of a ray's stack, and whether something lets a part of the light through.
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended);
-bool sends_rays(const std::vector<SpecConstant>& constants);  // those are among them
+bool sends_rays(const std::vector<SpecConstant>& constants);    // those are among them
+bool shades_lobes(const std::vector<SpecConstant>& constants);  // visible materials have lobes (shared/lobes.h)
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs
 // none, an unlit or masked depth one only what the base colour takes.
 std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,

@@ -38,7 +38,7 @@ Need Terms::needed(const SceneFacts&, const FrameRequest& request) const {
 }
 
 Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
-  const bool tested = builder.read_optional(in.depth, Access::depth_test);
+  const bool tested = bool(in.depth);
   RunPipelineChoice choice;
   if (wants_lighting(in)) {
     declare_lights(builder, in.scene, in.lists);
@@ -51,7 +51,8 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     choice.desc.fragment_shader += fmt::format("#{}={}", define_of(layers[i].name), choice.desc.color_formats.size());
     choice.desc.color_formats.push_back(color_format);
   }
-  choice.desc.fragment_shader = with_fog(choice.desc.fragment_shader, transmitted(in.lists));
+  const std::string shader = choice.desc.fragment_shader;
+  choice.desc.fragment_shader = with_fog(shader, transmitted(in.lists));
   choice.desc.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
   choice.desc.samples = in.scene.samples;
   choice.desc.depth_test = tested;
@@ -73,18 +74,37 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     unoccluded.occlusion = {};
     choice.desc.constants = light_constants(unoccluded);
   }
+  if (in.seen) {
+    choice.desc.depth_format = depth_format;
+    choice.desc.depth_test = true;
+    RunPipelineChoice refracting = choice;
+    declare_fog(builder, in.scene, of_blended(in.lists), wants_lighting(in));
+    refracting.desc.fragment_shader = with_fog(shader, of_blended(in.lists));
+    declare_seen_through(builder, in.scene, in.seen, refracting);
+    out.refracting = declare_runs(
+        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.refracts; }, refracting);
+  }
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.desc.blend = Blend::premultiplied_over;
   out.blended = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend; }, choice);
   for (uint32_t i = 0; i < term_count; ++i) {
     if (!in.wanted[i]) continue;
-    ImageHandle image = Term(i) == Term::background ? in.background : ImageHandle{};
-    if (!image)
-      image = builder.create(ImageDesc{"terms." + std::string(layers[i].name), color_format, in.scene.width_px,
-                                       in.scene.height_px, in.scene.samples});
-    out.images[i] = builder.write(image, Access::color_attachment);
+    out.images[i] = Term(i) == Term::background ? in.background : ImageHandle{};
+    if (!out.images[i])
+      out.images[i] = builder.create(ImageDesc{"terms." + std::string(layers[i].name), color_format, in.scene.width_px,
+                                               in.scene.height_px, in.scene.samples});
   }
+  const auto write = [&](ImageHandle depth) {
+    if (in.seen) builder.begin_step();
+    builder.read_optional(depth, Access::depth_test);
+    for (ImageHandle& image : out.images)
+      if (image) image = builder.write(image, Access::color_attachment);
+  };
+  write(in.depth);
+  // Against another depth: where an opaque surface is seen beside glass it is shaded where beauty shades it, at the
+  // middle of the samples that are its own without the glass.
+  if (in.seen) write(in.nearest);
   return out;
 }
 
@@ -93,17 +113,28 @@ void Terms::record(CommandList& commands, const In& in, const Out& out) const {
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
   const CellLists* const lists = wants_lighting(in) ? &in.lists : nullptr;
-  commands.begin_rendering(colors, in.depth);
-  if (out.reflected) {
-    record_runs(commands, in.scene, in.draws, in.deformed, out.opaque, lists);
-    record_reflected(commands, in.scene, in.reflected, in.depth, out.reflected);
-    record_runs(commands, in.scene, in.draws, in.deformed, out.blended, lists);
+  const CellLists seen_fog = in.seen ? of_blended(in.lists) : CellLists{};
+  const CellLists* const fog = in.seen ? &seen_fog : nullptr;
+  const OwnInputs own = in.seen ? own_inputs(commands, in.seen) : OwnInputs{};
+  const auto draw = [&](const RunPipelines& runs) {
+    record_runs(commands, in.scene, in.draws, in.deformed, runs, lists, fog, own);
+  };
+  // Blended runs come after the others in the order of drawing.
+  const auto with = [](RunPipelines runs, const RunPipelines& more) {
+    for (size_t r = 0; r < more.by_run.size(); ++r)
+      if (more.by_run[r]) runs.by_run[r] = more.by_run[r];
+    return runs;
+  };
+  const bool beside_glass = in.seen && commands.step() == 0, glass = in.seen && !beside_glass;
+  commands.begin_rendering(colors, glass ? in.nearest : in.depth);
+  if (glass) {
+    draw(with(out.refracting, out.blended));
+  } else if (out.reflected || beside_glass) {
+    draw(out.opaque);
+    if (out.reflected) record_reflected(commands, in.scene, in.reflected, in.depth, out.reflected);
+    if (!beside_glass) draw(out.blended);
   } else {
-    // Blended runs come after the others in the order of drawing.
-    RunPipelines all = out.opaque;
-    for (size_t r = 0; r < all.by_run.size(); ++r)
-      if (out.blended.by_run[r]) all.by_run[r] = out.blended.by_run[r];
-    record_runs(commands, in.scene, in.draws, in.deformed, all, lists);
+    draw(with(out.opaque, out.blended));
   }
   commands.end_rendering();
 }

@@ -6,6 +6,7 @@
 #include "passes/reflections/reflected.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/seen_through.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -39,7 +40,7 @@ struct Terms {
       {"ambient.diffuse", "term of beauty: ambient light, reflected diffusely"},
       {"ambient.specular", "term of beauty: ambient light, mirrored"},
       {"emission", "term of beauty: what surfaces give off"},
-      {"background", "term of beauty: what is behind everything"},
+      {"background", "term of beauty: what is behind everything, and what is seen through surfaces"},
       {"reflections", "term of beauty: what surfaces mirror of each other"}};
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
   struct In {
@@ -50,11 +51,13 @@ struct Terms {
     ImageHandle depth;       // optional: there are blended surfaces alone without it
     ImageHandle background;  // optional: sky or background where no opaque surface is
     Reflected reflected;     // optional: without it surfaces reflect the sky alone
+    SeenThrough seen;        // optional: without it no surface lets light through
+    ImageHandle nearest;     // with it: depth of those surfaces too
     std::array<bool, term_count> wanted{};
   };
   struct Out {
     std::array<ImageHandle, term_count> images;  // as multisampled as the frame; empty where not wanted
-    RunPipelines opaque, blended;
+    RunPipelines opaque, refracting, blended;
     PipelineHandle reflected;  // drawn between the two
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

@@ -23,7 +23,7 @@ std::span<const Knob<TextureKnobs>> TextureKnobs::table() {
 
 bool TextureKnobs::matter(const SceneFacts& f) {
   return f.any_base_texture || f.any_orm_texture || f.any_occlusion_texture || f.any_normal_texture ||
-         f.any_emissive_texture || f.any_specular_texture;
+         f.any_emissive_texture || f.any_specular_texture || f.lobe_textures != 0;
 }
 
 }  // namespace candela

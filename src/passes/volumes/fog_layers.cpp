@@ -13,7 +13,7 @@ Need FogLayers::needed(const SceneFacts&, const FrameRequest& request) const {
 }
 
 FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
-  const bool tested = builder.read_optional(in.depth, Access::depth_test);
+  const bool tested = bool(in.depth);
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   Out out;
   std::string wanted;
@@ -47,18 +47,28 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
         builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
     declare_fog(builder, in.scene, of_blended(lists));
     choice.desc.fragment_shader = with_fog("fog_layers.frag" + wanted, of_blended(lists));
+    if (in.nearest) choice.desc.depth_format = depth_format, choice.desc.depth_test = true;
     choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
     choice.desc.blend = Blend::premultiplied_over;
+    // Surfaces that let light through cover all, and come first.
     out.blended = declare_runs(
-        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend; }, choice);
+        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return !r.solid(); }, choice);
   }
   for (size_t i = 0; i < 2; ++i) {
     if (!in.wanted[i]) continue;
     ImageDesc desc{std::string(layers[i].name) + ".layer", color_format, in.scene.width_px, in.scene.height_px,
                    in.scene.samples};
     desc.covered = true;
-    out.images[i] = builder.write(builder.create(desc), Access::color_attachment);
+    out.images[i] = builder.create(desc);
   }
+  const auto write = [&](ImageHandle depth) {
+    if (in.nearest) builder.begin_step();
+    builder.read_optional(depth, Access::depth_test);
+    for (ImageHandle& image : out.images)
+      if (image) image = builder.write(image, Access::color_attachment);
+  };
+  write(in.depth);
+  if (in.nearest) write(in.nearest);  // as beauty does (passes/surfaces/terms.cpp)
   return out;
 }
 
@@ -68,14 +78,18 @@ void FogLayers::record(CommandList& commands, const In& in, const Out& out) cons
   std::vector<CommandList::Attachment> colors;
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
-  commands.begin_rendering(colors, in.depth);
-  commands.bind(out.behind);
-  commands.push(sky_push(commands, in.scene, lists));
-  commands.set_cull(false, false);
-  commands.draw(3);
+  const bool first = commands.step() == 0, last = !in.nearest || !first;
+  commands.begin_rendering(colors, first ? in.depth : in.nearest);
+  if (first) {
+    commands.bind(out.behind);
+    commands.push(sky_push(commands, in.scene, lists));
+    commands.set_cull(false, false);
+    commands.draw(3);
+  }
   if (!in.scene.runs->empty()) {
     RunPipelines all = out.opaque;
-    for (size_t r = 0; r < all.by_run.size(); ++r)
+    if (!first) all.by_run.assign(all.by_run.size(), {});
+    for (size_t r = 0; r < all.by_run.size() && last; ++r)
       if (out.blended.by_run[r]) all.by_run[r] = out.blended.by_run[r];
     record_runs(commands, in.scene, in.draws, in.deformed, all, fog_walks(of_blended(lists)) ? &lists : nullptr,
                 &lists);

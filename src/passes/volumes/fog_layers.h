@@ -22,6 +22,7 @@ struct FogLayers {
     CellLists lists;        // with the fog
     ImageHandle depth;      // optional: there are blended surfaces alone without it
     std::array<bool, 2> wanted{};
+    ImageHandle nearest;  // optional: depth of surfaces that refract too
   };
   struct Out {
     std::array<ImageHandle, 2> images;  // as multisampled as the frame; empty where not wanted

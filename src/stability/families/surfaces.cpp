@@ -57,34 +57,34 @@ StabilityScene blended(StabilityInput& in, int layers, double alpha) {
   return scene_of(out);
 }
 
-// A ball of glass, or as many as fit into each other. Techniques draw it opaque; paths go through.
+// A ball of glass, or as many as fit into each other. Without effects it is opaque; refraction and paths go through.
 struct GlassBall {
-  double ior = 1.5, roughness = 0;
+  double ior = 1.5, roughness = 0, thickness_m = 1, dispersion = 1;
   double attenuation_m = 1;
   int nested = 1;
   glm::dvec3 at{0, 0.75, 1.5};
 };
 void add_glass(Recipes& all, std::string name, std::string what, GlassBall ball) {
-  all.push_back(
-      {"materials", std::move(name), std::move(what), [=](StabilityInput& in) {
-         GlbWriter out;
-         lit_room(out, in.rng);
-         for (const char* extension :
-              {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior", "KHR_materials_dispersion"})
-           out.use_extension(extension);
-         json material = lit({0.9, 0.9, 0.9}, 0, ball.roughness);
-         material["doubleSided"] = false;
-         material["extensions"] = {
-             {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
-             {"KHR_materials_volume",
-              {{"thicknessFactor", 1}, {"attenuationDistance", ball.attenuation_m}, {"attenuationColor", {1, 0.5, 0}}}},
-             {"KHR_materials_ior", {{"ior", ball.ior}}},
-             {"KHR_materials_dispersion", {{"dispersion", 1}}}};
-         for (int i = 0; i < ball.nested; ++i) place(out, sphere(0.6 - 0.05 * i, 64, 48), material, ball.at);
-         StabilityScene scene = scene_of(out);
-         scene.paths = true;
-         return scene;
-       }});
+  all.push_back({"materials", std::move(name), std::move(what), [=](StabilityInput& in) {
+                   GlbWriter out;
+                   lit_room(out, in.rng);
+                   for (const char* extension : {"KHR_materials_transmission", "KHR_materials_volume",
+                                                 "KHR_materials_ior", "KHR_materials_dispersion"})
+                     out.use_extension(extension);
+                   json material = lit({0.9, 0.9, 0.9}, 0, ball.roughness);
+                   material["doubleSided"] = false;
+                   material["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                             {"KHR_materials_volume",
+                                              {{"thicknessFactor", ball.thickness_m},
+                                               {"attenuationDistance", ball.attenuation_m},
+                                               {"attenuationColor", {1, 0.5, 0}}}},
+                                             {"KHR_materials_ior", {{"ior", ball.ior}}},
+                                             {"KHR_materials_dispersion", {{"dispersion", ball.dispersion}}}};
+                   for (int i = 0; i < ball.nested; ++i) place(out, sphere(0.6 - 0.05 * i, 64, 48), material, ball.at);
+                   StabilityScene scene = scene_of(out);
+                   scene.paths = true;
+                   return scene;
+                 }});
 }
 
 // Devices decode sRGB within half a code value's width, not exactly (TECHNIQUES 21): 0.3 % of lavapipe's texels.
@@ -198,7 +198,10 @@ void add_materials(Recipes& all) {
   add_ball(all, "specular colour 1e6", "f0 stops at 1",
            with_extension(grey, "KHR_materials_specular", {{"specularColorFactor", {1e6, 1, 0}}}), 1e-3,
            "KHR_materials_specular");
-  add_glass(all, "clear glass", "refracts in paths, opaque otherwise", {});
+  add_glass(all, "clear glass", "is refracted through", {});
+  add_glass(all, "frosted sheets", "thickness 0, roughness 0.6", {.roughness = 0.6, .thickness_m = 0});
+  add_glass(all, "glass 1e9 m thick", "more than the world", {.roughness = 0.1, .thickness_m = 1e9});
+  add_glass(all, "dispersion 1e6", "blue light is bent by an index of 1e4", {.dispersion = 1e6});
   add_glass(all, "rough glass absorbs in 1e-30 m", "next to nothing comes through",
             {.roughness = 0.5, .attenuation_m = 1e-30});
   add_glass(all, "glass of ior 1e9", "a mirror from without and within", {.ior = 1e9});

@@ -1,0 +1,67 @@
+// Ambient light of surfaces with lobes. Part of lib/ambient.glsl where LOBED.
+//
+// Under a sky image each lobe takes it as wide as it is, with method `sampled` as exactly as samples are many.
+// Approximate in the others, beside what the base's own are: iridescence by the mean over eight facets that the viewer
+// sees; stretched facets by a mirror direction about a bent normal and round ones of the mean width; sheen by sixteen
+// directions; light from behind as occluded as that in front, and the base below sheen by the viewer's direction alone.
+// Under harmonics alone: the film at the cosine to the viewer, sheen by its albedo and the light about the normal. The
+// coat reflects as the base does, by its own normal and roughness.
+
+AmbientLobes layered_lobes(Surface s, BrdfTerms b, AmbientLobes base, vec3 coat, float open) {
+  const BrdfLobes o = b.lobes;
+  const float under = (1.0 - o.sheen_takes) * (1.0 - o.coat_takes);
+  AmbientLobes lobes = AmbientLobes(base.diffuse * under, base.specular * under);
+  if (HAS_SHEEN && o.sheen != vec3(0.0)) {
+    vec3 light;
+    if (IBL_METHOD == 0) {
+      light = sheen_albedo(o.sheen_roughness, b.n_v) * ambient_radiance(s.normal);
+    } else {
+      BrdfTerms in_image = b;
+      in_image.normal = in_sky(b.normal);
+      in_image.to_viewer = in_sky(b.to_viewer);
+      light = frame.sky_intensity * sheen_of_sky(in_image);
+    }
+    lobes.specular += o.sheen * (light * open);
+  }
+  if (HAS_COAT) lobes.specular += coat;
+  return lobes;
+}
+vec3 coat_of_sky(Surface s, BrdfTerms b) {
+  if (!HAS_COAT || b.lobes.coat_takes == 0.0) return vec3(0.0);
+  const Surface coat = coat_surface(s);
+  return whole_sky_lobes(coat, coat_terms(b), coat.normal).specular * (PROBE_COUNT != 0 ? probes.left : 1.0);
+}
+AmbientLobes base_of_sky(Surface s, BrdfTerms b, vec3 facing) {
+  if (IBL_METHOD != ibl_sampled) b = under_film(b, IBL_METHOD != 0);
+  const Surface round = with_round_facets(s);
+  AmbientLobes lobes = whole_sky_lobes(round, b, facing);
+  if (HAS_ANISOTROPY && s.lobes.anisotropy > 0.0 && IBL_METHOD != ibl_sampled) {
+    // As much of an even sky as stretched facets with their gain: a white metal all of it.
+    const vec2 albedo = split_sum(round.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0)).xy;
+    lobes.specular /= (1.0 + facets_further_bounces(s, b)) * (albedo.x + albedo.y);
+  }
+  if (PROBE_COUNT != 0) lobes.specular *= probes.left;
+  return lobes;
+}
+
+// Without what probes give instead (shade_probes() goes before).
+AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
+  return layered_lobes(s, b, base_of_sky(s, b, facing), coat_of_sky(s, b), 1.0);
+}
+vec3 ambient_light(Surface s, BrdfTerms b) {
+  const AmbientLobes lobes = ambient_lobes(s, b, s.normal);
+  return (lobes.diffuse + lobes.specular) * s.occlusion;
+}
+AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
+  const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
+  AmbientLobes base = base_of_sky(s, b, facing);
+  base.diffuse *= o.share;
+  base.specular *= reflected_open(o, with_round_facets(s), b.to_viewer, plane_normal);
+  vec3 coat = coat_of_sky(s, b);
+  if (HAS_COAT) coat *= reflected_open(o, coat_surface(s), b.to_viewer, plane_normal);
+  return layered_lobes(s, b, base, coat, o.share);
+}
+vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
+  const AmbientLobes lobes = occluded_lobes(s, b, o, plane_normal);
+  return (lobes.diffuse + lobes.specular) * s.occlusion;
+}

@@ -1,0 +1,225 @@
+#pragma once
+// What is seen through a surface that lets light through, of the picture without such surfaces. Light goes into the
+// surface by its index of refraction, through as much of the body as the file says is there, and leaves it as it came:
+// a slab. A sheet bends nothing. Needs lib/surface.glsl, lib/brdf.glsl, lib/ambient.glsl, lib/image_kinds.glsl and the
+// push constants pc.table and frame.lobes.
+#include "shared/lobes.h"
+#include "shared/refraction.h"
+#include "lib/axes.glsl"
+// Directions of the lobe that are followed to the depth that is seen there; 0: one look-up at the exit from the body,
+// in the mip level that roughness and index choose (the rule of Khronos's sample renderer).
+layout(constant_id = 40) const int REFRACTION_SAMPLES = 0;
+layout(constant_id = 41) const int REFRACTION_DEPTH_SAMPLES = 1;  // of the depth image, a pixel
+
+struct Refracted {
+  float share;  // of the diffuse base's light that goes through instead
+  vec4 light;   // pre-exposed, behind the surface as the camera would see it; and what of the picture is covered
+  vec3 tint;    // of it, what the surface lets through
+};
+
+uint refraction_image(uint place) { return uint(pc.table) >> (8u * place) & 0xffu; }
+
+float refraction_depth(ivec2 p) {
+  const uint image = refraction_image(2u);
+  return REFRACTION_DEPTH_SAMPLES > 1 ? texelFetch(pass_multisampled_images[image], p, 0).r
+      : texelFetch(pass_images[image], p, 0).r;
+}
+// Metres before the camera; infinite where there is nothing.
+float refraction_depth_m(ivec2 p) {
+  if (REFRACTION == 1) return 3.0e38;  // nothing is opaque
+  const float d = refraction_depth(clamp(p, ivec2(0), ivec2(frame.size_px) - 1));
+  if (!(d > 0.0)) return 3.0e38;
+  const mat4 m = frame.clip_from_relative;
+  if (frame.perspective != 0u) return m[3][2] / d;
+  return (m[3][2] - d) / length(vec3(m[0][2], m[1][2], m[2][2]));
+}
+
+// Pixels, from the point's own place; a direction's for points infinitely far (w 0).
+vec2 refraction_place_px(vec3 position, float w) {
+  const float depth = -dot(position, frame.camera_back);
+  vec2 ndc = vec2(dot(position, frame.camera_right), -dot(position, frame.camera_up)) / frame.tan_half;
+  if (frame.perspective != 0u)
+    ndc /= max(depth, 1e-20);
+  else if (w == 0.0)
+    ndc = vec2(0.0);
+  if (IS_SUBSAMPLE != 0) ndc -= pc.subsample_ndc;
+  return clamp(ndc * 0.5 + 0.5, vec2(-1.0), vec2(2.0)) * vec2(frame.size_px);
+}
+
+vec4 refraction_level(vec2 uv, int level) {
+  return textureLod(sampler2D(pass_images[refraction_image(1u)], graph_samplers[SAMPLER_LINEAR_CLAMP]), uv,
+      float(level));
+}
+// The mean over about 2^lod pixels about a place in pixels.
+vec4 refraction_picture(vec2 place_px, float lod) {
+  const vec2 uv = place_px / vec2(frame.size_px);
+  const vec2 pyramid_px = vec2(textureSize(pass_images[refraction_image(1u)], 0));
+  const float first = log2(float(frame.size_px.x) / pyramid_px.x);  // the level 0, of the picture's texels
+  const float last = float(textureQueryLevels(pass_images[refraction_image(1u)]) - 1);
+  if (lod <= 0.0)
+    return textureLod(sampler2D(pass_images[refraction_image(0u)], graph_samplers[SAMPLER_LINEAR_CLAMP]), uv, 0.0);
+  if (lod < first) {
+    const vec4 sharp =
+        textureLod(sampler2D(pass_images[refraction_image(0u)], graph_samplers[SAMPLER_LINEAR_CLAMP]), uv, 0.0);
+    return mix(sharp, refraction_level(uv, 0), lod / first);
+  }
+  const float level = clamp(lod - first, 0.0, last), whole = floor(level);
+  return mix(refraction_level(uv, int(whole)), refraction_level(uv, int(min(whole + 1.0, last))), level - whole);
+}
+
+// GLSL's refract() for the way of light towards the viewer run backwards; the direction itself where all is reflected.
+vec3 bent(vec3 direction, vec3 normal, float eta) {
+  const vec3 r = refract(direction, normal, eta);
+  return dot(r, r) > 0.25 ? r : direction;
+}
+
+struct GlassPoint {
+  vec3 position, to_viewer, normal;
+  vec2 pixel;
+  float thickness_m, ior, alpha, roughness;
+  float depth_m;
+};
+
+// One look-up.
+vec4 seen_through_body(GlassPoint g) {
+  const vec3 inside = bent(-g.to_viewer, g.normal, 1.0 / g.ior);
+  const vec3 exit = g.position + inside * g.thickness_m;
+  const vec2 moved = refraction_place_px(exit, 1.0) - refraction_place_px(g.position, 1.0);
+  vec2 place = g.pixel + (g.thickness_m > 0.0 ? moved : vec2(0.0));
+  if (refraction_depth_m(ivec2(floor(place))) < g.depth_m) place = g.pixel;  // something before the glass
+  const float lod = log2(float(frame.size_px.x)) * g.roughness * clamp(g.ior * 2.0 - 2.0, 0.0, 1.0);
+  return refraction_picture(place, lod);
+}
+
+// The lobe, by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each
+// as wide as its share of it (Krivanek and Colbert 2008). The same directions at every pixel: no noise.
+vec4 seen_through_lobe(GlassPoint g, int samples) {
+  const mat3 axes = axes_about(g.normal);
+  vec3 v = g.to_viewer * axes;
+  v = normalize(vec3(v.xy, max(v.z, 1e-4)));
+  const vec3 stretched = normalize(vec3(g.alpha * v.xy, v.z));
+  const float across2 = dot(stretched.xy, stretched.xy), alpha2 = g.alpha * g.alpha;
+  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
+  const vec3 t2 = cross(stretched, t1);
+  const float g1 = 2.0 * v.z / (v.z + sqrt(v.z * v.z * (1.0 - alpha2) + alpha2));
+  const bool is_body = g.thickness_m > 0.0;
+  const float at_viewer_px = refraction_depth_m(ivec2(g.pixel));
+  vec4 mean = vec4(0.0);  // so far: a sum of the brightest lies beyond floats
+  float weights = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const float u = (float(i) + 0.5) / float(samples);
+    const float phi = 2.0 * PI * float(bitfieldReverse(uint(i))) * (1.0 / 4294967296.0);
+    const vec2 disc = (samples == 1 ? 0.0 : sqrt(u)) * vec2(cos(phi), sin(phi));
+    const float s = 0.5 * (1.0 + stretched.z);
+    const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
+    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
+    const vec3 h = samples == 1 ? vec3(0.0, 0.0, 1.0) : normalize(vec3(g.alpha * nh.xy, max(nh.z, 1e-6)));
+    const float v_h = dot(v, h);
+    if (!(v_h > 0.0)) continue;
+    vec3 l, from = g.position;
+    float spread = 4.0 * v_h;  // solid angle of directions over that of normals
+    if (is_body) {
+      // In by the facet, out of the slab's other side.
+      const vec3 inside = bent(-v, h, 1.0 / g.ior);
+      from += axes * inside * g.thickness_m;
+      l = bent(inside, vec3(0.0, 0.0, 1.0), g.ior);
+      const float bend = g.ior - 1.0;
+      spread = max(4.0 * v_h * bend * bend, 1e-4);
+    } else {
+      // Mirrored by the facet, and to the sheet's other side.
+      l = 2.0 * v_h * h - v;
+      l.z = -l.z;
+    }
+    if (!(l.z < 0.0)) continue;
+    const float shadowed = 2.0 * -l.z / (-l.z + sqrt(l.z * l.z * (1.0 - alpha2) + alpha2));
+    const vec3 direction = axes * l;
+    // To the depth that is seen where the ray meets it: two steps of a search.
+    const float forward = -dot(direction, frame.camera_back), from_m = -dot(from, frame.camera_back);
+    float seen_m = at_viewer_px;
+    vec2 place = g.pixel;
+    float far_m = 3.0e38;
+    for (int k = 0; k < 2; ++k) {
+      const bool is_far = !(seen_m < 1e18) || !(forward > 1e-4);
+      far_m = is_far ? 3.0e38 : max((seen_m - from_m) / forward, 0.0);
+      // Off the straight way's place, which is the pixel's middle whatever floats say of it.
+      place = is_far ? refraction_place_px(direction, 0.0) + (g.pixel - refraction_place_px(-g.to_viewer, 0.0))
+                     : refraction_place_px(from + direction * far_m, 1.0) +
+              (g.pixel - refraction_place_px(g.position, 1.0));
+      const float there_m = refraction_depth_m(ivec2(floor(place)));
+      if (there_m < g.depth_m) break;  // something before the glass
+      seen_m = there_m;
+    }
+    float lod = 0.0;
+    if (samples > 1) {
+      const float k = dot(h.xy, h.xy) + h.z * h.z * alpha2;
+      const float pdf = g1 * v_h * alpha2 / (PI * k * k * v.z) / spread;
+      const float angle = sqrt(1.0 / (float(samples) * max(pdf, 1e-8)));  // of a square as large as its share
+      const float pixel_angle = 2.0 * frame.tan_half.x / float(frame.size_px.x);
+      // Seen from the camera, a place so far behind the glass is nearer than from the glass.
+      const float nearer = far_m < 1e18 && frame.perspective != 0u ? far_m / max(seen_m, 1e-20) : 1.0;
+      lod = log2(max(angle * nearer / pixel_angle, 1e-6));
+    }
+    weights += shadowed;
+    if (shadowed > 0.0) mean = mix(mean, refraction_picture(place, lod), shadowed / weights);
+  }
+  return weights > 0.0 ? mean : refraction_picture(g.pixel, 0.0);
+}
+
+vec4 seen_through(GlassPoint g) {
+  if (!(g.ior >= 1.0)) g.ior = 1.0;  // 0 is what bends nothing; below 1 is no glass in air
+  if (REFRACTION_SAMPLES == 0) return seen_through_body(g);
+  return seen_through_lobe(g, g.roughness < least_roughness ? 1 : REFRACTION_SAMPLES);
+}
+
+// What the interface reflects of even light, and thus does not let through.
+vec3 refraction_reflected(Surface s, BrdfTerms b) {
+  const float n_v = clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0);
+  const float x = 1.0 - n_v, x2 = x * x;
+  vec3 f = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * (x2 * x2 * x);
+  if (HAS_AMBIENT != 0) {
+    const vec2 share = split_sum(s.roughness, n_v).xy;
+    f = s.dielectric_f0 * share.x + vec3(s.dielectric_f90 * share.y);
+  }
+  return clamp(f, vec3(0.0), vec3(1.0));
+}
+
+// scale: of the mesh's metres.
+Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, float scale) {
+  const Glass glass = MaterialLobesRef(frame.lobes + 4ul * uint64_t(WordsRef(frame.lobes).w[material])).m.glass;
+  Refracted r;
+  r.share = glass.transmission;
+  GlassPoint g;
+  g.thickness_m = glass.thickness_m;
+  if (glass.transmission_texture.texture != absent) r.share *= sample_texture(glass.transmission_texture, v).r;
+  if (glass.thickness_texture.texture != absent) g.thickness_m *= sample_texture(glass.thickness_texture, v).g;
+  r.share = clamp(r.share, 0.0, 1.0);
+  g.thickness_m = clamp(g.thickness_m * scale, 0.0, 1e15);
+  g.position = v.relative_position;
+  g.to_viewer = b.to_viewer;
+  g.normal = s.normal;
+  g.pixel = gl_FragCoord.xy;
+  g.alpha = b.alpha;
+  g.roughness = s.roughness;
+  g.depth_m = -dot(v.relative_position, frame.camera_back) * 0.9999;
+  g.ior = glass.ior;
+  if (glass.dispersion > 0.0 && g.thickness_m > 0.0) {
+    // KHR_materials_dispersion: the index at three wavelengths.
+    const float half_spread = (g.ior - 1.0) * 0.025 * glass.dispersion;
+    const float nominal = g.ior;
+    g.ior = nominal - half_spread;
+    const vec4 red = seen_through(g);
+    g.ior = nominal;
+    const vec4 green = seen_through(g);
+    g.ior = nominal + half_spread;
+    const vec4 blue = seen_through(g);
+    r.light = vec4(red.r, green.g, blue.b, max(red.a, max(green.a, blue.a)));
+  } else {
+    r.light = seen_through(g);
+  }
+  const vec3 reflected = refraction_reflected(s, b);
+  r.tint = s.base_color * ((1.0 - s.metallic) * r.share);
+  if (g.thickness_m > 0.0)  // the slab's other side, and what is reflected between the two
+    r.tint *= r.tint * exp(-glass.absorption * g.thickness_m) / (1.0 + reflected);
+  r.tint *= 1.0 - reflected;
+  return r;
+}

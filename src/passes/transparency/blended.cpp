@@ -1,0 +1,42 @@
+#include "passes/transparency/blended.h"
+
+namespace candela {
+
+Need needs_method(const SceneFacts& facts, const FrameRequest& request, std::string_view method) {
+  if (facts.blend_items == 0) return {false, "the scene has no blended surface"};
+  return needed_if(request.transparency == method,
+                   fmt::format("blended surfaces are drawn by the method {}", request.transparency));
+}
+
+void test_depth(GraphicsPipelineDesc& desc, bool tested) {
+  desc.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
+  desc.depth_test = tested;
+  desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+}
+
+RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, GraphicsPipelineDesc desc,
+                             const std::string& define) {
+  const bool tested = builder.read_optional(in.depth, Access::depth_test);
+  declare_lights(builder, in.scene, in.lists);
+  declare_fog(builder, in.scene, in.lists, true);
+  RunPipelineChoice choice{std::move(desc), {}};
+  if (choice.desc.vertex_shader.empty()) choice.desc.vertex_shader = "draw.vert";
+  choice.desc.samples = in.scene.samples;
+  test_depth(choice.desc, tested);
+  choice.desc.fragment_shader = with_fog("shade_forward.frag" + define, in.lists);
+  choice.desc.constants = light_constants(in.lists);
+  RunPipelines all = declare_runs(
+      builder, in.scene, in.draws, in.deformed,
+      [](const DrawRun& r) { return r.alpha == AlphaMode::blend && !r.unlit; }, choice);
+  choice.desc.fragment_shader = with_fog("shade_unlit.frag" + define, in.lists);
+  choice.desc.constants = {};
+  const RunPipelines unlit = declare_runs(
+      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend && r.unlit; },
+      choice);
+  // Lit and unlit runs interleave by depth, so they go out in one walk.
+  for (size_t r = 0; r < all.by_run.size(); ++r)
+    if (unlit.by_run[r]) all.by_run[r] = unlit.by_run[r];
+  return all;
+}
+
+}  // namespace candela

@@ -1,0 +1,43 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+#include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/texture_knobs.h"
+
+namespace candela {
+
+// What the methods of transparency share (FrameRequest::transparency): all draw the same blended surfaces, shaded by
+// the same shaders, and differ in how they come over each other. Not a pass.
+using BlendedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
+struct BlendedIn {
+  SceneInputs scene;
+  Draws draws;
+  BufferHandle deformed;   // optional
+  CellLists lists;         // empty: every light for every pixel
+  ImageHandle depth;       // optional: nothing opaque lies in front without it
+  ImageHandle color;       // what lies behind them, premultiplied; `sorted` makes it where there is none
+  ImageHandle glass = {};  // optional, of `sorted`: depth of surfaces that refract; what is not behind them is left out
+};
+Need needs_method(const SceneFacts& facts, const FrameRequest& request, std::string_view method);
+
+// Pipelines of all blended runs with shade_forward.frag and shade_unlit.frag under `define` ("#WEIGHTED=1"; empty:
+// they put out premultiplied radiance), tested against the opaque depth. desc: attachments and blending.
+RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, GraphicsPipelineDesc desc,
+                             const std::string& define = {});
+// The depth test that draws blended surfaces behind nothing opaque.
+void test_depth(GraphicsPipelineDesc& desc, bool tested);
+
+// Draws a triangle over the whole picture, sample by sample, with `push` and the sample's number in
+// `push.sample_number`: a shader that reads a sample of an image and covers that one alone needs no feature of the
+// device.
+template <class Push>
+void draw_samples(CommandList& commands, uint32_t samples, Push push) {
+  commands.set_cull(false, false);
+  for (push.sample_number = 0; push.sample_number < samples; ++push.sample_number) {
+    commands.push(push);
+    commands.draw(3);
+  }
+}
+
+}  // namespace candela

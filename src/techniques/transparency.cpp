@@ -1,0 +1,38 @@
+#include "techniques/technique.h"
+
+namespace candela {
+namespace {
+
+template <class P>
+ImageHandle draw_by(Frame& frame, const BlendedIn& in, std::string_view instance) {
+  return frame.add(P{}, in, instance).color;
+}
+
+}  // namespace
+
+std::span<const TransparencyMethod> transparency_methods() {
+  static constexpr TransparencyMethod table[] = {
+      {Transparent::method, "back to front by the middles of their bounds: the default, exact where none intersect",
+       draw_by<Transparent>},
+      {Weighted::method, "sums weighted by distance, in any order: the cheapest, and the least exact",
+       draw_by<Weighted>},
+      {Moments::method, "dimmed by moments of what is absorbed along the ray, in any order: twice the drawing",
+       draw_by<Moments>},
+      {Fragments::method, "every surface of a pixel stored and sorted: exact, in time and memory as there are layers",
+       draw_by<Fragments>},
+  };
+  return table;
+}
+
+ImageHandle transparent(Frame& frame, const BlendedIn& in, std::string_view instance) {
+  ImageHandle color = in.color;
+  for (const TransparencyMethod& method : transparency_methods()) {
+    const bool chosen = method.name == frame.request.transparency;
+    // What is left out is said once, not for each picture of a supersampled frame.
+    if (!chosen && !instance.empty() && instance != "s00") continue;
+    color = newest(method.draw(frame, in, instance), color);
+  }
+  return color;
+}
+
+}  // namespace candela

@@ -1,0 +1,67 @@
+// The table of sheen's albedo that shaders read, against the reference's double integral.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "reference/sheen.h"
+#include "shared/sheen_albedo.h"
+
+namespace candela::reference {
+namespace {
+
+constexpr int columns = shared::sheen_albedo_columns, rows = shared::sheen_albedo_rows;
+
+double roughness_of(double row) {
+  const double y = row / (rows - 1);
+  return least_sheen_roughness + (1 - least_sheen_roughness) * y * y;
+}
+double cosine_of(double column) { return std::max(std::pow(column / (columns - 1), 3), 1e-4); }
+double entry(int row, int column) {
+  const int at = row * columns + column;
+  const uint32_t word = shared::sheen_albedo_words[at / 2];
+  return shared::sheen_albedo_most * double(at % 2 ? word >> 16 : word & 0xffffu) / 65535;
+}
+// As lib/lobes.glsl reads it.
+double bilinear(double row, double column) {
+  const int r = std::min(int(row), rows - 2), c = std::min(int(column), columns - 2);
+  const double fx = column - c, fy = row - r;
+  const auto across = [&](int at) { return entry(at, c) * (1 - fx) + entry(at, c + 1) * fx; };
+  return across(r) * (1 - fy) + across(r + 1) * fy;
+}
+
+}  // namespace
+
+TEST(SheenAlbedo, TheTableIsTheIntegral) {
+  EXPECT_FLOAT_EQ(shared::least_sheen_roughness, float(least_sheen_roughness));
+  double worst = 0;
+  std::string made;
+  for (int at = 0; at < rows * columns; at += 2) {
+    uint32_t word = 0;
+    for (int i = 0; i < 2; ++i) {
+      const int row = (at + i) / columns, column = (at + i) % columns;
+      const double exact = integrate_sheen(roughness_of(row), cosine_of(column), 240);
+      word |= uint32_t(std::lround(exact / shared::sheen_albedo_most * 65535)) << (16 * i);
+      worst = std::max(worst, std::abs(entry(row, column) - exact));
+    }
+    made += fmt::format("{}0x{:08x}u,", at % 16 == 0 ? "\n    " : " ", word);
+  }
+  EXPECT_LT(worst, 1e-3) << "shaders/shared/sheen_albedo.h should hold" << made;
+}
+
+// Cut at 1, as it is used.
+TEST(SheenAlbedo, BetweenItsPlacesTheTableIsNearTheIntegral) {
+  double worst = 0, sum = 0;
+  int count = 0;
+  for (double row = 0.5; row < rows - 1; row += 1.75)
+    for (double column = 0.5; column < columns - 1; column += 1.25, ++count) {
+      const double exact = integrate_sheen(roughness_of(row), cosine_of(column), 128);
+      const double error = std::abs(std::min(bilinear(row, column), 1.0) - std::min(exact, 1.0));
+      worst = std::max(worst, error), sum += error;
+    }
+  EXPECT_LT(worst, 0.012);
+  EXPECT_LT(sum / count, 0.001);
+  RecordProperty("worst", fmt::format("{}", worst));
+}
+
+}  // namespace candela::reference

@@ -1,5 +1,7 @@
 #include "gpu/queue_work.h"
 
+#include <algorithm>
+
 #include "base/check.h"
 
 namespace candela::gpu {
@@ -69,17 +71,23 @@ VkCommandBuffer QueueWork::add(Queue queue, std::vector<Point> waits, Point& rea
   return parts_.back().commands;
 }
 
-// The waits of one queue may come before the signals of the other: timelines allow it.
+// In the order in which the parts were added, neighbours of one queue together. Timelines would allow one call a queue,
+// waits before their signals; the validation layer (1.3.239) then follows layouts in the order of the calls, and
+// reports images of the main queue as undefined.
 void QueueWork::submit() {
   CHECK(!parts_.empty() && parts_.back().queue == Queue::main);
   for (const Part& part : parts_) VK_CHECK(vkEndCommandBuffer(part.commands));
-  if (device_.has_second_queue()) submit_to(device_.compute_queue(), VK_NULL_HANDLE);
-  submit_to(device_.queue(), fence_);
+  for (auto first = parts_.begin(); first != parts_.end();) {
+    const auto last =
+        std::find_if(first, parts_.end(), [&](const Part& p) { return queue_of(p.queue) != queue_of(first->queue); });
+    submit_parts({first, last}, last == parts_.end() ? fence_ : VK_NULL_HANDLE);
+    first = last;
+  }
   pending_ = true;
   restart();
 }
 
-void QueueWork::submit_to(VkQueue queue, VkFence fence) {
+void QueueWork::submit_parts(std::span<const Part> parts, VkFence fence) {
   const auto semaphore_info = [&](const Point& point) {
     VkSemaphoreSubmitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
     info.semaphore = timelines_.semaphore(point.queue);
@@ -92,26 +100,21 @@ void QueueWork::submit_to(VkQueue queue, VkFence fence) {
     std::vector<VkSemaphoreSubmitInfo> waits;
     VkSemaphoreSubmitInfo signal;
   };
-  std::vector<Pointed> pointed;
-  for (const Part& part : parts_) {
-    if (queue_of(part.queue) != queue) continue;
-    Pointed& p = pointed.emplace_back();
-    p.commands.commandBuffer = part.commands;
-    for (const Point& wait : part.waits) p.waits.push_back(semaphore_info(wait));
-    p.signal = semaphore_info({part.queue, part.signal});
+  std::vector<Pointed> pointed(parts.size());
+  std::vector<VkSubmitInfo2> infos(parts.size(), {VK_STRUCTURE_TYPE_SUBMIT_INFO_2});
+  for (size_t i = 0; i < parts.size(); ++i) {
+    Pointed& p = pointed[i];
+    p.commands.commandBuffer = parts[i].commands;
+    for (const Point& wait : parts[i].waits) p.waits.push_back(semaphore_info(wait));
+    p.signal = semaphore_info({parts[i].queue, parts[i].signal});
+    infos[i].waitSemaphoreInfoCount = uint32_t(p.waits.size());
+    infos[i].pWaitSemaphoreInfos = p.waits.data();
+    infos[i].commandBufferInfoCount = 1;
+    infos[i].pCommandBufferInfos = &p.commands;
+    infos[i].signalSemaphoreInfoCount = p.signal.value > 0 ? 1 : 0;
+    infos[i].pSignalSemaphoreInfos = &p.signal;
   }
-  std::vector<VkSubmitInfo2> infos;
-  for (const Pointed& p : pointed) {
-    VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-    info.waitSemaphoreInfoCount = uint32_t(p.waits.size());
-    info.pWaitSemaphoreInfos = p.waits.data();
-    info.commandBufferInfoCount = 1;
-    info.pCommandBufferInfos = &p.commands;
-    info.signalSemaphoreInfoCount = p.signal.value > 0 ? 1 : 0;
-    info.pSignalSemaphoreInfos = &p.signal;
-    infos.push_back(info);
-  }
-  if (!infos.empty()) VK_CHECK(vkQueueSubmit2(queue, uint32_t(infos.size()), infos.data(), fence));
+  VK_CHECK(vkQueueSubmit2(queue_of(parts.front().queue), uint32_t(infos.size()), infos.data(), fence));
 }
 
 bool QueueWork::wait(double timeout_s) {

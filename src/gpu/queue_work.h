@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <span>
 #include <vector>
 
 #include "gpu/device.h"
@@ -55,7 +56,7 @@ class QueueWork {
     uint64_t signal = 0;  // 0: none
   };
   VkCommandBuffer take(Queue queue);
-  void submit_to(VkQueue queue, VkFence fence);
+  void submit_parts(std::span<const Part> parts, VkFence fence);
   VkQueue queue_of(Queue queue) const { return queue == Queue::main ? device_.queue() : device_.compute_queue(); }
 
   Device& device_;

@@ -100,7 +100,8 @@ void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   outcome.message = outcome.gate.message;
   if (exact && outcome.gate.passed() && outcome.gate.rung != GateRung::identical) {
     outcome.message =
-        fmt::format("not the same pixels, though {} within its limits", gate_rung_name(outcome.gate.rung));
+        fmt::format("not the same pixels; without --exact it is {}{}{}", gate_rung_name(outcome.gate.rung),
+                    outcome.message.empty() ? "" : ": ", outcome.message);
     outcome.gate.rung = GateRung::failed;
   }
   if (outcome.gate.passed())

@@ -1,3 +1,10 @@
+# The target's files are compiled so many at a time: what they share, most of it headers and templates, is compiled once.
+function(candela_compile_together target files)
+  if(CANDELA_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${files})
+  endif()
+endfunction()
+
 # candela_module(NAME LINK libs...): the static library candela_NAME from src/NAME and the folders in it; what is loaded at run time
 # (modules/) or makes what is built in (tools/) is not part of it. Its public include folder is src,
 # so every include says its module: #include "scene/scene.h".
@@ -20,10 +27,7 @@ function(candela_module name)
   add_library(candela_${name} STATIC ${sources})
   target_include_directories(candela_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/shaders)
   target_link_libraries(candela_${name} PUBLIC ${A_LINK})
-  # Files are compiled a dozen at a time: what they share, most of it headers and templates, is compiled once.
-  if(CANDELA_UNITY)
-    set_target_properties(candela_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
-  endif()
+  candela_compile_together(candela_${name} 12)
   # One precompiled header for all modules: base makes it.
   if(name STREQUAL "base")
     target_precompile_headers(candela_base PRIVATE ${CMAKE_SOURCE_DIR}/src/base/pch.h)

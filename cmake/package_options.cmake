@@ -3,7 +3,7 @@ if(CPACK_GENERATOR STREQUAL "DEB")
   set(CPACK_COMPONENTS_ALL program share zsh-debian)
   set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
   # Debian's own tool finds which packages hold the libraries. Those of the module for more picture formats are 258 with all that
-  # they need, and few jobs use it: recommended, not needed.
+  # they need, and few jobs use it: suggested, so that apt leaves them out unless asked.
   set(work ${CPACK_CANDELA_BUILD_FOLDER}/generated/shlibdeps)
   file(WRITE ${work}/debian/control "Source: candela\n\nPackage: candela\nArchitecture: any\n")
   function(needed_packages out)  # FILE...
@@ -20,12 +20,13 @@ if(CPACK_GENERATOR STREQUAL "DEB")
   needed_packages(CPACK_DEBIAN_PACKAGE_DEPENDS ${CPACK_CANDELA_BUILD_FOLDER}/candela ${modules})
   # lavapipe before this version has no descriptor indexing (Debian 12 has it in backports); a GPU's driver does as well.
   set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "mesa-vulkan-drivers (>= 25.0.7) | nvidia-vulkan-icd")
+  set(suggested ffmpeg gnuplot-nox)
   if(EXISTS ${CPACK_CANDELA_BUILD_FOLDER}/candela_oiio.so)
     needed_packages(oiio ${CPACK_CANDELA_BUILD_FOLDER}/candela_oiio.so)
     string(REGEX MATCH "libopenimageio[^,]*" oiio "${oiio}")
-    string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", ${oiio}")
+    list(APPEND suggested ${oiio})
   endif()
-  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ffmpeg, gnuplot-nox")
+  list(JOIN suggested ", " CPACK_DEBIAN_PACKAGE_SUGGESTS)
 else()
   set(CPACK_COMPONENTS_ALL portable share zsh)
   set(CPACK_COMPONENT_INCLUDE_TOPLEVEL_DIRECTORY ON)

@@ -45,7 +45,7 @@ say "installing the .deb"
 install "$work/bookworm" -t bookworm-backports mesa-vulkan-drivers
 install "$work/bookworm" /root/candela.deb
 renders "$work/bookworm" candela
-# Without OpenImageIO, which is only recommended, other formats are refused in words.
+# Without OpenImageIO, which is only suggested, other formats are refused in words.
 printf 'BM a picture of another format, long enough to be looked at' >"$work/bookworm/root/a.bmp"
 said=$(inside "$work/bookworm" candela compare /root/a.bmp /root/a.bmp 2>&1) && broken "a BMP is read without OpenImageIO" || true
 [[ $said == *candela_oiio.so* ]] || broken "the message does not name the module: $said"

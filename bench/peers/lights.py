@@ -2,13 +2,15 @@
 """Candela against Filament: the time of a frame against the number of lights, and from process to file.
 
 usage: bench/peers/lights.py [--build DIR] [--scenes NAME|FILE,...] [--lights N,...] [--samples N,...] [--caches NAME,...]
-                             [--techniques NAME,...] [--runs N] [--cold-runs N] [--pictures DIR] [-o FILE.json]
+                             [--techniques NAME,...] [--tables NAME,...] [--start-lights N] [--runs N] [--cold-runs N]
+                             [--pictures DIR] [-o FILE.json]
 
 Needs a build with -DCANDELA_BENCH_PEERS=ON. Every program draws one frame in turn (candela, Filament, candela, ...),
 each at a later time of the scene, so that the lights move and a machine that slows down slows all. See bench/README.md.
 """
 import argparse
 import json
+import math
 import os
 import pathlib
 import statistics
@@ -21,7 +23,6 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FIRST_TIME_S, FRAME_RATE = 0.5, 24
 FILAMENT_CAP = 256
 PASS_LIGHTS = (1, 256, 1024, 4096)
-START_LIGHTS = 1024
 WARM_UP_FRAMES = 4
 
 NOTES = [
@@ -59,6 +60,19 @@ def medians(samples):
 def ratio(samples, of):
     """Round by round, which the machine's drift does not touch."""
     return {k: v for k, v in summary([a / b for a, b in zip(samples, of)]).items() if k in ("median", "mad")}
+
+
+def ratio_of_pairs(samples, of):
+    """Of runs in turn: the median of the quotients, and between which of them it lies in 95 % of all cases or more."""
+    quotients = sorted(a / b for a, b in zip(samples, of))
+    n, outside, k = len(quotients), 0.5 ** len(quotients), 0
+    while k + 1 < n // 2:  # of n signs, at most k + 1 are on one side
+        more = outside + math.comb(n, k + 1) * 0.5 ** n
+        if 2 * more > 0.05:
+            break
+        outside, k = more, k + 1
+    return {"median": round(statistics.median(quotients), 3), "low": round(quotients[k], 3), "high": round(quotients[n - 1 - k], 3),
+            "certainty": round(1 - 2 * outside, 3)}
 
 
 class Server:
@@ -218,9 +232,11 @@ class Bench:
                     timings = json.loads(out)["timings"]
                     stages[name].append({**timings["cpu_ms"], "process": timings["process_ms"]})
         row = {"lights": lights, "caches": caches, "wall_ms": {name: summary(values) for name, values in walls.items()},
+               "candela_to_filament": ratio_of_pairs(walls["candela to PNG"], walls["filament to PNG"]),
                "candela_stages_ms": {name: medians(values) for name, values in stages.items() if values}}
         say(f"{case.name}, process to file, {caches} caches: " +
-            ", ".join(f"{n} {s['median']:.0f} ± {s['mad']:.0f} ms" for n, s in row["wall_ms"].items()))
+            ", ".join(f"{n} {s['median']:.0f} ± {s['mad']:.0f} ms" for n, s in row["wall_ms"].items()) +
+            f", ratio {row['candela_to_filament']}")
         return row
 
     def measure(self, case, result):
@@ -228,11 +244,12 @@ class Bench:
         generated = pathlib.Path(case.scene).suffix not in (".glb", ".gltf")
         lights = [int(n) for n in self.options.lights.split(",")] if generated else [None]
         of_passes = [n for n in PASS_LIGHTS if n in lights] if generated else [None]
+        of_start = self.options.start_lights if generated else None
+        tables = {"frames": lambda: [self.frames(case, n, result) for n in lights],
+                  "passes": lambda: [self.passes(case, n) for n in of_passes],
+                  "start": lambda: [self.start(case, of_start, caches) for caches in self.options.caches.split(",")]}
         return {"scene": case.scene if generated else pathlib.Path(case.scene).stem, "samples": case.samples,
-                "frames": [self.frames(case, n, result) for n in lights],
-                "passes": [self.passes(case, n) for n in of_passes],
-                "start": [self.start(case, START_LIGHTS if generated else None, caches)
-                          for caches in self.options.caches.split(",")]}
+                **{name: tables[name]() for name in self.options.tables.split(",")}}
 
 
 class Case:
@@ -252,6 +269,8 @@ def main():
     parser.add_argument("--size", default="1280x720")
     parser.add_argument("--samples", default="4,1", help="a pixel")
     parser.add_argument("--caches", default="warm,empty", help="of shaders, for the time from process to file")
+    parser.add_argument("--tables", default="frames,passes,start")
+    parser.add_argument("--start-lights", type=int, default=1024, help="of generated scenes, from process to file")
     parser.add_argument("--runs", type=int, default=21)
     parser.add_argument("--cold-runs", type=int, default=9)
     parser.add_argument("--pictures", help="keep both programs' pictures in this folder")

@@ -186,6 +186,9 @@ Expected<int> run_compare(const CompareCommand& o) {
   for (const auto& [layers, file] :
        {std::pair(&comparison->only_in_reference, &o.a), std::pair(&comparison->only_in_test, &o.b)})
     if (!layers->empty()) log::error("only {} has {}", *file, joined(*layers));
+  for (const SharedLevels& levels : comparison->shared_levels)
+    log::warning("{} has {} levels in {} and {} in {}: the first {}, {} ranks, are compared", levels.layer,
+                 levels.reference, o.a, levels.test, o.b, levels.shared(), 2 * levels.shared());
   for (const LimitVerdict& v : verdicts)
     if (!v.pass && comparison->refusal.empty()) log::error("{}", broken_limit(v));
   auto printed =

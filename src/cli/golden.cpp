@@ -22,7 +22,7 @@ using Kind = GoldenOutcome::Kind;
 
 struct GoldenOptions {
   std::string root = "golden", assets, filter, report, why, device_class, device;
-  bool validate = false, json = false, quiet = false, allow_blank = false;
+  bool validate = false, json = false, quiet = false, allow_blank = false, exact = false;
 };
 
 // The assets lie beside the repository unless said otherwise.
@@ -111,8 +111,8 @@ Expected<int> run_check(const GoldenOptions& o) {
   int warned = 0;
   std::vector<GoldenRow> report;
   for (const GoldenManifest& golden : *goldens) {
-    const GoldenOutcome outcome =
-        check_golden(golden, run_settings(o), o.allow_blank, o.report.empty() ? scratch.path() : fs::path(o.report));
+    const GoldenOutcome outcome = check_golden(golden, {run_settings(o), o.allow_blank, o.exact},
+                                               o.report.empty() ? scratch.path() : fs::path(o.report));
     const std::string line =
         golden.name + ": " + verdict(outcome) + (outcome.message.empty() ? "" : ": " + outcome.message);
     log::write(outcome.warned() ? log::Level::warning : log::Level::info, line);
@@ -198,6 +198,7 @@ void add_golden(CLI::App& app, Action& action) {
       golden->add_subcommand("check", "Render every golden and compare; exit 1 when one fails or is missing");
   add_shared(*check, *o);
   check->add_option("--report", o->report, "Folder for an HTML page of failures and a JUnit file")->type_name("DIR");
+  check->add_flag("--exact", o->exact, "Only the same pixels pass, whatever the goldens allow");
   check->add_flag("--json", o->json, "As JSON");
   check->callback([o, &action] { action = [o] { return run_check(*o); }; });
   add_golden_add(*golden, action);

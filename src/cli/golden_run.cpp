@@ -69,7 +69,7 @@ void write_pictures(const GoldenManifest& golden, const FloatImage* expected, co
   outcome.heat_map = write("-heat.png", heatmap(comparison.flip_map, comparison.width, comparison.height));
 }
 
-void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {
+void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   const auto fail_with = [&](std::string message) { outcome.message = std::move(message); };
   const auto limits = parse_gate_limits(golden.text, outcome.device_class, (golden.folder / "golden.json").string());
   if (!limits) return fail_with(limits.error().text());
@@ -98,6 +98,12 @@ void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {
   outcome.limits = *limits;
   outcome.gate = judge_golden(*expected, *actual, *limits, golden.exr ? Encoding::linear : Encoding::display);
   outcome.message = outcome.gate.message;
+  if (exact && outcome.gate.passed() && outcome.gate.rung != GateRung::identical) {
+    outcome.message =
+        fmt::format("not the same pixels; without --exact it is {}{}{}", gate_rung_name(outcome.gate.rung),
+                    outcome.message.empty() ? "" : ": ", outcome.message);
+    outcome.gate.rung = GateRung::failed;
+  }
   if (outcome.gate.passed())
     outcome.kind = GoldenOutcome::Kind::passed;
   else if (!outcome.gate.blank)  // for whoever looked at it and finds it right (golden_manifest.h)
@@ -109,8 +115,7 @@ void judge(const GoldenManifest& golden, GoldenOutcome& outcome) {
 
 }  // namespace
 
-GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
-                           const fs::path& folder) {
+GoldenOutcome check_golden(const GoldenManifest& golden, const GoldenCheck& how, const fs::path& folder) {
   GoldenOutcome outcome;
   if (golden.missing_assets) {
     outcome.kind = GoldenOutcome::Kind::skipped;
@@ -119,12 +124,12 @@ GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& sett
   }
   const double start_us = process_clock_us();
   const fs::path actual = folder / (golden.name + golden.ending());
-  const auto picture = render_golden(golden, settings, allow_blank, actual);
+  const auto picture = render_golden(golden, how.settings, how.allow_blank, actual);
   if (picture) {
     outcome.actual = actual;
     outcome.device_class = picture->device_class;
     outcome.device = picture->device;
-    judge(golden, outcome);
+    judge(golden, how.exact, outcome);
   } else {
     outcome.message = picture.error().text();
   }

@@ -28,9 +28,13 @@ Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSet
                                       const std::filesystem::path& picture);
 
 // Renders into `folder` and walks the ladder of metrics/gate.h. Errors of the golden itself (missing picture, a scene
-// that does not load) are outcomes; only what makes every golden fail alike (no device) is an error.
-GoldenOutcome check_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
-                           const std::filesystem::path& folder);
+// that does not load) are outcomes; only what makes every golden fail alike (no device) is an error. exact: whatever
+// the limits of the golden are, only the same pixels pass.
+struct GoldenCheck {
+  RunSettings settings;
+  bool allow_blank = false, exact = false;
+};
+GoldenOutcome check_golden(const GoldenManifest& golden, const GoldenCheck& how, const std::filesystem::path& folder);
 
 // Of the decoded pixels: size, channel names and values.
 std::string picture_digest(const FloatImage& image);

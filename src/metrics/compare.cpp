@@ -265,7 +265,9 @@ Expected<Comparison> compare_files(const std::filesystem::path& reference, const
     return Comparison{.refusal = "one file is scene-linear, the other display-encoded: no metric has a meaning",
                       .width = a->width,
                       .height = a->height};
+  const std::vector<SharedLevels> shared_levels = keep_shared_levels(*a, *b);
   Comparison result = compare(*a, *b, options);
+  result.shared_levels = shared_levels;
   result.only_in_reference = layers_alone(*a, *b);
   result.only_in_test = layers_alone(*b, *a);
   return result;

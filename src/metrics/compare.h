@@ -56,6 +56,7 @@ struct Comparison {
   std::vector<LayerResult> layers;
   std::vector<RegionResult> regions;
   std::vector<std::string> only_in_reference, only_in_test;  // layers that the other has not: a refusal
+  std::vector<SharedLevels> shared_levels;                   // only these ranks of Cryptomatte are compared
 };
 
 struct HdrFlipChoice {
@@ -71,9 +72,9 @@ struct CompareOptions {
 Comparison compare(const FloatImage& reference, const FloatImage& test, const CompareOptions& options);
 
 // Reads both; EXR and Radiance HDR are linear, everything else display-encoded (options.encoding is not asked); one of
-// each is a refusal. Layers that one file alone has are a refusal, and named. Errors: a file that cannot be read
-// (input).
-// Of a file, by its ending: .exr and .hdr are scene-linear.
+// each is a refusal. Layers that one file alone has are a refusal, and named; of Cryptomatte's the levels that both
+// have are compared. Errors: a file that cannot be read (input). Of a file, by its ending: .exr and .hdr are
+// scene-linear.
 Encoding encoding_of(const std::filesystem::path& path);
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                                    CompareOptions options = {});

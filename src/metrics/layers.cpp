@@ -62,11 +62,26 @@ void compare_normals(const std::vector<ChannelPair>& xyz, int width, LayerResult
   result.metrics["one-sided"] = one_sided;
 }
 
-// "crypto_object01" where the file says that crypto_object is a layer of Cryptomatte: its floats are bits.
-bool is_matte_level(const FloatImage& image, const std::string& layer) {
-  return std::ranges::any_of(image.metadata, [&](const MetadataEntry& entry) {
-    return entry.name.starts_with("cryptomatte/") && entry.name.ends_with("/name") && layer.starts_with(entry.text) &&
-           layer.size() == entry.text.size() + 2;
+// Layers that the file says are Cryptomatte's.
+std::vector<std::string> matte_layers(const FloatImage& image) {
+  std::vector<std::string> layers;
+  for (const MetadataEntry& entry : image.metadata)
+    if (entry.name.starts_with("cryptomatte/") && entry.name.ends_with("/name")) layers.push_back(entry.text);
+  return layers;
+}
+
+std::string matte_level(const std::string& layer, int level) { return fmt::format("{}{:02}", layer, level); }
+
+int matte_levels(const FloatImage& image, const std::string& layer) {
+  int levels = 0;
+  while (image.find(matte_level(layer, levels) + ".R")) ++levels;
+  return levels;
+}
+
+// "crypto_object01" of the layer crypto_object: its floats are bits.
+bool is_matte_level(const FloatImage& image, const std::string& name) {
+  return std::ranges::any_of(matte_layers(image), [&](const std::string& layer) {
+    return name.starts_with(layer) && name.size() == layer.size() + 2;
   });
 }
 
@@ -114,6 +129,20 @@ std::string layer_of(const Channel& channel) {
   if (dot != std::string::npos) return channel.name.substr(0, dot);
   const bool beauty = channel.name.size() == 1 && std::string_view("RGBAY").contains(channel.name[0]);
   return beauty ? "" : channel.name;
+}
+
+std::vector<SharedLevels> keep_shared_levels(FloatImage& reference, FloatImage& test) {
+  std::vector<SharedLevels> unequal;
+  for (const std::string& layer : matte_layers(reference)) {
+    const SharedLevels levels{layer, matte_levels(reference, layer), matte_levels(test, layer)};
+    if (levels.shared() == 0 || levels.reference == levels.test) continue;
+    for (FloatImage* image : {&reference, &test})
+      for (int level = levels.shared(); level < std::max(levels.reference, levels.test); ++level)
+        std::erase_if(image->channels,
+                      [&](const Channel& channel) { return layer_of(channel) == matte_level(layer, level); });
+    unequal.push_back(levels);
+  }
+  return unequal;
 }
 
 std::vector<LayerResult> compare_layers(const FloatImage& reference, const FloatImage& test) {

@@ -26,6 +26,16 @@ std::string_view layer_kind_name(LayerResult::Kind kind);
 // "depth" of "depth.Z", the whole of "object_id", "" of R G B A Y.
 std::string layer_of(const Channel& channel);
 
+// A layer of Cryptomatte of which the images store different numbers of levels, two ranks each.
+struct SharedLevels {
+  std::string layer;
+  int reference = 0, test = 0;
+  int shared() const { return reference < test ? reference : test; }
+};
+// Takes the levels that one image alone has out of the other: a rank that is not stored says nothing of what it would
+// hold. A layer without any level in one of the images stays.
+std::vector<SharedLevels> keep_shared_levels(FloatImage& reference, FloatImage& test);
+
 // Each layer that both images have whole, by name; beauty and the reference's variance are not among them.
 std::vector<LayerResult> compare_layers(const FloatImage& reference, const FloatImage& test);
 

@@ -119,6 +119,11 @@ std::string comparison_json(const Comparison& comparison, std::span<const LimitV
     add_noise(j, region.noise, region.metrics);
     json["regions"].push_back(std::move(j));
   }
+  for (const SharedLevels& levels : comparison.shared_levels)
+    json["shared_levels"].push_back({{"layer", levels.layer},
+                                     {"reference", levels.reference},
+                                     {"test", levels.test},
+                                     {"compared", levels.shared()}});
   if (!comparison.only_in_reference.empty()) json["only_in_reference"] = comparison.only_in_reference;
   if (!comparison.only_in_test.empty()) json["only_in_test"] = comparison.only_in_test;
   if (!comparison.refusal.empty()) json["refusal"] = comparison.refusal;

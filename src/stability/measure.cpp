@@ -174,6 +174,24 @@ EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const B
   return counts;
 }
 
+void LayerCounts::add(const FloatImage& layer) {
+  for (const Channel& channel : layer.channels) {
+    nonfinite += uint64_t(std::ranges::count_if(channel.f, [](float v) { return !std::isfinite(v); }));
+    const std::string_view name = channel.name;  // "crypto_object00.G": the coverage by the id in R
+    if (!name.starts_with("crypto_") || !(name.ends_with(".G") || name.ends_with(".A"))) continue;
+    std::vector<float>& sums = coverage[channel.name.substr(0, name.size() - 4)];
+    sums.resize(channel.f.size());
+    for (size_t i = 0; i < sums.size(); ++i) sums[i] += channel.f[i];
+  }
+}
+
+uint64_t LayerCounts::overcovered() const {
+  uint64_t pixels = 0;
+  for (const auto& [layer, sums] : coverage)
+    pixels += uint64_t(std::ranges::count_if(sums, [](float sum) { return !(sum <= 1.00001f); }));
+  return pixels;
+}
+
 double display_error(const DisplayImage& display, const Beauty& beauty, double pre_exposure, const Job& job) {
   CHECK(display.bits == 16);
   const DisplayLook look = display_look(job, {});

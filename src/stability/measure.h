@@ -1,10 +1,12 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "bench/picture.h"
 #include "frame/job.h"
+#include "image/image.h"
 
 namespace candela {
 
@@ -50,6 +52,15 @@ struct EffectCounts {
   int first_x = -1, first_y = -1;
 };
 EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const Beauty& drawn, double pre_exposure);
+
+// Of the layers of one frame, one after the other: values that are not finite (ids of Cryptomatte are floats, too), and
+// the coverage of each pixel by names, of objects and of materials apart.
+struct LayerCounts {
+  uint64_t nonfinite = 0;
+  std::map<std::string, std::vector<float>> coverage;  // by Cryptomatte's layer
+  void add(const FloatImage& layer);
+  uint64_t overcovered() const;  // pixels that some layer covers by more than 1
+};
 
 // Largest difference between the 16-bit display picture and the curve in double from the same linear pixels, in parts
 // of one.

@@ -12,6 +12,7 @@
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
 #include "image/io.h"
+#include "render/frame_layers.h"
 #include "render/outputs.h"
 #include "render/reference_frame.h"
 #include "stability/fog_picture.h"
@@ -29,6 +30,7 @@ struct Shot {
   double pre_exposure = 1;
   std::optional<DisplayImage> display;
   std::vector<std::string> warnings;
+  LayerCounts layers;
 };
 
 // The upper bytes of what has 16 bits.
@@ -116,7 +118,9 @@ Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display, const ch
   if (!frame) return std::unexpected(frame.error());
   auto beauty = beauty_of(*frame);
   if (!beauty) return fail(ErrorKind::device, "", "the frame has no linear picture");
-  Shot made{std::move(*beauty), frame->pre_exposure, {}, renderer_->warnings()};
+  Shot made{std::move(*beauty), frame->pre_exposure, {}, renderer_->warnings(), {}};
+  for (const OutputImage& output : frame->outputs)
+    if (std::ranges::find(job.layers, output.layer) != job.layers.end()) made.layers.add(layer_image(*frame, output));
   made.warnings.insert(made.warnings.end(), frame->warnings.begin(), frame->warnings.end());
   if (display) {
     job.png_bits = 16;
@@ -203,6 +207,11 @@ void StabilityRun::count_faults(const char* with, const Expected<Shot>& made, co
   fault(counts.nonfinite, "are not finite");
   fault(counts.negative, "are negative");
   fault(counts.brighter, "are brighter");
+  row.effects_nonfinite += made->layers.nonfinite;
+  if (made->layers.nonfinite > 0)
+    row.faults.push_back(fmt::format("with {} {} values of layers are not finite", with, made->layers.nonfinite));
+  if (const uint64_t pixels = made->layers.overcovered(); pixels > 0)
+    row.faults.push_back(fmt::format("with {} the mattes of {} pixels cover more than all of them", with, pixels));
 }
 
 // The effects of quality high and of the look. Without a sky image to reflect, without fog and glass they only take
@@ -211,7 +220,8 @@ void StabilityRun::check_effects(const StabilityScene& scene, const Job& job, co
   count_faults("effects", shot(job, scene.time_s, false, "auto"), bare, row);
 }
 
-// All that a look can switch on at once, with lights of a size and shadows and occlusion by rays.
+// All that a look can switch on at once, with lights of a size and shadows and occlusion by rays, and the layers that
+// come from two times and from many samples.
 Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job job, StabilityRow& row) {
   constexpr std::string_view look = R"({"sun": {"angular_radius_deg": 0.5}, "lights": {"radius_m": 0.05},
     "fog": {"scattering": 0.05, "absorption": 0.01, "anisotropy": 0.6, "falloff": 0.3, "emission": 0.01},
@@ -219,6 +229,7 @@ Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job
     "probes": [{"position": [0, 1, 0], "box": {"min": [-50, -50, -50], "max": [50, 50, 50]}}],
     "bloom": {"strength": 0.1, "beauty": true}, "occlusion": {"radius_m": 2}})";
   job.technique = techniques_.front();
+  job.layers = {"motion", "crypto_object", "crypto_material"};
   job.look = path("every-effect.json");
   auto every = own_json(look);
   if (!scene.sky_look.empty()) every.update(own_json(scene.sky_look));
@@ -366,7 +377,7 @@ Expected<void> StabilityRun::check_fog(const StabilityRecipe& recipe, const Stab
     // Single pixels are noise: their sum is judged.
     if (mode == reference::Mode::path)
       judged.bound = 1e9, judged.energy_bound = std::max(scene.energy_bound, fog_noise_bound);
-    Shot made{picture->beauty, 1, {}, {}};
+    Shot made{picture->beauty, 1, {}, {}, {}};
     if (keeps_pictures()) made.display = picture->display;
     measure(judged, made, picture->known ? &*picture->known : nullptr, nullptr, row);
     judge(judged, made, row);

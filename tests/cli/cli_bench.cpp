@@ -5,7 +5,7 @@
 
 #include "program.h"
 
-namespace candela::test {
+namespace candela::test::cli_bench {
 namespace {
 
 using Json = nlohmann::json;
@@ -205,4 +205,4 @@ TEST(Bench, ExactnessFindsLightsThatAreLost) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::cli_bench

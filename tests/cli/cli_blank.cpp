@@ -8,7 +8,7 @@
 #include "image/io.h"
 #include "program.h"
 
-namespace candela::test {
+namespace candela::test::cli_blank {
 namespace {
 
 // A triangle at the origin, and an unnamed camera 5 m before it whose node is turned by the quaternion given.
@@ -170,4 +170,4 @@ TEST(Messages, HeatMapChannelsAreNamedAsInTheFile) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::cli_blank

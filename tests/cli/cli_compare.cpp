@@ -4,7 +4,7 @@
 
 #include "program.h"
 
-namespace candela::test {
+namespace candela::test::cli_compare {
 namespace {
 
 using Json = nlohmann::json;
@@ -120,4 +120,4 @@ TEST(CompareUsage, BadRegionsAndExposures) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::cli_compare

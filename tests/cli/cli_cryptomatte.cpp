@@ -188,6 +188,22 @@ TEST(Cryptomatte, IsComparedAsIds) {
   EXPECT_TRUE(seen) << layers.dump();
 }
 
+// Two levels of the renderer, three of the reference tracer: those that both have are compared, and a line says so.
+TEST(Cryptomatte, FilesWithDifferentLevelsAreComparedByThoseOfBoth) {
+  const TestFolder folder;
+  const std::string few = folder / "few.exr", many = folder / "many.exr";
+  for (const auto& [file, ranks] : {std::pair(few, "2"), {many, "6"}})
+    ASSERT_EQ(candela({"render", scene("spheres"), "--size", "48x27", "--layers", "crypto_object", "--set",
+                       std::string("cryptomatte.ranks=") + ranks, "-o", file, "--quiet"})
+                  .code,
+              0);
+  const Ended compared = candela({"compare", few, many, "--json", "--limit", "differing=0", "--hdr-flip", "off"});
+  EXPECT_EQ(compared.code, 0) << compared.err;
+  EXPECT_NE(compared.err.find("crypto_object has 1 levels in"), std::string::npos) << compared.err;
+  EXPECT_EQ(Json::parse(compared.out)["shared_levels"],
+            (Json{{{"layer", "crypto_object"}, {"reference", 1}, {"test", 3}, {"compared", 1}}}));
+}
+
 // A layer for the screen alone is in no file, and so are the names of its ids.
 TEST(Cryptomatte, IsNotNamedWhereOnlyTheScreenShowsIt) {
   const TestFolder folder;

@@ -11,7 +11,7 @@
 #include "image/io.h"
 #include "program.h"
 
-namespace candela::test {
+namespace candela::test::cli_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -415,4 +415,4 @@ TEST(Compare, ExitCodesAndLimits) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::cli_files

@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "image/io.h"
+#include "image/png_write.h"
 #include "program.h"
 
 namespace candela::test {
@@ -143,6 +144,29 @@ TEST_F(Golden, AWarningPassesAndIsSaidEverywhere) {
 
 // Pictures of a device class that are right there besides the golden's own are known by their digest: of size, channel
 // names and the digests of their values.
+// One pixel by one code passes the golden's limits, and not --exact; what is equal passes both.
+TEST_F(Golden, ExactPassesTheSamePixelsAlone) {
+  ASSERT_EQ(update("first").code, 0);
+  EXPECT_EQ(check({"--exact"}).code, 0);
+  const std::string kept = folder / "golden/box/golden.png";
+  auto image = read_image(kept);
+  ASSERT_TRUE(image);
+  DisplayImage changed{image->width, image->height, 4, 8, {}};
+  for (size_t i = 0; i < size_t(image->width) * size_t(image->height); ++i)
+    for (const char* channel : {"R", "G", "B", "A"})
+      changed.pixels.push_back(std::byte(std::lround(image->find(channel)->f[i] * 255)));
+  changed.pixels[4 * 100] ^= std::byte(1);
+  ASSERT_TRUE(write_png(kept, changed, {}));
+  const Ended passed = check(), failed = check({"--exact", "--report", folder / "report"});
+  EXPECT_EQ(passed.code, 0) << passed.err;
+  EXPECT_EQ(Json::parse(passed.out)["goldens"][0]["verdict"], "nearly identical");
+  EXPECT_EQ(failed.code, 1) << failed.err;
+  const Json said = Json::parse(failed.out)["goldens"][0];
+  EXPECT_EQ(said["verdict"], "failed");
+  EXPECT_NE(std::string(said["message"]).find("without --exact it is nearly identical"), std::string::npos) << said;
+  EXPECT_NE(bytes_of(folder / "report/junit.xml").find("<failure"), std::string::npos);
+}
+
 TEST_F(Golden, OnlyTheAcceptedPictureIsAccepted) {
   ASSERT_EQ(update("first").code, 0);
   Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));

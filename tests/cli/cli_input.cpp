@@ -9,7 +9,7 @@
 #include "program.h"
 
 // Inputs that nobody should have to trust: what they name, how large they become, what the system refuses.
-namespace candela::test {
+namespace candela::test::cli_input {
 namespace {
 
 namespace fs = std::filesystem;
@@ -163,4 +163,4 @@ TEST(Limits, RefusedThreadsAndMemoryAreAnExitCodeAndALine) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::cli_input

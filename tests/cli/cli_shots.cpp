@@ -5,7 +5,7 @@
 
 #include "program.h"
 
-namespace candela::test {
+namespace candela::test::cli_shots {
 namespace {
 
 using Json = nlohmann::json;
@@ -97,4 +97,4 @@ TEST(Shots, TheEnvironmentGivesOptionsAndTheCommandLineGoesFirst) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::cli_shots

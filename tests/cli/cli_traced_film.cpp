@@ -9,7 +9,7 @@
 #include "image/io.h"
 #include "program.h"
 
-namespace candela::test {
+namespace candela::test::cli_traced_film {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ TEST(TracedFilm, AFarmMakesAndChecksIt) {
   EXPECT_EQ(contents(folder / "out"), contents(folder / "whole"));
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::cli_traced_film

@@ -2,7 +2,7 @@
 #include "frame_fixture.h"
 #include "passes/surfaces/terms.h"
 
-namespace candela::test {
+namespace candela::test::frame_fog {
 namespace {
 constexpr int width = 33, height = 21;
 }  // namespace
@@ -249,4 +249,4 @@ TEST_F(FrameFog, SupersampledAndEmptyScenes) {
   EXPECT_GT(glow["beauty"].at<glm::vec4>(0, 0).x, 0);
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_fog

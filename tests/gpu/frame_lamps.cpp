@@ -7,7 +7,7 @@
 #include "render/reference_frame.h"
 
 // Shadows of point and spot lights in whole frames.
-namespace candela::test {
+namespace candela::test::frame_lamps {
 namespace {
 
 constexpr int width = 96, height = 64;
@@ -336,4 +336,4 @@ TEST_F(FrameLamps, RaysOfSunsAndLampsInOneShader) {
   EXPECT_NEAR(a / b, 1, 0.1);  // of the same lights in the same places
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_lamps

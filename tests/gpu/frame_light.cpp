@@ -3,7 +3,7 @@
 #include "frame_fixture.h"
 #include "reference/albedo.h"
 
-namespace candela::test {
+namespace candela::test::frame_light {
 namespace {
 
 using std::numbers::pi;
@@ -189,4 +189,4 @@ INSTANTIATE_TEST_SUITE_P(Materials, FrameBrdf,
                          ::testing::Values(std::pair(0.0, 1.0), std::pair(0.0, 0.5), std::pair(1.0, 0.5),
                                            std::pair(0.5, 0.3)));
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_light

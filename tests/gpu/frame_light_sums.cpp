@@ -4,7 +4,7 @@
 #include "frame_fixture.h"
 
 // Light of many lamps, and of one that nearly touches, on a diffuse plane: against the sum in double.
-namespace candela::test {
+namespace candela::test::frame_light_sums {
 namespace {
 
 using std::numbers::pi;
@@ -117,4 +117,4 @@ TEST_F(FrameLightSums, AmbientReflectionsComeFromTheMirroredDirection) {
   EXPECT_LT(steep.x / level.x, 1.1 * below / horizon) << "the share reflected grows little at this angle";
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_light_sums

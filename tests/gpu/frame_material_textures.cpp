@@ -5,7 +5,7 @@
 #include "testscenes/procedural_textures.h"
 
 // What each texture of a material means, against the same material without it or against its own arithmetic.
-namespace candela::test {
+namespace candela::test::frame_material_textures {
 namespace {
 
 constexpr int nearest = 9728, linear_mipmap_linear = 9987, nearest_mipmap_nearest = 9984;
@@ -224,4 +224,4 @@ TEST_F(FrameMaterialTextures, MipLevelsChangeHalfWay) {
   }
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_material_textures

@@ -4,7 +4,7 @@
 #include "frame_fixture.h"
 #include "scene/matte_names.h"
 
-namespace candela::test {
+namespace candela::test::frame_mattes {
 namespace {
 
 constexpr int width = 48, height = 30;
@@ -237,4 +237,4 @@ TEST_F(FrameMattes, LeaveBlendedSurfacesOut) {
   for (const Coverage& pixel : pixels) ASSERT_TRUE(pixel.empty());
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_mattes

@@ -3,7 +3,7 @@
 
 #include "frame_fixture.h"
 
-namespace candela::test {
+namespace candela::test::frame_motion {
 namespace {
 
 constexpr int width = 48, height = 32;
@@ -175,6 +175,34 @@ TEST_F(FrameMotion, NothingMovesForNothing) {
   EXPECT_EQ(images(plain)["beauty"], with["beauty"]);
 }
 
+// A square that jumps here from so far off that its place in the picture was no float, in the middle of the way or at
+// its end: infinities less infinities are no motion, and what floats reach is said.
+TEST_F(FrameMotion, FromBeyondFloatsIsNothing) {
+  for (const float far_m : {1e30f, 1e38f, 3e38f}) {
+    GltfBuilder b = with_materials();
+    const int square = add_square(b, 0.5, {0, 0, 0});
+    animate(b, square, "translation", "VEC3", {far_m, -far_m, 0}, {0, 0, 0});
+    b.json["animations"].back()["samplers"][0]["interpolation"] = "STEP";
+    Job job = job_of(write(b));
+    for (const glm::dvec3 eye : {glm::dvec3(0, 0, distance_m), glm::dvec3(distance_m, 0, distance_m)}) {
+      look(job, eye, {0, 0, 0}, yfov_deg);
+      const Images seen = images_of(job, {}, 1 + 0.5 * job.motion_s);
+      size_t of_square = 0;
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          ASSERT_TRUE(std::isfinite(at(seen, x, y).x) && std::isfinite(at(seen, x, y).y))
+              << far_m << " " << x << " " << y;
+          if (seen["object_id"].at<uint32_t>(x, y) != uint32_t(square)) continue;
+          ++of_square;
+          if (eye.x > 0) continue;  // of a turned camera it was beside or behind: finite is all that is known
+          const glm::dvec2 expected = far_m < 1e37f ? glm::dvec2(-far_m, far_m) * px_a_metre : glm::dvec2(0);
+          ASSERT_LE(glm::length(glm::dvec2(at(seen, x, y)) - expected), 1e-5 * glm::length(expected)) << far_m;
+        }
+      EXPECT_GE(of_square, 30u) << far_m;
+    }
+  }
+}
+
 // What the mask cuts away shows the motion behind it.
 TEST_F(FrameMotion, SeesThroughMasks) {
   GltfBuilder b = with_materials();
@@ -187,4 +215,4 @@ TEST_F(FrameMotion, SeesThroughMasks) {
   expect_motion(images, uint32_t(behind), {}, 300);
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_motion

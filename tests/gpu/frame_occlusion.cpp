@@ -2,7 +2,7 @@
 #include "frame_fixture.h"
 
 // Ambient occlusion in whole frames.
-namespace candela::test {
+namespace candela::test::frame_occlusion {
 namespace {
 
 constexpr int width = 96, height = 64;
@@ -144,4 +144,4 @@ TEST_F(FrameOcclusion, FollowsTheLookAndTheSamples) {
   for (const float v : images_of(job)["occlusion"].values<float>()) EXPECT_EQ(v, 1);
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_occlusion

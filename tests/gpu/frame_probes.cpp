@@ -8,7 +8,7 @@
 #include "passes/surfaces/terms.h"
 #include "render/reference_frame.h"
 
-namespace candela::test {
+namespace candela::test::frame_probes {
 namespace {
 
 constexpr int width = 96, height = 64;
@@ -416,4 +416,4 @@ TEST_F(FrameProbes, ComeNearTheTracedLight) {
   }
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_probes

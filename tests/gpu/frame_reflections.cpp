@@ -4,7 +4,7 @@
 #include "passes/surfaces/terms.h"
 #include "render/reference_frame.h"
 
-namespace candela::test {
+namespace candela::test::frame_reflections {
 namespace {
 
 constexpr int width = 96, height = 64;
@@ -241,4 +241,4 @@ TEST_F(FrameReflections, TendToTheTracedLayer) {
   }
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_reflections

@@ -6,7 +6,7 @@
 #include "passes/surfaces/terms.h"
 #include "render/reference_frame.h"
 
-namespace candela::test {
+namespace candela::test::frame_refraction {
 namespace {
 
 constexpr int width = 64, height = 48;
@@ -271,4 +271,4 @@ TEST_F(FrameRefraction, IsLeftOutWhereNothingRefracts) {
   EXPECT_NE(plan(job).find("refraction is not wanted"), std::string::npos);
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_refraction

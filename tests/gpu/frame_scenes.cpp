@@ -2,7 +2,7 @@
 
 #include "frame_fixture.h"
 
-namespace candela::test {
+namespace candela::test::frame_scenes {
 
 class FrameScenes : public FrameTest {};
 
@@ -137,4 +137,4 @@ TEST_F(FrameScenes, CullingAThousandItemsChangesNoByte) {
   EXPECT_EQ(with, images_of(job, everything));
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_scenes

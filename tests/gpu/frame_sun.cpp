@@ -3,7 +3,7 @@
 #include "frame_fixture.h"
 
 // Shadows of directional lights in whole frames.
-namespace candela::test {
+namespace candela::test::frame_sun {
 namespace {
 
 constexpr int width = 96, height = 64;
@@ -203,4 +203,4 @@ TEST_F(FrameSun, FarFromTheOriginNothingChanges) {
   EXPECT_LT(differing, 10u) << "the grid of texels lies elsewhere, the shadow does not";
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_sun

@@ -5,7 +5,7 @@
 #include "passes/surfaces/terms.h"
 #include "render/reference_frame.h"
 
-namespace candela::test {
+namespace candela::test::frame_terms {
 namespace {
 
 constexpr int width = 48, height = 36;
@@ -201,4 +201,4 @@ TEST_F(FrameTerms, OneAloneIsTheOneAmongAll) {
   }
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_terms

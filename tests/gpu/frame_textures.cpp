@@ -3,7 +3,7 @@
 #include "frame_fixture.h"
 #include "testscenes/procedural_textures.h"
 
-namespace candela::test {
+namespace candela::test::frame_textures {
 namespace {
 
 int add_texture(GltfBuilder& b, const std::vector<std::byte>& png, bool nearest) {
@@ -254,4 +254,4 @@ TEST_F(FrameTextures, AShaderThatDoesNotCompileIsNamed) {
   }
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_textures

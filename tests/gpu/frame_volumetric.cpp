@@ -1,7 +1,7 @@
 // Light of lamps in the air in whole frames: what it must not change, and extremes.
 #include "frame_fixture.h"
 
-namespace candela::test {
+namespace candela::test::frame_volumetric {
 namespace {
 constexpr int width = 34, height = 21;
 }  // namespace
@@ -103,4 +103,4 @@ TEST_F(FrameVolumetric, AnythingGoes) {
       }
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::frame_volumetric

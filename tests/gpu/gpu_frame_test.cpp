@@ -3,7 +3,7 @@
 #include "gpu/frame_hash.h"
 #include "gpu_fixture.h"
 
-namespace candela::gpu::test {
+namespace candela::gpu::test::gpu_frame {
 
 class Frame : public GpuTest {};
 
@@ -473,4 +473,4 @@ TEST_F(Frame, APassGetsOnlyWhatItDeclared) {
   EXPECT_DEATH(run(graph), "'sneaky' uses version 1 of 'image' without having declared it as sampled_fragment");
 }
 
-}  // namespace candela::gpu::test
+}  // namespace candela::gpu::test::gpu_frame

@@ -173,4 +173,23 @@ TEST_F(InFlight, AnErrorBelongsToItsFrame) {
   EXPECT_EQ(kept.use_count(), 1);
 }
 
+// run() too: what a warm-up draws into stays until the device is done with it.
+TEST_F(InFlight, WhatARunThatEndsLateUsesIsKept) {
+  const CompiledGraph heavy = heavy_frame(heavy_rounds());
+  ASSERT_TRUE(runner->prepare(heavy));
+  const auto kept = std::make_shared<int>();
+  runner->timeout_s = 0.001;
+  try {
+    runner->run(heavy, {}, {}, {kept});
+    FAIL() << "no timeout";
+  } catch (const GpuError& error) {
+    EXPECT_EQ(error.result, VK_TIMEOUT);
+  }
+  EXPECT_EQ(kept.use_count(), 2) << "the device may still use it";
+  runner->timeout_s = 600;
+  const Planned planned = copy_frame(16);
+  expect_texels(planned, runner->collect(submit(planned, texels(16, 1))), 16, 1);
+  EXPECT_EQ(kept.use_count(), 1);
+}
+
 }  // namespace candela::gpu::test

@@ -2,7 +2,7 @@
 #include "gpu_fixture.h"
 #include "graph/queues.h"
 
-namespace candela::gpu::test {
+namespace candela::gpu::test::gpu_queues {
 namespace {
 
 constexpr uint32_t width = 32, height = 8, threads = 1 << 14;
@@ -212,4 +212,4 @@ TEST_F(Queues, ASecondQueueGivesTheSameBytes) {
   EXPECT_FALSE((*single)->has_second_queue());
 }
 
-}  // namespace candela::gpu::test
+}  // namespace candela::gpu::test::gpu_queues

@@ -1,7 +1,7 @@
 #include "gpu_fixture.h"
 
 // Fixed state of pipelines, and the commands that draw, dispatch and copy, each with the accesses that it needs.
-namespace candela::gpu::test {
+namespace candela::gpu::test::graph_commands {
 
 namespace {
 
@@ -299,4 +299,4 @@ TEST_F(Commands, ACommandWithoutItsAccessIsRefused) {
   EXPECT_DEATH(runner->run(graph, {}, {}), "'wrong' uses .*groups.* transfer_destination");
 }
 
-}  // namespace candela::gpu::test
+}  // namespace candela::gpu::test::graph_commands

@@ -4,7 +4,7 @@
 
 // Mips, layers, cubes and 3D images on the device: what the graph's plans of them mean. Every graph also runs timed and
 // hashed, which submits each pass alone and looks at every output between passes.
-namespace candela::gpu::test {
+namespace candela::gpu::test::graph_subresources {
 
 namespace {
 
@@ -458,4 +458,4 @@ TEST_F(Subresources, TheCacheKeepsToItsBudget) {
   for (int i = 0; i < 2; ++i) EXPECT_EQ(small.look_up(key(9), large), State::unknown) << "never fits";
 }
 
-}  // namespace candela::gpu::test
+}  // namespace candela::gpu::test::graph_subresources

@@ -59,12 +59,12 @@ if command -v dpkg-shlibdeps >/dev/null; then
   dpkg-deb -x "$deb" "$work/root"
   holds "$work/root/usr" "${everywhere[@]}" share/zsh/vendor-completions/_candela
   runs "$work/root/usr"
-  depends=$(dpkg-deb -f "$deb" Depends) recommends=$(dpkg-deb -f "$deb" Recommends)
+  depends=$(dpkg-deb -f "$deb" Depends) suggests=$(dpkg-deb -f "$deb" Suggests)
   for library in libc6 libstdc++6 libvulkan1 libopenexr libtinygltf libtbb; do
     [[ ", $depends" == *", $library"* ]] || broken "the package does not depend on $library: $depends"
   done
   [[ $depends != *openimageio* ]] || broken "the package needs OpenImageIO, which brings 258 libraries"
-  [[ ! -f $build/candela_oiio.so || $recommends == *libopenimageio* ]] || broken "OpenImageIO is not recommended: $recommends"
+  [[ ! -f $build/candela_oiio.so || $suggests == *libopenimageio* ]] || broken "OpenImageIO is not suggested: $suggests"
   dpkg --validate-version "$(dpkg-deb -f "$deb" Version)" || broken "version"
 fi
 finish

@@ -11,7 +11,7 @@
 #include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
 
-namespace candela {
+namespace candela::bench_error_analysis {
 namespace {
 
 BenchRow row_of(const std::string& suite, const std::string& technique, const std::string& quality,
@@ -489,4 +489,4 @@ TEST(ChooseSetting, OtherPlacesAreRefused) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::bench_error_analysis

@@ -7,7 +7,7 @@
 #include "bench/row.h"
 #include "bench/scaling.h"
 
-namespace candela {
+namespace candela::bench_rows {
 namespace {
 
 BenchRow row_of(int lights, double ms, const std::string& technique = "brute-force") {
@@ -189,4 +189,4 @@ TEST(Picture, ThumbnailsArePngOfTheMean) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::bench_rows

@@ -8,7 +8,7 @@
 
 #include "scene/environment.h"
 
-namespace candela::test {
+namespace candela::test::frame_blur_sky {
 namespace {
 
 constexpr int width = 64, height = 32;
@@ -62,4 +62,4 @@ TEST(BlurSky, SmallAnglesAreToldApart) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::frame_blur_sky

@@ -10,7 +10,7 @@
 #include "base/rng.h"
 #include "math/transforms.h"
 
-namespace candela {
+namespace candela::frame_lamp_faces {
 namespace {
 
 glm::dvec3 random_direction(Rng& rng) {
@@ -173,4 +173,4 @@ TEST(LampFaces, MapsGrowWithTheLightOnTheScreenInPowersOfTwo) {
   EXPECT_EQ(lamp_size_px(lamp, view, 180, 512), 512u);
 }
 
-}  // namespace candela
+}  // namespace candela::frame_lamp_faces

@@ -10,7 +10,7 @@
 #include "scene/environment.h"
 #include "shared/split_sum.h"
 
-namespace candela {
+namespace candela::frame_prefilter_sky {
 namespace {
 
 using std::numbers::pi;
@@ -264,4 +264,4 @@ TEST(PrefilterSky, IsKeptByItsContent) {
   EXPECT_EQ(files().size(), 2u);
 }
 
-}  // namespace candela
+}  // namespace candela::frame_prefilter_sky

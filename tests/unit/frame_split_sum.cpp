@@ -4,7 +4,7 @@
 
 #include "split_sum_integral.h"
 
-namespace candela {
+namespace candela::frame_split_sum {
 namespace {
 
 using shared::split_sum_columns, shared::split_sum_rows;
@@ -88,4 +88,4 @@ TEST(SplitSum, EnergyIsNeitherMadeNorNegative) {
   EXPECT_NEAR(rough.scale + rough.bias, 1 - std::log(2.0), 3e-5);
 }
 
-}  // namespace candela
+}  // namespace candela::frame_split_sum

@@ -5,7 +5,7 @@
 #include "base/rng.h"
 #include "math/transforms.h"
 
-namespace candela {
+namespace candela::frame_sun_cascades {
 namespace {
 
 View view_at(glm::dvec3 position, glm::dvec3 back, double tan_x = 0.9, double tan_y = 0.5) {
@@ -181,4 +181,4 @@ TEST(SunCascades, UnknownBoundsAreNoHindrance) {
   }
 }
 
-}  // namespace candela
+}  // namespace candela::frame_sun_cascades

@@ -6,7 +6,7 @@
 
 #include "gltf_builder.h"
 
-namespace candela::test {
+namespace candela::test::gltf_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -183,4 +183,4 @@ TEST(GltfFiles, EscapedNamesAndMissingFiles) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::gltf_files

@@ -2,7 +2,7 @@
 
 #include "gltf_builder.h"
 
-namespace candela::test {
+namespace candela::test::gltf_geometry {
 namespace {
 
 const MeshSection& section_of(const Expected<Scene>& scene) { return scene->meshes.at(0).sections.at(0); }
@@ -243,4 +243,4 @@ TEST(GltfGeometry, NonFinitePositionsAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::gltf_geometry

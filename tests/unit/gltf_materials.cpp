@@ -3,7 +3,7 @@
 #include "gltf_builder.h"
 #include "scene/scene_images.h"
 
-namespace candela::test {
+namespace candela::test::gltf_materials {
 namespace {
 
 // Three images, three textures (the second with a sampler), one material that the caller fills.
@@ -175,4 +175,4 @@ TEST(GltfMaterials, MergedImagesDecodeToTheirChannels) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::gltf_materials

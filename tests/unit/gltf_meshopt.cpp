@@ -3,7 +3,7 @@
 
 #include "gltf_builder.h"
 
-namespace candela::test {
+namespace candela::test::gltf_meshopt {
 namespace {
 
 // EXT_meshopt_compression as encoders write it: the view lies in a fallback buffer without bytes, its data in buffer 0.
@@ -149,4 +149,4 @@ TEST(GltfMeshopt, DamagedDataAndWrongStridesAreRefused) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::gltf_meshopt

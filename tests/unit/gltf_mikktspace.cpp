@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-namespace candela {
+namespace candela::gltf_mikktspace {
 namespace {
 
 using Json = nlohmann::json;
@@ -243,4 +243,4 @@ TEST(FlatNormals, UnshareVerticesAndFollowTheWinding) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::gltf_mikktspace

@@ -4,7 +4,7 @@
 #include "gltf_builder.h"
 #include "scene/texture_slots.h"
 
-namespace candela::test {
+namespace candela::test::gltf_transmission {
 namespace {
 
 GltfBuilder glass(const Json& transmission, const Json& volume = Json::object(),
@@ -113,4 +113,4 @@ TEST(GltfTransmission, BadValuesAreNamed) {
 }
 
 }  // namespace
-}  // namespace candela::test
+}  // namespace candela::test::gltf_transmission

@@ -9,7 +9,7 @@
 
 // Every file for which the Khronos validator has published a report, against that report; and the real files, which
 // must pass.
-namespace candela {
+namespace candela::gltf_validate_reports {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ TEST(ValidateReports, RealFilesPass) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::gltf_validate_reports

@@ -3,7 +3,7 @@
 #include "graph_hazards.h"
 #include "graph_random.h"
 
-namespace candela {
+namespace candela::graph_barriers {
 namespace {
 
 constexpr ImageDesc color{.name = {}, .format = VK_FORMAT_R16G16B16A16_SFLOAT, .width_px = 64, .height_px = 64};
@@ -257,4 +257,4 @@ TEST(GraphBarriers, ALostTakeoverOfAliasedMemoryIsCaught) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::graph_barriers

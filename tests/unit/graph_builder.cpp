@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace candela {
+namespace candela::graph_builder {
 namespace {
 
 ImageDesc image_desc(std::string name, VkFormat format = VK_FORMAT_R16G16B16A16_SFLOAT, uint32_t samples = 1) {
@@ -215,4 +215,4 @@ TEST(GraphInstances, ASecondPassOfOneNameIsRefused) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::graph_builder

@@ -4,7 +4,7 @@
 #include "graph_hazards.h"
 #include "graph_random.h"
 
-namespace candela {
+namespace candela::graph_queues {
 namespace {
 
 using Passes = std::vector<int>;
@@ -220,4 +220,4 @@ TEST(GraphQueues, EveryDroppedWaitIsCaught) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::graph_queues

@@ -6,7 +6,7 @@
 #include "graph_random.h"
 
 // Images of several subresources: what the builder refuses, what is pruned, where barriers stand, what plans print.
-namespace candela {
+namespace candela::graph_ranges {
 namespace {
 
 ImageDesc chain_desc(std::string name, uint32_t mips = 4) {
@@ -348,4 +348,4 @@ TEST(GraphRanges, ThousandsOfRandomGraphsHaveNoHazard) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::graph_ranges

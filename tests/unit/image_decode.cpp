@@ -7,7 +7,7 @@
 #include "image/exr.h"
 #include "image/io.h"
 
-namespace candela {
+namespace candela::image_decode {
 namespace {
 
 const std::filesystem::path assets = CANDELA_SOURCE_DIR "/../shared/assets";
@@ -216,4 +216,4 @@ TEST(Environment, RealAndMalformedFiles) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::image_decode

@@ -13,7 +13,7 @@
 #include "image/io.h"
 #include "image/prepare.h"
 
-namespace candela {
+namespace candela::image_exr {
 namespace {
 
 std::filesystem::path temporary(const std::string& name) { return std::filesystem::path(testing::TempDir()) / name; }
@@ -231,4 +231,4 @@ TEST(Exr, BytesAfterTheEndAreRefusedWhereTheWholeFileIsWanted) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::image_exr

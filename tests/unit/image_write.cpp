@@ -11,7 +11,7 @@
 #include "base/files.h"
 #include "image/io.h"
 
-namespace candela {
+namespace candela::image_write {
 namespace {
 
 std::filesystem::path temporary(const std::string& name) { return std::filesystem::path(testing::TempDir()) / name; }
@@ -139,4 +139,4 @@ TEST(Write, AbsentFolderIsAnOutputError) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::image_write

@@ -3,7 +3,7 @@
 #include "metrics/compare.h"
 #include "metrics/flip.h"
 
-namespace candela {
+namespace candela::metrics_flip {
 namespace {
 
 const std::filesystem::path flip_folder = CANDELA_SOURCE_DIR "/../shared/flip";
@@ -74,4 +74,4 @@ INSTANTIATE_TEST_SUITE_P(Authors, FlipPublished,
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::metrics_flip

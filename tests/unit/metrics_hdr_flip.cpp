@@ -5,7 +5,7 @@
 #include "metrics/compare.h"
 #include "metrics/flip.h"
 
-namespace candela {
+namespace candela::metrics_hdr_flip {
 namespace {
 
 const std::filesystem::path flip_folder = CANDELA_SOURCE_DIR "/../shared/flip";
@@ -84,4 +84,4 @@ TEST(HdrFlip, ParsesExposures) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::metrics_hdr_flip

@@ -6,7 +6,7 @@
 #include "metrics/compare.h"
 #include "metrics/limits.h"
 
-namespace candela {
+namespace candela::metrics_layers {
 namespace {
 
 constexpr int width = 40, height = 50;  // 2000 pixels: the trimmed 0.1 % are two
@@ -185,6 +185,45 @@ TEST(CompareFiles, LayersOfOneFileAreARefusalAndNamed) {
   EXPECT_TRUE(result->metrics.empty());
 }
 
+// Of a Cryptomatte layer with one level here and three there the level that both have is compared; a layer that one
+// file has not, and channels that no file calls Cryptomatte's, are refused as before.
+TEST(CompareFiles, LevelsOfCryptomatteThatBothHaveAreCompared) {
+  const auto folder = std::filesystem::path(testing::TempDir());
+  const auto mattes = [](int levels) {
+    FloatImage image = flat(1);
+    for (int level = 0; level < levels; ++level)
+      for (const char channel : {'R', 'G', 'B', 'A'})
+        add(image, fmt::format("crypto_object{:02}.{}", level, channel).c_str(), float(level + 1));
+    image.metadata.push_back({.name = "cryptomatte/f834d0a/name", .text = "crypto_object"});
+    return image;
+  };
+  const auto compared = [&](const FloatImage& a, const FloatImage& b) {
+    EXPECT_TRUE(write_exr(folder / "levels_a.exr", a) && write_exr(folder / "levels_b.exr", b));
+    auto result = compare_files(folder / "levels_a.exr", folder / "levels_b.exr", {.layers = true});
+    EXPECT_TRUE(result);
+    return result ? *result : Comparison{};
+  };
+  for (const bool more_in_test : {true, false}) {
+    FloatImage one = mattes(1);
+    plane(one, "crypto_object00.R")[5] = 7;
+    const Comparison result = more_in_test ? compared(one, mattes(3)) : compared(mattes(3), one);
+    EXPECT_EQ(result.refusal, "");
+    ASSERT_EQ(result.layers.size(), 1u);
+    EXPECT_EQ(result.layers[0].name, "crypto_object00");
+    EXPECT_EQ(result.metrics.at("differing"), 1);
+    ASSERT_EQ(result.shared_levels.size(), 1u);
+    EXPECT_EQ(result.shared_levels[0].reference, more_in_test ? 1 : 3);
+    EXPECT_EQ(result.shared_levels[0].shared(), 1);
+    EXPECT_TRUE(result.only_in_reference.empty() && result.only_in_test.empty());
+  }
+  EXPECT_TRUE(compared(mattes(2), mattes(2)).shared_levels.empty());
+  EXPECT_EQ(compared(mattes(2), mattes(0)).only_in_reference,
+            (std::vector<std::string>{"crypto_object00", "crypto_object01"}));
+  FloatImage plain = mattes(2);
+  plain.metadata.clear();
+  EXPECT_NE(compared(plain, mattes(1)).refusal, "");
+}
+
 TEST(Compare, NonFinitePixelsAreCountedFirst) {
   FloatImage a = flat(1), b = flat(1);
   plane(b, "R")[4] = std::nanf(""), plane(b, "G")[4] = INFINITY, plane(b, "G")[9] = INFINITY;
@@ -196,4 +235,4 @@ TEST(Compare, NonFinitePixelsAreCountedFirst) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::metrics_layers

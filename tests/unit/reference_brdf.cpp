@@ -6,7 +6,7 @@
 
 #include "reference/sampling.h"
 
-namespace candela::reference {
+namespace candela::reference::reference_brdf {
 namespace {
 
 using std::numbers::pi;
@@ -140,4 +140,4 @@ TEST(Brdf, SamplingAgreesWithTheIntegral) {
       }
 }
 
-}  // namespace candela::reference
+}  // namespace candela::reference::reference_brdf

@@ -9,7 +9,7 @@
 #include "reference/interior.h"
 #include "reference/sampling.h"
 
-namespace candela::reference {
+namespace candela::reference::reference_bsdf {
 namespace {
 
 using std::numbers::pi;
@@ -300,4 +300,4 @@ TEST(Interior, DispersionSpreadsTheIndex) {
   EXPECT_EQ(index_of_refraction(flint, 0), 1);
 }
 
-}  // namespace candela::reference
+}  // namespace candela::reference::reference_bsdf

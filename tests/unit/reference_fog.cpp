@@ -3,7 +3,7 @@
 
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_fog {
 namespace {
 
 using std::numbers::pi;
@@ -429,4 +429,4 @@ TEST(ReferenceFog, SeveralMediaAreTheirSum) {
   }
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_fog

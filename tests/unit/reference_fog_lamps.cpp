@@ -5,7 +5,7 @@
 #include "reference/lamps_along_ray.h"
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_fog_lamps {
 namespace {
 
 using std::numbers::pi;
@@ -269,4 +269,4 @@ TEST(FogLamps, TheLitPartOfARayIsWhereLightArrives) {
   EXPECT_GT(lit_rays, 40);
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_fog_lamps

@@ -4,7 +4,7 @@
 #include "reference/albedo.h"
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_known {
 namespace {
 
 using std::numbers::pi;
@@ -209,4 +209,4 @@ TEST(KnownAnswers, ManyLampsInsideADiffuseSphere) {
   EXPECT_LT(all.error + direct.error, 0.02 * expected);
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_known

@@ -1,7 +1,7 @@
 // Bounces that are made from lamps as well.
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_lamp_paths {
 namespace {
 
 void add_lamp(GltfBuilder& b, double radius_m, double candela, glm::dvec3 at, Json light = {{"type", "point"}}) {
@@ -69,4 +69,4 @@ TEST(LampPaths, FindWhatALampLightsCloseToIt) {
   EXPECT_NEAR(mean[1], mean[0], 5 * std::hypot(error[0], error[1]));
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_lamp_paths

@@ -3,7 +3,7 @@
 
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_lamp_size {
 namespace {
 
 using std::numbers::pi;
@@ -325,4 +325,4 @@ TEST(LampSize, IsANumberWhateverTheSize) {
   }
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_lamp_size

@@ -14,7 +14,7 @@
 #include "reference/sheen.h"
 #include "reference/thin_film.h"
 
-namespace candela::reference {
+namespace candela::reference::reference_lobes {
 namespace {
 
 using std::numbers::pi;
@@ -396,4 +396,4 @@ TEST(Sheen, TheTableIsTheIntegral) {
     }
 }
 
-}  // namespace candela::reference
+}  // namespace candela::reference::reference_lobes

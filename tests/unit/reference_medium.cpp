@@ -9,7 +9,7 @@
 #include "reference/equi_angular.h"
 #include "reference/sampling.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_medium {
 namespace {
 
 using std::numbers::pi;
@@ -175,4 +175,4 @@ TEST(Medium, EquiAngularPlacesHaveTheirDensity) {
   }
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_medium

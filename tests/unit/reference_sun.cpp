@@ -3,7 +3,7 @@
 
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_sun {
 namespace {
 
 using std::numbers::pi;
@@ -107,4 +107,4 @@ TEST(Sun, ChangesNothingWhereThereIsNoDisc) {
   }
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_sun

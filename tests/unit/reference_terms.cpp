@@ -5,7 +5,7 @@
 #include "reference/glass_light.h"
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_terms {
 namespace {
 
 using std::numbers::pi;
@@ -364,4 +364,4 @@ TEST(Terms, AFilmOfThemIsResumed) {
   EXPECT_FALSE(Film::load(file, {}, over_everything.width, over_everything.height)) << "a state with terms";
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_terms

@@ -9,7 +9,7 @@
 #include "report/gnuplot.h"
 #include "report/markup.h"
 
-namespace candela {
+namespace candela::report_bench {
 namespace {
 
 BenchRow row_of(int lights, double ms) {
@@ -240,4 +240,4 @@ TEST(ComparisonJson, HoldsEveryJudgement) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::report_bench

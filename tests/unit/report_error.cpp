@@ -9,7 +9,7 @@
 #include "report/error_report.h"
 #include "report/gnuplot.h"
 
-namespace candela {
+namespace candela::report_error {
 namespace {
 
 BenchRow row_of(const std::string& quality, double ms, double error) {
@@ -102,4 +102,4 @@ TEST(ErrorReport, HasFrontsNoiseSentencesAndStrips) {
 }
 
 }  // namespace
-}  // namespace candela
+}  // namespace candela::report_error

@@ -3,7 +3,7 @@
 
 #include "scene/look.h"
 
-namespace candela::test {
+namespace candela::test::scene_look_probes {
 namespace {
 
 constexpr const char* room = R"("box": {"min": [-1, 0, -2], "max": [1, 3, 2]})";
@@ -72,4 +72,4 @@ TEST(LookProbes, NameWhatIsWrong) {
   says(look_with(many), "/probes", "holds 9 values; 8 at most");
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::scene_look_probes

@@ -7,7 +7,7 @@
 #include "base/json.h"
 #include "scene/look.h"
 
-namespace candela::test {
+namespace candela::test::scene_look_schema {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -83,4 +83,4 @@ TEST(LookSchema, SaysWhatStandsInTheSchema) {
   EXPECT_EQ(schema["additionalProperties"], false);
 }
 
-}  // namespace candela::test
+}  // namespace candela::test::scene_look_schema

@@ -70,6 +70,23 @@ TEST(Stability, CountsWhatEffectsMakeWrong) {
   EXPECT_EQ(count_effects(&bare, 2, drawn, 1).brighter, 4u);
 }
 
+TEST(Stability, CountsWhatIsWrongInLayers) {
+  const auto layer = [](const std::vector<std::pair<std::string, std::vector<float>>>& channels) {
+    FloatImage image{.width = 3, .height = 1};
+    for (const auto& [name, values] : channels) image.channels.push_back({name, ChannelType::float32, values, {}});
+    return image;
+  };
+  LayerCounts counts;
+  counts.add(layer({{"motion.X", {0, nan, 1e30f}}, {"motion.Y", {infinity, 0, 0}}}));
+  EXPECT_EQ(counts.nonfinite, 2u);
+  // Of two names and two levels, by object and by material: only the second pixel's objects are too much.
+  counts.add(layer({{"crypto_object00.R", {9, 9, 9}}, {"crypto_object00.G", {1, 0.5f, 0.5f}}}));
+  counts.add(layer({{"crypto_object01.G", {0, 0.25f, 0.25f}}, {"crypto_object01.A", {0, 0.5f, 0}}}));
+  counts.add(layer({{"crypto_material00.G", {1, 1, 1}}}));
+  EXPECT_EQ(counts.nonfinite, 2u);
+  EXPECT_EQ(counts.overcovered(), 1u);
+}
+
 TEST(Stability, MeasuresErrorAgainstWhatAPixelMayShow) {
   const Beauty right = picture({{1, 1, 1, 1}, {2, 2, 2, 1}, {4, 4, 4, 1}, {0, 0, 0, 1}});
   TruePicture truth = picture_truth(right, 1);

@@ -326,6 +326,11 @@ Expected<ordered_json> measure(const std::string& what, const Plan& plan) {
       ordered_json& row = result["rays"][kind.name];
       row = time_traversal(q, kind, accel, fast, robust, plan);
       row["rays"] = kind.rays.size();
+      TraceCounts counts;
+      for (const Ray& ray : kind.rays) kind.any ? (void)accel.occluded(ray, nullptr, &counts) : (void)accel.closest(ray, nullptr, &counts);
+      row["nodes_a_ray"] = double(counts.nodes) / double(kind.rays.size());
+      row["triangles_a_ray"] = double(counts.triangles) / double(kind.rays.size());
+      std::fprintf(stderr, "    %.2f nodes, %.2f boxes, %.2f triangles a ray; %zu instances\n", double(counts.nodes) / double(kind.rays.size()), double(counts.boxes) / double(kind.rays.size()), double(counts.triangles) / double(kind.rays.size()), accel.statistics().instances);
       row["agreement"] = compare(kind, accel, fast, mesh);
       row["agreement_robust"] = compare(kind, accel, robust, mesh);
     }

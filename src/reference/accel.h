@@ -22,6 +22,10 @@ struct AccelOptions {
   float overlap_alpha =
       1e-5f;  // sbvh: spatial splits are tried where the children's overlap exceeds this share of the root's area
   float split_budget = 1.0f;  // sbvh: references that spatial splits may add, as a share of the triangles
+  // Geometry that items share is repeated for each while that takes no more triangles beyond the first copies, for
+  // rays cross one tree faster than a tree of trees. It decides how corners are rounded, so it must not depend on how
+  // many rays are traced.
+  size_t repeated_triangles = 1u << 16;
   // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, what glows all
   // over (scene/glow.h), and backs of surfaces that are not double sided. true: for every candidate.
   bool always_ask_filter = false;

@@ -72,7 +72,8 @@ struct Soup {
 
 class Assembly {
  public:
-  Assembly(Accel::Trees& trees, const AccelOptions& o) : trees_(trees), measure_cost_(o.measure_cost) {
+  Assembly(Accel::Trees& trees, const AccelOptions& o)
+      : trees_(trees), measure_cost_(o.measure_cost), repeated_triangles_(o.repeated_triangles) {
     options_.builder = o.builder;
     options_.buckets = o.buckets;
     options_.overlap_alpha = o.overlap_alpha;
@@ -95,7 +96,13 @@ class Assembly {
   void sort_items() {
     const std::vector<DrawItem>& items = trees_.frame->items;
     std::map<Geometry, size_t> uses;
-    for (const DrawItem& item : items) ++uses[geometry_of(item)];
+    size_t repeated_triangles = 0;
+    for (const DrawItem& item : items) {
+      const MeshSection& section = trees_.section_of(item);
+      if (section.topology == Topology::triangles && uses[geometry_of(item)]++ > 0)
+        repeated_triangles += section.index.size() / 3;
+    }
+    const bool instanced = repeated_triangles > repeated_triangles_;
     for (uint32_t i = 0; i < items.size(); ++i) {
       const DrawItem& item = items[i];
       const MeshSection& section = trees_.section_of(item);
@@ -106,7 +113,7 @@ class Assembly {
       AccelInstance instance;
       instance.item = i;
       const bool repeated =
-          !trees_.is_skinned(item) && uses[geometry_of(item)] > 1 && section.index.size() / 3 > small_section;
+          instanced && !trees_.is_skinned(item) && uses[geometry_of(item)] > 1 && section.index.size() / 3 > small_section;
       if (repeated && invert(trees_.frame->relative_from_local[item.transform], instance.local_from_relative))
         trees_.instances.push_back(instance);
       else
@@ -123,6 +130,10 @@ class Assembly {
     }
     Soup soup(count);
     trees_.world_item.resize(count);
+    const bool mixed_doubts = std::any_of(singles_.begin(), singles_.end(),
+                                          [&](uint32_t i) { return turned_doubts(i) != turned_doubts(singles_[0]); });
+    if (mixed_doubts) trees_.world_doubts.resize(count);
+    if (!singles_.empty()) trees_.world_doubt = turned_doubts(singles_[0]);
     tbb::parallel_for(size_t(0), singles_.size(), [&](size_t s) {
       const DrawItem& item = trees_.frame->items[singles_[s]];
       const MeshSection& section = trees_.section_of(item);
@@ -130,8 +141,18 @@ class Assembly {
       soup.fill(first, section, trees_.positions_of(item),
                 trees_.is_skinned(item) ? nullptr : &trees_.frame->relative_from_local[item.transform]);
       std::fill_n(trees_.world_item.begin() + ptrdiff_t(first), section.index.size() / 3, singles_[s]);
+      if (mixed_doubts)
+        std::fill_n(trees_.world_doubts.begin() + ptrdiff_t(first), section.index.size() / 3,
+                    turned_doubts(singles_[s]));
     });
     trees_.world = build(soup);
+  }
+
+  // What the filter is asked about, by how corners turn as seen along the ray: in relative space mirrored items have
+  // their fronts where others have their backs.
+  uint8_t turned_doubts(uint32_t item) const {
+    const uint8_t ask = trees_.ask[item];
+    return trees_.mirrored[item] ? uint8_t(ask >> 1 | (ask & 1) << 1) : ask;
   }
 
   void build_parts() {
@@ -207,6 +228,7 @@ class Assembly {
   Accel::Trees& trees_;
   BvhOptions options_;
   bool measure_cost_;
+  size_t repeated_triangles_;
   std::vector<uint32_t> singles_;
 };
 
@@ -224,9 +246,11 @@ Accel::Trees::Trees(const Scene& the_scene, const Pose& pose, const FrameData& t
   const auto begin = std::chrono::steady_clock::now();
   if (options.kernels) kernels = options.kernels;
   for (const Deformation& d : frame->deformations) deformed.push_back(deform_vertices(*scene, *frame, d));
-  for (const DrawItem& item : frame->items)
+  for (const DrawItem& item : frame->items) {
+    mirrored.push_back(item.mirrored);
     ask.push_back(
         doubts_of(item.material >= 0 ? &pose.materials[size_t(item.material)] : nullptr, options.always_ask_filter));
+  }
   Assembly(*this, options).run();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
   statistics.build_ms = taken.count();

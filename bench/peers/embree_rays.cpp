@@ -227,7 +227,7 @@ ordered_json time_builds(const Quality& q, const Scene& scene, const Pose& pose,
                          const Mesh3& mesh, const Plan& plan) {
   ordered_json out;
   AccelOptions options;
-  options.builder = q.builder;
+  options.tree.builder = q.builder;
   for (const int threads : plan.threads) {
     std::vector<double> ours, theirs, ratios;
     for (int i = 0; i < plan.rounds; ++i) {
@@ -312,7 +312,7 @@ Expected<ordered_json> measure(const std::string& what, const Plan& plan) {
   std::fprintf(stderr, "%s: %zu triangles\n", out["scene"].get<std::string>().c_str(), mesh.index.size() / 3);
   for (const Quality& q : qualities) {
     if (std::find(plan.builders.begin(), plan.builders.end(), q.name) == plan.builders.end()) continue;
-    options.builder = q.builder, options.measure_cost = true;
+    options.tree.builder = q.builder, options.measure_cost = true;
     const Accel accel(*scene, pose, frame, options);
     const Embree fast(mesh, q.embree, false, 0), robust(mesh, q.embree, true, 0);
     ordered_json& result = out[q.name];

@@ -323,7 +323,10 @@ bool traverse_any(const KernelTree& tree, KernelRay& ray, F4 origin, F4 inverse,
       uint32_t met = meet_boxes(node, box_ray, begin);
       if constexpr (counted) count_node(node, counts);
       if (met == 0) goto next;
-      for (; met != 0; met &= met - 1) *top++ = node.child[std::countr_zero(met)];
+      for (; met != 0; met &= met - 1) {
+        *top++ = node.child[std::countr_zero(met)];
+        prefetch<over_triangles>(tree, top[-1]);
+      }
       child = *--top;
     }
     if (meet_leaf<over_triangles, true, counted>(tree, child, triangle_ray, ray, search, counts)) return true;

@@ -81,7 +81,7 @@ Expected<TraceRequest> trace_request(const TraceOptions& o, const Job& job) {
   else if (o.fog_steps)
     request.settings.fog_steps = *o.fog_steps;
   if (o.fog_lights) request.settings.fog_lights = *o.fog_lights;
-  request.accel.builder = *bvh;
+  request.accel.tree.builder = *bvh;
   return request;
 }
 

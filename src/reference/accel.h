@@ -17,11 +17,7 @@ namespace candela {
 struct Kernels;
 
 struct AccelOptions {
-  BvhBuilder builder = BvhBuilder::sah;
-  int buckets = 12;  // of the binned surface area heuristic, per axis (2 to 64)
-  float overlap_alpha =
-      1e-5f;  // sbvh: spatial splits are tried where the children's overlap exceeds this share of the root's area
-  float split_budget = 1.0f;  // sbvh: references that spatial splits may add, as a share of the triangles
+  BvhOptions tree;
   // Geometry that items share is repeated for each while that takes no more triangles beyond the first copies, for
   // rays cross one tree faster than a tree of trees. It decides how corners are rounded, so it must not depend on how
   // many rays are traced.
@@ -58,6 +54,7 @@ struct AccelStatistics {
   size_t instances = 0;      // items reached through the top tree
   size_t left_out = 0;       // triangles with non-finite corners
   size_t skipped_items = 0;  // items of points or lines: rays do not meet them
+  size_t binary_nodes = 0;   // of the trees as built; instanced ones once
   size_t nodes = 0, bytes = 0;
   double sah_cost = 0;  // of the binary trees (instanced ones once), in tests of four triangles, if asked for
   double build_ms = 0;

@@ -73,12 +73,7 @@ struct Soup {
 class Assembly {
  public:
   Assembly(Accel::Trees& trees, const AccelOptions& o)
-      : trees_(trees), measure_cost_(o.measure_cost), repeated_triangles_(o.repeated_triangles) {
-    options_.builder = o.builder;
-    options_.buckets = o.buckets;
-    options_.overlap_alpha = o.overlap_alpha;
-    options_.split_budget = o.split_budget;
-  }
+      : trees_(trees), options_(o.tree), measure_cost_(o.measure_cost), repeated_triangles_(o.repeated_triangles) {}
 
   void run() {
     sort_items();
@@ -198,7 +193,7 @@ class Assembly {
       references.push_back(r);
     }
     BvhOptions options = options_;
-    options.max_leaf = 1, options.block_shift = 0;
+    options.max_leaf = 1, options.block_shift = 0, options.node_cost = BvhOptions{}.node_cost;
     trees_.top = collapse(build_tree(references, {}, options), {});
   }
 
@@ -206,6 +201,7 @@ class Assembly {
     trees_.statistics.left_out += soup.drop_non_finite();
     const BinaryTree binary = build_tree(soup.references, soup.triangles, options_);
     trees_.statistics.triangles += soup.references.size();
+    trees_.statistics.binary_nodes += binary.node_count;
     if (measure_cost_) trees_.statistics.sah_cost += sah_cost(binary, options_);
     WideTree wide = collapse(binary, soup.triangles);
     trees_.statistics.references += wide.references;

@@ -196,7 +196,7 @@ std::string settings_json(const reference::TraceSettings& s, const AccelOptions&
   }
   if (s.mode == reference::Mode::direct && s.fog_steps > 0)
     j["fog-steps"] = s.fog_steps, j["fog-lights"] = s.fog_lights;
-  j["bvh"] = name_of(accel.builder);
+  j["bvh"] = name_of(accel.tree.builder);
   return j.dump();
 }
 

@@ -276,7 +276,7 @@ inline std::unique_ptr<Made> instanced_scene(int more = 0) {
 constexpr BvhBuilder all_builders[] = {BvhBuilder::equal_counts, BvhBuilder::sah, BvhBuilder::sbvh};
 inline AccelOptions built_by(BvhBuilder builder) {
   AccelOptions options;
-  options.builder = builder;
+  options.tree.builder = builder;
   return options;
 }
 

@@ -17,6 +17,8 @@
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "base/text.h"
+#include "bench/measured.h"
+#include "bvh/trace.h"
 #include "gltf/gltf.h"
 #include "reference/accel.h"
 #include "scene/view.h"
@@ -365,7 +367,9 @@ int main(int argc, char** argv) {
   }
   const ordered_json all = {{"version", "candela " CANDELA_VERSION},
                             {"embree", RTC_VERSION_STRING},
+                            {"cpu", processor_name()},
                             {"cpu_cores", tbb::info::default_concurrency()},
+                            {"kernels", best_kernels().name},
                             {"size", {plan.width, plan.height}},
                             {"rounds", plan.rounds},
                             {"scenes", scenes}};

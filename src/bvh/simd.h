@@ -159,7 +159,6 @@ inline F8 multiply_add(F8 a, F8 b, F8 c) { return {_mm256_fmadd_ps(a.v, b.v, c.v
 
 #else
 
-
 struct F8 {
   F4 a, b;
   static F8 load(const float* p) { return {F4::load(p), F4::load(p + 4)}; }

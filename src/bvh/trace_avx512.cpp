@@ -1,4 +1,5 @@
-// Compiled with AVX-512 (F, VL, DQ, BW) where the compiler knows it (CMakeLists.txt), and only called where the processor does.
+// Compiled with AVX-512 (F, VL, DQ, BW) where the compiler knows it (CMakeLists.txt), and only called where the
+// processor does.
 #ifdef __AVX512VL__
 #include "bvh/trace_kernel.h"
 #else

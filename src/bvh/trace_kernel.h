@@ -1,7 +1,7 @@
 #pragma once
 // The traversal itself, compiled once per instruction set: included by trace_avx512.cpp, trace_avx2.cpp,
-// trace_sse2.cpp and trace_scalar.cpp alone. Slabs after Ize, "Robust BVH Ray Traversal", 2013; triangles after Woop, Benthin, Wald 2013
-// (see triangle.h, whose operations and order these are).
+// trace_sse2.cpp and trace_scalar.cpp alone. Slabs after Ize, "Robust BVH Ray Traversal", 2013; triangles after Woop,
+// Benthin, Wald 2013 (see triangle.h, whose operations and order these are).
 #include <bit>
 #include <cstdint>
 
@@ -72,8 +72,8 @@ inline bool is_plain(F4 origin, F4 direction) {
           7u) == 7u;
 }
 
-// Bit per child whose box the ray meets. Where it is not plain, a slab's 0 * infinity (the origin in the plane of a slab
-// that the ray runs along) is NaN, which min and max drop: the slab then does not limit.
+// Bit per child whose box the ray meets. Where it is not plain, a slab's 0 * infinity (the origin in the plane of a
+// slab that the ray runs along) is NaN, which min and max drop: the slab then does not limit.
 template <bool plain>
 inline uint32_t meet_boxes(const WideNode& node, const BoxRay<plain>& r, F8& near) {
   const float* bounds = node.bounds[0];
@@ -206,8 +206,8 @@ inline bool meet_block(const KernelTree& tree, const TriangleBlock& block, const
 
 // What stands in a leaf. As meet_block.
 template <bool over_triangles, bool any, bool counted>
-inline bool meet_leaf(const KernelTree& tree, uint32_t leaf, const TriangleRay& p, KernelRay& ray,
-                      KernelSearch& search, KernelCounts* counts) {
+inline bool meet_leaf(const KernelTree& tree, uint32_t leaf, const TriangleRay& p, KernelRay& ray, KernelSearch& search,
+                      KernelCounts* counts) {
   const uint32_t first = first_of_leaf(leaf), count = count_of_leaf(leaf);
   bool taken = false;
   for (uint32_t i = first; i < first + count; ++i) {

@@ -65,8 +65,7 @@ struct Search : KernelSearch {
     const glm::vec3 origin = m * glm::dvec4(ray.origin[0], ray.origin[1], ray.origin[2], 1.0);
     const glm::vec3 direction = m * glm::dvec4(ray.direction[0], ray.direction[1], ray.direction[2], 0.0);
     if (!finite(origin) || !finite(direction) || direction == glm::vec3(0)) return false;
-    KernelRay local{
-        {origin.x, origin.y, origin.z}, ray.t_min, {direction.x, direction.y, direction.z}, ray.t_max};
+    KernelRay local{{origin.x, origin.y, origin.z}, ray.t_min, {direction.x, direction.y, direction.z}, ray.t_max};
     s.place = index + first_instance_place;
     const bool ended = s.run(s.trees.parts[instance.part].tree, local, nullptr, s.trees.ask[instance.item]);
     const bool nearer = local.t_max < ray.t_max || s.best_place == s.place;

@@ -18,10 +18,13 @@ struct Kernels;
 
 struct AccelOptions {
   BvhOptions tree;
+  // How many rays are to be traced, nearly: tree.builder is then replaced by the one that pays. Hits do not depend on
+  // it.
+  std::optional<double> rays;
   // Geometry that items share is repeated for each while that takes no more triangles beyond the first copies, for
   // rays cross one tree faster than a tree of trees. It decides how corners are rounded, so it must not depend on how
   // many rays are traced.
-  size_t repeated_triangles = 1u << 16;
+  size_t repeated_triangles = 1u << 14;
   // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, what glows all
   // over (scene/glow.h), and backs of surfaces that are not double sided. true: for every candidate.
   bool always_ask_filter = false;
@@ -48,7 +51,11 @@ struct LeafBox {
   uint32_t depth;      // of the wide tree
 };
 
+// Spatial splits cost more to build and save a part of what every ray takes.
+BvhBuilder builder_that_pays(double rays, double triangles);
+
 struct AccelStatistics {
+  BvhBuilder builder = BvhBuilder::sah;
   size_t triangles = 0;      // in all trees, instanced ones once
   size_t references = 0;     // in leaves; above `triangles` by spatial splits
   size_t instances = 0;      // items reached through the top tree

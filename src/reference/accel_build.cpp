@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "reference/accel_trees.h"
@@ -15,6 +16,8 @@ namespace {
 
 // Geometry of up to this many triangles is cheaper to repeat than to enter.
 constexpr size_t small_section = 32;
+// What a spatial split takes beyond one by areas, a triangle, over what it saves a ray (bench/results/cpu/rays.json).
+constexpr double rays_a_triangle_that_pay = 50;
 // Rays are rounded to floats in mesh space. Where that would lose more than a few bits (axes scaled very differently)
 // or come near the ends of the float range, the triangles are brought to relative space instead.
 constexpr double worst_condition = 1e4, smallest_scale = 1e-6, largest_scale = 1e6;
@@ -73,10 +76,16 @@ struct Soup {
 class Assembly {
  public:
   Assembly(Accel::Trees& trees, const AccelOptions& o)
-      : trees_(trees), options_(o.tree), measure_cost_(o.measure_cost), repeated_triangles_(o.repeated_triangles) {}
+      : trees_(trees),
+        options_(o.tree),
+        measure_cost_(o.measure_cost),
+        repeated_triangles_(o.repeated_triangles),
+        rays_(o.rays) {}
 
   void run() {
     sort_items();
+    if (rays_) options_.builder = builder_that_pays(*rays_, double(triangles_to_build()));
+    trees_.statistics.builder = options_.builder;
     build_world();
     build_parts();
     build_top();
@@ -107,13 +116,24 @@ class Assembly {
       }
       AccelInstance instance;
       instance.item = i;
-      const bool repeated =
-          instanced && !trees_.is_skinned(item) && uses[geometry_of(item)] > 1 && section.index.size() / 3 > small_section;
+      const bool repeated = instanced && !trees_.is_skinned(item) && uses[geometry_of(item)] > 1 &&
+                            section.index.size() / 3 > small_section;
       if (repeated && invert(trees_.frame->relative_from_local[item.transform], instance.local_from_relative))
         trees_.instances.push_back(instance);
       else
         singles_.push_back(i);
     }
+  }
+
+  size_t triangles_to_build() const {
+    size_t count = 0;
+    std::set<Geometry> parts;
+    for (uint32_t i : singles_) count += trees_.section_of(trees_.frame->items[i]).index.size() / 3;
+    for (const AccelInstance& instance : trees_.instances) {
+      const DrawItem& item = trees_.frame->items[instance.item];
+      if (parts.insert(geometry_of(item)).second) count += trees_.section_of(item).index.size() / 3;
+    }
+    return count;
   }
 
   void build_world() {
@@ -225,6 +245,7 @@ class Assembly {
   BvhOptions options_;
   bool measure_cost_;
   size_t repeated_triangles_;
+  std::optional<double> rays_;
   std::vector<uint32_t> singles_;
 };
 
@@ -236,6 +257,10 @@ uint8_t doubts_of(const Material* material, bool always) {
 }
 
 }  // namespace
+
+BvhBuilder builder_that_pays(double rays, double triangles) {
+  return rays >= rays_a_triangle_that_pay * triangles ? BvhBuilder::sbvh : BvhBuilder::sah;
+}
 
 Accel::Trees::Trees(const Scene& the_scene, const Pose& pose, const FrameData& the_frame, const AccelOptions& options)
     : scene(&the_scene), frame(&the_frame) {

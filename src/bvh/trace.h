@@ -24,7 +24,7 @@ struct alignas(16) KernelRay {
 };
 
 struct KernelCounts {
-  uint64_t nodes, boxes, triangles;
+  uint64_t nodes = 0, boxes = 0, triangles = 0;
 };
 
 struct KernelHit {

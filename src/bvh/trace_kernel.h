@@ -133,17 +133,20 @@ inline bool meet_in_double(const float (&a)[3], const float (&b)[3], const float
   return true;
 }
 
-// What a search does with a hit within the ray's limits. True: it is taken.
-template <bool any>
-inline bool take(const KernelTree& tree, const KernelHit& hit, KernelRay& ray, KernelSearch& search) {
+// What a search does with a hit within the ray's limits, whose numbers go from registers to where they are kept: copied
+// as a whole they would have to wait for one another. True: it is taken.
+inline bool take(const KernelTree& tree, float t, float u, float v, uint32_t id, bool clockwise, KernelRay& ray,
+                 KernelSearch& search) {
   KernelHit& best = search.best;
-  if (hit.t == best.t && best.id != no_triangle &&
-      (search.place == search.best_place ? hit.id >= best.id : search.loses_tie(search, hit)))
-    return false;
-  const uint8_t doubt = tree.doubts ? tree.doubts[hit.id] : tree.doubt;
-  if ((doubt & doubt_turning(hit.clockwise)) && !search.accept(search, hit)) return false;
-  if (tree.wanted) __builtin_prefetch(tree.wanted + hit.id);
-  best = hit, search.best_place = search.place, ray.t_max = hit.t;
+  if (t == best.t && best.id != no_triangle) {
+    if (search.place == search.best_place ? id >= best.id : search.loses_tie(search, {t, u, v, id, clockwise}))
+      return false;
+  }
+  const uint8_t doubt = tree.doubts ? tree.doubts[id] : tree.doubt;
+  if ((doubt & doubt_turning(clockwise)) && !search.accept(search, {t, u, v, id, clockwise})) return false;
+  if (tree.wanted) __builtin_prefetch(tree.wanted + id);
+  best.t = t, best.u = u, best.v = v, best.id = id, best.clockwise = clockwise;
+  search.best_place = search.place, ray.t_max = t;
   return true;
 }
 
@@ -185,9 +188,9 @@ inline bool meet_block(const KernelTree& tree, const TriangleBlock& block, const
   for (; candidates != 0; candidates &= candidates - 1) {
     const int lane = std::countr_zero(candidates);
     const float d = determinants[lane];
-    KernelHit hit{ts[lane], vs[lane] / d, ws[lane] / d, block.id[lane], d < 0};
     if (exact >> lane & 1u) {
-      if (!(hit.t <= ray.t_max)) continue;  // another lane has shortened the ray
+      if (!(ts[lane] <= ray.t_max)) continue;  // another lane has shortened the ray
+      if (!take(tree, ts[lane], vs[lane] / d, ws[lane] / d, block.id[lane], d < 0, ray, search)) continue;
     } else {
       float corner[3][3];
       for (int k = 0; k < 3; ++k) {
@@ -195,9 +198,10 @@ inline bool meet_block(const KernelTree& tree, const TriangleBlock& block, const
         s[k].x.store(x), s[k].y.store(y), s[k].z.store(z);
         corner[k][0] = x[lane], corner[k][1] = y[lane], corner[k][2] = z[lane];
       }
+      KernelHit hit;
       if (!meet_in_double(corner[0], corner[1], corner[2], ray, hit)) continue;
+      if (!take(tree, hit.t, hit.u, hit.v, block.id[lane], hit.clockwise, ray, search)) continue;
     }
-    if (!take<any>(tree, hit, ray, search)) continue;
     if (any) return true;
     taken = true;
   }

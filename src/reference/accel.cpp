@@ -26,36 +26,40 @@ constexpr uint32_t world_place = 0, first_instance_place = 1;
 struct Search : KernelSearch {
   const Accel::Trees& trees;
   const HitFilter* filter;
-  KernelCounts* counts;
+  TraceCounts* counts;
   const bool any;
   float inverse_scale = 1;  // from the kernels' t to the caller's
 
-  Search(const Accel::Trees& t, const HitFilter* f, KernelCounts* c, bool any_hit)
+  Search(const Accel::Trees& t, const HitFilter* f, TraceCounts* c, bool any_hit)
       : trees(t), filter(f), counts(c), any(any_hit) {
     accept = &accept_hit, loses_tie = &loses_to_best, enter = &enter_instance;
   }
 
-  Hit resolve(const KernelHit& h, uint32_t in) const {
-    Hit hit{h.t * inverse_scale, h.u, h.v, 0, 0, h.clockwise};
+  // Number by number, as take() in trace_kernel.h.
+  void resolve(const KernelHit& h, uint32_t in, Hit& hit) const {
+    hit.t = h.t * inverse_scale, hit.u = h.u, hit.v = h.v;
     if (in != world_place) {
       // A mirroring transform turns corners and sight alike: in mesh space the front is always counter-clockwise.
-      hit.item = trees.instances[in - first_instance_place].item, hit.primitive = h.id;
+      hit.item = trees.instances[in - first_instance_place].item, hit.primitive = h.id, hit.back = h.clockwise;
     } else {
-      hit.item = trees.world_item[h.id], hit.primitive = h.id - trees.item_first[hit.item];
-      if (trees.mirrored[hit.item]) hit.back = !hit.back;
+      const uint32_t item = trees.world_item[h.id];
+      hit.item = item, hit.primitive = h.id - trees.item_first[item];
+      hit.back = h.clockwise != bool(trees.mirrored[item]);
     }
-    return hit;
   }
 
   static bool loses_to_best(KernelSearch& search, const KernelHit& h) {
     const Search& s = static_cast<Search&>(search);
-    const Hit a = s.resolve(h, s.place), b = s.resolve(s.best, s.best_place);
+    Hit a, b;
+    s.resolve(h, s.place, a), s.resolve(s.best, s.best_place, b);
     return std::tie(a.item, a.primitive) >= std::tie(b.item, b.primitive);
   }
 
   static bool accept_hit(KernelSearch& search, const KernelHit& h) {
     const Search& s = static_cast<Search&>(search);
-    return s.filter->accepts(s.resolve(h, s.place));
+    Hit hit;
+    s.resolve(h, s.place, hit);
+    return s.filter->accepts(hit);
   }
 
   static bool enter_instance(KernelSearch& search, uint32_t index, KernelRay& ray) {
@@ -101,16 +105,6 @@ struct Search : KernelSearch {
   }
 };
 
-bool search(const Accel::Trees& trees, const Ray& ray, const HitFilter* filter, TraceCounts* counts, bool any,
-            Hit& hit) {
-  KernelCounts counted{};
-  Search search(trees, filter, counts ? &counted : nullptr, any);
-  const bool found = search.trace(ray);
-  if (counts) counts->nodes += counted.nodes, counts->boxes += counted.boxes, counts->triangles += counted.triangles;
-  if (found && !any) hit = search.resolve(search.best, search.best_place);
-  return found;
-}
-
 float largest_of(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 }  // namespace
@@ -122,14 +116,14 @@ Accel::Accel(Accel&&) noexcept = default;
 Accel& Accel::operator=(Accel&&) noexcept = default;
 
 std::optional<Hit> Accel::closest(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
-  Hit hit;
-  if (!search(*trees_, ray, filter, counts, false, hit)) return {};
+  Search search(*trees_, filter, counts, false);
+  std::optional<Hit> hit;
+  if (search.trace(ray)) search.resolve(search.best, search.best_place, hit.emplace());
   return hit;
 }
 
 bool Accel::occluded(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
-  Hit hit;
-  return search(*trees_, ray, filter, counts, true, hit);
+  return Search(*trees_, filter, counts, true).trace(ray);
 }
 
 PosedTriangle Accel::triangle(uint32_t item_index, uint32_t primitive) const {

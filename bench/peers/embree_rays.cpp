@@ -17,6 +17,8 @@
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "base/text.h"
+#include "bench/measured.h"
+#include "bvh/trace.h"
 #include "gltf/gltf.h"
 #include "reference/accel.h"
 #include "scene/view.h"
@@ -227,7 +229,7 @@ ordered_json time_builds(const Quality& q, const Scene& scene, const Pose& pose,
                          const Mesh3& mesh, const Plan& plan) {
   ordered_json out;
   AccelOptions options;
-  options.builder = q.builder;
+  options.tree.builder = q.builder;
   for (const int threads : plan.threads) {
     std::vector<double> ours, theirs, ratios;
     for (int i = 0; i < plan.rounds; ++i) {
@@ -312,7 +314,7 @@ Expected<ordered_json> measure(const std::string& what, const Plan& plan) {
   std::fprintf(stderr, "%s: %zu triangles\n", out["scene"].get<std::string>().c_str(), mesh.index.size() / 3);
   for (const Quality& q : qualities) {
     if (std::find(plan.builders.begin(), plan.builders.end(), q.name) == plan.builders.end()) continue;
-    options.builder = q.builder, options.measure_cost = true;
+    options.tree.builder = q.builder, options.measure_cost = true;
     const Accel accel(*scene, pose, frame, options);
     const Embree fast(mesh, q.embree, false, 0), robust(mesh, q.embree, true, 0);
     ordered_json& result = out[q.name];
@@ -326,6 +328,11 @@ Expected<ordered_json> measure(const std::string& what, const Plan& plan) {
       ordered_json& row = result["rays"][kind.name];
       row = time_traversal(q, kind, accel, fast, robust, plan);
       row["rays"] = kind.rays.size();
+      TraceCounts counts;
+      for (const Ray& ray : kind.rays) kind.any ? (void)accel.occluded(ray, nullptr, &counts) : (void)accel.closest(ray, nullptr, &counts);
+      row["nodes_a_ray"] = double(counts.nodes) / double(kind.rays.size());
+      row["triangles_a_ray"] = double(counts.triangles) / double(kind.rays.size());
+      std::fprintf(stderr, "    %.2f nodes, %.2f boxes, %.2f triangles a ray; %zu instances\n", double(counts.nodes) / double(kind.rays.size()), double(counts.boxes) / double(kind.rays.size()), double(counts.triangles) / double(kind.rays.size()), accel.statistics().instances);
       row["agreement"] = compare(kind, accel, fast, mesh);
       row["agreement_robust"] = compare(kind, accel, robust, mesh);
     }
@@ -360,7 +367,9 @@ int main(int argc, char** argv) {
   }
   const ordered_json all = {{"version", "candela " CANDELA_VERSION},
                             {"embree", RTC_VERSION_STRING},
+                            {"cpu", processor_name()},
                             {"cpu_cores", tbb::info::default_concurrency()},
+                            {"kernels", best_kernels().name},
                             {"size", {plan.width, plan.height}},
                             {"rounds", plan.rounds},
                             {"scenes", scenes}};

@@ -17,8 +17,6 @@
 namespace candela {
 namespace {
 
-// Beyond this depth nodes are halved by count, so no tree is deeper than this plus 32 (and traversal stacks suffice).
-constexpr uint32_t heuristic_depth = 60;
 constexpr uint32_t task_size = 2048;  // subtrees above this many references become tasks
 
 // A subtree to build. Its references lie at [begin, begin + count) within its slots [first, last), at the low end or at
@@ -46,6 +44,7 @@ class Builder {
     group_.wait();
     tree_.depth = depth_.load();
     tree_.reference_count = leaf_references_.load();
+    tree_.node_count = 2 * leaves_.load() - 1;
   }
 
  private:
@@ -54,7 +53,7 @@ class Builder {
     int waiting = 0;
     stack[waiting++] = top;
     uint32_t deepest = 0;
-    size_t in_leaves = 0;
+    size_t in_leaves = 0, leaves = 0;
     while (waiting > 0) {
       const Subtree at = stack[--waiting];
       deepest = std::max(deepest, at.depth + 1);
@@ -65,7 +64,7 @@ class Builder {
       node.inner = split(at, left, right);
       if (!node.inner) {
         node.first = at.begin;
-        in_leaves += at.count;
+        in_leaves += at.count, ++leaves;
         continue;
       }
       node.first = left.node;
@@ -78,13 +77,15 @@ class Builder {
     uint32_t seen = depth_.load();
     while (seen < deepest && !depth_.compare_exchange_weak(seen, deepest)) {
     }
-    leaf_references_ += in_leaves;
+    leaf_references_ += in_leaves, leaves_ += leaves;
   }
 
   // False: a leaf.
   bool split(const Subtree& at, Subtree& left, Subtree& right) {
     if (at.count == 1) return false;
-    if (at.depth >= heuristic_depth) return halve(at, left, right);
+    // Beyond this depth nodes are halved by count, so no tree is deeper than most_depth plus 32 (and traversal stacks
+    // suffice).
+    if (at.depth >= options_.depth) return halve(at, left, right);
     if (options_.builder == BvhBuilder::equal_counts) {
       if (at.count <= std::min(options_.max_leaf, 4u)) return false;
       sort_halves(at);
@@ -94,7 +95,7 @@ class Builder {
   }
 
   bool split_by_area(const Subtree& at, Subtree& left, Subtree& right) {
-    const bool may_cut = options_.builder == BvhBuilder::sbvh && !triangles_.empty();
+    const bool may_cut = splits_space(options_.builder) && !triangles_.empty();
     // Few references do not fill many buckets.
     const Buckets buckets(at.centres2, int(std::min(uint32_t(options_.buckets), 4 + at.count / 4)));
     const Span references{references_ + at.begin, at.count};
@@ -104,13 +105,14 @@ class Builder {
     SpatialSplit spatial;
     // Where the sides hardly overlap a spatial split has nothing to gain. The share is of the root's area: small nodes
     // deep down do not matter however much they overlap.
-    if (may_cut && slack > 0 && (object.axis < 0 || object.overlap > options_.overlap_alpha * root_area_))
+    const bool always = options_.builder == BvhBuilder::spatial_only;
+    if (may_cut && slack > 0 && (always || object.axis < 0 || object.overlap > options_.overlap_alpha * root_area_))
       spatial = find_spatial_split(references, triangles_, at.box, options_.buckets, options_.block_shift, slack);
     const float best = std::min(object.cost, spatial.cost);
     if (at.count <= options_.max_leaf &&
         !(options_.node_cost * area + best < area * tests_of(at.count, options_.block_shift)))
       return false;
-    if (spatial.cost < object.cost && cut_in_two(at, spatial, left, right)) return true;
+    if ((always ? spatial.axis >= 0 : spatial.cost < object.cost) && cut_in_two(at, spatial, left, right)) return true;
     if (object.axis < 0) return halve(at, left, right);
     partition(at, buckets, object, left, right);
     return true;
@@ -212,7 +214,7 @@ class Builder {
   float root_area_ = 0;
   tbb::task_group group_;
   std::atomic<uint32_t> depth_ = 0;
-  std::atomic<size_t> leaf_references_ = 0;
+  std::atomic<size_t> leaf_references_ = 0, leaves_ = 0;
 };
 
 }  // namespace
@@ -230,10 +232,11 @@ BoxReference reference_to(const TriangleCorners& t, uint32_t id) {
 
 BinaryTree build_tree(std::span<const BoxReference> boxes, std::span<const TriangleCorners> triangles,
                       const BvhOptions& options) {
-  CHECK(options.buckets >= 2 && options.buckets <= 64 && options.max_leaf >= 1);
+  CHECK(options.buckets >= least_buckets && options.buckets <= most_buckets && options.max_leaf >= 1 &&
+        options.max_leaf <= most_in_leaf && options.depth <= most_depth);
   BinaryTree tree;
   if (boxes.empty()) return tree;
-  const bool may_cut = options.builder == BvhBuilder::sbvh && !triangles.empty();
+  const bool may_cut = splits_space(options.builder) && !triangles.empty();
   const size_t slack = may_cut ? size_t(double(boxes.size()) * double(options.split_budget)) : 0;
   CHECK_MSG(boxes.size() + slack < (1u << 30), "more triangles than the builder's 32-bit indices reach");
   tree.references.resize(boxes.size() + slack);

@@ -8,8 +8,6 @@
 namespace candela {
 namespace {
 
-constexpr int most_buckets = 64;
-
 struct Bins {
   union {
     BuildBox box[3][most_buckets];  // only the first `buckets` are ever begun

@@ -1,4 +1,6 @@
 #pragma once
+#include <sys/mman.h>
+
 #include <memory>
 #include <new>
 #include <vector>
@@ -22,6 +24,29 @@ struct UnwrittenAllocator : std::allocator<T> {
     ::new (static_cast<void*>(place)) U(std::forward<A>(arguments)...);
   }
 };
+// And asks for large pages, for tables that rays jump about in: the processor remembers where few thousand pages lie.
+template <class T>
+struct LargePageAllocator : UnwrittenAllocator<T> {
+  template <class U>
+  struct rebind {
+    using other = LargePageAllocator<U>;
+  };
+  static constexpr size_t page = size_t(2) << 20;
+  static constexpr bool is_large(size_t count) { return count * sizeof(T) >= 2 * page; }
+  T* allocate(size_t count) {
+    if (!is_large(count)) return std::allocator<T>().allocate(count);
+    void* place = ::operator new(count * sizeof(T), std::align_val_t(page));
+    madvise(place, count * sizeof(T), MADV_HUGEPAGE);  // where the system refuses, pages are small
+    return static_cast<T*>(place);
+  }
+  void deallocate(T* place, size_t count) {
+    if (!is_large(count)) return std::allocator<T>().deallocate(place, count);
+    ::operator delete(static_cast<void*>(place), std::align_val_t(page));
+  }
+};
+template <class T>
+using LargeVector = std::vector<T, LargePageAllocator<T>>;
+
 template <class T>
 using RawVector = std::vector<T, UnwrittenAllocator<T>>;
 

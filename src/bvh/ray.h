@@ -3,6 +3,8 @@
 #include <glm/glm.hpp>
 #include <limits>
 
+#include "bvh/trace.h"
+
 namespace candela {
 
 // A ray in relative space (world axes, origin at the camera). The direction need not be of unit length; t counts in its
@@ -23,9 +25,7 @@ struct Hit {
 };
 
 // What a ray cost, for heat maps: boxes and triangles tested one by one (a wide node counts the children it has).
-struct TraceCounts {
-  uint64_t nodes = 0, boxes = 0, triangles = 0;
-};
+using TraceCounts = KernelCounts;
 
 // Decides about hits that the material leaves in doubt (masks, blending, culled backs). The same candidate may be
 // offered more than once and in any order, so the answer must depend on it alone.

@@ -1,13 +1,16 @@
 #pragma once
-// Four and eight floats at once, for the reference's builders and traversal: AVX2, SSE2 or plain C++, by what the
-// including file is compiled for. Every operation is one IEEE operation per lane (no fused multiply-add, no approximate
-// reciprocal), so all three give the same bits. min and max are x86's: the second operand where either is NaN. Each
-// variant lives in a namespace of its own: inline functions of files compiled for AVX2 must never be the ones that the
-// linker keeps for the rest of the program.
+// Four and eight floats at once, for the reference's builders and traversal: AVX-512, AVX2, SSE2 or plain C++, by what
+// the including file is compiled for. Every operation but multiply_add() is one IEEE operation per lane (no approximate
+// reciprocal), so all four give the same bits; multiply_add() rounds once or twice and is for bounds alone. min and max
+// are x86's: the second operand where either is NaN. Each variant lives in a namespace of its own: inline functions of
+// files compiled for AVX2 must never be the ones that the linker keeps for the rest of the program.
 #include <bit>
 #include <cstdint>
 
-#if defined(__AVX2__) && !defined(CANDELA_SIMD_SCALAR)
+#if defined(__AVX512VL__) && !defined(CANDELA_SIMD_SCALAR)
+#include <immintrin.h>
+#define CANDELA_SIMD_NAME simd_avx512
+#elif defined(__AVX2__) && !defined(CANDELA_SIMD_SCALAR)
 #include <immintrin.h>
 #define CANDELA_SIMD_NAME simd_avx2
 #elif defined(__SSE2__) && !defined(CANDELA_SIMD_SCALAR)
@@ -152,6 +155,7 @@ inline F8 operator*(F8 a, F8 b) { return {_mm256_mul_ps(a.v, b.v)}; }
 inline F8 min(F8 a, F8 b) { return {_mm256_min_ps(a.v, b.v)}; }
 inline F8 max(F8 a, F8 b) { return {_mm256_max_ps(a.v, b.v)}; }
 inline uint32_t less_equal(F8 a, F8 b) { return uint32_t(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ))); }
+inline F8 multiply_add(F8 a, F8 b, F8 c) { return {_mm256_fmadd_ps(a.v, b.v, c.v)}; }
 
 #else
 
@@ -163,6 +167,7 @@ struct F8 {
 };
 inline F8 operator-(F8 x, F8 y) { return {x.a - y.a, x.b - y.b}; }
 inline F8 operator*(F8 x, F8 y) { return {x.a * y.a, x.b * y.b}; }
+inline F8 multiply_add(F8 x, F8 y, F8 z) { return {x.a * y.a + z.a, x.b * y.b + z.b}; }
 inline F8 min(F8 x, F8 y) { return {min(x.a, y.a), min(x.b, y.b)}; }
 inline F8 max(F8 x, F8 y) { return {max(x.a, y.a), max(x.b, y.b)}; }
 inline uint32_t less_equal(F8 x, F8 y) { return less_equal(x.a, y.a).bits() | less_equal(x.b, y.b).bits() << 4; }

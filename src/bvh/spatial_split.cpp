@@ -10,8 +10,6 @@
 namespace candela {
 namespace {
 
-constexpr int most_slabs = 64;
-
 // A triangle made ready to be cut by several planes.
 class Cutter {
  public:
@@ -133,8 +131,8 @@ struct SpatialBinning {
 
 void best_on_axis(const SlabBins& bins, const Slabs& slabs, int axis, uint32_t most, uint32_t block_shift,
                   SpatialSplit& best) {
-  BuildBox right_box[most_slabs];
-  uint32_t right_count[most_slabs];
+  BuildBox right_box[most_buckets];
+  uint32_t right_count[most_buckets];
   BuildBox box;
   uint32_t count = 0;
   for (int k = slabs.count - 1; k > 0; --k) {

@@ -1,4 +1,4 @@
-// Compiled with -mavx2 where the compiler knows it (CMakeLists.txt), and only called where the processor does.
+// Compiled with -mavx2 -mfma where the compiler knows it (CMakeLists.txt), and only called where the processor does.
 #ifdef __AVX2__
 #include "bvh/trace_kernel.h"
 #else
@@ -10,7 +10,7 @@ namespace candela {
 #ifdef __AVX2__
 const Kernels* avx2_kernels() {
   static constexpr Kernels kernels{&trace<true>, &trace<false>, "avx2"};
-  return __builtin_cpu_supports("avx2") ? &kernels : nullptr;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &kernels : nullptr;
 }
 #else
 const Kernels* avx2_kernels() { return nullptr; }

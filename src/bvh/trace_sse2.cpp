@@ -16,6 +16,7 @@ const Kernels* sse2_kernels() { return nullptr; }
 
 const Kernels& best_kernels() {
   static const Kernels& best = [] -> const Kernels& {
+    if (const Kernels* k = avx512_kernels()) return *k;
     if (const Kernels* k = avx2_kernels()) return *k;
     if (const Kernels* k = sse2_kernels()) return *k;
     return *scalar_kernels();

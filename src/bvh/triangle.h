@@ -32,10 +32,11 @@ inline RayShear shear_of(glm::vec3 direction) {
 // Directions are used as they come, of any length, but t then grows and shrinks with it, and may leave the range of
 // floats on the way. The power of two by which a ray's direction is to be divided, and t multiplied, to keep away from
 // the ends; 1 for all directions of usual lengths.
+constexpr float usual_direction_min = 0x1p-20f, usual_direction_max = 0x1p20f;
 inline float direction_scale(glm::vec3 direction) {
   const glm::vec3 size = glm::abs(direction);
   const float largest = size.x > size.y ? (size.x > size.z ? size.x : size.z) : (size.y > size.z ? size.y : size.z);
-  if (largest >= 0x1p-20f && largest <= 0x1p20f) return 1;
+  if (largest >= usual_direction_min && largest <= usual_direction_max) return 1;
   return std::ldexp(1.0f, std::ilogb(largest));
 }
 

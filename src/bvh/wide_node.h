@@ -18,9 +18,11 @@ constexpr uint32_t leaf_child(uint32_t first, uint32_t count) {
 }
 
 // Boxes axis by axis: low x, high x, low y, high y, low z, high z. Absent children have low +inf, high -inf.
-struct alignas(32) WideNode {
+// Four lines of cache, found by a shift.
+struct alignas(64) WideNode {
   float bounds[6][wide_children];
   uint32_t child[wide_children];
+  uint32_t unused[wide_children];  // 0
 };
 
 // Corners by corner and axis; absent triangles (always the last ones) have id no_triangle.

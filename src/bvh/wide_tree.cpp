@@ -40,7 +40,7 @@ class Collapse {
     out_.depth = std::max(out_.depth, work.depth);
     uint32_t child[wide_children];
     const uint32_t count = open(work.binary, child);
-    WideNode node;
+    WideNode node{};
     constexpr float infinity = std::numeric_limits<float>::infinity();
     for (uint32_t c = 0; c < wide_children; ++c) {
       for (int a = 0; a < 3; ++a) {

@@ -14,8 +14,8 @@ namespace candela {
 // The tree that rays traverse: eight children a node, made from a binary one by opening the child of largest area until
 // eight are there. Leaves hold blocks of four triangles, or for a tree over other things (instances) their indices.
 struct WideTree {
-  std::vector<WideNode> nodes;        // depth first; nodes[0] is the root; empty: nothing to hit
-  std::vector<TriangleBlock> blocks;  // trees over triangles
+  LargeVector<WideNode> nodes;        // depth first; nodes[0] is the root; empty: nothing to hit
+  LargeVector<TriangleBlock> blocks;  // trees over triangles
   std::vector<uint32_t> indices;      // other trees: what leaf offsets count in
   Aabb bounds;
   uint32_t depth = 0;

@@ -124,8 +124,14 @@ Json result_json(const ReferencePlan& plan, const ReferenceFrame& frame, const r
   j["relative_error"] = has_halves ? Json(film.relative_error()) : Json(nullptr);
   j["trace_s"] = trace_s;
   const AccelStatistics& a = frame.world->accel().statistics();
-  j["bvh"] = {{"triangles", a.triangles}, {"references", a.references}, {"nodes", a.nodes},
-              {"instances", a.instances}, {"bytes", a.bytes},           {"sah_cost", a.sah_cost},
+  j["bvh"] = {{"builder", name_of(a.builder)},
+              {"triangles", a.triangles},
+              {"references", a.references},
+              {"binary_nodes", a.binary_nodes},
+              {"nodes", a.nodes},
+              {"instances", a.instances},
+              {"bytes", a.bytes},
+              {"sah_cost", a.sah_cost},
               {"build_ms", a.build_ms}};
   j["lights"] = {{"punctual", frame.world->punctual_lights().size()},
                  {"emissive_triangles", frame.world->emissive().size()}};
@@ -227,6 +233,14 @@ void add_own_options(CLI::App& command, ReferenceOptions& o) {
                   fmt::format("EXR layers beside beauty: {}; or none", fmt::join(reference_layer_names(), ", ")))
       ->capture_default_str()
       ->type_name("LIST");
+  std::vector<std::string_view> knobs;
+  for (const TreeKnob& knob : tree_knobs()) knobs.push_back(knob.name);
+  command
+      .add_option("--set", o.tracing.settings,
+                  fmt::format("How the acceleration structure is built (docs/reference.md): {}; may be given again",
+                              fmt::join(knobs, ", ")))
+      ->allow_extra_args(false)
+      ->type_name("bvh.NAME=VALUE");
   command.add_option("--view", o.view, "What PNG shows: beauty or any layer")->capture_default_str()->type_name("NAME");
 }
 

@@ -29,9 +29,10 @@ Expected<TraceRequest> trace_request(const TraceOptions& o, const Job& job) {
       "--sampler", o.sampler,
       {{"sobol", SamplerKind::sobol}, {"jittered", SamplerKind::jittered}, {"uniform", SamplerKind::uniform}});
   if (!sampler) return std::unexpected(sampler.error());
-  const auto bvh = choice<BvhBuilder>(
-      "--bvh", o.bvh,
-      {{"equal-counts", BvhBuilder::equal_counts}, {"sah", BvhBuilder::sah}, {"sbvh", BvhBuilder::sbvh}});
+  std::vector<std::pair<std::string, std::optional<BvhBuilder>>> builders = {{"auto", std::nullopt}};
+  for (const BvhBuilder b : {BvhBuilder::equal_counts, BvhBuilder::sah, BvhBuilder::sbvh, BvhBuilder::spatial_only})
+    builders.emplace_back(name_of(b), b);
+  const auto bvh = choice("--bvh", o.bvh, builders);
   if (!bvh) return std::unexpected(bvh.error());
   const auto visibility = choice<bool>("--visibility", o.visibility, {{"on", true}, {"off", false}});
   if (!visibility) return std::unexpected(visibility.error());
@@ -81,7 +82,16 @@ Expected<TraceRequest> trace_request(const TraceOptions& o, const Job& job) {
   else if (o.fog_steps)
     request.settings.fog_steps = *o.fog_steps;
   if (o.fog_lights) request.settings.fog_lights = *o.fog_lights;
-  request.accel.builder = *bvh;
+  if (*bvh) {
+    request.accel.tree.builder = **bvh;
+  } else {
+    // A sample sends a handful of rays. A limit of time or noise says nothing of their number: as by default then.
+    constexpr double rays_a_sample = 4;
+    const uint64_t spp = request.stop.spp > 0 ? request.stop.spp : default_spp;
+    request.accel.rays = rays_a_sample * double(spp) * job.width_px * job.height_px;
+  }
+  for (const std::string& text : o.settings)
+    if (auto set = set_tree_knob(text, request.accel.tree); !set) return std::unexpected(set.error());
   return request;
 }
 
@@ -100,7 +110,11 @@ void add_trace_options(CLI::App& command, TraceOptions& o) {
   command.add_option("--sampler", o.sampler, "sobol (Owen-scrambled), jittered, or uniform: a grid, x4, x8, x16")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--bvh", o.bvh, "How the acceleration structure is built: equal-counts, sah or sbvh")
+  command
+      .add_option(
+          "--bvh", o.bvh,
+          "How the acceleration structure is built: equal-counts, sah, sbvh, spatial-only; auto: as pays for so many "
+          "rays. Changes no picture")
       ->capture_default_str()
       ->type_name("NAME");
   command.add_option("--visibility", o.visibility, "direct: off lets light through everything")

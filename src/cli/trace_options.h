@@ -6,11 +6,12 @@ namespace candela::cli {
 
 // How the reference traces: of `reference`, and of films that it makes.
 struct TraceOptions {
-  std::string mode = "direct", sampler = "sobol", bvh = "sah", visibility = "on", ambient = "traced";
+  std::string mode = "direct", sampler = "sobol", bvh = "auto", visibility = "on", ambient = "traced";
   uint64_t spp = 0;
   double seconds = 0, noise = 0, ambient_distance_m = 0;
   int bounces = 0, threads = 0;
   std::optional<int> fog_steps, fog_lights;
+  std::vector<std::string> settings;  // of trees: bvh.NAME=VALUE
 };
 
 // All but --seconds, which leaves the picture to the machine.

@@ -61,13 +61,13 @@ T* table(FrameRays& rays, uint32_t at) {
   return reinterpret_cast<T*>(rays.bytes.data() + size_t(at) * shared::trace_table_align);
 }
 
-// Nodes with the numbers of their children counted in the whole table.
-void copy_nodes(const WideTree& tree, size_t first_node, size_t first_leaf, WideNode* nodes) {
+// Nodes without what fills their lines of cache, with the numbers of their children counted in the whole table.
+void copy_nodes(const WideTree& tree, size_t first_node, size_t first_leaf, shared::TraceNode* nodes) {
   tbb::parallel_for(size_t(0), tree.nodes.size(), [&](size_t n) {
     WideNode node = tree.nodes[n];
     for (uint32_t& child : node.child)
       if (child != no_child) child += uint32_t(child & leaf_bit ? first_leaf : first_node);
-    nodes[first_node + n] = node;
+    std::memcpy(nodes + first_node + n, &node, sizeof(shared::TraceNode));
   });
 }
 
@@ -198,7 +198,7 @@ class LayOut {
   }
 
   void fill_trees() {
-    WideNode* const nodes = table<WideNode>(rays_, head_.nodes);
+    shared::TraceNode* const nodes = table<shared::TraceNode>(rays_, head_.nodes);
     TriangleBlock* const blocks = table<TriangleBlock>(rays_, head_.blocks);
     copy_nodes(trees_.world, 0, 0, nodes);
     copy_nodes(trees_.top, trees_.world.nodes.size(), 0, nodes);
@@ -263,7 +263,7 @@ Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bo
 
 FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,
                        bool refraction) {
-  static_assert(sizeof(WideNode) == sizeof(shared::TraceNode) && sizeof(TriangleBlock) == sizeof(shared::TraceBlock));
+  static_assert(offsetof(WideNode, unused) == sizeof(shared::TraceNode) && sizeof(TriangleBlock) == sizeof(shared::TraceBlock));
   static_assert(leaf_bit == shared::trace_leaf_bit && leaf_count_shift == shared::trace_leaf_shift &&
                 no_child == shared::no_trace && no_triangle == shared::no_trace);
   return LayOut(accel, scene, pose, data, refraction).run();

@@ -4,115 +4,106 @@
 #include <cmath>
 #include <tuple>
 
+#include "bvh/simd.h"
 #include "bvh/triangle.h"
 #include "reference/accel_trees.h"
 
 namespace candela {
 namespace {
 
-// Without branches: what is not finite leaves NaN.
-bool finite_pair(glm::vec3 a, glm::vec3 b) {
-  const glm::vec3 none = (a - a) + (b - b);
-  return (none.x + none.y) + none.z == 0;
+// Finite, and of a length that needs no direction_scale.
+bool is_usual(const KernelRay& ray) {
+  const F4 direction = absolute(F4::load(ray.direction)), origin = absolute(F4::load(ray.origin));
+  const uint32_t in_range =
+      (less_equal(direction, F4::all(usual_direction_max)) & less_equal(origin, F4::all(0x1p100f))).bits();
+  return (in_range & 7u) == 7u && (less_equal(F4::all(usual_direction_min), direction).bits() & 7u) != 0;
 }
 
-// One traversal: what the kernels call back.
-struct Search : KernelCaller {
+// Places of KernelSearch: the world tree, then the instances.
+constexpr uint32_t world_place = 0, first_instance_place = 1;
+
+// One search through all trees: what the kernels call back.
+struct Search : KernelSearch {
   const Accel::Trees& trees;
   const HitFilter* filter;
-  KernelCounts* counts;
+  TraceCounts* counts;
   const bool any;
-  const AccelInstance* instance = nullptr;  // the one entered; null: in the world tree
-  KernelHit best{};                         // with the instance it lies in; made a Hit at the end
-  const AccelInstance* best_instance = nullptr;
-  bool found = false;
   float inverse_scale = 1;  // from the kernels' t to the caller's
 
-  Search(const Accel::Trees& t, const HitFilter* f, KernelCounts* c, bool any_hit)
-      : KernelCaller{any_hit && !f ? nullptr : &accept_hit, &enter_instance},
-        trees(t),
-        filter(f),
-        counts(c),
-        any(any_hit) {}
-
-  Hit resolve(const KernelHit& h, const AccelInstance* in) const {
-    Hit hit{h.t * inverse_scale, h.u, h.v, 0, 0, h.clockwise};
-    if (in) {
-      // A mirroring transform turns corners and sight alike: in mesh space the front is always counter-clockwise.
-      hit.item = in->item, hit.primitive = h.id;
-    } else {
-      hit.item = trees.world_item[h.id], hit.primitive = h.id - trees.item_first[hit.item];
-      if (trees.frame->items[hit.item].mirrored) hit.back = !hit.back;
-    }
-    return hit;
+  Search(const Accel::Trees& t, const HitFilter* f, TraceCounts* c, bool any_hit)
+      : trees(t), filter(f), counts(c), any(any_hit) {
+    accept = &accept_hit, loses_tie = &loses_to_best, enter = &enter_instance;
   }
 
-  bool loses_tie(const KernelHit& h) const {
-    const Hit a = resolve(h, instance), b = resolve(best, best_instance);
+  // Number by number, as take() in trace_kernel.h.
+  void resolve(const KernelHit& h, uint32_t in, Hit& hit) const {
+    hit.t = h.t * inverse_scale, hit.u = h.u, hit.v = h.v;
+    if (in != world_place) {
+      // A mirroring transform turns corners and sight alike: in mesh space the front is always counter-clockwise.
+      hit.item = trees.instances[in - first_instance_place].item, hit.primitive = h.id, hit.back = h.clockwise;
+    } else {
+      const uint32_t item = trees.world_item[h.id];
+      hit.item = item, hit.primitive = h.id - trees.item_first[item];
+      hit.back = h.clockwise != bool(trees.mirrored[item]);
+    }
+  }
+
+  static bool loses_to_best(KernelSearch& search, const KernelHit& h) {
+    const Search& s = static_cast<Search&>(search);
+    Hit a, b;
+    s.resolve(h, s.place, a), s.resolve(s.best, s.best_place, b);
     return std::tie(a.item, a.primitive) >= std::tie(b.item, b.primitive);
   }
 
-  bool filtered_out(const KernelHit& h) const {
-    const Hit hit = resolve(h, instance);
-    return (trees.ask[hit.item] & (hit.back ? 2 : 1)) && !filter->accepts(hit);
+  static bool accept_hit(KernelSearch& search, const KernelHit& h) {
+    const Search& s = static_cast<Search&>(search);
+    Hit hit;
+    s.resolve(h, s.place, hit);
+    return s.filter->accepts(hit);
   }
 
-  static bool accept_hit(KernelCaller& caller, const KernelHit& h) {
-    Search& s = static_cast<Search&>(caller);
-    if (s.found && h.t == s.best.t && s.loses_tie(h)) return false;
-    if (s.filter && s.filtered_out(h)) return false;
-    if (!s.instance) __builtin_prefetch(&s.trees.world_item[h.id]);  // resolve will want it
-    s.best = h, s.best_instance = s.instance, s.found = true;
-    return true;
-  }
-
-  static bool enter_instance(KernelCaller& caller, uint32_t index, KernelRay& ray) {
-    Search& s = static_cast<Search&>(caller);
+  static bool enter_instance(KernelSearch& search, uint32_t index, KernelRay& ray) {
+    Search& s = static_cast<Search&>(search);
     const AccelInstance& instance = s.trees.instances[index];
     const glm::dmat4x3& m = instance.local_from_relative;
     const glm::vec3 origin = m * glm::dvec4(ray.origin[0], ray.origin[1], ray.origin[2], 1.0);
     const glm::vec3 direction = m * glm::dvec4(ray.direction[0], ray.direction[1], ray.direction[2], 0.0);
     if (!finite(origin) || !finite(direction) || direction == glm::vec3(0)) return false;
-    KernelRay local{{origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, ray.t_min, ray.t_max};
-    s.instance = &instance;
-    const bool ended = s.run(s.trees.parts[instance.part].tree, local);
-    s.instance = nullptr;
+    KernelRay local{{origin.x, origin.y, origin.z}, ray.t_min, {direction.x, direction.y, direction.z}, ray.t_max};
+    s.place = index + first_instance_place;
+    const bool ended = s.run(s.trees.parts[instance.part].tree, local, nullptr, s.trees.ask[instance.item]);
+    const bool nearer = local.t_max < ray.t_max || s.best_place == s.place;
     ray.t_max = local.t_max;
-    return ended;
+    return s.any ? ended : nearer;
   }
 
-  bool run(const WideTree& tree, KernelRay& ray) {
+  bool run(const WideTree& tree, KernelRay& ray, const uint8_t* doubts, uint8_t doubt) {
     if (tree.nodes.empty()) return false;
-    const KernelTree t{tree.nodes.data(), tree.blocks.data(), tree.indices.data()};
+    KernelTree t{tree.nodes.data(), tree.blocks.data(), tree.indices.data()};
+    if (filter) t.doubts = doubts, t.doubt = doubt;
+    if (place == world_place) t.wanted = trees.world_item.data();
     return tree.indices.empty() ? trees.kernels->triangles(t, ray, *this, any, counts)
                                 : trees.kernels->things(t, ray, *this, any, counts);
   }
 
   bool trace(const Ray& from) {
-    if (!finite_pair(from.origin, from.direction) || !(from.t_min <= from.t_max)) return false;
-    const float scale = direction_scale(from.direction);
-    if (!(scale > 0)) return false;
     KernelRay ray{{from.origin.x, from.origin.y, from.origin.z},
-                  {from.direction.x, from.direction.y, from.direction.z},
                   from.t_min,
+                  {from.direction.x, from.direction.y, from.direction.z},
                   from.t_max};
-    if (scale != 1) {
+    if (!(from.t_min <= from.t_max)) return false;
+    if (!is_usual(ray)) {
+      if (!finite(from.origin) || !finite(from.direction)) return false;
+      const float scale = direction_scale(from.direction);
+      if (!(scale > 0)) return false;
       for (float& d : ray.direction) d /= scale;
       ray.t_min *= scale, ray.t_max *= scale, inverse_scale = 1.0f / scale;
     }
-    return run(trees.world, ray) || run(trees.top, ray) || found;
+    const uint8_t* doubts = trees.world_doubts.empty() ? nullptr : trees.world_doubts.data();
+    return run(trees.world, ray, doubts, trees.world_doubt) || run(trees.top, ray, nullptr, 0) ||
+           best.id != no_triangle;
   }
 };
-
-bool search(const Accel::Trees& trees, const Ray& ray, const HitFilter* filter, TraceCounts* counts, bool any,
-            Hit& hit) {
-  KernelCounts counted{};
-  Search search(trees, filter, counts ? &counted : nullptr, any);
-  const bool found = search.trace(ray);
-  if (counts) counts->nodes += counted.nodes, counts->boxes += counted.boxes, counts->triangles += counted.triangles;
-  if (found && !any) hit = search.resolve(search.best, search.best_instance);
-  return found;
-}
 
 float largest_of(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -125,14 +116,14 @@ Accel::Accel(Accel&&) noexcept = default;
 Accel& Accel::operator=(Accel&&) noexcept = default;
 
 std::optional<Hit> Accel::closest(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
-  Hit hit;
-  if (!search(*trees_, ray, filter, counts, false, hit)) return {};
+  Search search(*trees_, filter, counts, false);
+  std::optional<Hit> hit;
+  if (search.trace(ray)) search.resolve(search.best, search.best_place, hit.emplace());
   return hit;
 }
 
 bool Accel::occluded(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
-  Hit hit;
-  return search(*trees_, ray, filter, counts, true, hit);
+  return Search(*trees_, filter, counts, true).trace(ray);
 }
 
 PosedTriangle Accel::triangle(uint32_t item_index, uint32_t primitive) const {

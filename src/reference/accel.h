@@ -17,11 +17,14 @@ namespace candela {
 struct Kernels;
 
 struct AccelOptions {
-  BvhBuilder builder = BvhBuilder::sah;
-  int buckets = 12;  // of the binned surface area heuristic, per axis (2 to 64)
-  float overlap_alpha =
-      1e-5f;  // sbvh: spatial splits are tried where the children's overlap exceeds this share of the root's area
-  float split_budget = 1.0f;  // sbvh: references that spatial splits may add, as a share of the triangles
+  BvhOptions tree;
+  // How many rays are to be traced, nearly: tree.builder is then replaced by the one that pays. Hits do not depend on
+  // it.
+  std::optional<double> rays;
+  // Geometry that items share is repeated for each while that takes no more triangles beyond the first copies, for
+  // rays cross one tree faster than a tree of trees. It decides how corners are rounded, so it must not depend on how
+  // many rays are traced.
+  size_t repeated_triangles = 1u << 14;
   // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, what glows all
   // over (scene/glow.h), and backs of surfaces that are not double sided. true: for every candidate.
   bool always_ask_filter = false;
@@ -48,12 +51,17 @@ struct LeafBox {
   uint32_t depth;      // of the wide tree
 };
 
+// Spatial splits cost more to build and save a part of what every ray takes.
+BvhBuilder builder_that_pays(double rays, double triangles);
+
 struct AccelStatistics {
+  BvhBuilder builder = BvhBuilder::sah;
   size_t triangles = 0;      // in all trees, instanced ones once
   size_t references = 0;     // in leaves; above `triangles` by spatial splits
   size_t instances = 0;      // items reached through the top tree
   size_t left_out = 0;       // triangles with non-finite corners
   size_t skipped_items = 0;  // items of points or lines: rays do not meet them
+  size_t binary_nodes = 0;   // of the trees as built; instanced ones once
   size_t nodes = 0, bytes = 0;
   double sah_cost = 0;  // of the binary trees (instanced ones once), in tests of four triangles, if asked for
   double build_ms = 0;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "reference/accel_trees.h"
@@ -15,6 +16,8 @@ namespace {
 
 // Geometry of up to this many triangles is cheaper to repeat than to enter.
 constexpr size_t small_section = 32;
+// What a spatial split takes beyond one by areas, a triangle, over what it saves a ray (bench/results/cpu/rays.json).
+constexpr double rays_a_triangle_that_pay = 50;
 // Rays are rounded to floats in mesh space. Where that would lose more than a few bits (axes scaled very differently)
 // or come near the ends of the float range, the triangles are brought to relative space instead.
 constexpr double worst_condition = 1e4, smallest_scale = 1e-6, largest_scale = 1e6;
@@ -72,15 +75,17 @@ struct Soup {
 
 class Assembly {
  public:
-  Assembly(Accel::Trees& trees, const AccelOptions& o) : trees_(trees), measure_cost_(o.measure_cost) {
-    options_.builder = o.builder;
-    options_.buckets = o.buckets;
-    options_.overlap_alpha = o.overlap_alpha;
-    options_.split_budget = o.split_budget;
-  }
+  Assembly(Accel::Trees& trees, const AccelOptions& o)
+      : trees_(trees),
+        options_(o.tree),
+        measure_cost_(o.measure_cost),
+        repeated_triangles_(o.repeated_triangles),
+        rays_(o.rays) {}
 
   void run() {
     sort_items();
+    if (rays_) options_.builder = builder_that_pays(*rays_, double(triangles_to_build()));
+    trees_.statistics.builder = options_.builder;
     build_world();
     build_parts();
     build_top();
@@ -95,7 +100,13 @@ class Assembly {
   void sort_items() {
     const std::vector<DrawItem>& items = trees_.frame->items;
     std::map<Geometry, size_t> uses;
-    for (const DrawItem& item : items) ++uses[geometry_of(item)];
+    size_t repeated_triangles = 0;
+    for (const DrawItem& item : items) {
+      const MeshSection& section = trees_.section_of(item);
+      if (section.topology == Topology::triangles && uses[geometry_of(item)]++ > 0)
+        repeated_triangles += section.index.size() / 3;
+    }
+    const bool instanced = repeated_triangles > repeated_triangles_;
     for (uint32_t i = 0; i < items.size(); ++i) {
       const DrawItem& item = items[i];
       const MeshSection& section = trees_.section_of(item);
@@ -105,13 +116,24 @@ class Assembly {
       }
       AccelInstance instance;
       instance.item = i;
-      const bool repeated =
-          !trees_.is_skinned(item) && uses[geometry_of(item)] > 1 && section.index.size() / 3 > small_section;
+      const bool repeated = instanced && !trees_.is_skinned(item) && uses[geometry_of(item)] > 1 &&
+                            section.index.size() / 3 > small_section;
       if (repeated && invert(trees_.frame->relative_from_local[item.transform], instance.local_from_relative))
         trees_.instances.push_back(instance);
       else
         singles_.push_back(i);
     }
+  }
+
+  size_t triangles_to_build() const {
+    size_t count = 0;
+    std::set<Geometry> parts;
+    for (uint32_t i : singles_) count += trees_.section_of(trees_.frame->items[i]).index.size() / 3;
+    for (const AccelInstance& instance : trees_.instances) {
+      const DrawItem& item = trees_.frame->items[instance.item];
+      if (parts.insert(geometry_of(item)).second) count += trees_.section_of(item).index.size() / 3;
+    }
+    return count;
   }
 
   void build_world() {
@@ -123,6 +145,10 @@ class Assembly {
     }
     Soup soup(count);
     trees_.world_item.resize(count);
+    const bool mixed_doubts = std::any_of(singles_.begin(), singles_.end(),
+                                          [&](uint32_t i) { return turned_doubts(i) != turned_doubts(singles_[0]); });
+    if (mixed_doubts) trees_.world_doubts.resize(count);
+    if (!singles_.empty()) trees_.world_doubt = turned_doubts(singles_[0]);
     tbb::parallel_for(size_t(0), singles_.size(), [&](size_t s) {
       const DrawItem& item = trees_.frame->items[singles_[s]];
       const MeshSection& section = trees_.section_of(item);
@@ -130,8 +156,18 @@ class Assembly {
       soup.fill(first, section, trees_.positions_of(item),
                 trees_.is_skinned(item) ? nullptr : &trees_.frame->relative_from_local[item.transform]);
       std::fill_n(trees_.world_item.begin() + ptrdiff_t(first), section.index.size() / 3, singles_[s]);
+      if (mixed_doubts)
+        std::fill_n(trees_.world_doubts.begin() + ptrdiff_t(first), section.index.size() / 3,
+                    turned_doubts(singles_[s]));
     });
     trees_.world = build(soup);
+  }
+
+  // What the filter is asked about, by how corners turn as seen along the ray: in relative space mirrored items have
+  // their fronts where others have their backs.
+  uint8_t turned_doubts(uint32_t item) const {
+    const uint8_t ask = trees_.ask[item];
+    return trees_.mirrored[item] ? uint8_t(ask >> 1 | (ask & 1) << 1) : ask;
   }
 
   void build_parts() {
@@ -177,7 +213,7 @@ class Assembly {
       references.push_back(r);
     }
     BvhOptions options = options_;
-    options.max_leaf = 1, options.block_shift = 0;
+    options.max_leaf = 1, options.block_shift = 0, options.node_cost = BvhOptions{}.node_cost;
     trees_.top = collapse(build_tree(references, {}, options), {});
   }
 
@@ -185,6 +221,7 @@ class Assembly {
     trees_.statistics.left_out += soup.drop_non_finite();
     const BinaryTree binary = build_tree(soup.references, soup.triangles, options_);
     trees_.statistics.triangles += soup.references.size();
+    trees_.statistics.binary_nodes += binary.node_count;
     if (measure_cost_) trees_.statistics.sah_cost += sah_cost(binary, options_);
     WideTree wide = collapse(binary, soup.triangles);
     trees_.statistics.references += wide.references;
@@ -207,6 +244,8 @@ class Assembly {
   Accel::Trees& trees_;
   BvhOptions options_;
   bool measure_cost_;
+  size_t repeated_triangles_;
+  std::optional<double> rays_;
   std::vector<uint32_t> singles_;
 };
 
@@ -219,14 +258,20 @@ uint8_t doubts_of(const Material* material, bool always) {
 
 }  // namespace
 
+BvhBuilder builder_that_pays(double rays, double triangles) {
+  return rays >= rays_a_triangle_that_pay * triangles ? BvhBuilder::sbvh : BvhBuilder::sah;
+}
+
 Accel::Trees::Trees(const Scene& the_scene, const Pose& pose, const FrameData& the_frame, const AccelOptions& options)
     : scene(&the_scene), frame(&the_frame) {
   const auto begin = std::chrono::steady_clock::now();
   if (options.kernels) kernels = options.kernels;
   for (const Deformation& d : frame->deformations) deformed.push_back(deform_vertices(*scene, *frame, d));
-  for (const DrawItem& item : frame->items)
+  for (const DrawItem& item : frame->items) {
+    mirrored.push_back(item.mirrored);
     ask.push_back(
         doubts_of(item.material >= 0 ? &pose.materials[size_t(item.material)] : nullptr, options.always_ask_filter));
+  }
   Assembly(*this, options).run();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
   statistics.build_ms = taken.count();

@@ -28,10 +28,13 @@ struct Accel::Trees {
   const FrameData* frame = nullptr;
   const Kernels* kernels = &best_kernels();
   std::vector<DeformedVertices> deformed;
-  std::vector<uint8_t> ask;  // per item: bit 0, the filter is asked about fronts; bit 1, about backs
+  std::vector<uint8_t> ask;       // per item: bit 0, the filter is asked about fronts; bit 1, about backs
+  std::vector<uint8_t> mirrored;  // per item
 
-  WideTree world;                    // triangles of single items, in relative space
-  std::vector<uint32_t> world_item;  // per triangle id of `world`
+  WideTree world;                     // triangles of single items, in relative space
+  std::vector<uint32_t> world_item;   // per triangle id of `world`
+  std::vector<uint8_t> world_doubts;  // of KernelTree, per triangle id; empty: all have world_doubt
+  uint8_t world_doubt = 0;
   std::vector<uint32_t> item_first;  // per item: the id of its first triangle in `world`
   WideTree top;                      // over `instances`
   std::vector<AccelInstance> instances;

@@ -58,7 +58,55 @@ std::string_view name_of(reference::Ambient ambient) {
                                                     : "off";
 }
 std::string_view name_of(BvhBuilder builder) {
-  return builder == BvhBuilder::equal_counts ? "equal-counts" : builder == BvhBuilder::sah ? "sah" : "sbvh";
+  return builder == BvhBuilder::equal_counts ? "equal-counts"
+         : builder == BvhBuilder::sah        ? "sah"
+         : builder == BvhBuilder::sbvh       ? "sbvh"
+                                             : "spatial-only";
+}
+
+std::span<const TreeKnob> tree_knobs() {
+  static constexpr TreeKnob knobs[] = {
+      {"buckets", "planes tried on each axis, less one", least_buckets, most_buckets, true,
+       [](const BvhOptions& o) { return double(o.buckets); }, [](BvhOptions& o, double x) { o.buckets = int(x); }},
+      {"max-leaf", "triangles in a leaf at most", 1, most_in_leaf, true,
+       [](const BvhOptions& o) { return double(o.max_leaf); },
+       [](BvhOptions& o, double x) { o.max_leaf = uint32_t(x); }},
+      {"block", "triangles that are tested for the price of one: 1, 2, 4, 8 as 0, 1, 2, 3", 0, 3, true,
+       [](const BvhOptions& o) { return double(o.block_shift); },
+       [](BvhOptions& o, double x) { o.block_shift = uint32_t(x); }},
+      {"node-cost", "what a step down costs, in tests", 0, 100, false,
+       [](const BvhOptions& o) { return double(o.node_cost); },
+       [](BvhOptions& o, double x) { o.node_cost = float(x); }},
+      {"depth", "steps down below which nodes are halved by count", 0, most_depth, true,
+       [](const BvhOptions& o) { return double(o.depth); }, [](BvhOptions& o, double x) { o.depth = uint32_t(x); }},
+      {"budget", "references that spatial splits may add, as a share of the triangles", 0, 16, false,
+       [](const BvhOptions& o) { return double(o.split_budget); },
+       [](BvhOptions& o, double x) { o.split_budget = float(x); }},
+      {"alpha", "overlap of the children, as a share of the root's area, above which spatial splits are tried", 0, 1,
+       false, [](const BvhOptions& o) { return double(o.overlap_alpha); },
+       [](BvhOptions& o, double x) { o.overlap_alpha = float(x); }},
+  };
+  return knobs;
+}
+
+Expected<void> set_tree_knob(const std::string& text, BvhOptions& options) {
+  const auto setting = parse_knob_setting(text);
+  if (!setting) return std::unexpected(setting.error());
+  std::vector<std::string> names;
+  for (const TreeKnob& knob : tree_knobs()) {
+    names.emplace_back("bvh." + std::string(knob.name));
+    if (setting->pass != "bvh" || setting->knob != knob.name) continue;
+    double value = 0;
+    const char* const end = setting->value.data() + setting->value.size();
+    const auto [at, error] = std::from_chars(setting->value.data(), end, value);
+    if (error != std::errc() || at != end || !(value >= knob.lowest && value <= knob.highest) ||
+        (knob.whole && value != std::floor(value)))
+      return fail(ErrorKind::usage, "--set", "{}: '{}' is not a {}number from {} to {}", names.back(), setting->value,
+                  knob.whole ? "whole " : "", knob.lowest, knob.highest);
+    knob.set(options, value);
+    return {};
+  }
+  return fail(ErrorKind::usage, "--set", "{}", unknown_name("knob", setting->pass + "." + setting->knob, names));
 }
 
 Expected<void> check_traced_layers(const std::vector<std::string>& layers) {
@@ -196,7 +244,9 @@ std::string settings_json(const reference::TraceSettings& s, const AccelOptions&
   }
   if (s.mode == reference::Mode::direct && s.fog_steps > 0)
     j["fog-steps"] = s.fog_steps, j["fog-lights"] = s.fog_lights;
-  j["bvh"] = name_of(accel.builder);
+  j["bvh"] = accel.rays ? "auto" : name_of(accel.tree.builder);
+  for (const TreeKnob& knob : tree_knobs())
+    if (knob.get(accel.tree) != knob.get(BvhOptions{})) j["bvh." + std::string(knob.name)] = knob.get(accel.tree);
   return j.dump();
 }
 

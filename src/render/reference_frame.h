@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,17 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
 // Both at once.
 Expected<std::unique_ptr<ReferenceFrame>> open_reference(const Job& job, double time_s, const AccelOptions& accel,
                                                          reference::Mode mode = reference::Mode::direct);
+
+// What `reference --set bvh.NAME=VALUE` reaches of how trees are built.
+struct TreeKnob {
+  std::string_view name, meaning;
+  double lowest, highest;
+  bool whole;
+  double (*get)(const BvhOptions&);
+  void (*set)(BvhOptions&, double);
+};
+std::span<const TreeKnob> tree_knobs();
+Expected<void> set_tree_knob(const std::string& text, BvhOptions& options);  // "bvh.NAME=VALUE"
 
 // What decides the reference's pixels beside the job, as JSON: mode, sampler, bvh and the rest. Stable order; one line.
 std::string settings_json(const reference::TraceSettings& settings, const AccelOptions& accel);

@@ -32,6 +32,8 @@ constexpr SceneEntry table[] = {
      make_animation_pointer},
     {"cave", "a tunnel of rough rock with dripstones and three coloured lamps behind them", make_cave, 0, false},
     {"crossing", "blended squares through one another", make_crossing, 0, false},
+    {"cuboid", "a finely cut cuboid some of whose cells stand out: triangles in the planes of the axes", make_cuboid, 0,
+     false},
     {"emissive-strength", "emissive panels of rising strength (KHR_materials_emissive_strength)",
      make_emissive_strength},
     {"far-world", "near-world, moved by a million metres", make_far_world},
@@ -61,6 +63,7 @@ constexpr SceneEntry table[] = {
      "a street after sunset and rain with its sky, made for a picture: shops, lamps, cars, trees, people",
      make_street_dusk, 0, false, make_dusk_sky},
     {"texture-transform", "KHR_texture_transform, wrap modes, filters and the second UV set", make_texture_transform},
+    {"triangles", "five large rectangles aslant: any plane that cuts space cuts them", make_triangles, 0, false},
     {"unlit-box", "a textured unlit box (KHR_materials_unlit)", make_unlit_box},
 };
 

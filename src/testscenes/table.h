@@ -26,6 +26,9 @@ void make_primitive_modes(GlbWriter& out, SceneOptions& options);
 
 void make_near_world(GlbWriter& out, SceneOptions& options);
 void make_far_world(GlbWriter& out, SceneOptions& options);
+void make_triangles(GlbWriter& out, SceneOptions& options);
+void make_cuboid(GlbWriter& out, SceneOptions& options);
+
 void make_orthographic(GlbWriter& out, SceneOptions& options);
 void make_animation_pointer(GlbWriter& out, SceneOptions& options);
 

@@ -67,8 +67,8 @@ class Traced : public gpu::test::PassTest {
 
   // Every ray meets what the CPU's does, but for ties within 4 ulp of t.
   uint32_t expect_same(const Made& m, uint64_t count, uint64_t first = 0) {
-    const bool instanced = Accel(m.scene, m.pose, m.frame).statistics().instances > 0;
-    const Accel accel(m.scene, m.pose, m.frame);
+    const Accel accel(m.scene, m.pose, m.frame, bvh_test::with_instances());
+    const bool instanced = accel.statistics().instances > 0;
     const FrameRays trees = lay_out_rays(accel, m.scene, m.pose, m.frame);
     const Rays rays(accel);
     std::vector<TestRay> list;

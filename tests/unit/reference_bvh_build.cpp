@@ -59,7 +59,7 @@ void expect_covered(const std::vector<TriangleCorners>& triangles, BvhBuilder bu
   Rng rng(9);
   size_t uncovered = 0;
   for (size_t i = 0; i < triangles.size(); ++i) {
-    if (builder != BvhBuilder::sbvh) {
+    if (!splits_space(builder)) {
       EXPECT_EQ(boxes[i].size(), 1u) << name;
     }
     const glm::dvec3 a(triangles[i].corner[0]), b(triangles[i].corner[1]), c(triangles[i].corner[2]);

@@ -97,27 +97,27 @@ TEST(BvhDeform, MirroredItemsKeepTheirFronts) {
   m->place(many), m->place(many, mirror);
   const uint32_t single = m->add_mesh(closed_mesh(12, 6));
   m->place(single, mirror);
-  const Accel accel(m->scene, m->pose, m->frame);
-  EXPECT_EQ(accel.statistics().instances, 2u);
-  for (uint32_t item : {0u, 1u, 2u}) {
-    struct OneItem final : HitFilter {
-      uint32_t item;
-      explicit OneItem(uint32_t i) : item(i) {}
-      bool accepts(const Hit& hit) const override { return hit.item == item; }
-    } const only(item);
-    AccelOptions options;
-    options.always_ask_filter = true;
-    const Accel asked(m->scene, m->pose, m->frame, options);
-    Ray in;
-    in.origin = {0.1f, 5, 0.1f}, in.direction = {0, -1, 0};
-    Ray out;
-    out.origin = {0, 0, 0}, out.direction = {0.01f, -1, 0.02f};
-    ASSERT_TRUE(asked.closest(in, &only) && asked.closest(out, &only));
-    const Hit outside = *asked.closest(in, &only);
-    EXPECT_FALSE(outside.back) << item;
-    EXPECT_TRUE(asked.closest(out, &only)->back) << item;
-    EXPECT_GT(asked.surface(outside).geometric_normal.y, 0) << item;
-  }
+  EXPECT_EQ(Accel(m->scene, m->pose, m->frame, with_instances()).statistics().instances, 2u);
+  for (const size_t repeated : {size_t(0), size_t(1) << 16})
+    for (uint32_t item : {0u, 1u, 2u}) {
+      struct OneItem final : HitFilter {
+        uint32_t item;
+        explicit OneItem(uint32_t i) : item(i) {}
+        bool accepts(const Hit& hit) const override { return hit.item == item; }
+      } const only(item);
+      AccelOptions options;
+      options.always_ask_filter = true, options.repeated_triangles = repeated;
+      const Accel asked(m->scene, m->pose, m->frame, options);
+      Ray in;
+      in.origin = {0.1f, 5, 0.1f}, in.direction = {0, -1, 0};
+      Ray out;
+      out.origin = {0, 0, 0}, out.direction = {0.01f, -1, 0.02f};
+      ASSERT_TRUE(asked.closest(in, &only) && asked.closest(out, &only));
+      const Hit outside = *asked.closest(in, &only);
+      EXPECT_FALSE(outside.back) << item;
+      EXPECT_TRUE(asked.closest(out, &only)->back) << item;
+      EXPECT_GT(asked.surface(outside).geometric_normal.y, 0) << item;
+    }
 }
 
 // The same surface by way of an instance and as triangles in relative space: the same hits but for rounding.
@@ -135,7 +135,8 @@ TEST(BvhDeform, InstancesAreWhereTheirTrianglesWouldBe) {
     twice->place(shared, place), twice->place(shared, away);
     auto once = std::make_unique<Made>();
     once->place(once->add_mesh(mesh), place);
-    const Accel instanced(twice->scene, twice->pose, twice->frame), flat(once->scene, once->pose, once->frame);
+    const Accel instanced(twice->scene, twice->pose, twice->frame, with_instances()),
+        flat(once->scene, once->pose, once->frame);
     EXPECT_EQ(instanced.statistics().instances, 2u);
     Rng rng(7);
     size_t hits = 0, differ = 0;

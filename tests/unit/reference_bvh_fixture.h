@@ -273,10 +273,17 @@ inline std::unique_ptr<Made> instanced_scene(int more = 0) {
   return m;
 }
 
-constexpr BvhBuilder all_builders[] = {BvhBuilder::equal_counts, BvhBuilder::sah, BvhBuilder::sbvh};
-inline AccelOptions built_by(BvhBuilder builder) {
+constexpr BvhBuilder all_builders[] = {BvhBuilder::equal_counts, BvhBuilder::sah, BvhBuilder::sbvh,
+                                       BvhBuilder::spatial_only};
+// What items share has a tree of its own, however small.
+inline AccelOptions with_instances() {
   AccelOptions options;
-  options.builder = builder;
+  options.repeated_triangles = 0;
+  return options;
+}
+inline AccelOptions built_by(BvhBuilder builder) {
+  AccelOptions options = with_instances();
+  options.tree.builder = builder;
   return options;
 }
 

@@ -16,6 +16,6 @@ void main() {
   v.uv0 = in_uv0;
   v.uv1 = in_uv1;
   v.color = in_color;
-  const Material m = MaterialsRef(frame.materials).m[in_material];
+  const Material m = load_material(in_material);
   if (surface_base_color(m, v).a < m.alpha_cutoff) discard;
 }

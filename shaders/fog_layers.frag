@@ -17,7 +17,7 @@ layout(location = TRANSMITTANCE) out vec4 out_transmittance;
 #endif
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, surface_base_color(m, load_varyings()).a);
 #ifdef LIGHT
   const FogSeen fog = fog_before(load_varyings().relative_position);

@@ -34,7 +34,7 @@ layout(location = DIRECT) out vec4 out_direct;
 #endif
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
 #ifdef DIRECT

@@ -17,7 +17,7 @@ layout(location = 1) out float out_waste;   // of them, those that give exactly 
 layout(location = 2) out float out_missed;  // lights that give something and are not listed
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   if (IS_MASKED != 0 && surface_coverage(m, surface_base_color(m, v).a) == 0.0) discard;
   float listed = 0.0, waste = 0.0, missed = 0.0;

@@ -19,7 +19,7 @@ layout(location = 2) out float out_last;
 #endif
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const float absorbance = absorbance_of(surface_coverage(m, surface_base_color(m, v).a));
   const float z = warped_depth(v.relative_position), z2 = z * z, z4 = z2 * z2;

@@ -13,7 +13,7 @@ layout(location = 9) in vec3 in_before;  // the same of the time before
 layout(location = 0) out vec2 out_motion_px;
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   if (IS_MASKED != 0 && surface_coverage(m, surface_base_color(m, load_varyings()).a) == 0.0) discard;
   vec2 moved = vec2(0.0);
   // Behind the camera nothing has a place; beside it the place may be farther than a float reaches.

@@ -14,7 +14,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 layout(location = 0) out float out_open;
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
   const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);

@@ -26,7 +26,7 @@ layout(location = 1) out uvec2 out_reflectance;
 layout(location = 2) out vec4 out_sky;
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
   // One sample: the position is of the pixel's middle.
@@ -57,14 +57,14 @@ void main() {
     const float under = (1.0 - brdf.lobes.coat_takes) * (1.0 - brdf.lobes.sheen_takes);
     r.f0 = filmed.f0 / brdf.lobes.gain;
     r.f90 = largest(filmed.f90 / brdf.lobes.gain);
-    const vec3 albedo = split_sum(base.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
+    const vec3 albedo = specular_albedo(base, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
     share = (filmed.f0 * albedo.x + filmed.f90 * albedo.y) * (s.occlusion * under) * through;
 #else
     const Surface base = s;
     r.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
-    r.f90 = mix(s.dielectric_f90, 1.0, s.metallic);
+    r.f90 = s.has_facets ? mix(s.dielectric_f90, 1.0, s.metallic) : max(r.f0.r, max(r.f0.g, r.f0.b));
     // What the material says of its own hollows hides the scene as it hides the sky.
-    const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
+    const vec3 albedo = specular_albedo(s, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
     share = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
 #endif
     roughness = base.roughness;

@@ -32,7 +32,7 @@ void main() {
   keep_behind();
 #endif
   if (!is_put_out()) return;
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
   Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);

@@ -19,7 +19,7 @@ void main() {
   keep_behind();
 #endif
   if (!is_put_out()) return;
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec4 base = surface_base_color(m, v);
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, base.a);  // the pre-pass cut: shade_forward.frag

@@ -15,7 +15,7 @@ layout(location = 0) out float out_visibility;
 layout(location = 1) out float out_cascade;  // of the brightest light; 1 is the finest, 0 none
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
   const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);

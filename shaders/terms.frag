@@ -64,7 +64,7 @@ vec4 covering(vec3 radiance, float coverage) { return vec4(radiance * frame.pre_
 #endif
 
 void main() {
-  const Material m = MaterialsRef(frame.materials).m[in_ids.x];
+  const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
   Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);

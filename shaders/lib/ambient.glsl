@@ -20,6 +20,13 @@ vec3 split_sum(float roughness, float n_v) {
       (at * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
 
+// The same of a surface's own lobe.
+vec3 specular_albedo(Surface s, float n_v) {
+  if (BLINN_PHONG != 0 && !s.has_facets)
+    return vec3(blinn_phong_albedo(exponent_of_roughness(s.roughness), n_v), 0.0, 0.0);
+  return split_sum(s.roughness, n_v);
+}
+
 #include "lib/probes.glsl"
 
 // By the lobes that reflect it, without the material's occlusion. Of the sky.
@@ -39,7 +46,7 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
     const SkyLobes sampled = sampled_sky(in_image, in_sky(facing), s.roughness);
     return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity);
   }
-  const vec3 albedo = split_sum(s.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
+  const vec3 albedo = specular_albedo(s, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
   const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * albedo.z);
   const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_sky(facing))
                                               : ambient_radiance(facing);

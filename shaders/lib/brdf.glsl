@@ -28,6 +28,7 @@ struct BrdfTerms {
   vec3 normal, to_viewer;
   float n_v, smith_v;     // cosine, and the square root of the Smith term that holds it
   float alpha, alpha2;    // roughness squared, and that squared
+  float exponent;         // of Blinn's lobe, which has no Fresnel term: f90 is f0; below 0: facets
   vec3 f0, f90;           // of the mix, with what further bounces between facets add
   vec3 diffuse;           // of the dielectric part, over pi, before what Fresnel takes
   float f0_max, f90_max;  // of the dielectric's strongest channel
@@ -38,6 +39,7 @@ struct BrdfTerms {
 
 #ifdef LOBED
 float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l);
+float lobe_dv(BrdfTerms b, vec3 h, float h_h, float n_l);
 #include "lib/lobes_eval.glsl"
 #endif
 
@@ -51,16 +53,23 @@ BrdfTerms brdf_terms(Surface s, vec3 v) {
   b.alpha2 = b.alpha * b.alpha;
   b.smith_v = sqrt(b.n_v * b.n_v * (1.0 - b.alpha2) + b.alpha2);
   b.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+  b.exponent = -1.0;
 #ifdef LOBED
-  const vec3 gain = 1.0 + b.f0 * facets_further_bounces(s, b);
+  vec3 gain = 1.0 + b.f0 * facets_further_bounces(s, b);
 #else
-  const vec3 gain = 1.0 + b.f0 * further_bounces(b.alpha, b.n_v / b.smith_v);
+  vec3 gain = 1.0 + b.f0 * further_bounces(b.alpha, b.n_v / b.smith_v);
 #endif
   b.f0 *= gain;
   b.f90 = mix(s.dielectric_f90, 1.0, s.metallic) * gain;
   b.diffuse = s.base_color * ((1.0 - s.metallic) / PI);
   b.f0_max = max(s.dielectric_f0.r, max(s.dielectric_f0.g, s.dielectric_f0.b));
   b.f90_max = s.dielectric_f90;
+  if (BLINN_PHONG != 0 && !s.has_facets) {
+    b.exponent = exponent_of_roughness(s.roughness);
+    gain = vec3(1.0);
+    b.f0 = b.f90 = mix(s.dielectric_f0, s.base_color, s.metallic);
+    b.f90_max = b.f0_max;
+  }
 #ifdef LOBED
   b.diffuse *= 1.0 - s.lobes.passing;
   b.lobes = brdf_lobes(s, b, gain);
@@ -78,6 +87,13 @@ float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
   return (0.5 / PI) * b.alpha2 * h_h * h_h / (k * k * smith);
 }
 
+// The specular lobe over its Fresnel term.
+float lobe_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
+  if (BLINN_PHONG == 0 || b.exponent < 0.0) return ggx_dv(b, h, h_h, n_l);
+  const vec3 nxh = cross(b.normal, h);
+  return dot(b.normal, h) > 0.0 ? blinn_phong(b.exponent, dot(nxh, nxh) / h_h) : 0.0;
+}
+
 // f for light from unit direction l, whose cosine with the normal n_l is positive.
 vec3 evaluate_brdf(BrdfTerms b, vec3 l, float n_l) {
   vec3 h = l + b.to_viewer;
@@ -91,5 +107,5 @@ vec3 evaluate_brdf(BrdfTerms b, vec3 l, float n_l) {
   const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x, grazing = x2 * x2 * x;
   const vec3 f = b.f0 + (b.f90 - b.f0) * grazing;
   const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * grazing);
-  return b.diffuse * diffuse_left + f * ggx_dv(b, h, h_h, n_l);
+  return b.diffuse * diffuse_left + f * lobe_dv(b, h, h_h, n_l);
 }

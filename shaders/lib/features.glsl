@@ -26,6 +26,10 @@ layout(constant_id = 21) const int RAYS_MEET_BLENDED = 0;  // something lets a p
 layout(constant_id = 22) const int PROBE_COUNT = 0;        // reflection probes of the frame
 layout(constant_id = 23) const int LOBES = 0;              // of materials (shared/lobes.h), only with LOBED
 layout(constant_id = 24) const int LOBE_TEXTURES = 0;      // those that have textures
+layout(constant_id = 25) const int HAS_EMISSION = 0;
+layout(constant_id = 26) const int BLINN_PHONG = 0;        // some have that lobe
+layout(constant_id = 27) const int SPECULAR_AA = 0;        // passes/surfaces/surface_knobs.h
+const int specular_aa_normals = 1, specular_aa_maps = 2;
 const int lobe_clearcoat = 1, lobe_sheen = 2, lobe_iridescence = 4, lobe_anisotropy = 8, lobe_diffuse_transmission = 32;
 const bool HAS_COAT = (LOBES & lobe_clearcoat) != 0, HAS_SHEEN = (LOBES & lobe_sheen) != 0;
 const bool HAS_FILM = (LOBES & lobe_iridescence) != 0, HAS_ANISOTROPY = (LOBES & lobe_anisotropy) != 0;

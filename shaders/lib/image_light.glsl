@@ -60,7 +60,7 @@ vec3 sky_lights(BrdfTerms b, float slice) {
 #ifdef LOBED
     sum += light.illuminance * base_fresnel(b, v_h).specular * (base_dv(b, light.direction, h, h_h, n_l) * n_l);
 #else
-    sum += light.illuminance * (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (ggx_dv(b, h, h_h, n_l) * n_l);
+    sum += light.illuminance * (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (lobe_dv(b, h, h_h, n_l) * n_l);
 #endif
   }
   return share * sum;
@@ -85,6 +85,11 @@ SkyTexels sky_through(vec3 d, float solid_angle) {
 struct SkyLobes {
   vec3 diffuse, specular;
 };
+// The lobe times the cosine to light over the density of seen facets about unit h, in the surface's axes: theirs, or
+// Blinn's.
+float sampled_weight(BrdfTerms b, float of_facets, float pdf, vec3 h, float n_l) {
+  return BLINN_PHONG == 0 || b.exponent < 0.0 ? of_facets : blinn_phong(b.exponent, dot(h.xy, h.xy)) * n_l / pdf;
+}
 #ifdef LOBED
 #include "lib/lobes_sampled.glsl"
 #else
@@ -128,7 +133,8 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     const float k = dot(h.xy, h.xy) + h.z * h.z * b.alpha2;
     const float pdf = g1 * b.alpha2 / (4.0 * PI * k * k * v.z);
     const SkyTexels sky = sky_through(axes * l, 1.0 / (float(count) * pdf));
-    sum.specular += (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (g2 / g1) * mix(sky.all, sky.rest, share);
+    const float weight = sampled_weight(b, g2 / g1, pdf, h, l.z);
+    sum.specular += (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * weight * mix(sky.all, sky.rest, share);
   }
   sum.diffuse *= b.diffuse * PI / float(count);
   sum.specular /= float(count);

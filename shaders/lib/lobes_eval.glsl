@@ -81,7 +81,7 @@ BaseFresnel base_fresnel(BrdfTerms b, float v_h) {
 // D V of the base's facets, round or stretched.
 float base_dv(BrdfTerms b, vec3 l, vec3 h, float h_h, float n_l) {
   const BrdfLobes o = b.lobes;
-  if (!HAS_ANISOTROPY || o.tangent_alpha == 0.0) return ggx_dv(b, h, h_h, n_l);
+  if (!HAS_ANISOTROPY || o.tangent_alpha == 0.0) return lobe_dv(b, h, h_h, n_l);
   const float at = o.tangent_alpha, ab = b.alpha;
   const vec3 q = vec3(dot(o.tangent, h) * ab, dot(o.bitangent, h) * at, dot(b.normal, h) * (at * ab));
   const float k = dot(q, q) / (at * ab);  // times at ab
@@ -97,6 +97,7 @@ BrdfTerms coat_terms(BrdfTerms b) {
   c.smith_v = b.lobes.coat_smith_v;
   c.alpha = b.lobes.coat_alpha;
   c.alpha2 = b.lobes.coat_alpha2;
+  c.exponent = -1.0;
   c.f0 = c.f90 = vec3(b.lobes.coat_takes);
   c.diffuse = vec3(0.0);
   c.f0_max = c.f90_max = 0.0;
@@ -210,6 +211,7 @@ Surface with_round_facets(Surface s) {
 Surface coat_surface(Surface s) {
   s.base_color = vec3(0.0);
   s.metallic = 0.0;
+  s.has_facets = true;
   s.roughness = s.lobes.coat_roughness;
   s.normal = s.lobes.mirroring = s.lobes.coat_normal;
   s.lobes.anisotropy = s.lobes.film = s.lobes.passing = 0.0;

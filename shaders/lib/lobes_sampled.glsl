@@ -78,7 +78,8 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     const float k = dot(q, q);
     const float pdf = g1 / (4.0 * PI * alpha.x * alpha.y * k * k * v.z);
     const SkyTexels sky = sky_through(axes * l, 1.0 / (float(count) * pdf));
-    sum.specular += base_fresnel(b, v_h).specular * (g2 / g1 * sheen_leaves(b, l.z)) * mix(sky.all, sky.rest, share);
+    const float weight = sampled_weight(b, g2 / g1, pdf, h, l.z) * sheen_leaves(b, l.z);
+    sum.specular += base_fresnel(b, v_h).specular * weight * mix(sky.all, sky.rest, share);
   }
   sum.diffuse *= PI / float(count);
   sum.specular /= float(count);

@@ -58,7 +58,7 @@ vec3 probe_lobe(Surface s, BrdfTerms b, vec3 at) {
     if (weight > 0.0) light += weight * probe_radiance(p, at, d, lobe.y);
     probes.left -= weight;
   }
-  const vec3 albedo = split_sum(s.roughness, n_v);
+  const vec3 albedo = specular_albedo(s, n_v);
   return light * (b.f0 * albedo.x + b.f90 * albedo.y);
 }
 void shade_probes(Surface s, BrdfTerms b, vec3 at) {

@@ -1,5 +1,8 @@
 // What a fragment's material says of its surface. Needs lib/scene.glsl and the feature constants of lib/features.glsl.
 
+#include "lib/material.glsl"
+#include "lib/blinn_phong.glsl"
+
 struct Varyings {
   vec3 relative_position, normal;
   vec4 tangent;
@@ -32,6 +35,7 @@ struct Surface {
   vec3 emission;
   vec3 dielectric_f0;
   float dielectric_f90;
+  bool has_facets;        // else the lobe is Blinn's, of the exponent that goes with the roughness
 #ifdef LOBED
   SurfaceLobes lobes;
 #endif
@@ -73,6 +77,7 @@ float surface_coverage(Material m, float alpha) {
 }
 
 vec3 surface_emission(Material m, Varyings v) {
+  if (HAS_EMISSION == 0) return vec3(0.0);
   vec3 e = m.emissive;
   if (HAS_EMISSIVE_TEXTURE != 0 && m.emissive_texture.texture != absent) e *= sample_texture(m.emissive_texture, v).rgb;
   return e;
@@ -93,6 +98,31 @@ vec3 surface_normal(Material m, Varyings v, float facing, vec3 to_viewer) {
 #ifdef LOBED
 #include "lib/surface_lobes.glsl"
 #endif
+
+// How far normals stray within the pixel, as the variance of their slopes: by the shading normal's differences between
+// pixels (Tokuyoshi and Kaplanyan, "Improved Geometric Specular Antialiasing", 2019), or by those of the interpolated
+// normal and what the filtered normal map says of its own texels (frame/mip_chain.h).
+const float specular_aa_pixel = 0.15915494;  // variance of a pixel's filter, 1 / (2 pi)
+const float specular_aa_most = 0.18;         // of what is added to alpha squared
+float normal_variance(Material m, Varyings v, vec3 normal) {
+  if (SPECULAR_AA == specular_aa_maps) normal = normalize_or(v.normal, vec3(0.0));
+  vec3 along = dFdx(normal), across = dFdy(normal);
+  if (IS_SUBSAMPLE != 0) {
+    along *= pc.subsample_footprint;
+    across *= pc.subsample_footprint;
+  }
+  float variance = specular_aa_pixel * (dot(along, along) + dot(across, across));
+  if (SPECULAR_AA == specular_aa_maps && HAS_NORMAL_TEXTURE != 0 && m.normal_texture.texture != absent) {
+    const float root = sample_texture(m.normal_texture, v).a;
+    variance += root * root * m.normal_scale * m.normal_scale;
+  }
+  return variance;
+}
+// The roughness of facets that stray by their own and by that.
+float widened(float roughness, float variance) {
+  const float alpha = roughness * roughness;
+  return sqrt(sqrt(min(alpha * alpha + min(2.0 * variance, specular_aa_most), 1.0)));
+}
 
 Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
   Surface s;
@@ -120,11 +150,19 @@ Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
   float specular = m.specular;
   vec3 specular_color = m.specular_color;
   if (HAS_SPECULAR_TEXTURE != 0) {
-    if (m.specular_texture.texture != absent) specular *= sample_texture(m.specular_texture, v).a;
+    if (m.specular_texture.texture != absent) {
+      const float alpha = sample_texture(m.specular_texture, v).a;
+      if (BLINN_PHONG != 0 && (m.flags & material_exponent_texture) != 0u)
+        s.roughness = roughness_of_exponent(exponent_of_roughness(s.roughness) * alpha);
+      else
+        specular *= alpha;
+    }
     if (m.specular_color_texture.texture != absent) specular_color *= sample_texture(m.specular_color_texture, v).rgb;
   }
   s.dielectric_f0 = min(m.ior_f0 * specular_color, vec3(1.0)) * specular;
   s.dielectric_f90 = specular;
+  s.has_facets = BLINN_PHONG == 0 || (m.flags & material_blinn_phong) == 0u;
+  if (SPECULAR_AA != 0) s.roughness = widened(s.roughness, normal_variance(m, v, s.normal));
 #ifdef LOBED
   s.lobes = load_lobes(m.id, v, s.normal, facing, to_viewer);
   s.lobes.mirroring = mirroring_normal(s, to_viewer);

@@ -45,7 +45,7 @@ enum : uint {
 };
 inline constexpr uint shaded_lobes =
     lobe_clearcoat | lobe_sheen | lobe_iridescence | lobe_anisotropy | lobe_diffuse_transmission;
-static_assert(sizeof(Glass) == 28 + 2 * 36 && sizeof(MaterialLobes) == 72 + 10 * 36 + sizeof(Glass) &&
+static_assert(sizeof(Glass) == 28 + 2 * 40 && sizeof(MaterialLobes) == 72 + 10 * 40 + sizeof(Glass) &&
               offsetof(MaterialLobes, coat_texture) == 72);
 }  // namespace candela::shared
 #else

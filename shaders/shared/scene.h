@@ -41,10 +41,11 @@ struct Item {
 struct TextureRef {
   uint texture;  // bindless index, or absent
   uint sampler_index;
-  uint uv_set;
+  uint uv_set, unused;
   vec3 u_row, v_row;  // uv' = (dot(u_row, (uv,1)), dot(v_row, (uv,1)))
 };
 
+// Fragment shaders read it in 64-bit words (lib/material.glsl): what is wanted together stands together.
 struct Material {
   vec4 base_color;
   vec3 emissive;  // factor * strength
@@ -55,6 +56,7 @@ struct Material {
   uint flags;
   uint id;  // glTF material index, absent for the default material
   vec3 specular_color;
+  float unused;
   TextureRef base_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture,
       specular_color_texture;
 };
@@ -110,11 +112,13 @@ enum : uint {
   material_unlit = 4u,
   material_orm_occlusion = 8u,
   material_orm_metallic_roughness = 16u,
-  material_blended = 32u
+  material_blended = 32u,
+  material_blinn_phong = 64u,        // Blinn's lobe instead of facets
+  material_exponent_texture = 128u,  // the specular texture's A is of its exponent
 };
 enum : uint { light_directional = 0, light_point = 1, light_spot = 2 };
-static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) == 48 && sizeof(TextureRef) == 36);
-static_assert(sizeof(Material) == 76 + 7 * 36 && offsetof(Material, base_texture) == 76);
+static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) == 48 && sizeof(TextureRef) == 40);
+static_assert(sizeof(Material) == 80 + 7 * 40 && offsetof(Material, base_texture) == 80);
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameConstants, grid) == 432 &&
@@ -124,7 +128,8 @@ static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameCon
 #else
 const uint geometry_deformed = 1u;
 const uint material_masked = 1u, material_double_sided = 2u, material_unlit = 4u, material_orm_occlusion = 8u,
-           material_orm_metallic_roughness = 16u, material_blended = 32u;
+           material_orm_metallic_roughness = 16u, material_blended = 32u, material_blinn_phong = 64u,
+           material_exponent_texture = 128u;
 const uint light_directional = 0u, light_point = 1u, light_spot = 2u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer WordsRef { uint w[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float f[]; };

@@ -63,7 +63,7 @@ Names choices_of(const std::string& command, const std::string& option) {
     if (option == "--layers") return with({"none"}, reference_layer_names());
     if (option == "--view") return with({"beauty"}, reference_layer_names());
   }
-  if (option == "--shading") return {"pbr", "lambert"};
+  if (option == "--shading") return {"pbr", "blinn-phong", "lambert"};
   if (option == "--layers") return layer_names();
   if (option == "--view") return view_names();
   if (command == "bench" && option == "--suite") return {"exactness", "stability"};

@@ -96,7 +96,9 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
                   "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
       ->type_name("FILE");
   command
-      .add_option("--shading", o.shading, "How surfaces answer light: pbr, or lambert (the base colour, without gloss)")
+      .add_option("--shading", o.shading,
+                  "How surfaces answer light: pbr, blinn-phong (Blinn's lobe instead of facets, no layers), or lambert "
+                  "(the base colour, without gloss)")
       ->capture_default_str()
       ->type_name("NAME");
   command

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "scene/blinn_phong.h"
 #include "scene/matte_names.h"
 
 namespace candela {
@@ -132,7 +133,7 @@ shared::Material shared_material(const Material& m, uint32_t id) {
   out.emissive = m.unlit ? glm::vec3(0) : m.emissive * m.emissive_strength;
   out.alpha_cutoff = m.alpha_cutoff;
   out.metallic = m.metallic;
-  out.roughness = m.roughness;
+  out.roughness = float(stated_roughness(m));
   out.normal_scale = m.normal_scale;
   out.occlusion_strength = m.occlusion_strength;
   out.specular = m.specular;
@@ -144,7 +145,9 @@ shared::Material shared_material(const Material& m, uint32_t id) {
               (m.alpha_mode == AlphaMode::blend ? shared::material_blended : 0u) |
               (m.double_sided ? shared::material_double_sided : 0u) | (m.unlit ? shared::material_unlit : 0u) |
               (m.orm_has_occlusion ? shared::material_orm_occlusion : 0u) |
-              (m.orm_has_metallic_roughness ? shared::material_orm_metallic_roughness : 0u);
+              (m.orm_has_metallic_roughness ? shared::material_orm_metallic_roughness : 0u) |
+              (m.blinn_phong.shades ? shared::material_blinn_phong : 0u) |
+              (m.blinn_phong.stated ? shared::material_exponent_texture : 0u);
   return out;
 }
 

@@ -115,13 +115,15 @@ void GpuScene::load_split_sum(const PlannedFrame& frame) {
 
 void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   // Only what the frame's visible materials use, and only what is not here yet.
+  normals_stray_ = frame.surfaces.specular_aa == SurfaceKnobs::maps;
   std::map<TextureKey, bool> wanted;  // -> whether some sampler wants mipmaps
   for (size_t m = 0; m < frame.pose.materials.size(); ++m) {
     if (!frame.facts.material_used[m]) continue;
-    for_each_shown_slot(frame.pose.materials[m], [&](const TextureSlot& slot, bool srgb) {
+    const Material& material = frame.pose.materials[m];
+    for_each_shown_slot(material, [&](const TextureSlot& slot, bool srgb) {
       if (!slot || !frame.facts.image_used[size_t(slot.image)]) return;
-      const TextureKey key{slot.image, srgb};
-      if (!textures_.contains(key)) wanted[key] = mipmapped_.at(key);
+      const TextureKey key{slot.image, srgb, normals_stray_ && is_normal_map(material, slot)};
+      if (!textures_.contains(key)) wanted[key] = mipmapped_.at({slot.image, srgb});
     });
   }
   if (wanted.empty()) return;
@@ -146,7 +148,7 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
     const auto& [key, mipmapped] = list[i];
     auto texture = decode_scene_image(scene_, key.image);
     if (!texture) return std::make_shared<Decoded>(key, std::unexpected(texture.error()));
-    return std::make_shared<Decoded>(key, make_mip_chain(texture->image, key.srgb, mipmapped),
+    return std::make_shared<Decoded>(key, make_mip_chain(texture->image, key.srgb, mipmapped, key.normals),
                                      std::move(texture->warnings));
   };
   const auto load = [&](const Result& decoded) {
@@ -167,10 +169,10 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
   uploaded.decode_ms = ms_since(start);
 }
 
-shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb) const {
-  shared::TextureRef ref{shared::absent, 0, 0, {1, 0, 0}, {0, 1, 0}};
+shared::TextureRef GpuScene::texture_ref(const TextureSlot& slot, bool srgb, bool normals) const {
+  shared::TextureRef ref{shared::absent, 0, 0, 0, {1, 0, 0}, {0, 1, 0}};
   if (!slot) return ref;
-  const auto found = textures_.find({slot.image, srgb});
+  const auto found = textures_.find({slot.image, srgb, normals});
   if (found == textures_.end()) return ref;
   ref.texture = found->second.index;
   ref.sampler_index = samplers_[size_t(slot.sampler)];
@@ -186,7 +188,7 @@ void GpuScene::set_textures(const Material& m, shared::Material& out) const {
   out.base_texture = texture_ref(m.base_color_texture, true);
   out.orm_texture = texture_ref(m.orm_texture, false);
   out.occlusion_texture = texture_ref(m.occlusion_texture, false);
-  out.normal_texture = texture_ref(m.normal_texture, false);
+  out.normal_texture = texture_ref(m.normal_texture, false, normals_stray_);
   out.emissive_texture = texture_ref(m.emissive_texture, true);
   out.specular_texture = texture_ref(m.specular_texture, false);
   out.specular_color_texture = texture_ref(m.specular_color_texture, true);
@@ -195,7 +197,7 @@ void GpuScene::set_textures(const Material& m, shared::Material& out) const {
 void GpuScene::set_lobe_textures(const Material& m, shared::MaterialLobes& out) const {
   out.coat_texture = texture_ref(m.clearcoat.texture, false);
   out.coat_roughness_texture = texture_ref(m.clearcoat.roughness_texture, false);
-  out.coat_normal_texture = texture_ref(m.clearcoat.normal_texture, false);
+  out.coat_normal_texture = texture_ref(m.clearcoat.normal_texture, false, normals_stray_);
   out.sheen_texture = texture_ref(m.sheen.color_texture, true);
   out.sheen_roughness_texture = texture_ref(m.sheen.roughness_texture, false);
   out.film_texture = texture_ref(m.iridescence.texture, false);

@@ -40,12 +40,13 @@ class GpuScene {
   struct TextureKey {
     int image;
     bool srgb;
+    bool normals = false;  // a normal map whose alpha says how far it strays
     auto operator<=>(const TextureKey&) const = default;
   };
   void set_samplers(const TextureKnobs& knobs);
   void load_split_sum(const PlannedFrame& frame);
   void load_textures(const PlannedFrame& frame, Uploaded& uploaded);
-  shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb) const;
+  shared::TextureRef texture_ref(const TextureSlot& slot, bool srgb, bool normals = false) const;
   void set_textures(const Material& material, shared::Material& out) const;
   void set_lobe_textures(const Material& material, shared::MaterialLobes& out) const;
 
@@ -80,6 +81,7 @@ class GpuScene {
   std::map<TextureKey, bool> mipmapped_;  // over all materials, so that no frame decides for another
   std::vector<uint32_t> samplers_;        // bindless index of each Scene::samplers, filtered as the knobs say
   TextureKnobs texture_knobs_;
+  bool normals_stray_ = false;  // the alpha of normal maps is read (surfaces.specular_aa)
   GpuSky sky_;
   GpuProbes probes_;
   gpu::Texture split_sum_;

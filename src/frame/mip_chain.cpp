@@ -40,6 +40,18 @@ const std::vector<uint8_t>& encode_table() {
 // One RGBA texel, a vector register: the compiler leaves the sums of half_size() scalar otherwise.
 using Texel = float __attribute__((vector_size(16)));
 
+float vector_length(Texel normal) {
+  const Texel n = 2.0f * normal - 1.0f;
+  return std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+// Of a mean of normals: its own length from alpha, the mean of theirs. Nothing of them is left: 1.
+float slope_deviation(Texel mean) {
+  const float length = vector_length(mean), most = mean[3];
+  return length > 0 && length < most ? std::sqrt(std::min((most - length) / length, 1.0f))
+         : length < most             ? 1.0f
+                                     : 0.0f;
+}
+
 // One level in linear floats.
 struct Level {
   int width, height;
@@ -61,7 +73,9 @@ void decode_row(const Code* in, int width, const float* curve, float scale, Texe
 // three rows are kept, which is as many as a texel of the next level covers.
 class LinearRows {
  public:
-  LinearRows(const DecodedImage& image, bool srgb) : width(image.width), height(image.height), image_(image) {
+  // with_lengths: alpha is the length of the vector that the texel stands for.
+  LinearRows(const DecodedImage& image, bool srgb, bool with_lengths)
+      : width(image.width), height(image.height), image_(image), with_lengths_(with_lengths) {
     if (srgb && image.format == DecodedImage::Format::rgba8) curve_ = decode_table().data();
     if (srgb && image.format == DecodedImage::Format::rgba16) curve_ = decode_table_16().data();
     for (Slot& slot : slots_) slot.texels.resize(size_t(width));
@@ -69,7 +83,11 @@ class LinearRows {
 
   const Texel* row(int y) {
     Slot& slot = slots_[size_t(y) % slots_.size()];
-    if (slot.y != y) convert(y, slot.texels.data());
+    if (slot.y != y) {
+      convert(y, slot.texels.data());
+      for (int x = 0; with_lengths_ && x < width; ++x)
+        slot.texels[size_t(x)][3] = vector_length(slot.texels[size_t(x)]);
+    }
     slot.y = y;
     return slot.texels.data();
   }
@@ -98,6 +116,7 @@ class LinearRows {
   }
 
   const DecodedImage& image_;
+  const bool with_lengths_;
   const float* curve_ = nullptr;  // code to linear, when the image is sRGB
   std::array<Slot, 3> slots_;
 };
@@ -175,7 +194,7 @@ Level half_size(Rows& in) {
 
 }  // namespace
 
-gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipmaps) {
+gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipmaps, bool normals) {
   gpu::TextureData data;
   data.width = uint32_t(image.width);
   data.height = uint32_t(image.height);
@@ -183,19 +202,28 @@ gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipma
                 : image.format == DecodedImage::Format::rgba16 ? VK_FORMAT_R16G16B16A16_UNORM
                 : srgb                                         ? VK_FORMAT_R8G8B8A8_SRGB
                                                                : VK_FORMAT_R8G8B8A8_UNORM;
-  const bool as_stored = !(srgb && image.format == DecodedImage::Format::rgba16);
+  const bool as_stored = !normals && !(srgb && image.format == DecodedImage::Format::rgba16);
   const bool single = !mipmaps || (image.width == 1 && image.height == 1);
   if (as_stored) data.levels.push_back(image.pixels);
   if (as_stored && single) return data;
-  LinearRows rows(image, srgb);
+  LinearRows rows(image, srgb, normals);
+  std::vector<Texel> stored;
+  const auto store = [&](std::vector<std::byte>& bytes, const Texel* texels, size_t count) {
+    if (normals) {
+      stored.assign(texels, texels + count);
+      for (Texel& t : stored) t[3] = slope_deviation(t);
+      texels = stored.data();
+    }
+    append(bytes, texels, count, data.format);
+  };
   if (!as_stored) {
     auto& bytes = data.levels.emplace_back();
     bytes.reserve(image.pixels.size());
-    for (int y = 0; y < image.height; ++y) append(bytes, rows.row(y), size_t(image.width), data.format);
+    for (int y = 0; y < image.height; ++y) store(bytes, rows.row(y), size_t(image.width));
   }
   if (single) return data;
   for (Level level = half_size(rows);; level = half_size(level)) {
-    append(data.levels.emplace_back(), level.texels.data(), level.texels.size(), data.format);
+    store(data.levels.emplace_back(), level.texels.data(), level.texels.size());
     if (level.width == 1 && level.height == 1) break;
   }
   return data;

@@ -191,6 +191,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
   if (f.facts.probes > 0) s.features.push_back(probes_constant(f.facts.probes));
+  if (f.surfaces.specular_aa != 0) s.features.push_back(specular_aa_constant(f.surfaces.specular_aa));
   if (f.facts.image_light) {
     const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;
     const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
@@ -270,6 +271,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
   f.textures = knobs->get<TextureKnobs>();
+  f.surfaces = knobs->get<SurfaceKnobs>();
   f.image_light = knobs->get<IblKnobs>();
   f.probes = knobs->get<ProbeKnobs>();
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);

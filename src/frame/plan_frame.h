@@ -15,6 +15,7 @@
 #include "passes/lights/light_grid.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
@@ -45,6 +46,7 @@ struct PlannedFrame {
   std::vector<shared::RaySettings> ray_settings;  // one, where shading sends rays or shadows are soft
   TracedRays traced;                              // without handles
   TextureKnobs textures;
+  SurfaceKnobs surfaces;
   IblKnobs image_light;
   ProbeKnobs probes;
   FrameSky sky;

@@ -18,6 +18,7 @@ constexpr Known known_extensions[] = {
     {"KHR_lights_punctual", supported, ""},
     {"CANDELA_light_instances", supported, ""},
     {"CANDELA_light_size", supported, ""},
+    {"CANDELA_materials_blinn_phong", supported, ""},
     {"KHR_mesh_quantization", supported, ""},
     {"KHR_draco_mesh_compression", supported, ""},
     {"EXT_meshopt_compression", supported, ""},

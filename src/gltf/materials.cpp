@@ -1,6 +1,8 @@
 #include "gltf/materials.h"
 
 #include "gltf/textures.h"
+#include "scene/blinn_phong.h"
+#include "scene/shading.h"
 
 namespace candela::gltf {
 namespace {
@@ -190,6 +192,30 @@ struct Importer {
     material.orm_texture.image = known->second;
   }
 
+  // CANDELA_materials_blinn_phong (docs/blinn-phong.md). Of the metallic-roughness model the base colour stays: what is
+  // diffuse. What reflects at normal incidence is kept as by the extension above.
+  void read_blinn_phong(const Json& json, const std::string& path, Material& material) {
+    const Json* e = extension(json, "CANDELA_materials_blinn_phong");
+    if (!e) return;
+    const std::string where = path + "/extensions/CANDELA_materials_blinn_phong";
+    material.blinn_phong = {.shades = true, .stated = true};
+    material.blinn_phong.exponent = factor(document, *e, "exponent", 32, most_exponent, where);
+    material.metallic = 0;
+    material.ior = 0;
+    material.specular = 1;
+    material.specular_color = color_factor(document, *e, "specularFactor", glm::vec3(1), 1, where);
+    material.specular_texture = material.specular_color_texture = slot(*e, "specularTexture", where);
+    material.orm_has_metallic_roughness = false;
+    if (!material.orm_has_occlusion) material.orm_texture = {};
+    bool layered = false;
+    for (int i = 0; i < lobe_count; ++i) layered |= material.has(Lobe(i));
+    if (layered)
+      document.warn(where,
+                    "lies under no other layer and lets no light through: the material's other extensions are "
+                    "left out");
+    leave_base(material);
+  }
+
   // Ranges are the validation's. A thickness texture is for techniques that have no other way to know how thick a body
   // is.
   void read_transmission(const Json& json, const std::string& path, Material& material) {
@@ -249,6 +275,7 @@ struct Importer {
       material.orm_has_occlusion = false;
       read_specular_glossiness(*gloss, path, material);
     }
+    read_blinn_phong(json, path, material);
     return material;
   }
 };

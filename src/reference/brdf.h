@@ -28,6 +28,7 @@ struct Surface {
   glm::dvec3 dielectric_f0{0.04};
   double dielectric_f90 = 1;
   glm::dvec3 specular_gain{1};  // of the opaque specular lobe, by light that bounces on between facets (albedo.h)
+  double exponent = -1;         // of Blinn's lobe instead of facets (blinn_phong.h); below 0: facets
   double coverage = 1;          // 1 opaque, 0 a hole (glTF 3.9.4)
   bool unlit = false;           // base_color is what it shows
   std::optional<Lobes> lobes;   // beyond the base; nothing: there are none
@@ -50,6 +51,11 @@ inline double alpha_of(const Surface& s) {
 glm::dvec3 evaluate_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 // The part of it that the base reflects diffusely.
 glm::dvec3 diffuse_brdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
+
+inline bool has_facets(const Surface& s) { return s.exponent < 0; }
+// A direction in which the specular lobe of a surface without other lobes reflects v, and how densely these lie, 1/sr.
+glm::dvec3 sample_base_lobe(const Surface& s, glm::dvec3 v, glm::dvec2 u);
+double base_lobe_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 
 // Choosing a light direction by the BRDF: the cosine lobe, or visible GGX normals (Heitz, "Sampling the GGX
 // Distribution of Visible Normals", 2018), with a probability by the lobes' estimated albedos. The density is of the

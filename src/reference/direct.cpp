@@ -181,6 +181,9 @@ Integrator::Lobe Integrator::specular_lobe(const Surface& s, const SurfacePoint&
   if (s.lobes) {
     lobe.l = sample_specular(s, v, u);
     pdf = specular_pdf(s, lobe.l, v);
+  } else if (!has_facets(s)) {
+    lobe.l = sample_base_lobe(s, v, u);
+    pdf = base_lobe_pdf(s, lobe.l, v);
   } else {
     const double alpha = alpha_of(s);
     const glm::dvec3 h = visible_normal(s.normal, v, alpha, u);

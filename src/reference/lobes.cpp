@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "reference/albedo.h"
+#include "reference/blinn_phong.h"
 #include "reference/brdf.h"
 #include "reference/sampling.h"
 #include "reference/sheen.h"
@@ -140,6 +141,7 @@ StretchedFacets facets_of(const Surface& s) {
 
 DirectionalAlbedo facet_albedo(const Surface& s, glm::dvec3 v) {
   const double n_v = std::clamp(glm::dot(s.normal, v), 0.0, 1.0);
+  if (!has_facets(s)) return {blinn_phong_albedo(s.exponent, n_v), 0, 0};
   if (!is_stretched(s)) return directional_albedo(s.roughness, n_v);
   const StretchedFacets facets = facets_of(s);
   DirectionalAlbedo a = directional_albedo(std::sqrt(mean_alpha(facets)), n_v);

@@ -3,6 +3,7 @@
 
 #include "reference/albedo.h"
 #include "reference/world.h"
+#include "scene/blinn_phong.h"
 
 namespace candela::reference {
 namespace {
@@ -198,7 +199,7 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
     return s;
   }
   s.metallic = m.metallic;
-  s.roughness = m.roughness;
+  s.roughness = stated_roughness(m);
   if (t.orm) {
     const glm::dvec4 orm = fetch(t.orm, m.orm_texture, v);
     if (m.orm_has_metallic_roughness) s.roughness *= orm.y, s.metallic *= orm.z;
@@ -216,11 +217,16 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   // KHR_materials_ior and KHR_materials_specular; ior 0 stands for f0 = 1.
   double specular = m.specular;
   glm::dvec3 specular_color(m.specular_color);
-  if (t.specular) specular *= fetch(t.specular, m.specular_texture, v).w;
+  const double alpha = t.specular ? fetch(t.specular, m.specular_texture, v).w : 1;
+  if (!m.blinn_phong.stated) specular *= alpha;
   if (t.specular_color) specular_color *= glm::dvec3(fetch(t.specular_color, m.specular_color_texture, v));
   const double ratio = m.ior == 0 ? 1 : (double(m.ior) - 1) / (double(m.ior) + 1);
   s.dielectric_f0 = glm::min(ratio * ratio * specular_color, glm::dvec3(1)) * specular;
   s.dielectric_f90 = specular;
+  if (m.blinn_phong.shades) {
+    s.exponent = exponent_of_roughness(s.roughness) * (m.blinn_phong.stated ? alpha : 1);
+    return s;
+  }
   s.lobes = lobes_at(t, v, s.normal, to_viewer, back);
   const glm::dvec3 f0 = glm::mix(s.dielectric_f0, s.base_color, s.metallic);
   s.specular_gain = is_stretched(s)

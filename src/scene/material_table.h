@@ -9,13 +9,16 @@
 // and the list of textures come from here.
 namespace candela {
 
+// From the plainest: each has what the ones before have (scene/shading.h).
+enum class Plainest : uint8_t { lambert, blinn_phong, pbr };
+
 struct MaterialProperty {
   TargetPath path;
   std::string_view pointer;  // JSON pointer below /materials/N/
   int components;
   double lowest, highest;  // inclusive
   float* (*at)(Material&);
-  bool lambert;                   // a surface that is only its base colour has it too
+  Plainest plainest;              // shading that asks for it
   std::string_view name() const;  // for messages: the pointer without the object of the extension or the model
 };
 std::span<const MaterialProperty> material_properties();

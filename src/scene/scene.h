@@ -80,6 +80,13 @@ struct DiffuseTransmission {
   TextureSlot texture, color_texture;  // A; sRGB
 };
 
+// A lobe instead of facets (Blinn 1977): of the exponent that goes with the roughness, or as the file states it
+// (CANDELA_materials_blinn_phong), then by the specular texture's A.
+struct BlinnPhong {
+  bool shades = false, stated = false;
+  float exponent = 32;
+};
+
 // Metallic-roughness material (glTF 2.0 appendix B) with ior, specular, emissive_strength, unlit and the lobes above.
 struct Material {
   std::string name;
@@ -116,6 +123,7 @@ struct Material {
   Iridescence iridescence;
   Anisotropy anisotropy;
   DiffuseTransmission diffuse_transmission;
+  BlinnPhong blinn_phong;
 
   bool wants_tangents() const { return !unlit && (normal_texture || clearcoat.normal_texture || anisotropy.stated); }
   // The texture coordinates along which they lie.
@@ -266,6 +274,8 @@ enum class TargetPath : uint8_t {
   material_dispersion,
   material_diffuse_transmission,
   material_diffuse_transmission_color,
+  material_blinn_phong_specular,
+  material_blinn_phong_exponent,
   texture_offset,
   texture_rotation,
   texture_scale,  // of material `object`, slot `element`

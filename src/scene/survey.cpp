@@ -46,6 +46,7 @@ void use_material(SceneFacts& facts, const Material& m, bool refraction) {
   use_texture(facts, m.normal_texture, facts.any_normal_texture);
   use_texture(facts, m.specular_texture, facts.any_specular_texture);
   use_texture(facts, m.specular_color_texture, facts.any_specular_texture);
+  facts.any_blinn_phong |= m.blinn_phong.shades;
   if (m.ior != 1.5f || m.specular != 1 || m.specular_color != glm::vec3(1) || m.specular_texture ||
       m.specular_color_texture)
     facts.any_specular = true;
@@ -149,6 +150,7 @@ SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, 
       facts.material_used[size_t(item.material)] = true;
       use_material(facts, material, refraction);
     }
+    if (!has_material) use_material(facts, material, refraction);
   }
   for (const Deformation& deformation : frame.deformations)
     add(facts.deformed_vertices, scene.meshes[deformation.mesh].sections[deformation.section].position.size());
@@ -191,6 +193,7 @@ std::string facts_json(const SceneFacts& f) {
       {"any_uv1", f.any_uv1},
       {"any_texture_transform", f.any_texture_transform},
       {"any_specular", f.any_specular},
+      {"any_blinn_phong", f.any_blinn_phong},
       {"lobes", names_of_lobes(f.lobes)},
       {"lobes_with_textures", names_of_lobes(f.lobe_textures)},
       {"materials_used", indices(f.material_used)},

@@ -18,4 +18,9 @@ void for_each_shown_slot(const Material& m, F&& f) {
     if (t.read(m)) f(t.of(m), t.srgb);
 }
 
+// Whether a slot of the material is a normal map.
+inline bool is_normal_map(const Material& m, const TextureSlot& slot) {
+  return &slot == &m.normal_texture || &slot == &m.clearcoat.normal_texture;
+}
+
 }  // namespace candela

@@ -1,38 +1,11 @@
 #include <numbers>
 
 #include "base/rng.h"
-#include "frame_fixture.h"
-#include "testscenes/procedural_textures.h"
+#include "textured_square.h"
 
 // What each texture of a material means, against the same material without it or against its own arithmetic.
 namespace candela::test::frame_material_textures {
 namespace {
-
-constexpr int nearest = 9728, linear_mipmap_linear = 9987, nearest_mipmap_nearest = 9984;
-
-// One sampler a texture.
-int add_texture(GltfBuilder& b, const std::vector<std::byte>& png, int min_filter = nearest) {
-  std::vector<uint8_t> bytes(png.size());
-  std::memcpy(bytes.data(), png.data(), png.size());
-  b.json["images"].push_back({{"bufferView", b.view(bytes)}, {"mimeType", "image/png"}});
-  const int mag_filter = min_filter == linear_mipmap_linear ? 9729 : nearest;  // linear
-  b.json["samplers"].push_back({{"magFilter", mag_filter}, {"minFilter", min_filter}});
-  const size_t index = b.json["images"].size() - 1;
-  b.json["textures"].push_back({{"source", index}, {"sampler", index}});
-  return int(index);
-}
-int add_texel(GltfBuilder& b, glm::dvec3 codes) {
-  return add_texture(b, png_from(1, 1, 3, [&](double, double) { return glm::dvec4(codes / 255.0, 1); }));
-}
-
-// The square with texture coordinates, (0, 0) at the top left, and tangents along +X.
-int add_textured_square(GltfBuilder& b, int material) {
-  const int square = add_square_mesh(b, 1, material);
-  Json& attributes = b.json["meshes"][size_t(square)]["primitives"][0]["attributes"];
-  attributes["TEXCOORD_0"] = b.accessor<float>("VEC2", {0, 1, 1, 1, 1, 0, 0, 0});
-  attributes["TANGENT"] = b.accessor<float>("VEC4", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
-  return square;
-}
 
 double srgb_decode(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
 

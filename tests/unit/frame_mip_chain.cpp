@@ -240,4 +240,25 @@ TEST(MipChain, SixteenBitSrgbIsStoredLinear) {
   }
 }
 
+// Alpha of a normal map: none in level 0; of normals that lean by one slope to either side that slope, as their mean's
+// length has it.
+TEST(MipChain, NormalMapsSayHowFarTheyStray) {
+  const double slope = 0.4, length = std::hypot(1.0, slope);
+  const auto image = make_image<uint16_t>(4, 4, [&](int i, int c) {
+    const double x = (i % 2 == 0 ? 1 : -1) * slope / length, n[] = {x, 0, 1 / length, 1};
+    return c == 3 ? uint16_t(65535) : uint16_t(std::lround(65535 * (n[c] / 2 + 0.5)));
+  });
+  const auto plain = make_mip_chain(image, false, true), straying = make_mip_chain(image, false, true, true);
+  ASSERT_EQ(plain.levels.size(), straying.levels.size());
+  for (size_t l = 0; l < plain.levels.size(); ++l) {
+    const auto a = texels<uint16_t>(plain.levels[l]), b = texels<uint16_t>(straying.levels[l]);
+    for (size_t i = 0; i < a.size(); ++i)
+      if (i % 4 != 3) {
+        EXPECT_EQ(a[i], b[i]) << "level " << l;
+      } else {
+        EXPECT_NEAR(b[i] / 65535.0, l == 0 ? 0 : std::sqrt(length - 1), 1e-3) << "level " << l;
+      }
+  }
+}
+
 }  // namespace candela

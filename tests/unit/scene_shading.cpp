@@ -36,6 +36,32 @@ TEST(Shading, LambertLeavesTheBaseColourAlone) {
   EXPECT_EQ(scene.default_material.specular, 0);
 }
 
+TEST(Shading, BlinnPhongLeavesTheBaseWithoutLayers) {
+  Scene scene;
+  scene.materials = {gold(), gold()};
+  scene.materials[0].clearcoat.factor = scene.materials[0].anisotropy.strength = 1;
+  scene.materials[1].unlit = true;
+  scene.animations.resize(1);
+  for (const TargetPath path : {TargetPath::material_metallic, TargetPath::material_base_color,
+                                TargetPath::material_clearcoat, TargetPath::material_transmission})
+    scene.animations[0].channels.push_back({.path = path});
+  apply_shading(scene, "blinn-phong");
+  const Material& m = scene.materials[0];
+  EXPECT_TRUE(m.blinn_phong.shades);
+  EXPECT_FALSE(m.blinn_phong.stated) << "the exponent is that of its roughness";
+  EXPECT_EQ(m.metallic, 1);
+  EXPECT_EQ(m.roughness, 0.1f);
+  EXPECT_TRUE(m.orm_texture);
+  EXPECT_TRUE(m.specular_texture);
+  for (int lobe = 0; lobe < lobe_count; ++lobe) EXPECT_FALSE(m.has(Lobe(lobe))) << lobe;
+  EXPECT_FALSE(scene.materials[1].blinn_phong.shades) << "unlit";
+  EXPECT_TRUE(scene.default_material.blinn_phong.shades);
+  ASSERT_EQ(scene.animations[0].channels.size(), 2u);
+  EXPECT_EQ(scene.animations[0].channels[1].path, TargetPath::material_base_color);
+  apply_shading(scene, "lambert");
+  EXPECT_FALSE(m.blinn_phong.shades);
+}
+
 TEST(Shading, OcclusionInTheSameTextureStays) {
   Scene scene;
   scene.materials = {gold()};

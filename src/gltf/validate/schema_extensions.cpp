@@ -86,6 +86,15 @@ const ObjectSchema& specular_schema() {
   return schema;
 }
 
+const ObjectSchema& blinn_phong_schema() {
+  static const ObjectSchema schema{
+      "blinnPhong",
+      {{.name = "specularFactor", .shape = Shape::numbers, .lowest = 0, .highest = 1, .lengths = {3}},
+       {.name = "exponent", .shape = Shape::number, .lowest = 0, .highest = 1e6},
+       {.name = "specularTexture", .shape = Shape::object, .object = &texture_info_schema()}}};
+  return schema;
+}
+
 const ObjectSchema& transmission_schema() {
   static const ObjectSchema schema{
       "transmission",
@@ -191,6 +200,7 @@ const std::vector<ExtensionSchema>& extension_schemas() {
       {"KHR_lights_punctual", "node", &node_light_schema()},
       {"CANDELA_light_instances", "node", &light_instances_schema()},
       {"CANDELA_light_size", "light", &light_size_schema()},
+      {"CANDELA_materials_blinn_phong", "material", &blinn_phong_schema()},
       {"KHR_texture_transform", "textureInfo", &texture_transform_schema()},
       {"KHR_materials_emissive_strength", "material", &emissive_strength_schema()},
       {"KHR_materials_ior", "material", &ior_schema()},

@@ -32,7 +32,10 @@ SpecConstant constant(Feature f, uint32_t value = 1) {
                                       "RAYS_MEET_BLENDED",
                                       "PROBE_COUNT",
                                       "LOBES",
-                                      "LOBE_TEXTURES"};
+                                      "LOBE_TEXTURES",
+                                      "HAS_EMISSION",
+                                      "BLINN_PHONG",
+                                      "SPECULAR_AA"};
   return {uint32_t(f), names[uint32_t(f)], value};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -70,6 +73,8 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
   add(facts.any_texture_transform, Feature::texture_transform);
   add(facts.lights() > 0, Feature::lights);
   add(ambient, Feature::ambient);
+  add(facts.emissive, Feature::emission);
+  add(facts.any_blinn_phong, Feature::blinn_phong);
   add(facts.any_base_texture || facts.any_orm_texture || facts.any_occlusion_texture || facts.any_normal_texture ||
           facts.any_emissive_texture || facts.any_specular_texture || facts.lobe_textures != 0,
       Feature::textures);
@@ -112,6 +117,8 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map)
   if (irradiance_map) list.push_back(constant(Feature::sky_irradiance));
   return list;
 }
+
+SpecConstant specular_aa_constant(int method) { return constant(Feature::specular_aa, uint32_t(method)); }
 
 SpecConstant probes_constant(uint32_t count) { return constant(Feature::probe_count, count); }
 

@@ -33,6 +33,9 @@ enum class Feature : uint32_t {
   probe_count,
   lobes,
   lobe_textures,
+  emission,
+  blinn_phong,
+  specular_aa,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -43,6 +46,9 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map)
 SpecConstant probes_constant(uint32_t count);
 // Scene-wide constants for a picture that is one of a supersampled frame's.
 std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
+// Of a frame whose surfaces are as rough as their normals stray in a pixel (passes/surfaces/surface_knobs.h): 1 or
+// more.
+SpecConstant specular_aa_constant(int method);
 // Of a pass that shades under lights with shadow maps.
 SpecConstant sun_shadows_constant(bool traced, bool soft);
 SpecConstant lamp_shadows_constant(bool traced, bool soft);

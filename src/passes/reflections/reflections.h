@@ -4,6 +4,7 @@
 #include "passes/reflections/reflected.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -39,7 +40,7 @@ struct Reflections {
     float roughest = 0.7f;
     static std::span<const Knob<Knobs>> table();
   };
-  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs>;
+  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

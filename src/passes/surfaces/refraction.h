@@ -4,6 +4,7 @@
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/seen_through.h"
+#include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -26,7 +27,7 @@ struct Refraction {
     int samples = 0;
     static std::span<const Knob<Knobs>> table();
   };
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

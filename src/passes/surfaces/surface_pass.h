@@ -3,6 +3,7 @@
 #include "passes/pass.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -18,8 +19,9 @@ namespace candela {
 template <bool lit>
 struct SurfacePass {
   static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";
-  using SharedKnobs = std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>,
-                                         std::tuple<TextureKnobs>>;
+  using SharedKnobs =
+      std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>,
+                         std::tuple<TextureKnobs>>;
   static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};  // image-based light
   struct In {
     SceneInputs scene;

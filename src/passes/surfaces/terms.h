@@ -7,6 +7,7 @@
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/seen_through.h"
+#include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -42,7 +43,7 @@ struct Terms {
       {"emission", "term of beauty: what surfaces give off"},
       {"background", "term of beauty: what is behind everything, and what is seen through surfaces"},
       {"reflections", "term of beauty: what surfaces mirror of each other"}};
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

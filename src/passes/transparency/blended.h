@@ -3,13 +3,14 @@
 #include "passes/pass.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 
 // What the methods of transparency share (FrameRequest::transparency): all draw the same blended surfaces, shaded by
 // the same shaders, and differ in how they come over each other. Not a pass.
-using BlendedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs>;
+using BlendedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
 struct BlendedIn {
   SceneInputs scene;
   Draws draws;

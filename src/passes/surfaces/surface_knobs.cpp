@@ -1,0 +1,24 @@
+#include "passes/surfaces/surface_knobs.h"
+
+namespace candela {
+
+std::span<const Knob<SurfaceKnobs>> SurfaceKnobs::table() {
+  static const Knob<SurfaceKnobs> rows[] = {
+      {.name = "specular_aa",
+       .member = &SurfaceKnobs::specular_aa,
+       .lowest = 0,
+       .highest = 2,
+       .ladder = {},
+       .trades = "highlights of normals that turn within a pixel are made as much wider: of the shading normal's "
+                 "differences between pixels (normals), or of the mesh's and by what a filtered normal map has lost "
+                 "(maps); off: they sparkle and shift, and more samples a pixel (supersample.n) are the exact end",
+       .choices = {"off", "normals", "maps"},
+       .walk = {0, 1, 2},
+       .passes = {"shade_forward", "transparent", "terms"}},
+  };
+  return rows;
+}
+
+bool SurfaceKnobs::matter(const SceneFacts& facts) { return facts.takes_light(); }
+
+}  // namespace candela

@@ -1,5 +1,6 @@
 // WebP through libwebp. tests/images: a picture of 40x24 by libwebp's encoder, with and without loss.
 #include <gtest/gtest.h>
+#include <webp/decode.h>
 #include <webp/encode.h>
 
 #include <cstring>
@@ -67,8 +68,16 @@ TEST(Webp, PicturesWithLossAreNear) {
     const double d = double(uint8_t(near->pixels[i])) - double(uint8_t(exact->pixels[i]));
     sum += d * d;
   }
-  EXPECT_LT(std::sqrt(sum / double(exact->pixels.size())), 4);
+  // The encoder loses 6.1 codes here, most of it colour at half the resolution; channels or rows in another order tens.
+  EXPECT_LT(std::sqrt(sum / double(exact->pixels.size())), 8);
   EXPECT_GT(sum, 0);
+  int simple_width = 0, simple_height = 0;
+  const auto file = file_of("lossy_alpha.webp");
+  const std::unique_ptr<uint8_t, void (*)(void*)> simple(
+      WebPDecodeRGBA(reinterpret_cast<const uint8_t*>(file.data()), file.size(), &simple_width, &simple_height),
+      WebPFree);
+  ASSERT_TRUE(simple);
+  EXPECT_EQ(std::memcmp(simple.get(), near->pixels.data(), near->pixels.size()), 0);
 }
 
 TEST(Webp, FilmsAndDamageAreNamed) {

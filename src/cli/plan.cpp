@@ -84,7 +84,8 @@ Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
   auto facts = own_json(facts_json(frame->facts));
   facts["extensions"] = extensions_json(scene);
   facts["variants"] = scene.variants;
-  facts["variant"] = scene.variant < 0 ? nlohmann::ordered_json() : scene.variants[size_t(scene.variant)];
+  facts["variant"] = nullptr;
+  if (scene.variant >= 0) facts["variant"] = scene.variants[size_t(scene.variant)];
   if (auto printed = print(facts.dump(2) + "\n"); !printed) return std::unexpected(printed.error());
   return 0;
 }

@@ -9,7 +9,7 @@ foreach(library "CLI11;${CLI11_VERSION}" "fmt;${fmt_VERSION}" "meshoptimizer;${m
   string(APPEND build_info_libraries "{\"${name}\", \"${version}\"}, ")
 endforeach()
 # Those whose versions only their headers hold.
-foreach(library "libdeflate;LIBDEFLATE_VERSION_;libdeflate.h;MAJOR MINOR"
+foreach(library "libdeflate;LIBDEFLATE_VERSION_;libdeflate.h;MAJOR MINOR" "zstd;ZSTD_VERSION_;zstd.h;MAJOR MINOR RELEASE"
                 "glm;GLM_VERSION_;glm/detail/setup.hpp;MAJOR MINOR PATCH REVISION" "glslang;GLSLANG_VERSION_;glslang/build_info.h;MAJOR MINOR PATCH")
   list(GET library 0 name)
   list(GET library 1 prefix)

@@ -2,7 +2,7 @@
 # Copies what Debian says of the copyright of each library that is inside the program: licences.sh FOLDER.
 set -euo pipefail
 mkdir -p -- "$1"
-packages=(libcli11-dev libdraco-dev libfmt-dev libglm-dev libimath-dev libmeshoptimizer-dev nlohmann-json3-dev libopenexr-dev libdeflate-dev
+packages=(libcli11-dev libdraco-dev libfmt-dev libglm-dev libimath-dev libmeshoptimizer-dev nlohmann-json3-dev libopenexr-dev libdeflate-dev libwebp-dev libzstd-dev
   libstb-dev libstdc++6 libtbb-dev libtinygltf-dev libvulkan-dev zlib1g glslang-dev spirv-tools)
 texts=(Apache-2.0 GPL-3)  # that those name instead of holding
 if ! command -v dpkg-query >/dev/null; then

@@ -22,7 +22,7 @@ struct PlanOptions {
   bool dot = false;
 };
 
-Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job) {
+Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job, Scene& scene) {
   if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
   set_log_level(o.job);
   auto checked = job_of(o.job);
@@ -37,16 +37,17 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
     if (!format) return std::unexpected(format.error());
     (*format == OutputFormat::exr ? wanted.linear : wanted.display) = true;
   }
-  const auto scene = load_scene(job);
-  if (!scene) return std::unexpected(scene.error());
-  if (auto noted = note_scene(*scene, o.job.strict); !noted) return std::unexpected(noted.error());
+  auto loaded = load_scene(job);
+  if (!loaded) return std::unexpected(loaded.error());
+  scene = std::move(*loaded);
+  if (auto noted = note_scene(scene, o.job.strict); !noted) return std::unexpected(noted.error());
   const auto look = look_of(job);
   if (!look) return std::unexpected(look.error());
   if (const std::string left_out = left_out_of(job, *look); !left_out.empty()) {
     if (o.job.strict) return fail(ErrorKind::input, job.scene, "--strict refuses the scene: {}", left_out);
     log::warning("{}", left_out);
   }
-  return plan_frame(job, *scene, wanted, moment->time_s);
+  return plan_frame(job, scene, wanted, moment->time_s);
 }
 
 std::string look_text(const Job& job, const Look& look) {
@@ -62,7 +63,8 @@ std::string plan_with_look(const FramePlan& plan, const Job& job, const Look& lo
 
 Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
   Job job;
-  const auto frame = plan_of(command, o, job);
+  Scene scene;
+  const auto frame = plan_of(command, o, job, scene);
   if (!frame) return std::unexpected(frame.error());
   if (o.dot && o.job.json) return fail(ErrorKind::usage, "--dot", "--dot and --json both ask for stdout");
   for (const std::string& note : frame->notes) log::info("{}", note);
@@ -76,9 +78,15 @@ Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
 
 Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
   Job job;
-  const auto frame = plan_of(command, o, job);
+  Scene scene;
+  const auto frame = plan_of(command, o, job, scene);
   if (!frame) return std::unexpected(frame.error());
-  if (auto printed = print(facts_json(frame->facts) + "\n"); !printed) return std::unexpected(printed.error());
+  auto facts = own_json(facts_json(frame->facts));
+  facts["extensions"] = extensions_json(scene);
+  facts["variants"] = scene.variants;
+  facts["variant"] = nullptr;
+  if (scene.variant >= 0) facts["variant"] = scene.variants[size_t(scene.variant)];
+  if (auto printed = print(facts.dump(2) + "\n"); !printed) return std::unexpected(printed.error());
   return 0;
 }
 

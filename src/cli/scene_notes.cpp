@@ -36,6 +36,8 @@ Expected<void> note_scene(const Scene& scene, bool strict) {
       log::info("{}", line);
     }
   }
+  if (!scene.variants.empty() && scene.variant < 0)
+    log::info("the file has variants of its materials, of which --variant draws one: {}", joined(scene.variants));
   if (strict && !first.empty()) return fail(ErrorKind::input, scene.path, "--strict refuses the scene: {}", first);
   return {};
 }

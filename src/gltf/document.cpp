@@ -136,10 +136,11 @@ std::span<const std::byte> view_bytes(Document& document, int view, const std::s
   std::optional<std::vector<std::byte>>& decompressed = document.decompressed[size_t(view)];
   if (decompressed) return *decompressed;
   const std::string view_path = fmt::format("/bufferViews/{}", view);
-  if (const Json* meshopt = extension(document.json["bufferViews"][size_t(view)], "EXT_meshopt_compression")) {
-    decompressed = decompress_view(document, *meshopt, view_path + "/extensions/EXT_meshopt_compression");
-    return *decompressed;
-  }
+  for (const char* name : {ext_meshopt, khr_meshopt})
+    if (const Json* meshopt = extension(document.json["bufferViews"][size_t(view)], name)) {
+      decompressed = decompress_view(document, *meshopt, name, view_path);
+      return *decompressed;
+    }
   const tinygltf::BufferView& v = document.model.bufferViews[size_t(view)];
   if (v.buffer < 0 || size_t(v.buffer) >= document.buffers.size())
     document.refuse(view_path + "/buffer", "there is no buffer {} (UNRESOLVED_REFERENCE)", v.buffer);

@@ -33,7 +33,7 @@ struct Document {
   int missing_view = -1;  // model's stand-in for an absent accessor.bufferView
   std::vector<std::span<const std::byte>> buffers;  // empty until buffer_bytes() is asked for them (named_files.h)
   std::vector<std::vector<std::byte>> storage;      // what read buffers lie in
-  std::vector<std::optional<std::vector<std::byte>>> decompressed;  // per buffer view (EXT_meshopt_compression)
+  std::vector<std::optional<std::vector<std::byte>>> decompressed;  // per buffer view (meshopt.h)
   std::map<int, std::vector<std::byte>> sparse;                     // accessors with their sparse values put in
   std::vector<std::string> files, warnings;
   std::set<std::string> finding_codes;  // what the validation warned of
@@ -55,7 +55,7 @@ struct Document {
 
 // Splits, parses and validates; then tinygltf. `bytes` must outlive the document. Throws Failure.
 Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder);
-// A buffer view's bytes; decompressed where EXT_meshopt_compression says so.
+// A buffer view's bytes; decompressed where it says so (meshopt.h).
 std::span<const std::byte> view_bytes(Document& document, int view, const std::string& path);
 
 // Null when the object has no such extension.

@@ -291,6 +291,7 @@ void import_materials(Document& document, const std::set<std::string>& pointers,
       scene.materials.push_back(importer.read((*materials)[i], fmt::format("/materials/{}", i)));
   import_images(document, importer.image_used, scene);
   for (SceneImage& merged : importer.merged_images) scene.images.push_back(std::move(merged));
+  check_transfer(document, scene);
 }
 
 }  // namespace candela::gltf

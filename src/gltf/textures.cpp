@@ -1,7 +1,9 @@
 #include "gltf/textures.h"
 
 #include "gltf/named_files.h"
+#include "image/ktx2.h"
 #include "scene/scene_images.h"
+#include "scene/texture_slots.h"
 
 namespace candela::gltf {
 namespace {
@@ -12,19 +14,23 @@ Wrap wrap_of(int mode) {
                                                          : Wrap::repeat;
 }
 
-// The image that a texture shows. Formats that are not read fall back to `source`, as their extensions say.
+// The image that a texture shows: an extension's, the one that loses least first, else `source`. Extensions whose
+// formats are not read fall back to `source`, as they say.
 int image_of(Document& document, int texture, const std::string& user) {
-  const tinygltf::Texture& t = document.model.textures[size_t(texture)];
+  const Json& t = document.json["textures"][size_t(texture)];
   const Json* images = member(document.json, "images");
+  const size_t count = images ? images->size() : 0;
   const std::string path = fmt::format("/textures/{}", texture);
-  if (t.source >= 0) {
-    if (!images || size_t(t.source) >= images->size())
-      document.refuse(path + "/source", "there is no image {} (UNRESOLVED_REFERENCE)", t.source);
-    return t.source;
-  }
-  document.warn(user, "{} has no PNG or JPEG image; nothing is drawn for it",
-                named(path, document.json["textures"][size_t(texture)]));
-  return -1;
+  for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"})
+    if (const Json* use = extension(t, name))
+      if (const int image = index_of(document, *use, "source", count, fmt::format("{}/extensions/{}", path, name));
+          image >= 0)
+        return image;
+  const int image = index_of(document, t, "source", count, path);
+  if (image < 0)
+    document.warn(user, "{} has no image in a format that is read (PNG, JPEG, WebP, KTX2); nothing is drawn for it",
+                  named(path, t));
+  return image;
 }
 
 void apply_transform(Document& document, const Json& info, const std::string& path, TextureSlot& slot) {
@@ -111,6 +117,25 @@ void import_images(Document& document, const std::vector<bool>& image_used, Scen
     }
     scene.images.push_back(std::move(image));
   }
+}
+
+void check_transfer(Document& document, const Scene& scene) {
+  std::set<int> told;
+  const auto check = [&](int image, bool srgb, size_t material) {
+    if (image < 0 || !is_ktx2(scene.images[size_t(image)].encoded)) return;
+    const auto info = probe_ktx2(scene.images[size_t(image)].encoded, "");
+    const Transfer other = srgb ? Transfer::linear : Transfer::srgb;
+    if (!info || info->transfer != other || !told.insert(image).second) return;
+    document.warn(named(fmt::format("/images/{}", image), document.json["images"][size_t(image)]),
+                  "the file says that its numbers are {}, and is taken as {} where material {} uses it",
+                  srgb ? "linear" : "sRGB", srgb ? "sRGB" : "linear", material);
+  };
+  for (size_t m = 0; m < scene.materials.size(); ++m)
+    for_each_slot(scene.materials[m], [&](const TextureSlot& slot, bool srgb) {
+      if (!slot) return;
+      const SceneImage& image = scene.images[size_t(slot.image)];
+      for (const int part : {slot.image, image.merge_occlusion, image.merge_metallic_roughness}) check(part, srgb, m);
+    });
 }
 
 }  // namespace candela::gltf

@@ -19,14 +19,7 @@ void choose_variant(const Document& document, const std::string& wanted, Scene& 
       scene.variants.push_back(text(document, (*list)[i], "name", "", at));
     }
   }
-  if (wanted.empty()) {
-    if (!scene.variants.empty())
-      for (ExtensionUse& use : scene.extensions)
-        if (use.name == name_of_extension)
-          use.consequence = fmt::format("the default materials are drawn; --variant chooses others: {}",
-                                        fmt::join(scene.variants, ", "));
-    return;
-  }
+  if (wanted.empty()) return;
   const auto found = std::ranges::find(scene.variants, wanted);
   if (found == scene.variants.end())
     throw Failure{Error{ErrorKind::usage,
@@ -35,8 +28,6 @@ void choose_variant(const Document& document, const std::string& wanted, Scene& 
                                                              fmt::join(scene.variants, ", ")),
                         "--variant"}};
   scene.variant = int(found - scene.variants.begin());
-  for (ExtensionUse& use : scene.extensions)
-    if (use.name == name_of_extension) use.support = Support::supported, use.consequence.clear();
 }
 
 int material_in_variant(const Document& document, const Json& primitive, const std::string& path, const Scene& scene,

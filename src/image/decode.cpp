@@ -1,7 +1,8 @@
-// PNG and JPEG in memory through stb_image. Only files that begin as one of the two reach it, so that its decoders of
-// other formats are never entered; what it does not notice (truncated JPEG, sizes no file of that length can hold) is
-// refused here. It is compiled here rather than linked: its memory begins as zeros, for a JPEG whose scan names a
-// Huffman table that it never defined is decoded by whatever lies there, and what it asserts is an error of the file.
+// Images in memory, by how they begin; PNG and JPEG through stb_image. Only files that begin as one of the two reach
+// it, so that its decoders of other formats are never entered; what it does not notice (truncated JPEG, sizes no file
+// of that length can hold) is refused here. It is compiled here rather than linked: its memory begins as zeros, for a
+// JPEG whose scan names a Huffman table that it never defined is decoded by whatever lies there, and what it asserts is
+// an error of the file.
 #include <climits>
 #include <cstdlib>
 #include <cstring>
@@ -22,18 +23,23 @@
 #include "image/environment_file.h"
 #include "image/hdr.h"
 #include "image/io.h"
+#include "image/ktx2.h"
+#include "image/webp.h"
 
 namespace candela {
 namespace {
 
-enum class Encoding { unknown, png, jpeg, hdr };
+enum class Encoding { unknown, png, jpeg, hdr, webp, ktx2 };
 
 Encoding encoding_of(std::span<const std::byte> bytes) {
   static constexpr uint8_t png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   static constexpr uint8_t jpeg[] = {0xff, 0xd8, 0xff};
   if (bytes.size() >= 8 && std::memcmp(bytes.data(), png, 8) == 0) return Encoding::png;
   if (bytes.size() >= 3 && std::memcmp(bytes.data(), jpeg, 3) == 0) return Encoding::jpeg;
-  return is_hdr(bytes) ? Encoding::hdr : Encoding::unknown;
+  return is_hdr(bytes)    ? Encoding::hdr
+         : is_webp(bytes) ? Encoding::webp
+         : is_ktx2(bytes) ? Encoding::ktx2
+                          : Encoding::unknown;
 }
 
 uint32_t big_endian(std::span<const std::byte> bytes, size_t at, int count) {
@@ -96,7 +102,10 @@ bool can_hold(Encoding encoding, std::span<const std::byte> bytes, int width, in
 Expected<ImageInfo> read_head(std::span<const std::byte> encoded, const std::string& place) {
   const Encoding encoding = encoding_of(encoded);
   if (encoding == Encoding::hdr) return probe_hdr(encoded, place);
-  if (encoding == Encoding::unknown) return fail(ErrorKind::input, place, "is neither PNG, JPEG nor Radiance HDR");
+  if (encoding == Encoding::webp) return probe_webp(encoded, place);
+  if (encoding == Encoding::ktx2) return probe_ktx2(encoded, place);
+  if (encoding == Encoding::unknown)
+    return fail(ErrorKind::input, place, "is neither PNG, JPEG, WebP, KTX2 nor Radiance HDR");
   if (encoded.size() > size_t(INT_MAX)) return fail(ErrorKind::input, place, "is larger than 2 GiB");
   const auto* data = reinterpret_cast<const stbi_uc*>(encoded.data());
   ImageInfo info;
@@ -136,6 +145,8 @@ Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const st
   if (info->width > max_side || info->height > max_side)
     return fail(ErrorKind::input, place, "{}x{} pixels are more than {} on a side", info->width, info->height,
                 max_side);
+  if (encoding == Encoding::webp) return decode_webp(encoded, place);
+  if (encoding == Encoding::ktx2) return decode_ktx2(encoded, place);
   const std::string damage = encoding == Encoding::png ? check_png_chunks(encoded) : check_jpeg_markers(encoded);
   if (!damage.empty()) return fail(ErrorKind::input, place, "is damaged: {}", damage);
   if (!can_hold(encoding, encoded, info->width, info->height))

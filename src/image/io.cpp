@@ -9,10 +9,12 @@
 #include "image/environment_file.h"
 #include "image/exr.h"
 #include "image/hdr.h"
+#include "image/ktx2.h"
 #include "image/oiio.h"
 #include "image/png_text.h"
 #include "image/png_write.h"
 #include "image/prepare.h"
+#include "image/webp.h"
 
 namespace candela {
 namespace {
@@ -101,9 +103,9 @@ Expected<FloatImage> read_through_module(const std::filesystem::path& path) {
                           target.channels);
 }
 
-bool is_png_or_jpeg(std::span<const std::byte> bytes) {
-  return bytes.size() >= 3 &&
-         (std::memcmp(bytes.data(), "\x89PN", 3) == 0 || std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0);
+bool is_texture_format(std::span<const std::byte> bytes) {
+  const auto starts = [&](const char* with) { return bytes.size() >= 3 && std::memcmp(bytes.data(), with, 3) == 0; };
+  return starts("\x89PN") || starts("\xff\xd8\xff") || is_hdr(bytes) || is_webp(bytes) || is_ktx2(bytes);
 }
 
 Expected<DecodedImage> environment_from_exr(const FloatImage& image, const std::string& place) {
@@ -169,7 +171,7 @@ Expected<FloatImage> read_image(const std::filesystem::path& path) {
   auto bytes = read_file(path);
   if (!bytes) return std::unexpected(bytes.error());
   if (is_exr(*bytes)) return decode_exr(*bytes, path.string());
-  if (!is_png_or_jpeg(*bytes) && !is_hdr(*bytes)) return read_through_module(path);
+  if (!is_texture_format(*bytes)) return read_through_module(path);
   auto decoded = decode_image(*bytes, path.string(), max_exr_side);
   if (!decoded) return std::unexpected(decoded.error());
   return from_decoded(*decoded);

@@ -5,9 +5,9 @@
 #include "base/error.h"
 #include "image/image.h"
 
-// All file formats stop here. EXR goes through OpenEXR, encoded PNG, JPEG and HDR textures in memory through stb (the
-// decoder that tinygltf carries), PNG output is written here, every other format through OpenImageIO, which lives in a
-// module opened at first use.
+// All file formats stop here. EXR goes through OpenEXR, PNG and JPEG in memory through stb, WebP through libwebp; HDR
+// and KTX2 are decoded here and PNG output is written here; every other format goes through OpenImageIO, which lives in
+// a module opened at first use.
 namespace candela {
 
 enum class ExrCompression { none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab };
@@ -33,15 +33,17 @@ struct DecodedImage {
   int source_channels = 4;  // channels the file had: 1 grey, 2 grey+alpha, 3, 4
   std::vector<std::byte> pixels;
 };
+enum class Transfer : uint8_t { unsaid, linear, srgb };
 struct ImageInfo {
   int width = 0, height = 0, channels = 0, bits = 8;
+  Transfer transfer = Transfer::unsaid;  // what a KTX2 file says of its colours
 };
 // Reads only the header. `place` names the image in errors. Images of more than 2^24 pixels are refused when they have
 // more than 64 pixels for each byte of the file: a small file must not cost gigabytes. No photograph or painted texture
 // comes near; a single colour does.
 Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::string& place);
-// PNG, JPEG, (Radiance) HDR. Refuses what probe_image() refuses, sizes over max_side, and pixel counts that no file of
-// this length could encode.
+// PNG, JPEG, WebP, KTX2 (ETC1S, UASTC), (Radiance) HDR. Refuses what probe_image() refuses, sizes over max_side, and
+// pixel counts that no file of this length could encode.
 Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const std::string& place, int max_side = 16384);
 // An environment as rgba32f: equirectangular (.hdr or .exr), or six faces (cube_faces.h). Non-finite and negative
 // values become 0 with a warning.

@@ -27,7 +27,8 @@ Expected<const oiio::Table*> open_oiio(const std::string& place) {
   if (opened.table) return opened.table;
   return fail(
       ErrorKind::input, place,
-      "this picture is neither EXR, PNG, JPEG nor HDR: other formats need the module candela_oiio.so, which this "
+      "this picture is neither EXR, PNG, JPEG, WebP, KTX2 nor HDR: other formats need the module candela_oiio.so, "
+      "which this "
       "installation lacks or cannot open. Convert the picture to one of those, or install the Debian package of "
       "candela with libopenimageio2.4 ({})",
       opened.reason);

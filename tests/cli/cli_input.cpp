@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "image/io.h"
 #include "program.h"
@@ -45,6 +46,82 @@ TEST(NamedFiles, AreBelowTheScenesFolderOrAnAllowedOne) {
   const Ended suite = candela({"bench", folder / "scene/suite.json"});
   EXPECT_EQ(suite.code, 3) << suite.err;
   EXPECT_NE(suite.err.find("suite.json: /scenes/0: "), std::string::npos) << suite.err;
+}
+
+// A KTX2 texture gives the pictures that a PNG of its texels gives, in every renderer.
+TEST(Textures, OfKtx2GiveThePicturesOfTheirTexels) {
+  TestFolder folder;
+  const fs::path images = fs::path(CANDELA_SOURCE_DIR) / "tests/images";
+  for (const std::string name : {"uastc_modes", "etc1s_alpha"}) {
+    for (const std::string ending : {".png", ".ktx2"}) fs::copy(images / (name + ending), folder / (name + ending));
+    std::ofstream(folder / "png.gltf") << textured(name + ".png");
+    std::string packed = textured(name + ".ktx2");
+    const std::string plain = R"("textures":[{"source":0}])", core = R"("KHR_texture_transform"],)";
+    packed.replace(packed.find(plain), plain.size(),
+                   R"("textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}])");
+    packed.replace(packed.find(core), core.size(),
+                   R"("KHR_texture_transform","KHR_texture_basisu"],"extensionsRequired":["KHR_texture_basisu"],)");
+    std::ofstream(folder / "ktx2.gltf") << packed;
+    for (const std::string command : {"render", "reference"}) {
+      for (const std::string scene : {"png", "ktx2"}) {
+        const Ended ended =
+            candela({command, folder / (scene + ".gltf"), "--size", "48x48", "-o", folder / (scene + ".exr")});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+      }
+      const auto compared = candela({"compare", folder / "png.exr", folder / "ktx2.exr", "--limit", "rmse=0"});
+      EXPECT_EQ(compared.code, 0) << command << name << compared.out << compared.err;
+      for (const std::string scene : {"png", "ktx2"}) fs::remove(folder / (scene + ".exr"));
+    }
+  }
+}
+
+// The triangle is one of two unlit materials; facts says which there are and what is drawn.
+TEST(Variants, AreListedChosenAndRefusedByName) {
+  TestFolder folder;
+  const std::string file = folder / "shoe.gltf";
+  std::string text = textured("absent.png");
+  const auto replace = [&](const std::string& old, const std::string& with) {
+    ASSERT_NE(text.find(old), std::string::npos) << old;
+    text.replace(text.find(old), old.size(), with);
+  };
+  replace(R"("KHR_texture_transform"])", R"("KHR_texture_transform","KHR_materials_variants"])");
+  replace(R"("material":0})",
+          R"("material":0,"extensions":{"KHR_materials_variants":{"mappings":[{"material":1,"variants":[1]}]}}})");
+  replace(R"("materials":[)",
+          R"("extensions":{"KHR_materials_variants":{"variants":[{"name":"beach"},{"name":"street"}]}},"materials":[)");
+  replace(R"("extensions":{"KHR_materials_unlit":{}}}],)",
+          R"("extensions":{"KHR_materials_unlit":{}}},
+{"pbrMetallicRoughness":{"baseColorFactor":[0,0.5,0,1]},"extensions":{"KHR_materials_unlit":{}}}],)");
+  std::ofstream(file) << text;
+  const auto facts = [&](const Arguments& more) {
+    Arguments arguments = {"facts", file};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = candela(arguments);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return nlohmann::json::parse(ended.out, nullptr, false);
+  };
+  const auto plain = facts({}), street = facts({"--variant", "street"});
+  EXPECT_EQ(plain["variants"], (nlohmann::json{"beach", "street"}));
+  EXPECT_TRUE(plain["variant"].is_null());
+  EXPECT_EQ(plain["materials_used"], nlohmann::json{0});
+  EXPECT_EQ(street["variant"], "street");
+  EXPECT_EQ(street["materials_used"], nlohmann::json{1});
+  for (const auto& extension : plain["extensions"]) EXPECT_EQ(extension["support"], "supported") << extension["name"];
+  EXPECT_EQ(plain["extensions"].size(), 3u);
+  for (const std::string command : {"render", "reference"}) {
+    const std::string out = folder / (command + ".exr");
+    const Ended drawn = candela({command, file, "--size", "16x16", "--variant", "street", "-o", out});
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    const auto picture = read_image(out);
+    ASSERT_TRUE(picture);
+    float brightest = 0;
+    for (const float value : picture->find("G")->f) brightest = std::max(brightest, value);
+    EXPECT_NEAR(brightest, 0.5f, 0.001f) << command;
+  }
+  const Ended unknown = candela({"render", file, "--variant", "Street", "-o", folder / "a.png"});
+  EXPECT_EQ(unknown.code, 2) << unknown.err;
+  EXPECT_NE(unknown.err.find("'Street' is none of the file's variants: beach, street"), std::string::npos)
+      << unknown.err;
 }
 
 TEST(SpecialFiles, AreRefusedAtOnceAsAnyInput) {

@@ -8,7 +8,7 @@
 extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t most);
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  candela::fuzz::exercise_gltf(std::as_bytes(std::span(data, size)));
+  candela::fuzz::exercise(std::as_bytes(std::span(data, size)));
   return 0;
 }
 

@@ -15,6 +15,9 @@ runs() {  # PREFIX
   done
   "$program" make-scene unlit-box -o "$work/box.glb" --seed 1 2>/dev/null || broken "$1: make-scene"
   "$program" facts "$work/box.glb" >/dev/null || broken "$1: facts"
+  # Nothing is loaded for formats that the scene does not have, at the start or later.
+  said=$(LD_DEBUG=files "$program" facts "$work/box.glb" 2>&1 >/dev/null | grep -oE 'file=[^ ]*(webp|zstd|OpenImageIO|draco|glslang)[^ ]*' | sort -u) || true
+  [[ -z $said ]] || broken "$1: a plain scene loads $said"
 }
 
 holds() {  # PREFIX FILE...
@@ -26,7 +29,7 @@ everywhere=(bin/candela share/man/man1/candela.1 share/man/man1/candela-render.1
   share/fish/vendor_completions.d/candela.fish share/candela/schemas/look.schema.json share/doc/candela/README.md
   share/doc/candela/LICENSE share/doc/candela/copyright share/doc/candela/docs/look.md)
 if command -v dpkg-query >/dev/null; then
-  everywhere+=(share/doc/candela/licences/{libopenexr-dev,libtbb-dev,nlohmann-json3-dev,libcli11-dev,glslang-dev,libstdc++6,Apache-2.0}.txt)
+  everywhere+=(share/doc/candela/licences/{libopenexr-dev,libwebp-dev,libzstd-dev,libtbb-dev,nlohmann-json3-dev,libcli11-dev,glslang-dev,libstdc++6,Apache-2.0}.txt)
 fi
 
 cmake --install "$build" --prefix "$work/first" >/dev/null

@@ -16,6 +16,7 @@ Job rich_job() {
   job.width_px = 33, job.height_px = 17, job.samples = 1;
   job.quality = "exact";
   job.transparency = "weighted";
+  job.variant = "beach";
   job.settings = {{"cull", "enabled", "0"}, {"a", "b", "-1.5"}};
   job.sky = "sky.hdr";
   job.look = "look.json";
@@ -56,6 +57,7 @@ TEST(JobJson, RoundTripsEveryMember) {
   EXPECT_EQ(again.camera.eye->z, 1e6 + 0.1);
   EXPECT_EQ(again.exposure_ev, 0.1f);
   EXPECT_EQ(again.seed, UINT64_MAX);
+  EXPECT_EQ(again.variant, "beach");
   EXPECT_EQ(again.settings.size(), 2u);
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/files.h"
 #include "gltf_builder.h"
 #include "scene/scene_images.h"
 
@@ -140,14 +141,62 @@ TEST(GltfMaterials, MaterialsShareAMergedImage) {
 
 TEST(GltfMaterials, TexturesInOtherFormatsFallBackOrAreLeftOut) {
   GltfBuilder b = textured({{"emissiveTexture", {{"index", 0}}}, {"normalTexture", {{"index", 1}}}});
-  b.use("EXT_texture_webp");
-  b.json["textures"][0] = {{"extensions", {{"EXT_texture_webp", {{"source", 2}}}}}};
-  b.json["textures"][1]["extensions"]["EXT_texture_webp"]["source"] = 2;
+  b.use("MSFT_texture_dds");
+  b.json["textures"][0] = {{"extensions", {{"MSFT_texture_dds", {{"source", 2}}}}}};
+  b.json["textures"][1]["extensions"]["MSFT_texture_dds"]["source"] = 2;
   const Expected<Scene> scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
   EXPECT_FALSE(bool(scene->materials[0].emissive_texture));
   EXPECT_EQ(scene->materials[0].normal_texture.image, 1);
   EXPECT_TRUE(mentions(scene->warnings, "/materials/0/emissiveTexture"));
+}
+
+// The image of an extension that is read goes before `source`; without one `source` is shown. WebP loses less than
+// Basis Universal.
+TEST(GltfMaterials, TexturesShowTheImagesOfTheirExtensions) {
+  for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"}) {
+    GltfBuilder b = textured({{"emissiveTexture", {{"index", 0}}}, {"normalTexture", {{"index", 1}}}});
+    b.use(name, true);
+    b.json["textures"][0] = {{"extensions", {{name, {{"source", 2}}}}}};
+    b.json["textures"][1]["extensions"][name] = Json::object();
+    auto scene = b.load();
+    ASSERT_TRUE(scene) << scene.error().text();
+    EXPECT_EQ(scene->materials[0].emissive_texture.image, 2);
+    EXPECT_EQ(scene->materials[0].normal_texture.image, 1);
+    b.json["textures"][0]["source"] = 0;
+    b.json["textures"][1]["extensions"] = {{"KHR_texture_basisu", {{"source", 0}}},
+                                           {"EXT_texture_webp", {{"source", 2}}}};
+    scene = b.load();
+    ASSERT_TRUE(scene) << scene.error().text();
+    EXPECT_EQ(scene->materials[0].emissive_texture.image, 2);
+    EXPECT_EQ(scene->materials[0].normal_texture.image, 2);
+    b.json["textures"][0]["extensions"][name]["source"] = 9;
+    EXPECT_FALSE(b.load());
+  }
+}
+
+std::vector<std::byte> stored_image(const std::string& name) {
+  return *read_file(std::filesystem::path(CANDELA_SOURCE_DIR) / "tests/images" / name);
+}
+
+// Base colours are sRGB, normals are not: the use of a texture decides, and a KTX2 file that says otherwise is named.
+TEST(GltfMaterials, ColoursThatAFileCallsOtherwiseAreNamed) {
+  for (const bool colour : {true, false})
+    for (const int says : {1, 2}) {
+      GltfBuilder b = textured({{"normalTexture", {{"index", 1}}}});
+      if (colour) b.json["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 1}}}}}};
+      std::vector<std::byte> file = stored_image("uastc_modes.ktx2");
+      uint32_t format_at = 0;
+      std::memcpy(&format_at, file.data() + 48, 4);
+      file[format_at + 4 + 10] = std::byte(says);
+      b.json["images"][2] = {{"name", "paint"}, {"mimeType", "image/ktx2"}, {"bufferView", b.view(file)}};
+      b.use("KHR_texture_basisu");
+      b.json["textures"][1] = {{"extensions", {{"KHR_texture_basisu", {{"source", 2}}}}}};
+      const auto scene = b.load();
+      ASSERT_TRUE(scene) << scene.error().text();
+      EXPECT_EQ(mentions(scene->warnings, "/images/2 'paint': the file says"), colour == (says == 1)) << colour << says;
+      EXPECT_TRUE(decode_scene_image(*scene, 2)->warnings.empty());
+    }
 }
 
 TEST(GltfMaterials, MergedImagesDecodeToTheirChannels) {

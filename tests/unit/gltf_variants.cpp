@@ -34,12 +34,17 @@ TEST(GltfVariants, ChooseMaterials) {
   EXPECT_EQ(b.load()->variants, (std::vector<std::string>{"beach", "street", "bare"}));
 }
 
-TEST(GltfVariants, AreNamedWhereNoneIsChosen) {
-  const auto use = [](const Expected<Scene>& scene) { return scene->extensions.at(0); };
-  const GltfBuilder b = shoe();
-  EXPECT_EQ(use(b.load()).support, Support::approximated);
-  EXPECT_NE(use(b.load()).consequence.find("beach, street, bare"), std::string::npos) << use(b.load()).consequence;
-  EXPECT_EQ(use(b.load({LoadFor::raster, "beach"})).support, Support::supported);
+TEST(GltfVariants, AreSupportedByEveryRenderer) {
+  GltfBuilder b = shoe();
+  b.json["extensionsRequired"] = {"KHR_materials_variants"};
+  for (const LoadFor use : {LoadFor::raster, LoadFor::path_tracing}) {
+    const auto scene = b.load({use, "beach"});
+    ASSERT_TRUE(scene) << scene.error().text();
+    EXPECT_EQ(scene->extensions.at(0).support, Support::supported);
+    EXPECT_EQ(scene->variant, 0);
+    EXPECT_EQ(material_of(scene), 1);
+  }
+  EXPECT_EQ(b.load()->variant, -1);
 }
 
 TEST(GltfVariants, UnknownNamesAndBrokenMappingsAreRefused) {

@@ -91,8 +91,20 @@ TEST(Decode, SizesAreRefused) {
   }
 }
 
+std::vector<std::string> stored_files() {
+  std::vector<std::string> files;
+  for (const char* name :
+       {"uastc_modes.ktx2", "etc1s_alpha.ktx2", "etc1s_58x42.ktx2", "lossless.webp", "lossy_alpha.webp"}) {
+    const auto bytes = read_file(std::filesystem::path(CANDELA_SOURCE_DIR) / "tests/images" / name);
+    EXPECT_TRUE(bytes) << name;
+    if (bytes) files.emplace_back(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  }
+  return files;
+}
+
 TEST(Decode, EveryTruncationIsAnError) {
-  std::vector<std::string> files = {png(4, 4, 8, 2, std::string(4 * 13, '\0'))};
+  std::vector<std::string> files = stored_files();
+  files.push_back(png(4, 4, 8, 2, std::string(4 * 13, '\0')));
   files.push_back("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 9\n" + std::string("\2\2\0\x09", 4) +
                   std::string("\x89\x80\x89\x80\x89\x80\x89\x80", 8) + std::string("\2\2\0\x09", 4) +
                   std::string("\x89\x80\x89\x80\x89\x80\x89\x81", 8));
@@ -116,6 +128,7 @@ TEST(Decode, MutatedBytesNeverCrash) {
   std::vector<std::string> files = {png(8, 8, 8, 6, std::string(8 * 33, '\1')),
                                     png(5, 5, 4, 3, std::string(5 * 4, '\0'), chunk("PLTE", "abcdefghi")),
                                     "#?RGBE\n\n-Y 3 +X 2\n" + std::string(24, '\x80')};
+  for (std::string& file : stored_files()) files.push_back(std::move(file));
   if (const auto folder = assets / "khronos"; std::filesystem::exists(folder))
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
       if (entry.path().extension() == ".jpg" && entry.file_size() < 30000) {

@@ -85,8 +85,9 @@ void check_meshopt_view(Document& d, const Json& view, const std::string& view_p
   else if (mode == "TRIANGLES" && count % 3 != 0)
     d.findings.fatal("VALUE_MULTIPLE_OF", path + "/count", "mode TRIANGLES needs a multiple of 3 indices, got {}",
                      count);
-  // The densest coding: 2 bits for 16 bytes of an attribute, about one byte for a triangle.
-  else if (count * stride > 64 * packed_bytes + 4096)
+  // The densest coding: 2 bits for 16 bytes of an attribute, about one byte for a triangle; in KHR_ a byte for 4 bytes
+  // of each of 256 elements.
+  else if (count * stride > (name == std::string_view("KHR_meshopt_compression") ? 1024 : 64) * packed_bytes + 4096)
     d.findings.fatal("BUFFER_VIEW_TOO_LONG", path + "/byteLength", "{} bytes cannot hold {} compressed ones",
                      packed_bytes, count * stride);
 }

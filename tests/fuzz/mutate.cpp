@@ -9,9 +9,9 @@
 #include "exercise.h"
 #include "mutator.h"
 
-// Feeds the loader damaged glTF files: every truncation of every seed, then seeded mutations, so that two runs see the
-// same bytes. A crash fails the test; so does memory beyond a bound in proportion to the input. Usage: mutate_gltf
-// SEED_FOLDER DICTIONARY ITERATIONS [SEED]
+// Feeds a reader damaged files: every truncation of every seed, then seeded mutations, so that two runs see the same
+// bytes. A crash fails the test; so does memory beyond a bound in proportion to the input. Usage: mutate_gltf or
+// mutate_image SEED_FOLDER DICTIONARY ITERATIONS [SEED]
 
 namespace {
 std::atomic<size_t> live_bytes = 0, peak_bytes = 0;
@@ -60,8 +60,8 @@ std::vector<Bytes> read_words(const fs::path& path) {
 
 // What failed is written out, to be made a test of its own.
 [[noreturn]] void report(const Bytes& input, const std::string& what) {
-  std::ofstream("mutate_gltf.failed", std::ios::binary) << input;
-  fmt::print(stderr, "{}; the input of {} bytes is in mutate_gltf.failed\n", what, input.size());
+  std::ofstream("mutate.failed", std::ios::binary) << input;
+  fmt::print(stderr, "{}; the input of {} bytes is in mutate.failed\n", what, input.size());
   std::exit(1);
 }
 
@@ -69,7 +69,7 @@ std::vector<Bytes> read_words(const fs::path& path) {
 bool run(const Bytes& input) {
   const size_t before = live_bytes, bound = (size_t(96) << 20) + 1024 * input.size();
   peak_bytes = before;
-  const bool loaded = candela::fuzz::exercise_gltf(std::as_bytes(std::span(input.data(), input.size())));
+  const bool loaded = candela::fuzz::exercise(std::as_bytes(std::span(input.data(), input.size())));
   if (peak_bytes - before > bound)
     report(input, fmt::format("{} bytes of memory, the bound is {}", peak_bytes - before, bound));
   return loaded;
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
         report(seed.substr(0, n), "a truncated file loaded");
   for (const size_t count = seeds.size(); seeds.size() < 2 * count;) {
     const Bytes& seed = seeds[seeds.size() - count];
-    seeds.push_back(seed.starts_with("glTF") ? seed : candela::fuzz::as_glb(seed));
+    seeds.push_back(seed.starts_with('{') ? candela::fuzz::as_glb(seed) : seed);
   }
 
   candela::fuzz::Mutator mutator(seeds, read_words(argv[2]), argc > 4 ? uint32_t(std::stoul(argv[4])) : 1);

@@ -7,7 +7,7 @@
 
 namespace candela::fuzz {
 
-bool exercise_gltf(std::span<const std::byte> bytes) {
+bool exercise(std::span<const std::byte> bytes) {
   const Expected<Scene> scene = load_gltf_from_memory(bytes, "input.gltf", "no-such-folder", LoadFor::path_tracing);
   if (!scene) return false;
   const Expected<AnimationChoice> all = choose_animations(*scene, "all");

@@ -11,6 +11,7 @@ is W/(sr m^2), for nits. That is the importer's "unitless" mode (convert_lightin
 """
 import argparse
 import json
+import math
 import pathlib
 import sys
 
@@ -55,13 +56,90 @@ def front_only(tree, socket):
     return mix.outputs[0]
 
 
+def mixed(tree, share, first, second):
+    """(1 - share) first + share second; share: a number or a socket."""
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    if isinstance(share, (int, float)):
+        mix.inputs[0].default_value = share
+    else:
+        tree.links.new(share, mix.inputs[0])
+    tree.links.new(first, mix.inputs[1])
+    tree.links.new(second, mix.inputs[2])
+    return mix.outputs[0]
+
+
+def number(tree, operation, *values):
+    node = tree.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    for i, value in enumerate(values):
+        if isinstance(value, (int, float)):
+            node.inputs[i].default_value = value
+        else:
+            tree.links.new(value, node.inputs[i])
+    return node.outputs[0]
+
+
+def glossy(tree, roughness):
+    node = tree.nodes.new("ShaderNodeBsdfGlossy")
+    node.distribution = "GGX" if roughness > 0 else "SHARP"
+    node.inputs["Color"].default_value = [1, 1, 1, 1]
+    node.inputs["Roughness"].default_value = roughness
+    return node.outputs[0]
+
+
+def schlick(tree, factor):
+    """factor (0.04 + 0.96 (1 - |n.v|)^5): what a clear coat takes."""
+    facing = tree.nodes.new("ShaderNodeLayerWeight")
+    facing.inputs["Blend"].default_value = 0.5  # "Facing" is then 1 - |n.v|
+    grazing = number(tree, "POWER", facing.outputs["Facing"], 5.0)
+    return number(tree, "MULTIPLY", number(tree, "MULTIPLY_ADD", grazing, 0.96, 0.04), factor)
+
+
+def build_glass(tree, base, source):
+    """A body: Cycles' glass, and what it absorbs. A sheet: a mirror and a hole by the Fresnel equations, alike from either side."""
+    extensions, roughness = source["extensions"], source["pbrMetallicRoughness"]["roughnessFactor"]
+    ior = extensions["KHR_materials_ior"]["ior"]
+    body = extensions.get("KHR_materials_volume")
+    if not body:
+        assert roughness == 0
+        fresnel, hole, geometry = (tree.nodes.new(n) for n in ("ShaderNodeFresnel", "ShaderNodeBsdfTransparent", "ShaderNodeNewGeometry"))
+        # On back faces the node turns the index over: ior there is 1 / ior.
+        tree.links.new(number(tree, "MULTIPLY_ADD", geometry.outputs["Backfacing"], 1 / ior - ior, ior), fresnel.inputs["IOR"])
+        tree.links.new(base, hole.inputs["Color"])
+        return mixed(tree, fresnel.outputs[0], hole.outputs[0], glossy(tree, 0)), None
+    surface, volume = tree.nodes.new("ShaderNodeBsdfGlass"), tree.nodes.new("ShaderNodeVolumeAbsorption")
+    surface.distribution = "GGX" if roughness > 0 else "SHARP"
+    surface.inputs["Roughness"].default_value = roughness
+    surface.inputs["IOR"].default_value = ior
+    tree.links.new(base, surface.inputs["Color"])
+    per_m = [-math.log(c) / body["attenuationDistance"] for c in body["attenuationColor"]]
+    volume.inputs["Density"].default_value = max(per_m)
+    volume.inputs["Color"].default_value = [*(1 - x / max(per_m) for x in per_m), 1]
+    return surface.outputs[0], volume.outputs[0]
+
+
+def build_brushed(tree, roughness, strength):
+    """Widths in Cycles: a = alpha (1 - x) along the tangent and b = alpha / (1 - x) across it. In glTF the rougher way is along."""
+    across = roughness**2
+    along = across + (1 - across) * strength**2
+    surface, tangent = tree.nodes.new("ShaderNodeBsdfAnisotropic"), tree.nodes.new("ShaderNodeTangent")
+    surface.distribution = "MULTI_GGX"
+    surface.inputs["Color"].default_value = [1, 1, 1, 1]
+    surface.inputs["Roughness"].default_value = math.sqrt(math.sqrt(along * across))
+    surface.inputs["Anisotropy"].default_value = 1 - math.sqrt(across / along)
+    surface.inputs["Rotation"].default_value = 0.25  # a quarter turn: Cycles' rougher way is across
+    tangent.direction_type, tangent.uv_map = "UV_MAP", "UVMap"
+    tree.links.new(tangent.outputs[0], surface.inputs["Tangent"])
+    return surface.outputs[0]
+
+
 def build_material(material, gltf, folder, images, prefix):
     """Nodes for what the file says: diffuse, or a metal of base colour 1; plus emission from the front."""
     source = next(m for m in gltf["materials"] if m["name"] == material.name)
     pbr = source["pbrMetallicRoughness"]
     extensions = source.get("extensions", {})
-    is_metal = pbr["metallicFactor"] == 1
-    assert is_metal or (pbr["metallicFactor"] == 0 and extensions["KHR_materials_specular"]["specularFactor"] == 0), material.name
+    is_metal, is_glass = pbr["metallicFactor"] == 1, "KHR_materials_transmission" in extensions
+    assert is_metal or is_glass or (pbr["metallicFactor"] == 0 and extensions["KHR_materials_specular"]["specularFactor"] == 0), material.name
     texture = None
     if "baseColorTexture" in pbr:
         assert pbr["baseColorTexture"].get("texCoord", 0) == 0
@@ -86,15 +164,30 @@ def build_material(material, gltf, folder, images, prefix):
         tree.links.new(image.outputs[0], product.inputs[1])
         tree.links.new(base, product.inputs[2])
         base = product.outputs[0]
-    if is_metal:
+    volume = None
+    if is_glass:
+        out, volume = build_glass(tree, base, source)
+    elif is_metal and "KHR_materials_anisotropy" in extensions:
+        assert factor[:3] == [1, 1, 1] and not texture
+        out = build_brushed(tree, pbr["roughnessFactor"], extensions["KHR_materials_anisotropy"]["anisotropyStrength"])
+    elif is_metal:
         assert factor[:3] == [1, 1, 1] and not texture
         surface = tree.nodes.new("ShaderNodeBsdfGlossy")
         surface.distribution = "MULTI_GGX"  # keeps what bounces on between facets, as candela does
         surface.inputs["Roughness"].default_value = pbr["roughnessFactor"]  # alpha is its square, as in glTF
+        tree.links.new(base, surface.inputs["Color"])
+        out = surface.outputs[0]
     else:
         surface = tree.nodes.new("ShaderNodeBsdfDiffuse")  # roughness 0: Lambert
-    tree.links.new(base, surface.inputs["Color"])
-    out = surface.outputs[0]
+        tree.links.new(base, surface.inputs["Color"])
+        out = surface.outputs[0]
+        if "KHR_materials_diffuse_transmission" in extensions:
+            leaf, behind = extensions["KHR_materials_diffuse_transmission"], tree.nodes.new("ShaderNodeBsdfTranslucent")
+            behind.inputs["Color"].default_value = [*leaf["diffuseTransmissionColorFactor"], 1]
+            out = mixed(tree, leaf["diffuseTransmissionFactor"], out, behind.outputs[0])
+        if "KHR_materials_clearcoat" in extensions:
+            coat = extensions["KHR_materials_clearcoat"]
+            out = mixed(tree, schlick(tree, coat["clearcoatFactor"]), out, glossy(tree, coat["clearcoatRoughnessFactor"]))
     emitted = source.get("emissiveFactor")
     if emitted:
         assert "emissiveTexture" not in source
@@ -114,6 +207,8 @@ def build_material(material, gltf, folder, images, prefix):
         out = front_only(tree, out)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(out, output.inputs["Surface"])
+    if volume:
+        tree.links.new(volume, output.inputs["Volume"])
 
 
 def build_world(scene, sky):

@@ -5,6 +5,11 @@ the specular lobe without taking its share from the diffuse one, which is Burley
 maskings where glTF's is height-correlated. Equal are: a diffuse surface (glTF: KHR_materials_specular with factor 0, not metallic; the
 layer of f0 = f90 = 0 takes nothing), emission, and a metal of base colour 1, whose Schlick Fresnel is 1 at every angle, as far as
 masking does not matter (alpha 0.09: the two differ by the product of the directions' Lambda, 4e-6 at 45 degrees, 4e-3 at 80).
+
+Of the Khronos extensions: glass bodies, smooth and rough (both have the exact Fresnel equations), with absorption; sheets, as a mix of
+a mirror and a hole by the Fresnel equations; a clear coat, as a mix of a white GGX lobe and a diffuse base by Schlick's term at the
+coat's normal, which is what its extension says; diffuse transmission, as a translucent share; a white metal whose facets are stretched
+along the texture's U. Not: sheen (Cycles 3.4 has velvet of another distribution, and no albedo scaling), iridescence, dispersion.
 """
 import base64
 import json
@@ -49,14 +54,45 @@ def metal(name, roughness):
     return {"name": name, "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 1, "roughnessFactor": roughness}}
 
 
+def lobe(name, **extensions):
+    """Diffuse but for the extensions."""
+    made = diffuse(name, [0.6, 0.25, 0.1])
+    made["extensions"].update({f"KHR_materials_{k}": v for k, v in extensions.items()})
+    return made
+
+
+def glass(name, roughness, body, color=(1, 1, 1)):
+    made = {"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*color, 1], "metallicFactor": 0, "roughnessFactor": roughness},
+            "doubleSided": True,
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.5}}}
+    if body:
+        made["extensions"]["KHR_materials_volume"] = {"thicknessFactor": 1, "attenuationDistance": 0.2, "attenuationColor": [0.9, 0.5, 0.3]}
+    return made
+
+
+# The tall block of the Cornell box.
+LOBES = {
+    "coat": ("diffuse under a clear coat of roughness 0.3",
+             lobe("tall block", clearcoat={"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.3})),
+    "leaf": ("transmits 60 % of its light diffusely", lobe("tall block", diffuse_transmission={
+        "diffuseTransmissionFactor": 0.6, "diffuseTransmissionColorFactor": [0.3, 0.7, 0.2]}) | {"doubleSided": True}),
+    "sheet": ("sheets of smooth tinted glass", glass("tall block", 0, False, (0.6, 0.8, 0.9))),
+    "glass": ("a body of smooth glass that absorbs", glass("tall block", 0, True)),
+    "frosted": ("a body of glass of roughness 0.3 that absorbs", glass("tall block", 0.3, True)),
+    "brushed": ("a white metal of roughness 0.3, stretched to alpha 0.25 across",
+                metal("tall block", 0.3) | {"extensions": {"KHR_materials_anisotropy": {
+                    "anisotropyStrength": math.sqrt((0.25 - 0.09) / (1 - 0.09)), "anisotropyRotation": 0}}}),
+}
+
+
 def lamp(name, nits):
     strength = max(nits)
     return {**diffuse(name, [0.78, 0.78, 0.78]), "emissiveFactor": [x / strength for x in nits],
             "extensions": {"KHR_materials_specular": {"specularFactor": 0}, "KHR_materials_emissive_strength": {"emissiveStrength": strength}}}
 
 
-def add_triangles(gltf, name, triangles, material):
-    """Without normals, which both renderers then take from the triangles."""
+def add_triangles(gltf, name, triangles, material, uv=None):
+    """Without normals, which both renderers then take from the triangles. uv: of the three corners of each."""
     points = [p for t in triangles for p in t]
     data = b"".join(struct.pack("<3f", *p) for p in points)
     gltf.setdefault("buffers", []).append({"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()})
@@ -65,8 +101,14 @@ def add_triangles(gltf, name, triangles, material):
     gltf.setdefault("accessors", []).append({
         "bufferView": len(gltf["bufferViews"]) - 1, "componentType": 5126, "count": len(points), "type": "VEC3",
         "min": [min(p[i] for p in rounded) for i in range(3)], "max": [max(p[i] for p in rounded) for i in range(3)]})
-    gltf.setdefault("meshes", []).append(
-        {"name": name, "primitives": [{"attributes": {"POSITION": len(gltf["accessors"]) - 1}, "material": material}]})
+    attributes = {"POSITION": len(gltf["accessors"]) - 1}
+    if uv:
+        data = b"".join(struct.pack("<2f", *p) for t in uv for p in t)
+        gltf["buffers"].append({"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()})
+        gltf["bufferViews"].append({"buffer": len(gltf["buffers"]) - 1, "byteLength": len(data)})
+        gltf["accessors"].append({"bufferView": len(gltf["bufferViews"]) - 1, "componentType": 5126, "count": len(points), "type": "VEC2"})
+        attributes["TEXCOORD_0"] = len(gltf["accessors"]) - 1
+    gltf.setdefault("meshes", []).append({"name": name, "primitives": [{"attributes": attributes, "material": material}]})
     add_node(gltf, {"name": name, "mesh": len(gltf["meshes"]) - 1})
 
 
@@ -99,12 +141,15 @@ def cornell(file, tall_block=None):
     of = {"white": 0, "short block": 0, "red": 1, "green": 2, "lamp": 3, "tall block": 4}
     for name, quads in CORNELL.items():
         corners = [[tuple(x / 1000 for x in p) for p in q] for q in quads]
-        add_triangles(gltf, name, [t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))], of[name])
+        square = ((0, 0), (1, 0), (1, 1), (0, 1))
+        add_triangles(gltf, name, [t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))], of[name],
+                      [t for a, b, c, d in [square] * len(corners) for t in ((a, b, c), (a, c, d))])
     add_camera(gltf, 2 * math.atan(0.0125 / 0.035), translation=[0.278, 0.273, -0.8], rotation=[0, 1, 0, 0])
     # candela lights a file without lights by a neutral one; a dark light keeps that away, so that the lamp is all there is.
     gltf["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 0}]}}
     add_node(gltf, {"name": "none", "extensions": {"KHR_lights_punctual": {"light": 0}}})
-    uses(gltf, "KHR_materials_specular", "KHR_materials_emissive_strength", "KHR_lights_punctual")
+    uses(gltf, "KHR_materials_specular", "KHR_materials_emissive_strength", "KHR_lights_punctual",
+         *(e for m in gltf["materials"] for e in m.get("extensions", {})))
     file.write_text(json.dumps(gltf, indent=1))
 
 
@@ -262,6 +307,9 @@ def write_scenes(folder, assets, candela=None):
         "cornell": {"size": "160x160", "text": "Cornell box, diffuse, one emissive quad"},
         "cornell-metal": {"size": "160x160", "text": "the tall block a white metal of roughness 0.3"},
     }
+    for name, (text, material) in LOBES.items():
+        cornell(folder / f"cornell-{name}.gltf", material)
+        scenes[f"cornell-{name}"] = {"size": "120x120", "text": f"the tall block {text}"}
     if (assets / "khronos/CesiumMilkTruck").is_dir():
         truck(folder / "truck-lights.gltf", assets, True)
         truck(folder / "truck-sky.gltf", assets, False)

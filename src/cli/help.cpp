@@ -32,7 +32,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
       {"Film", {"video", "audio", "resume", "cache", "in-flight", "encoders", "shard", "record"}},
       {"Tracing",
        {"mode", "spp", "seconds", "noise", "sampler", "bvh", "visibility", "ambient", "ambient-distance", "bounces",
-        "fog-steps", "fog-lights", "threads", "state"}},
+        "fog-steps", "fog-lights", "footprints", "threads", "state"}},
       {"Measuring", {"timings", "trace", "overlap", "check-determinism"}},
       {"Device", {"device", "devices", "queues", "timeout", "validate", "shader-dir"}},
       {"Input", {"allow-path", "decode-budget-mb", "strict", "allow-blank", "config"}},

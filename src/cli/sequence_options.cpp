@@ -71,10 +71,11 @@ Expected<Job> traced_job(const JobOptions& o) {
 
 Expected<FilmJob> film_job(const CLI::App& command, const SequenceOptions& o) {
   if (o.job.technique != traced_technique) {
-    if (auto good = refuse(command,
-                           {"--mode", "--spp", "--noise", "--sampler", "--bvh", "--visibility", "--ambient",
-                            "--ambient-distance", "--bounces", "--fog-steps", "--fog-lights", "--threads"},
-                           "says how --technique reference traces; other techniques have none of it");
+    if (auto good =
+            refuse(command,
+                   {"--mode", "--spp", "--noise", "--sampler", "--bvh", "--visibility", "--ambient",
+                    "--ambient-distance", "--bounces", "--fog-steps", "--fog-lights", "--footprints", "--threads"},
+                   "says how --technique reference traces; other techniques have none of it");
         !good)
       return std::unexpected(good.error());
     const auto job = job_of(o.job);

@@ -77,6 +77,7 @@ Expected<TraceRequest> trace_request(const TraceOptions& o, const Job& job) {
   request.settings.ambient = *ambient;
   if (o.ambient_distance_m > 0) request.settings.ambient_distance_m = o.ambient_distance_m;
   request.settings.most_bounces = o.bounces;
+  request.settings.footprints = o.footprints;
   if (job.look.empty())
     request.settings.fog_steps = 0;
   else if (o.fog_steps)
@@ -146,6 +147,9 @@ void add_trace_options(CLI::App& command, TraceOptions& o) {
                       "many, {} where nothing is given; 0: each has its own; the mean is right for any",
                       reference::TraceSettings{}.fog_lights))
       ->type_name("N");
+  command.add_flag("--footprints", o.footprints,
+                   "What the camera sees has the means of its colour textures over each sample's part of the pixel, "
+                   "instead of their values at points");
   command.add_option("--threads", o.threads, "Threads; 0: all. Changes no byte")->capture_default_str()->type_name("N");
 }
 

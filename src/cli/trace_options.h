@@ -10,6 +10,7 @@ struct TraceOptions {
   uint64_t spp = 0;
   double seconds = 0, noise = 0, ambient_distance_m = 0;
   int bounces = 0, threads = 0;
+  bool footprints = false;
   std::optional<int> fog_steps, fog_lights;
   std::vector<std::string> settings;  // of trees: bvh.NAME=VALUE
 };

@@ -122,10 +122,17 @@ glm::dvec3 refracted(glm::dvec3 v, glm::dvec3 h, double eta) {
 
 // Mirrors and windows under an interpolated normal may point to the wrong side of the triangle; then its own normal
 // counts.
+glm::dvec3 mirror_facet(const Surface& s, glm::dvec3 v) {
+  const glm::dvec3 l = 2 * glm::dot(v, s.normal) * s.normal - v;
+  return glm::dot(s.geometric, l) > 0 ? s.normal : s.geometric;
+}
+glm::dvec3 window_facet(const Surface& s, glm::dvec3 v) {
+  return glm::dot(s.geometric, refracted(v, s.normal, s.eta)) < 0 ? s.normal : s.geometric;
+}
 BsdfSample mirrored(const Surface& s, glm::dvec3 v) {
   BsdfSample out;
-  out.l = 2 * glm::dot(v, s.normal) * s.normal - v;
-  if (!(glm::dot(s.geometric, out.l) > 0)) out.l = 2 * glm::dot(v, s.geometric) * s.geometric - v;
+  const glm::dvec3 h = mirror_facet(s, v);
+  out.l = 2 * glm::dot(v, h) * h - v;
   return out;
 }
 BsdfSample window(const Surface& s, glm::dvec3 v) {
@@ -136,8 +143,7 @@ BsdfSample window(const Surface& s, glm::dvec3 v) {
     out.l = -v;
     return out;
   }
-  out.l = refracted(v, s.normal, s.eta);
-  if (!(glm::dot(s.geometric, out.l) < 0)) out.l = refracted(v, s.geometric, s.eta);
+  out.l = refracted(v, window_facet(s, v), s.eta);
   return out;
 }
 
@@ -290,6 +296,17 @@ glm::dvec3 straight_share(const Surface& s, glm::dvec3 v) {
   if (!is_straight(s)) return glm::dvec3(0);
   const glm::dvec3 through = shares_at(s, glm::dot(s.normal, v)).through;
   return s.lobes ? through * share_under(s, -v, v) : through;
+}
+
+std::optional<Bend> bent(const Surface& s, glm::dvec3 v) {
+  if (!s.glass || !s.glass->body || !(is_smooth(s) || is_straight(s)) || !(glm::dot(s.normal, v) > 0)) return {};
+  const Shares shares = shares_at(s, glm::dot(s.normal, v));
+  const bool total = s.glass->ior != 0 && fresnel(glm::dot(s.normal, v), s.eta) >= 1;
+  const BsdfSample way = total ? mirrored(s, v) : window(s, v);
+  Bend out{way.l, total ? shares.reflected : shares.through / (s.eta * s.eta),
+           total ? mirror_facet(s, v) : window_facet(s, v), !total};
+  if (s.lobes) out.weight *= share_under(s, out.l, v);
+  return out;
 }
 
 bool is_open(const Surface& s, glm::dvec3 l) {

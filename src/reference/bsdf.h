@@ -33,6 +33,15 @@ bool is_straight(const Surface& s);
 // The share of it, seen from v.
 glm::dvec3 straight_share(const Surface& s, glm::dvec3 v);
 
+// What becomes of a ray at a smooth surface that bounds a body: it goes on behind it, or where no light gets there, is
+// reflected. weight: all that goes that way, for radiance. Nothing where the surface scatters light.
+struct Bend {
+  glm::dvec3 l{0}, weight{0};
+  glm::dvec3 facet{0};  // unit, on the side of v: the normal at which the ray turns
+  bool through = false;
+};
+std::optional<Bend> bent(const Surface& s, glm::dvec3 v);
+
 // f(l, v) |n.l|, 1/sr, of all lobes that have a density. For radiance: what comes from a medium of another index is
 // scaled by the square of their ratio. punctual: mirrors show the light as a surface of least_roughness does, for
 // nothing else can.

@@ -96,6 +96,14 @@ PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream
   return out;
 }
 
+std::optional<RayDifferential> Integrator::footprint() const {
+  if (!settings_.footprints) return {};
+  RayDifferential steps = world_.camera_steps(width_px_, height_px_);
+  const glm::ivec2 grid = grid_of(settings_.sampler.spp);
+  for (int i = 0; i < 2; ++i) steps.place[i] /= grid[i], steps.direction[i] /= grid[i];
+  return steps;
+}
+
 PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
   PixelSample out;
   const Ray ray = rounded(camera);
@@ -106,8 +114,9 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   std::optional<Hit> hit = next_surface(world_, ray, true, nullptr, &counts);
   // Front to back: each surface covers what the ones before left open.
   bool opaque_met = false;
+  const std::optional<RayDifferential> part = footprint();
   for (int layer = 0; hit && layer < most_layers && through > 0; ++layer) {
-    Surface s = world_.surface(*hit, camera.origin, camera.direction);
+    Surface s = world_.surface(*hit, camera.origin, camera.direction, part ? &*part : nullptr);
     if (settings_.lifted != 0) {
       s.position += settings_.lifted * glm::distance(s.position, camera.origin) * s.geometric;
       to_viewer = glm::normalize(camera.origin - s.position);

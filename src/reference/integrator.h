@@ -33,6 +33,8 @@ struct TraceSettings {
   int most_bounces = 0;   // path: 0 as many as Russian roulette leaves
   bool lamp_rays = true;  // path: bounces are made from lamps as well (lamp_paths.cpp); else for tests
   Strategy strategy = Strategy::both;
+  // What the camera sees has the means of its colour textures over the part of the pixel that is a sample's own.
+  bool footprints = false;
   int fog_steps = 16;  // direct: points on a ray at which each light's way through fog is followed (fog_march.cpp)
   // direct: where more point lights and spots than these reach a ray through fog, they share the points of so many;
   // 0: each has its own.
@@ -196,6 +198,11 @@ class Integrator {
   // How often that makes the path from `from` by way of this surface to the lamp, its light coming from l, over how
   // often the path's own bounce came to the surface.
   double lamp_rays(const Departure& from, glm::dvec3 position, glm::dvec3 geometric, uint32_t lamp, glm::dvec3 l) const;
+  // refracted_lamps.cpp: light of lamps without a size that bodies of smooth glass bend towards a surface; that of one.
+  glm::dvec3 by_bodies(const Surface& s, const SurfacePoint& point, glm::dvec3 v, int bounce,
+                       SampleStream stream) const;
+  glm::dvec3 through_bodies(const PunctualLight& light, const Surface& s, const SurfacePoint& point, glm::dvec3 v,
+                            int most_walls_left, SampleStream stream) const;
   static bool survives(double u, int bounce, glm::dvec3& through, double compressed = 1);  // Russian roulette
 
   // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and
@@ -213,6 +220,9 @@ class Integrator {
                        SampleStream& stream) const;
   // Each light at a point a place of its own, as even as the first (the R2 sequence's steps).
   static glm::dvec2 own_place(glm::dvec2 first, size_t light);
+
+  // Of a camera ray over a sample's part of the pixel; nothing where textures are read at points.
+  std::optional<RayDifferential> footprint() const;
 
   const World& world_;
   TraceSettings settings_;

@@ -12,6 +12,7 @@ constexpr int roulette_after = 4;
 constexpr int shadowed_bounces =
     1;  // surfaces at which each light that is chosen gets a shadow ray: what the camera sees
 constexpr uint32_t first_lamp_dimension = 1u << 24;
+constexpr uint32_t first_body_dimension = 1u << 25, body_dimensions_a_bounce = 1u << 16;
 constexpr uint32_t dimensions_a_bounce = 16, first_alpha_dimension = 1u << 20;
 constexpr int most_events = 1 << 16;  // of one path: no end of a loop must hang on arithmetic
 
@@ -199,11 +200,12 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     out.radiance += light;
     if (terms && !in_fog) (*terms)[term] += light;
   };
+  const std::optional<RayDifferential> part = footprint();
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
     const std::optional<Hit> hit =
         next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? &counts : nullptr);
-    Surface s = hit ? world_.surface(*hit, origin, direction) : Surface{};
+    Surface s = hit ? world_.surface(*hit, origin, direction, first && part ? &*part : nullptr) : Surface{};
     const glm::dvec3 v = -glm::normalize(direction);
     const double here_m = hit ? glm::dot(s.position - origin, -v) : endless;
     const bool in_body = way.in_body();
@@ -320,6 +322,11 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
         out.radiance += light, terms->add(own, through);
       else
         gain(Term::indirect, light);
+      if (world_.bends_lamps()) {
+        SampleStream apart = stream;
+        apart.start(first_body_dimension + shaded * body_dimensions_a_bounce);
+        gain(Term::indirect, through * by_bodies(s, point, v, bounce, apart));
+      }
     }
     if (divided) {
       terms->shadow = sun_visibility(s, point, stream.next2());

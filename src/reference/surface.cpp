@@ -61,16 +61,31 @@ glm::dvec4 World::fetch(const Texture* texture, const TextureSlot& slot, const V
                          input_.scene.samplers[size_t(slot.sampler)]);
 }
 
+glm::dvec4 World::fetch_colour(const Texture* texture, const TextureSlot& slot, const Vertex& v,
+                               bool premultiplied) const {
+  if (!v.uv_sides) return fetch(texture, slot, v);
+  const size_t set = slot.uv_set == 1 ? 1 : 0;
+  const glm::dvec2 uv = transformed_uv(slot, v.uv[set]);
+  glm::dvec2 sides[2];
+  for (size_t i = 0; i < 2; ++i) sides[i] = transformed_uv(slot, v.uv[set] + (*v.uv_sides)[set][i]) - uv;
+  return texture->mean(uv, sides, input_.scene.samplers[size_t(slot.sampler)], premultiplied);
+}
+
 glm::dvec4 World::base_color(const TracedMaterial& m, const Vertex& v) const {
   glm::dvec4 c = glm::dvec4(m.material.base_color) * v.color;
-  if (m.base) c *= fetch(m.base, m.material.base_color_texture, v);
+  // What a mask cuts out is not linear in it: there the colour is the point's.
+  const AlphaMode mode = m.material.alpha_mode;
+  if (m.base && mode == AlphaMode::mask) c *= fetch(m.base, m.material.base_color_texture, v);
+  if (m.base && mode != AlphaMode::mask)
+    c *= fetch_colour(m.base, m.material.base_color_texture, v, mode == AlphaMode::blend);
   return c;
 }
 
 glm::dvec3 World::emission_at(const TracedMaterial& m, const Vertex& v) const {
   if (m.material.unlit) return glm::dvec3(0);
   glm::dvec3 e = glm::dvec3(m.material.emissive) * double(m.material.emissive_strength);
-  if (m.emissive && e != glm::dvec3(0)) e *= glm::dvec3(fetch(m.emissive, m.material.emissive_texture, v));
+  if (m.emissive && e != glm::dvec3(0))
+    e *= glm::dvec3(fetch_colour(m.emissive, m.material.emissive_texture, v, false));
   return e;
 }
 
@@ -79,6 +94,30 @@ glm::dvec3 World::mapped_normal(const Texture* map, const TextureSlot& slot, dou
   const glm::dvec3 n = (glm::dvec3(fetch(map, slot, v)) * 2.0 - 1.0) * glm::dvec3(scale, scale, 1);
   const glm::dvec3 tangent(v.tangent), bitangent = v.tangent.w * glm::cross(v.normal, tangent);
   return n.x * tangent + n.y * bitangent + n.z * v.normal;
+}
+
+glm::dvec3 World::normal_at(const TracedMaterial& t, const Vertex& v, bool back, glm::dvec3 to_viewer) const {
+  const glm::dvec3 n = unit_or_zero(mapped_normal(t.normal, t.material.normal_texture, t.material.normal_scale, v));
+  // The whole frame turns over on back faces (glTF 3.9.6).
+  return n == glm::dvec3(0) ? to_viewer : back ? -n : n;
+}
+
+std::array<glm::dvec3, 2> World::turn(const Hit& hit, glm::dvec2 b, glm::dvec3 to_viewer) const {
+  // Central differences: a step that keeps ten digits, of both their errors.
+  constexpr double step = 1e-5;
+  const TracedItem& item = items_[hit.item];
+  const PosedTriangle triangle = accel_.triangle(hit.item, hit.primitive);
+  const auto normal = [&](glm::dvec2 at) {
+    const Vertex v = vertex_at(item, triangle.vertex, {1 - at.x - at.y, at.x, at.y});
+    return normal_at(*item.material, v, hit.back, to_viewer);
+  };
+  std::array<glm::dvec3, 2> out;
+  for (int i = 0; i < 2; ++i) {
+    glm::dvec2 aside(0);
+    aside[i] = step;
+    out[size_t(i)] = (normal(b + aside) - normal(b - aside)) / (2 * step);
+  }
+  return out;
 }
 
 std::optional<Lobes> World::lobes_at(const TracedMaterial& t, const Vertex& v, glm::dvec3 normal, glm::dvec3 to_viewer,
@@ -161,9 +200,18 @@ glm::dvec2 World::weights(const Hit& hit, glm::dvec3 origin, glm::dvec3 directio
   return barycentrics_of(accel_.triangle(hit.item, hit.primitive).position, hit, origin, direction);
 }
 
-Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const {
+Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, const RayDifferential* beside) const {
   const glm::dvec2 b = weights(hit, origin, direction);
-  return surface_at(hit.item, hit.primitive, b, hit.back, -glm::normalize(direction));
+  const glm::dvec3 to_viewer = -glm::normalize(direction);
+  if (!beside) return surface_at(hit.item, hit.primitive, b, hit.back, to_viewer);
+  const PosedTriangle triangle = accel_.triangle(hit.item, hit.primitive);
+  const glm::dvec3 p0(triangle.position[0]), e1 = glm::dvec3(triangle.position[1]) - p0,
+                                             e2 = glm::dvec3(triangle.position[2]) - p0;
+  RayDifferential there = *beside;
+  const double distance = glm::dot(p0 + b.x * e1 + b.y * e2 - origin, direction) / glm::dot(direction, direction);
+  there.go(direction, distance, unit_or_zero(glm::cross(e1, e2)));
+  const glm::dmat2 area(weights_of_step(e1, e2, there.place[0]), weights_of_step(e1, e2, there.place[1]));
+  return surface_at(hit.item, hit.primitive, b, hit.back, to_viewer, &area);
 }
 
 Surface World::surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const {
@@ -176,14 +224,22 @@ Surface World::surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direct
   return surface_at(hit.item, hit.primitive, b, hit.back != other_side, to_eye);
 }
 
-Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back,
-                          glm::dvec3 to_viewer) const {
+Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back, glm::dvec3 to_viewer,
+                          const glm::dmat2* area) const {
   const TracedItem& item = items_[item_index];
   const TracedMaterial& t = *item.material;
   const Material& m = t.material;
   const PosedTriangle triangle = accel_.triangle(item_index, primitive);
   const glm::dvec3 weight(1 - b.x - b.y, b.x, b.y);
-  const Vertex v = vertex_at(item, triangle.vertex, weight);
+  Vertex v = vertex_at(item, triangle.vertex, weight);
+  if (area) {
+    v.uv_sides.emplace();
+    for (size_t i = 0; i < 2; ++i) {
+      const glm::dvec2 there = b + (*area)[int(i)];
+      const Vertex aside = vertex_at(item, triangle.vertex, {1 - there.x - there.y, there.x, there.y});
+      for (size_t set = 0; set < 2; ++set) (*v.uv_sides)[set][i] = aside.uv[set] - v.uv[set];
+    }
+  }
 
   Surface s;
   const glm::dvec3 p0(triangle.position[0]), p1(triangle.position[1]), p2(triangle.position[2]);
@@ -209,9 +265,7 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   s.metallic = std::clamp(s.metallic, 0.0, 1.0);
   s.roughness = std::clamp(s.roughness, 0.0, 1.0);
 
-  const glm::dvec3 n = unit_or_zero(mapped_normal(t.normal, m.normal_texture, m.normal_scale, v));
-  // The whole frame turns over on back faces (glTF 3.9.6).
-  s.normal = n == glm::dvec3(0) ? to_viewer : back ? -n : n;
+  s.normal = normal_at(t, v, back, to_viewer);
   s.emission = emission_at(t, v);
 
   // KHR_materials_ior and KHR_materials_specular; ior 0 stands for f0 = 1.

@@ -71,4 +71,25 @@ glm::dvec4 Texture::sample(glm::dvec2 uv, const Sampler& sampler) const {
   return glm::mix(glm::mix(texel(x0, y0), texel(x1, y0), f.x), glm::mix(texel(x0, y1), texel(x1, y1), f.x), f.y);
 }
 
+glm::dvec4 Texture::mean(glm::dvec2 uv, const glm::dvec2 sides[2], const Sampler& sampler, bool premultiplied) const {
+  constexpr double points_a_texel = 4, most_points = 512;
+  const glm::dvec2 size(image_.width, image_.height);
+  int points[2];
+  for (int i = 0; i < 2; ++i) {
+    const double wanted = std::ceil(points_a_texel * glm::length(sides[i] * size));
+    points[i] = std::isfinite(wanted) ? int(std::clamp(wanted, 1.0, most_points)) : 1;
+  }
+  const int count = points[0] * points[1];
+  if (count == 1) return sample(uv, sampler);
+  glm::dvec4 sum(0);
+  for (int j = 0; j < points[1]; ++j)
+    for (int i = 0; i < points[0]; ++i) {
+      const glm::dvec2 at((i + 0.5) / points[0] - 0.5, (j + 0.5) / points[1] - 0.5);
+      const glm::dvec4 c = sample(uv + at.x * sides[0] + at.y * sides[1], sampler);
+      sum += premultiplied ? glm::dvec4(glm::dvec3(c) * c.w, c.w) : c;
+    }
+  if (!premultiplied) return sum / double(count);
+  return sum.w > 0 ? glm::dvec4(glm::dvec3(sum) / sum.w, sum.w / count) : glm::dvec4(0);
+}
+
 }  // namespace candela::reference

@@ -16,6 +16,9 @@ class Texture {
   Texture(DecodedImage image, bool srgb) : image_(std::move(image)), srgb_(srgb) {}
 
   glm::dvec4 sample(glm::dvec2 uv, const Sampler& sampler) const;
+  // The mean over a parallelogram about uv: of four points a texel each way, of at most 512. premultiplied: colours
+  // weigh as their alpha.
+  glm::dvec4 mean(glm::dvec2 uv, const glm::dvec2 sides[2], const Sampler& sampler, bool premultiplied) const;
   glm::dvec4 texel(int x, int y) const;  // linear; the coordinates lie inside
   int width() const { return image_.width; }
   int height() const { return image_.height; }

@@ -135,6 +135,16 @@ CameraRay World::camera_ray(glm::dvec2 pixel, int width_px, int height_px) const
   return ray;
 }
 
+RayDifferential World::camera_steps(int width_px, int height_px) const {
+  const CameraRay first = camera_ray({0, 0}, width_px, height_px);
+  RayDifferential steps;
+  for (int i = 0; i < 2; ++i) {
+    const CameraRay next = camera_ray({i == 0, i == 1}, width_px, height_px);
+    steps.place[i] = next.origin - first.origin, steps.direction[i] = next.direction - first.direction;
+  }
+  return steps;
+}
+
 glm::dvec4 World::background(glm::dvec3 direction) const {
   if (!input_.sky_visible) return input_.background;
   const glm::dvec3 d = glm::normalize(direction);

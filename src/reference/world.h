@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "reference/light_tree.h"
 #include "reference/medium.h"
 #include "reference/punctual.h"
+#include "reference/ray_differential.h"
 #include "reference/sky.h"
 #include "reference/texture.h"
 #include "scene/environment.h"
@@ -79,17 +81,26 @@ class World {
   }
 
   CameraRay camera_ray(glm::dvec2 pixel, int width_px, int height_px) const;
+  // How it changes from pixel to pixel, to the right and down.
+  RayDifferential camera_steps(int width_px, int height_px) const;
   glm::dvec4 background(glm::dvec3 direction) const;  // of a camera ray that meets nothing
 
   // The surface at a hit of the ray (origin, direction), seen along it. The barycentrics are made anew in double from
   // the corners.
-  Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
+  // beside: of the ray, with `direction` as it is, over a part of the image; colours are then the means of their
+  // textures over what that part sees.
+  Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction,
+                  const RayDifferential* beside = nullptr) const;
   // The same seen from a point on either side.
   Surface surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const;
   // Those: weights of the second and third corner.
   glm::dvec2 weights(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const;
   // The same at given barycentrics (weights of the second and third corner), seen from `to_viewer` (unit).
-  Surface surface_at(uint32_t item, uint32_t primitive, glm::dvec2 barycentrics, bool back, glm::dvec3 to_viewer) const;
+  // area: the sides of a parallelogram about it, in barycentrics, over which colours are means; null: a point.
+  Surface surface_at(uint32_t item, uint32_t primitive, glm::dvec2 barycentrics, bool back, glm::dvec3 to_viewer,
+                     const glm::dmat2* area = nullptr) const;
+  // How the shading normal there turns with each of the barycentrics.
+  std::array<glm::dvec3, 2> turn(const Hit& hit, glm::dvec2 barycentrics, glm::dvec3 to_viewer) const;
   double coverage(const Hit& hit) const;  // 1 opaque, 0 a hole
   bool is_masked(uint32_t item) const;    // by alpha: its holes are holes for every ray
   bool is_blended(uint32_t item) const;
@@ -97,6 +108,14 @@ class World {
   bool is_double_sided(uint32_t item) const;
   bool has_glass() const { return has_glass_; }
   bool bounds_body(uint32_t item) const;  // of glass: it has an inside, whose walls are seen from both sides
+
+  // Whether there are lamps without a size whose light bodies of smooth glass bend, and a place on those bodies' walls,
+  // evenly over their area, from three numbers in [0, 1).
+  bool bends_lamps() const { return !bending_.empty(); }
+  glm::dvec3 bending_place(double which, glm::dvec2 u) const;
+  // A light of the lamp tree, as likely as its share of all their power: an index into tree_punctual().
+  uint32_t lamp_by_power(double u) const;
+  double lamp_power_share(uint32_t lamp) const;
 
   const std::vector<EmissiveTriangle>& emissive() const { return emissive_; }
   int emissive_of(uint32_t item, uint32_t primitive) const;  // into emissive(), -1: not chosen as a light
@@ -132,6 +151,7 @@ class World {
     glm::dvec3 normal{0};
     glm::dvec4 tangent{0};
     glm::dvec2 uv[2];
+    std::optional<std::array<std::array<glm::dvec2, 2>, 2>> uv_sides;  // of an area about it, by set
     glm::dvec4 color{1};
   };
   void add_textures(const Material& material);
@@ -141,12 +161,16 @@ class World {
   void add_emissive_triangles(std::vector<LightExtent>& extents);
   Vertex vertex_at(const TracedItem& item, const std::array<uint32_t, 3>& corner, glm::dvec3 weight) const;
   glm::dvec4 fetch(const Texture* texture, const TextureSlot& slot, const Vertex& v) const;
+  // The mean over the vertex's area, where it has one.
+  glm::dvec4 fetch_colour(const Texture* texture, const TextureSlot& slot, const Vertex& v, bool premultiplied) const;
   glm::dvec4 base_color(const TracedMaterial& m, const Vertex& v) const;
   glm::dvec3 emission_at(const TracedMaterial& m, const Vertex& v) const;
   // nullopt: the material has no lobe here. to_viewer: unit.
   std::optional<Lobes> lobes_at(const TracedMaterial& m, const Vertex& v, glm::dvec3 normal, glm::dvec3 to_viewer,
                                 bool back) const;
   glm::dvec3 mapped_normal(const Texture* map, const TextureSlot& slot, double scale, const Vertex& v) const;
+  glm::dvec3 normal_at(const TracedMaterial& m, const Vertex& v, bool back, glm::dvec3 to_viewer) const;
+  void add_bending_walls();
   static double coverage_of(const Material& m, double alpha);
 
   WorldInput input_;
@@ -160,6 +184,12 @@ class World {
   std::vector<EmissiveTriangle> emissive_;
   std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle
   LightTree tree_, lamp_tree_;
+  struct Wall {
+    uint32_t item = 0, primitive = 0;
+    double area_to_m2 = 0;  // its own and that of those before it
+  };
+  std::vector<Wall> bending_;
+  std::vector<double> lamp_power_;  // of tree_punctual(), each with those before it
   bool has_blend_ = false, has_glass_ = false, has_sized_lights_ = false;
 };
 

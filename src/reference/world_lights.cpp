@@ -1,4 +1,5 @@
 // Lights of a World: punctual ones, emissive triangles, and the tree that chooses among them.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -42,9 +43,54 @@ void World::add_lights() {
     tree_punctual_.push_back(index);
     extents.push_back(extent_of(punctual_.back()));
   }
+  for (const LightExtent& e : extents) lamp_power_.push_back((lamp_power_.empty() ? 0 : lamp_power_.back()) + e.power);
   lamp_tree_ = LightTree(extents);
   add_emissive_triangles(extents);
   tree_ = LightTree(std::move(extents));
+  add_bending_walls();
+}
+
+void World::add_bending_walls() {
+  const auto is_point = [](const PunctualLight& light) { return !light.has_size(); };
+  if (!has_glass_ || std::none_of(punctual_.begin(), punctual_.end(), is_point)) return;
+  bool bends = false;
+  double area_m2 = 0;
+  for (uint32_t i = 0; i < items_.size(); ++i) {
+    const TracedMaterial& t = *items_[i].material;
+    const bool textured = t.orm && t.material.orm_has_metallic_roughness;
+    if (!bounds_body(i) || items_[i].section->topology != Topology::triangles) continue;
+    if (t.material.roughness >= least_roughness && !textured) continue;
+    bends |= t.glass->ior != 1 && t.glass->ior != 0;
+    for (uint32_t k = 0; k < items_[i].section->index.size() / 3; ++k) {
+      const PosedTriangle posed = accel_.triangle(i, k);
+      const glm::dvec3 p0(posed.position[0]);
+      const double area =
+          glm::length(glm::cross(glm::dvec3(posed.position[1]) - p0, glm::dvec3(posed.position[2]) - p0)) / 2;
+      if (area > 0 && std::isfinite(area)) bending_.push_back({i, k, area_m2 += area});
+    }
+  }
+  if (!bends) bending_.clear();
+}
+
+glm::dvec3 World::bending_place(double which, glm::dvec2 u) const {
+  const double at = which * bending_.back().area_to_m2;
+  const auto wall = std::lower_bound(bending_.begin(), bending_.end() - 1, at,
+                                     [](const Wall& w, double area) { return w.area_to_m2 < area; });
+  const PosedTriangle posed = accel_.triangle(wall->item, wall->primitive);
+  const double root = std::sqrt(u.x);
+  const glm::dvec3 weight(1 - root, root * (1 - u.y), root * u.y);
+  return weight.x * glm::dvec3(posed.position[0]) + weight.y * glm::dvec3(posed.position[1]) +
+         weight.z * glm::dvec3(posed.position[2]);
+}
+
+uint32_t World::lamp_by_power(double u) const {
+  return uint32_t(std::upper_bound(lamp_power_.begin(), lamp_power_.end() - 1, u * lamp_power_.back()) -
+                  lamp_power_.begin());
+}
+
+double World::lamp_power_share(uint32_t lamp) const {
+  const double own = lamp_power_[lamp] - (lamp > 0 ? lamp_power_[lamp - 1] : 0);
+  return lamp_power_.back() > 0 ? own / lamp_power_.back() : 0;
 }
 
 void World::add_emissive_triangles(std::vector<LightExtent>& extents) {

@@ -214,6 +214,10 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   if (frame->data.items.empty())
     frame->notes.push_back("nothing is visible at this time: the image holds the background alone");
   frame->world = std::make_unique<reference::World>(input, frame->warnings);
+  if (frame->world->bends_lamps())
+    frame->notes.push_back(
+        "lamps without a size shine through bodies of smooth glass where light is bent or totally reflected; what such "
+        "a body reflects inside it, and such light in fog, is left out (a radius of the lamp brings it in)");
   if (const size_t skipped = frame->world->accel().statistics().skipped_items; skipped > 0)
     frame->notes.push_back(
         fmt::format("{} item{} of points or lines: rays do not meet them, so they are not in the picture", skipped,
@@ -244,6 +248,7 @@ std::string settings_json(const reference::TraceSettings& s, const AccelOptions&
   }
   if (s.mode == reference::Mode::direct && s.fog_steps > 0)
     j["fog-steps"] = s.fog_steps, j["fog-lights"] = s.fog_lights;
+  if (s.footprints) j["footprints"] = true;
   j["bvh"] = accel.rays ? "auto" : name_of(accel.tree.builder);
   for (const TreeKnob& knob : tree_knobs())
     if (knob.get(accel.tree) != knob.get(BvhOptions{})) j["bvh." + std::string(knob.name)] = knob.get(accel.tree);

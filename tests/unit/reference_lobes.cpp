@@ -305,38 +305,61 @@ TEST(Lobes, TheAmbientTermIsTheirIntegral) {
     }
 }
 
-// How many sampled directions fall into each part of the sphere is what the density says.
+// How many of independent samples fall into each part of the sphere is what the density says, by Pearson's statistic:
+// of opaque stacks, and of the same on rough sheets and bodies of glass.
 TEST(Lobes, SampledDirectionsLieAsTheDensitySays) {
-  constexpr int rings = 12, sectors = 12, fine = 12, count = 1 << 15;
+  constexpr int rings = 12, sectors = 12, fine = 24, count = 1 << 15;
+  constexpr double parts = double(rings) * sectors * fine * fine;
+  enum class Kind { opaque, sheet, body };
   for (const auto& [name, change] : stacks())
-    for (const double degrees : {20.0, 70.0}) {
-      Surface s = with_lobes(0.5, 0.3, {0.7, 0.6, 0.5});
-      change(*s.lobes);
-      const glm::dvec3 v = direction(degrees, 0.7);
-      std::vector<int> found(rings * sectors);
-      for (int i = 0; i < count; ++i) {
-        SampleStream stream({}, 0, 0, uint64_t(i));
-        const glm::dvec2 u = stream.next2();
-        const glm::dvec3 l = sample_brdf(s, v, stream.next(), u);
-        if (!(brdf_pdf(s, l, v) > 0)) continue;
-        const int ring = std::clamp(int((l.z + 1) / 2 * rings), 0, rings - 1);
-        const int sector = std::clamp(int((std::atan2(l.y, l.x) / (2 * pi) + 0.5) * sectors), 0, sectors - 1);
-        ++found[size_t(ring * sectors + sector)];
-      }
-      for (int ring = 0; ring < rings; ++ring)
-        for (int sector = 0; sector < sectors; ++sector) {
-          double expected = 0;
-          for (int i = 0; i < fine; ++i)
-            for (int j = 0; j < fine; ++j) {
-              const double z = (ring + (i + 0.5) / fine) / rings * 2 - 1, r = std::sqrt(1 - z * z);
-              const double turn = ((sector + (j + 0.5) / fine) / sectors - 0.5) * 2 * pi;
-              expected += brdf_pdf(s, {r * std::cos(turn), r * std::sin(turn), z}, v);
-            }
-          expected *= count * 4 * pi / (double(rings) * sectors * fine * fine);
-          EXPECT_NEAR(found[size_t(ring * sectors + sector)], expected, 4 * std::sqrt(expected) + 0.01 * expected + 4)
-              << fmt::format("{} {}: {} {}", name, degrees, ring, sector);
+    for (const Kind kind : {Kind::opaque, Kind::sheet, Kind::body})
+      for (const double degrees : {20.0, 70.0}) {
+        Glass glass;
+        glass.body = kind == Kind::body;
+        Surface s = with_lobes(0.5, 0.3, {0.7, 0.6, 0.5});
+        if (kind != Kind::opaque) s.glass = &glass, s.eta = 1.5, s.transmission = 0.6;
+        change(*s.lobes);
+        const glm::dvec3 v = direction(degrees, 0.7);
+        std::vector<int> found(rings * sectors);
+        for (int i = 0; i < count; ++i) {
+          SampleStream stream({}, i, 0, 0);  // a pixel each
+          const glm::dvec2 u = stream.next2();
+          const auto next = sample_bsdf(s, v, stream.next(), u);
+          if (!next) continue;
+          const glm::dvec3 l = next->l;
+          const int ring = std::clamp(int((l.z + 1) / 2 * rings), 0, rings - 1);
+          const int sector = std::clamp(int((std::atan2(l.y, l.x) / (2 * pi) + 0.5) * sectors), 0, sectors - 1);
+          ++found[size_t(ring * sectors + sector)];
         }
-    }
+        double statistic = 0, few_found = 0, few_expected = 0;
+        int groups = 0;
+        const auto compare = [&](double these, double expected) {
+          statistic += (these - expected) * (these - expected) / expected, ++groups;
+        };
+        for (int ring = 0; ring < rings; ++ring)
+          for (int sector = 0; sector < sectors; ++sector) {
+            double expected = 0;
+            for (int i = 0; i < fine; ++i)
+              for (int j = 0; j < fine; ++j) {
+                const double z = (ring + (i + 0.5) / fine) / rings * 2 - 1, r = std::sqrt(1 - z * z);
+                const double turn = ((sector + (j + 0.5) / fine) / sectors - 0.5) * 2 * pi;
+                const glm::dvec3 l(r * std::cos(turn), r * std::sin(turn), z);
+                if (is_open(s, l)) expected += bsdf_pdf(s, l, v);
+              }
+            expected *= count * 4 * pi / parts;
+            const int these = found[size_t(ring * sectors + sector)];
+            if (expected < 10)
+              few_found += these, few_expected += expected;
+            else
+              compare(these, expected);
+          }
+        if (few_expected >= 10) compare(few_found, few_expected);
+        // Of as many normal variables, by Wilson and Hilferty: beyond this is one test in a million.
+        const double dof = groups, cube = 1 - 2 / (9 * dof) + 4.75 * std::sqrt(2 / (9 * dof));
+        EXPECT_LT(statistic, dof * cube * cube * cube) << fmt::format("{} {} {}", name, int(kind), degrees);
+        EXPECT_GT(groups, 20);
+        EXPECT_TRUE(few_expected >= 10 || few_found < 40);
+      }
 }
 
 TEST(Lobes, ExtremesAreFinite) {

@@ -11,6 +11,7 @@
 #include "frame/plan_frame.h"
 #include "frame/posed_scene.h"
 #include "render/frame_names.h"
+#include "scene/cut_outs.h"
 
 namespace candela::cli {
 namespace {
@@ -22,7 +23,7 @@ struct PlanOptions {
   bool dot = false;
 };
 
-Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job) {
+Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job, bool with_cut_outs = false) {
   if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
   set_log_level(o.job);
   auto checked = job_of(o.job);
@@ -46,7 +47,9 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
     if (o.job.strict) return fail(ErrorKind::input, job.scene, "--strict refuses the scene: {}", left_out);
     log::warning("{}", left_out);
   }
-  return plan_frame(job, *scene, wanted, moment->time_s);
+  auto frame = plan_frame(job, *scene, wanted, moment->time_s);
+  if (frame && with_cut_outs) frame->facts.cut_outs = cut_out_materials(*scene);
+  return frame;
 }
 
 std::string look_text(const Job& job, const Look& look) {
@@ -76,7 +79,7 @@ Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
 
 Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
   Job job;
-  const auto frame = plan_of(command, o, job);
+  const auto frame = plan_of(command, o, job, true);
   if (!frame) return std::unexpected(frame.error());
   if (auto printed = print(facts_json(frame->facts) + "\n"); !printed) return std::unexpected(printed.error());
   return 0;

@@ -14,15 +14,19 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/ambient.glsl"
 #include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
-#include "lib/blended.glsl"
 #ifdef FOG
 #include "lib/fog.glsl"
 #include "lib/fog_lamps.glsl"
 #endif
 #ifdef REFRACTION
 #include "lib/refraction.glsl"
+#elif defined(GLASS)
+#include "lib/glass.glsl"
+#endif
+#if defined(REFRACTION) || defined(GLASS)
 layout(location = 8) in flat float in_scale;
 #endif
+#include "lib/blended.glsl"
 #ifdef BEHIND
 #include "lib/behind.glsl"
 #endif
@@ -47,6 +51,10 @@ void main() {
   BrdfTerms brdf = brdf_terms(s, to_viewer);
 #ifdef REFRACTION
   const Refracted behind = refracted_light(in_ids.x, s, brdf, v, in_scale);
+#elif defined(GLASS)
+  const GlassSums behind = glass_sums(m, in_ids.x, s, brdf, v, in_scale);
+#endif
+#if defined(REFRACTION) || defined(GLASS)
   s.base_color *= 1.0 - behind.share;
   brdf.diffuse *= 1.0 - behind.share;
 #endif
@@ -82,6 +90,13 @@ void main() {
 #else
   put_out(vec4(radiance * frame.pre_exposure + behind.tint * behind.light.rgb, covered), v.relative_position);
 #endif
+#elif defined(GLASS)
+  radiance *= frame.pre_exposure;
+#ifdef FOG
+  const FogSeen fog = fog_before(v.relative_position);
+  radiance = radiance * fog.through + fog.light * (1.0 - behind.tint);
+#endif
+  put_glass(radiance, behind, v.relative_position);
 #elif defined(FOG)
   const FogSeen fog = fog_before(v.relative_position);
   put_out(vec4((radiance * frame.pre_exposure * fog.through + fog.light) * coverage, coverage), v.relative_position);

@@ -59,6 +59,34 @@ void put_out(vec4 premultiplied, vec3 relative_position) {
   }
   out_sum = vec4(min(premultiplied.rgb, vec3(1e30)), premultiplied.a) * transmitted;
 }
+#elif defined(SUMMED)
+#include "lib/warped_depth.glsl"
+// SUMMED: the power of two by which the farthest surface counts less than the nearest.
+layout(location = 0) out vec4 out_sum;
+layout(location = 1) out vec4 out_covered;  // by colour; and what of the picture the surface's own light lies over
+
+void put_sums(vec3 light, vec3 hidden, float covered, vec3 relative_position) {
+  const float w = exp2(-0.5 * float(SUMMED) * (1.0 + warped_depth(relative_position)));
+  out_sum = vec4(min(light, vec3(1e30)), covered) * w;
+  out_covered = vec4(hidden, covered);
+}
+void put_out(vec4 premultiplied, vec3 relative_position) {
+  put_sums(premultiplied.rgb, vec3(premultiplied.a), premultiplied.a, relative_position);
+}
+#ifdef GLASS
+#include "lib/glass_sums.glsl"
+layout(location = 2) out vec4 out_widths;
+layout(location = 3) out vec4 out_moved;
+
+// What hides nothing, but shines, lies over a little of the picture.
+void put_glass(vec3 light, GlassSums g, vec3 relative_position) {
+  const vec3 hidden = clamp(1.0 - g.tint, vec3(0.0), vec3(1.0));
+  const float covered = max((hidden.r + hidden.g + hidden.b) / 3.0, 1e-6);
+  put_sums(light * g.covers, hidden * g.covers, covered * g.covers, relative_position);
+  out_widths = g.widths * g.covers;
+  out_moved = g.moved * g.covers;
+}
+#endif
 #elif defined(STORED)
 #include "lib/stored_fragments.glsl"
 #else

@@ -16,7 +16,7 @@ layout(location = 7) out vec3 out_plane_position;
 layout(location = 8) out vec3 out_now;  // clip space without its depth
 layout(location = 9) out vec3 out_before;
 #endif
-#ifdef REFRACTION
+#if defined(REFRACTION) || defined(GLASS)
 layout(location = 8) out flat float out_scale;  // world metres to one of the mesh: the cube root of the volume's
 #endif
 #ifdef STORED
@@ -40,7 +40,7 @@ void main() {
   out_now = gl_Position.xyw;
   out_before = clip_position_before(item, g, v).xyw;
 #endif
-#ifdef REFRACTION
+#if defined(REFRACTION) || defined(GLASS)
   out_scale = pow(abs(dot(t.row0.xyz, cross(t.row1.xyz, t.row2.xyz))), 1.0 / 3.0);
 #endif
   if (HAS_SHADOWS || HAS_OCCLUSION != 0) out_plane_position = out_position;

@@ -1,24 +1,11 @@
 #pragma once
 // Moments of what is absorbed along a ray, and the transmittance that they tell (Muenstermann et al. 2018; the bound by
-// Peters and Klein, "Moment Shadow Mapping", 2015). MOMENTS: how many, even. Needs lib/frame.glsl and, as pc.table, the
-// nearest and the farthest depth of what absorbs, two floats.
+// Peters and Klein, "Moment Shadow Mapping", 2015), of lib/warped_depth.glsl. MOMENTS: how many, even.
+#include "lib/warped_depth.glsl"
 const int moment_roots = MOMENTS / 2;
 
 // At most 16.6, the last float below full coverage.
 float absorbance_of(float coverage) { return -log(max(1.0 - coverage, 5.9604645e-8)); }
-
-// In [-1, 1]: by its logarithm, or evenly where the view is parallel.
-float warped_depth(vec3 relative_position) {
-  const vec2 ends = uintBitsToFloat(unpackUint2x32(pc.table));
-  float z = -dot(relative_position, frame.camera_back);
-  float first = ends.x, last = ends.y;
-  if (frame.perspective != 0u) {
-    z = log2(max(z, ends.x));
-    first = log2(first);
-    last = log2(last);
-  }
-  return clamp(2.0 * (z - first) / max(last - first, 1e-3 * max(abs(first), 1.0)) - 1.0, -1.0, 1.0);
-}
 
 const float overestimation = 0.25;
 

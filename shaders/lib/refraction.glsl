@@ -3,13 +3,12 @@
 // surface by its index of refraction, through as much of the body as the file says is there, and leaves it as it came:
 // a slab. A sheet bends nothing. Needs lib/surface.glsl, lib/brdf.glsl, lib/ambient.glsl, lib/image_kinds.glsl and the
 // push constants pc.table and frame.lobes.
-#include "shared/lobes.h"
 #include "shared/refraction.h"
 #include "lib/axes.glsl"
+#include "lib/glass.glsl"
 // Directions of the lobe that are followed to the depth that is seen there; 0: one look-up at the exit from the body,
 // in the mip level that roughness and index choose (the rule of Khronos's sample renderer).
 layout(constant_id = 40) const int REFRACTION_SAMPLES = 0;
-layout(constant_id = 41) const int REFRACTION_DEPTH_SAMPLES = 1;  // of the depth image, a pixel
 
 struct Refracted {
   float share;  // of the diffuse base's light that goes through instead
@@ -19,20 +18,7 @@ struct Refracted {
 
 uint refraction_image(uint place) { return uint(pc.table) >> (8u * place) & 0xffu; }
 
-float refraction_depth(ivec2 p) {
-  const uint image = refraction_image(2u);
-  return REFRACTION_DEPTH_SAMPLES > 1 ? texelFetch(pass_multisampled_images[image], p, 0).r
-      : texelFetch(pass_images[image], p, 0).r;
-}
-// Metres before the camera; infinite where there is nothing.
-float refraction_depth_m(ivec2 p) {
-  if (REFRACTION == 1) return 3.0e38;  // nothing is opaque
-  const float d = refraction_depth(clamp(p, ivec2(0), ivec2(frame.size_px) - 1));
-  if (!(d > 0.0)) return 3.0e38;
-  const mat4 m = frame.clip_from_relative;
-  if (frame.perspective != 0u) return m[3][2] / d;
-  return (m[3][2] - d) / length(vec3(m[0][2], m[1][2], m[2][2]));
-}
+#include "lib/seen_picture.glsl"
 
 // Pixels, from the point's own place; a direction's for points infinitely far (w 0).
 vec2 refraction_place_px(vec3 position, float w) {
@@ -45,40 +31,6 @@ vec2 refraction_place_px(vec3 position, float w) {
   if (IS_SUBSAMPLE != 0) ndc -= pc.subsample_ndc;
   return clamp(ndc * 0.5 + 0.5, vec2(-1.0), vec2(2.0)) * vec2(frame.size_px);
 }
-
-vec4 refraction_level(vec2 uv, int level) {
-  return textureLod(sampler2D(pass_images[refraction_image(1u)], graph_samplers[SAMPLER_LINEAR_CLAMP]), uv,
-      float(level));
-}
-// The mean over about 2^lod pixels about a place in pixels.
-vec4 refraction_picture(vec2 place_px, float lod) {
-  const vec2 uv = place_px / vec2(frame.size_px);
-  const vec2 pyramid_px = vec2(textureSize(pass_images[refraction_image(1u)], 0));
-  const float first = log2(float(frame.size_px.x) / pyramid_px.x);  // the level 0, of the picture's texels
-  const float last = float(textureQueryLevels(pass_images[refraction_image(1u)]) - 1);
-  if (lod <= 0.0)
-    return textureLod(sampler2D(pass_images[refraction_image(0u)], graph_samplers[SAMPLER_LINEAR_CLAMP]), uv, 0.0);
-  if (lod < first) {
-    const vec4 sharp =
-        textureLod(sampler2D(pass_images[refraction_image(0u)], graph_samplers[SAMPLER_LINEAR_CLAMP]), uv, 0.0);
-    return mix(sharp, refraction_level(uv, 0), lod / first);
-  }
-  const float level = clamp(lod - first, 0.0, last), whole = floor(level);
-  return mix(refraction_level(uv, int(whole)), refraction_level(uv, int(min(whole + 1.0, last))), level - whole);
-}
-
-// GLSL's refract() for the way of light towards the viewer run backwards; the direction itself where all is reflected.
-vec3 bent(vec3 direction, vec3 normal, float eta) {
-  const vec3 r = refract(direction, normal, eta);
-  return dot(r, r) > 0.25 ? r : direction;
-}
-
-struct GlassPoint {
-  vec3 position, to_viewer, normal;
-  vec2 pixel;
-  float thickness_m, ior, alpha, roughness;
-  float depth_m;
-};
 
 // One look-up.
 vec4 seen_through_body(GlassPoint g) {
@@ -171,37 +123,11 @@ vec4 seen_through(GlassPoint g) {
   return seen_through_lobe(g, g.roughness < least_roughness ? 1 : REFRACTION_SAMPLES);
 }
 
-// What the interface reflects of even light, and thus does not let through.
-vec3 refraction_reflected(Surface s, BrdfTerms b) {
-  const float n_v = clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0);
-  const float x = 1.0 - n_v, x2 = x * x;
-  vec3 f = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * (x2 * x2 * x);
-  if (HAS_AMBIENT != 0) {
-    const vec2 share = split_sum(s.roughness, n_v).xy;
-    f = s.dielectric_f0 * share.x + vec3(s.dielectric_f90 * share.y);
-  }
-  return clamp(f, vec3(0.0), vec3(1.0));
-}
-
 // scale: of the mesh's metres.
 Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, float scale) {
-  const Glass glass = MaterialLobesRef(frame.lobes + 4ul * uint64_t(WordsRef(frame.lobes).w[material])).m.glass;
+  const Glass glass = load_glass(material);
   Refracted r;
-  r.share = glass.transmission;
-  GlassPoint g;
-  g.thickness_m = glass.thickness_m;
-  if (glass.transmission_texture.texture != absent) r.share *= sample_texture(glass.transmission_texture, v).r;
-  if (glass.thickness_texture.texture != absent) g.thickness_m *= sample_texture(glass.thickness_texture, v).g;
-  r.share = clamp(r.share, 0.0, 1.0);
-  g.thickness_m = clamp(g.thickness_m * scale, 0.0, 1e15);
-  g.position = v.relative_position;
-  g.to_viewer = b.to_viewer;
-  g.normal = s.normal;
-  g.pixel = gl_FragCoord.xy;
-  g.alpha = b.alpha;
-  g.roughness = s.roughness;
-  g.depth_m = -dot(v.relative_position, frame.camera_back) * 0.9999;
-  g.ior = glass.ior;
+  GlassPoint g = glass_point(glass, s, b, v, scale, r.share);
   if (glass.dispersion > 0.0 && g.thickness_m > 0.0) {
     // KHR_materials_dispersion: the index at three wavelengths.
     const float half_spread = (g.ior - 1.0) * 0.025 * glass.dispersion;
@@ -216,10 +142,6 @@ Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, flo
   } else {
     r.light = seen_through(g);
   }
-  const vec3 reflected = refraction_reflected(s, b);
-  r.tint = s.base_color * ((1.0 - s.metallic) * r.share);
-  if (g.thickness_m > 0.0)  // the slab's other side, and what is reflected between the two
-    r.tint *= r.tint * exp(-glass.absorption * g.thickness_m) / (1.0 + reflected);
-  r.tint *= 1.0 - reflected;
+  r.tint = glass_tint(glass, s, b, r.share, g.thickness_m > 0.0, g.thickness_m);
   return r;
 }

@@ -7,6 +7,12 @@ struct SumsPush {     // of a triangle that lays sums of blended surfaces over t
   uint sample_number;
 };
 
+struct PhenomenologicalPush {           // of the same where what is behind is moved and blurred
+  uint sum, covered, widths, moved, color;  // places of the images
+  uint images;                              // of REFRACTION_IMAGES
+  uint sample_number;
+};
+
 // A blended surface in a pixel. Pixels are numbered by quads of 2x2, row by row, whose four follow each other.
 struct StoredFragment {
   vec4 radiance;         // premultiplied, pre-exposed

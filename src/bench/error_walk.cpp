@@ -15,9 +15,9 @@ namespace candela {
 namespace {
 
 std::string place_of(const Configuration& c) {
-  return fmt::format("{}\n{}\n{}\n{}x{}\n{:a}\n{}\n{}\n{}\n{}", c.scene.label, c.seed, c.lights.value_or(-1),
+  return fmt::format("{}\n{}\n{}\n{}x{}\n{:a}\n{}\n{}\n{}\n{}\n{}", c.scene.label, c.seed, c.lights.value_or(-1),
                      c.job.width_px, c.job.height_px, c.time_s, c.scene.camera.camera, c.scene.sky.label,
-                     c.scene.look.label, c.job.effects);
+                     c.scene.look.label, c.job.effects, c.job.transparency);
 }
 
 template <class T>

@@ -73,6 +73,7 @@ Measured::Measured(const Configuration& configuration, const Suite& suite, const
   row.settings = settings_text(job);
   row.quality = job.quality;
   row.effects = job.effects;
+  row.transparency = job.transparency;
   row.sky = configuration.scene.sky.label, row.look = configuration.scene.look.label;
   row.output = suite.output;
   row.seed = configuration.scene.generated() ? configuration.seed : 0;

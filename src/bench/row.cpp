@@ -64,6 +64,7 @@ std::string row_look(const BenchRow& row) {
   if (!row.sky.empty()) text += ", sky " + row.sky;
   if (!row.look.empty()) text += ", look " + row.look;
   if (row.effects != "auto") text += ", effects " + row.effects;
+  if (row.transparency != "sorted") text += ", transparency " + row.transparency;
   return text;
 }
 
@@ -74,9 +75,9 @@ Series& series(std::vector<Series>& all, const std::string& name) {
 }
 
 std::string row_key(const BenchRow& row) {
-  return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}x{}|{}|{}|{}|{}", row.scene, row.sky, row.look, row.seed,
-                     row.lights_wanted, row.camera, row.technique, row.settings, row.quality, row.effects, row.width_px,
-                     row.height_px, row.samples, row.output, row.time_s, row.views);
+  return fmt::format("{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}x{}|{}|{}|{}|{}", row.scene, row.sky, row.look, row.seed,
+                     row.lights_wanted, row.camera, row.technique, row.settings, row.quality, row.effects,
+                     row.transparency, row.width_px, row.height_px, row.samples, row.output, row.time_s, row.views);
 }
 
 std::string row_way(const BenchRow& row) {

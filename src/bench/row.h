@@ -70,6 +70,7 @@ struct SameWork {
 struct BenchRow {
   // What was measured.
   std::string suite, scene, scene_content, technique, settings, quality, effects, sky, look, output;
+  std::string transparency = "sorted";
   uint64_t seed = 0;
   int64_t lights = -1;         // that shine in the frame; -1: unknown
   int64_t lights_wanted = -1;  // asked of a generated scene; -1: its own number
@@ -107,7 +108,7 @@ struct BenchRow {
   std::vector<std::byte> strip;               // the same: picture of the reference, this one, and their FLIP
 };
 
-// ", sky S, look L, effects E", as far as they are not the defaults.
+// ", sky S, look L, effects E, transparency T", as far as they are not the defaults.
 std::string row_look(const BenchRow& row);
 // Names what the row measured, without the device: equal for the same configuration in another run.
 std::string row_key(const BenchRow& row);

@@ -104,6 +104,7 @@ Expected<std::vector<Configuration>> configurations(const Suite& suite) {
   multiply(suite.samples, [](Configuration& c, int samples) { c.job.samples = samples; });
   multiply(suite.qualities, [](Configuration& c, const std::string& quality) { c.job.quality = quality; });
   multiply(suite.effects, [](Configuration& c, const std::string& effects) { c.job.effects = effects; });
+  multiply(suite.transparency, [](Configuration& c, const std::string& method) { c.job.transparency = method; });
   multiply(suite.times_s, [](Configuration& c, double time_s) { c.time_s = time_s; });
   std::vector<std::pair<std::string, Settings>> ways;
   for (const SuiteTechnique& technique : techniques_of(suite))

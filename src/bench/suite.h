@@ -57,7 +57,8 @@ struct Suite {
   std::vector<int> samples = {0};  // 0: as the quality says
   std::vector<KnobSweep> set;
   std::vector<std::string> qualities = {"high"};
-  std::vector<std::string> effects = {"auto"};  // each as --effects of render
+  std::vector<std::string> effects = {"auto"};         // each as --effects of render
+  std::vector<std::string> transparency = {"sorted"};  // each as --transparency of render
   std::vector<double> times_s = {0};
   // Of sweeps of error: how many views a place has, its own the first; or which (error_views.h). Six, for the range of
   // six differences holds their median in 97 % of all cases.
@@ -95,8 +96,8 @@ struct Configuration {
 // "lights.mask=1 lights.test=aabb", sorted by name.
 std::string settings_text(const Job& job);
 
-// The cross product, in order: scene, lights, size, samples, quality, effects, time, technique, knobs. What limits
-// leave out stays in the list with its reason. Errors (usage): names and values that no job takes.
+// The cross product, in order: scene, lights, size, samples, quality, effects, transparency, time, technique, knobs.
+// What limits leave out stays in the list with its reason. Errors (usage): names and values that no job takes.
 Expected<std::vector<Configuration>> configurations(const Suite& suite);
 
 // Configurations of one group must show the same picture. Two of them are in one when all but technique and knobs that

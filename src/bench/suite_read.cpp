@@ -207,6 +207,7 @@ const Readers<Suite>& suite_readers() {
       {"set", [](const Json& j, const SuitePlace& at, Suite& s) { return read_sweeps(j, at, s.set); }},
       {"qualities", list_into(&Suite::qualities, text_of)},
       {"effects", list_into(&Suite::effects, text_of)},
+      {"transparency", list_into(&Suite::transparency, text_of)},
       {"times", list_into(&Suite::times_s, time_of)},
       {"frames", [](const Json&, const SuitePlace&, Suite&) { return Expected<void>{}; }},  // with fps, below
       {"fps", [](const Json&, const SuitePlace&, Suite&) { return Expected<void>{}; }},

@@ -106,6 +106,7 @@ Expected<void> put_options(const BenchOptions& o, Suite& suite) {
     if (!o.look.empty()) scene.look = {o.look, o.look};
   }
   if (!o.effects.empty()) suite.effects = o.effects;
+  if (!o.transparency.empty()) suite.transparency = split(o.transparency, ',');
   if (o.seed) suite.seed = *o.seed;
   if (!o.output.empty()) suite.output = o.output;
   if (!o.reference.empty()) suite.reference = o.reference;
@@ -142,6 +143,8 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--samples", o.samples, "Samples a pixel: 1,4; 0: as the quality says")->type_name("LIST");
   command.add_option("--quality", o.qualities, "Presets of all knobs: draft,high")->type_name("LIST");
   command.add_option("--effects", o.effects, "As for render; given again, each is a configuration")->type_name("SET");
+  command.add_option("--transparency", o.transparency, "Methods of drawing blended surfaces: sorted,layers")
+      ->type_name("LIST");
   command.add_option("--sky", o.sky, "Sky of every scene, as for render")->type_name("FILE");
   command.add_option("--look", o.look, "Look file of every scene, as for render")->type_name("FILE");
   command.add_option("--set", o.settings, "Values of one knob, each a configuration; may be given again")

@@ -13,7 +13,7 @@ namespace candela::cli {
 // The options of bench, as text until all are read.
 struct BenchOptions {
   std::vector<std::string> what;  // suite files and scenes
-  std::string suite, stability_file, techniques, lights, sizes, samples, qualities, times, frames,
+  std::string suite, stability_file, techniques, transparency, lights, sizes, samples, qualities, times, frames,
       fps = "24", output, reference, camera, sky, look, assets, report, json, csv, device, only, pictures;
   std::vector<std::string> settings, effects, compare, from;
   std::optional<uint64_t> seed;

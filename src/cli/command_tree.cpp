@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "frame/plan_frame.h"
 #include "render/reference_frame.h"
+#include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "testscenes/make_scene.h"
 
@@ -63,6 +64,7 @@ Names choices_of(const std::string& command, const std::string& option) {
     if (option == "--layers") return with({"none"}, reference_layer_names());
     if (option == "--view") return with({"beauty"}, reference_layer_names());
   }
+  if (option == "--cut-outs") return cut_out_choices();
   if (option == "--shading") return {"pbr", "blinn-phong", "lambert"};
   if (option == "--layers") return layer_names();
   if (option == "--view") return view_names();

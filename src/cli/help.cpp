@@ -25,7 +25,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
       {"Picture",
        {"output", "size", "view", "layers", "exposure", "tonemap", "background", "exr-type", "exr-compression",
         "png-bits", "no-dither", "metadata-timings", "allow-nonfinite", "dump"}},
-      {"Light and look", {"sky", "look", "shading", "variant", "probe", "effects", "seed"}},
+      {"Light and look", {"sky", "look", "shading", "cut-outs", "variant", "probe", "effects", "seed"}},
       {"How the frame is made",
        {"technique", "transparency", "quality", "samples", "set", "time-budget", "error-budget", "sweep",
         "error-reference"}},

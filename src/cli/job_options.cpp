@@ -102,6 +102,11 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->capture_default_str()
       ->type_name("NAME");
   command
+      .add_option("--cut-outs", o.cut_outs,
+                  "Blended materials whose alpha is all or nothing (candela facts): blended, or masked")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command
       .add_option("--variant", o.variant, "Variant of the file's materials, by name; without one the default materials")
       ->type_name("NAME");
   command
@@ -308,7 +313,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.sky = o.sky;
   job.look = o.look == "none" ? "" : o.look.empty() ? look_beside(o.scene).string() : o.look;
   job.shading = o.shading;
-  job.variant = o.variant;
+  job.variant = o.variant, job.cut_outs = o.cut_outs;
   job.probe = o.probe;
   job.exposure_ev = o.exposure_ev;
   job.tonemap = o.tonemap;

@@ -11,6 +11,7 @@
 #include "frame/plan_frame.h"
 #include "frame/posed_scene.h"
 #include "render/frame_names.h"
+#include "scene/cut_outs.h"
 
 namespace candela::cli {
 namespace {
@@ -79,8 +80,9 @@ Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
 Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
   Job job;
   Scene scene;
-  const auto frame = plan_of(command, o, job, scene);
+  auto frame = plan_of(command, o, job, scene);
   if (!frame) return std::unexpected(frame.error());
+  frame->facts.cut_outs = cut_out_materials(scene);
   auto facts = own_json(facts_json(frame->facts));
   facts["extensions"] = extensions_json(scene);
   facts["variants"] = scene.variants;

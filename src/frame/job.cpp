@@ -62,6 +62,7 @@ std::string job_json(const Job& job) {
   if (!job.look.empty()) j["look"] = job.look;
   if (job.shading != Job().shading) j["shading"] = job.shading;
   if (!job.variant.empty()) j["variant"] = job.variant;
+  if (job.cut_outs != Job().cut_outs) j["cut_outs"] = job.cut_outs;
   if (!job.probe.empty()) j["probe"] = job.probe;
   if (job.exposure_ev) j["exposure"] = shortest(*job.exposure_ev);
   if (!job.tonemap.empty()) j["tonemap"] = job.tonemap;
@@ -186,6 +187,7 @@ const std::map<std::string, Reader>& readers() {
       {"look", text_into(&Job::look)},
       {"shading", text_into(&Job::shading)},
       {"variant", text_into(&Job::variant)},
+      {"cut_outs", text_into(&Job::cut_outs)},
       {"probe", text_into(&Job::probe)},
       {"exposure",
        [](const Json& v, Job& job) -> std::string {

@@ -39,6 +39,7 @@ struct Job {
   std::string sky;   // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
   std::string look;  // look file
   std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
+  std::string cut_outs = "blended";  // blended materials that hide all or nothing (scene/cut_outs.h)
   std::string variant;               // of materials, by its name in the file; empty: the default materials
   std::string probe;                 // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;  // absent: as the look says, else 0

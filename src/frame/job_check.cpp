@@ -1,6 +1,7 @@
 #include "base/text.h"
 #include "frame/job.h"
 #include "frame/plan_frame.h"
+#include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "scene/shading.h"
 
@@ -106,6 +107,8 @@ Expected<void> check_job(const Job& job) {
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
   if (!job.tonemap.empty())
     if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;
+  if (auto known = check_name("--cut-outs", "way of drawing cut-outs", job.cut_outs, cut_out_choices()); !known)
+    return known;
   if (auto known = check_name("--shading", "shading", job.shading, shading_names()); !known) return known;
   if (!job.probe.empty())
     if (auto known = check_name("--probe", "probe", job.probe, probe_names()); !known) return known;

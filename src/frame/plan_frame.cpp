@@ -98,12 +98,12 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
   return extent;
 }
 
-// Between which depths along the view axis blended surfaces lie, as far as they are before the camera.
+// Between which depths along the view axis surfaces lie that are seen through, as far as they are before the camera.
 std::pair<float, float> blended_depths(const FrameData& data, const DrawList& draws, const View& view) {
   double nearest = std::numeric_limits<double>::infinity(), farthest = view.near_m;
   const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
   for (const DrawRun& run : draws.runs) {
-    if (run.alpha != AlphaMode::blend) continue;
+    if (run.solid()) continue;
     for (uint32_t i = run.first; i < run.first + run.count; ++i) {
       const Aabb& bounds = data.items[draws.order[i]].bounds_relative;
       const double middle = glm::dot(glm::dvec3(bounds.centre()), forward);
@@ -204,7 +204,8 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.width_px = uint32_t(f.request.width_px);
   s.height_px = uint32_t(f.request.height_px);
   s.samples = uint32_t(f.request.samples);
-  if (f.facts.blend_items > 0) std::tie(s.blended_near_m, s.blended_far_m) = blended_depths(f.data, f.draws, f.view);
+  if (f.facts.blend_items + f.facts.refracting_items > 0)
+    std::tie(s.blended_near_m, s.blended_far_m) = blended_depths(f.data, f.draws, f.view);
   if (f.request.draws_volumetric()) s.volumetric_reach_m = volumetric_reach_m(*f.request.look.volumetric, f.data);
   return s;
 }
@@ -212,13 +213,14 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
 // Layers that divide beauty composite blended surfaces in the order of `sorted`: by another method their sum would be
 // another picture.
 Expected<void> check_divided(const PlannedFrame& f) {
-  if (f.facts.blend_items == 0 || f.request.transparency == Transparent::method) return {};
+  const bool glass = f.facts.refracting_items > 0 && f.request.transparency == Phenomenological::method;
+  if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method) return {};
   std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
   parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
   for (const LayerName& part : parts)
     if (f.request.has_layer(part.name))
       return fail(ErrorKind::usage, "--layers",
-                  "{} is a part of beauty whose blended surfaces are drawn by the method sorted; leave it out, or "
+                  "{} is a part of beauty whose see-through surfaces are drawn by the method sorted; leave it out, or "
                   "--transparency {}",
                   part.name, f.request.transparency);
   return {};

@@ -36,6 +36,7 @@
 #include "passes/surfaces/transparent.h"
 #include "passes/transparency/fragments.h"
 #include "passes/transparency/moments.h"
+#include "passes/transparency/phenomenological.h"
 #include "passes/transparency/weighted.h"
 #include "passes/volumes/fog.h"
 #include "passes/volumes/fog_layers.h"
@@ -58,9 +59,9 @@ struct PassList {
 using AllPasses =
     PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
              LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
-             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Layers, Terms, FogLayers,
-             SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
-             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms,
+             FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks,
+             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

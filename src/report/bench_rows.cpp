@@ -53,6 +53,7 @@ Json row_json(const BenchRow& row) {
   if (!row.sky.empty()) j["sky"] = row.sky;
   if (!row.look.empty()) j["look"] = row.look;
   j["effects"] = row.effects;
+  if (row.transparency != BenchRow().transparency) j["transparency"] = row.transparency;
   j["size"] = {row.width_px, row.height_px};
   j["samples"] = row.samples;
   j["time_s"] = row.time_s;
@@ -130,6 +131,7 @@ BenchRow row_from(const Json& j) {
   row.settings = j.at("settings");
   row.quality = j.at("quality");
   row.sky = j.value("sky", ""), row.look = j.value("look", ""), row.effects = j.value("effects", "auto");
+  row.transparency = j.value("transparency", row.transparency);
   row.width_px = j.at("size").at(0);
   row.height_px = j.at("size").at(1);
   row.samples = j.at("samples");
@@ -273,6 +275,7 @@ std::string bench_csv(const BenchRun& run) {
                                    "settings",
                                    "quality",
                                    "effects",
+                                   "transparency",
                                    "sky",
                                    "look",
                                    "width_px",
@@ -320,6 +323,7 @@ std::string bench_csv(const BenchRun& run) {
                                       row.settings,
                                       row.quality,
                                       row.effects,
+                                      row.transparency,
                                       row.sky,
                                       row.look,
                                       number(row.width_px),

@@ -198,6 +198,7 @@ std::string facts_json(const SceneFacts& f) {
       {"lobes_with_textures", names_of_lobes(f.lobe_textures)},
       {"materials_used", indices(f.material_used)},
       {"images_used", indices(f.image_used)},
+      {"cut_out_materials", f.cut_outs},
   };
   return json.dump(2);
 }

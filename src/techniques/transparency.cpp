@@ -8,6 +8,17 @@ ImageHandle draw_by(Frame& frame, const BlendedIn& in, std::string_view instance
   return frame.add(P{}, in, instance).color;
 }
 
+// Alone, it draws surfaces that let light through too.
+ImageHandle draw_phenomenologically(Frame& frame, const BlendedIn& in, std::string_view instance) {
+  Phenomenological::In all{in, {}};
+  if (Phenomenological{}.needed(frame.facts, frame.request) && frame.facts.refracting_items > 0) {
+    const std::string name = instance.empty() ? "phenomenological" : fmt::format("{}.phenomenological", instance);
+    const SceneInputs& s = in.scene;
+    all.picture = newest(frame.add(Resolve{}, {in.color, s.width_px, s.height_px, s.samples}, name).resolved, in.color);
+  }
+  return frame.add(Phenomenological{}, all, instance).color;
+}
+
 }  // namespace
 
 std::span<const TransparencyMethod> transparency_methods() {
@@ -20,6 +31,9 @@ std::span<const TransparencyMethod> transparency_methods() {
        draw_by<Moments>},
       {Fragments::method, "every surface of a pixel stored and sorted: exact, in time and memory as there are layers",
        draw_by<Fragments>},
+      {Phenomenological::method,
+       "sums that tint, move and blur what is behind, for blended surfaces and for glass, in any order",
+       draw_phenomenologically},
   };
   return table;
 }

@@ -49,6 +49,7 @@ constexpr SceneEntry table[] = {
     {"near-world", "a few objects around the origin; the yardstick of far-world", make_near_world},
     {"normal-mapped", "normal maps without tangents, straight and mirrored", make_normal_mapped},
     {"orthographic", "boxes under an orthographic camera", make_orthographic},
+    {"panes", "coloured and frosted sheets of glass over each other, slabs, a ball and a lens", make_panes, 0, false},
     {"primitive-modes", "all primitive modes, with vertex colours", make_primitive_modes},
     {"room", "a closed room with a polished floor, walls of different colours and balls of metal", make_room, 0, false},
     {"sheets", "blended sheets of eight colours over each other", make_sheets, 0, false},

@@ -2,69 +2,18 @@
 // that passes them, and frosted ones against the traced truth.
 #include <numbers>
 
-#include "frame_fixture.h"
+#include "glass_fixture.h"
 #include "passes/surfaces/terms.h"
 #include "render/reference_frame.h"
 
 namespace candela::test::frame_refraction {
 namespace {
 
-constexpr int width = 64, height = 48;
-constexpr glm::dvec3 wall_colour(0.2, 0.5, 0.9);
-
-struct Glass {
-  glm::dvec3 color{1};
-  double roughness = 0, ior = 1, transmission = 1, thickness_m = 0, dispersion = 0;
-  glm::dvec3 attenuation{1};
-  double distance_m = 1;
-};
-Json glass_material(const Glass& g) {
-  Json material = {{"pbrMetallicRoughness", base_color(g.color.x, g.color.y, g.color.z)}};
-  material["pbrMetallicRoughness"]["roughnessFactor"] = g.roughness;
-  material["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", g.transmission}}},
-                            {"KHR_materials_ior", {{"ior", g.ior}}},
-                            {"KHR_materials_dispersion", {{"dispersion", g.dispersion}}},
-                            {"KHR_materials_volume",
-                             {{"thicknessFactor", g.thickness_m},
-                              {"attenuationDistance", g.distance_m},
-                              {"attenuationColor", {g.attenuation.x, g.attenuation.y, g.attenuation.z}}}}};
-  return material;
-}
+constexpr int width = glass_width, height = glass_height;
 
 }  // namespace
 
-class FrameRefraction : public FrameTest {
- protected:
-  // Nothing is lit, nothing reflects: a light that gives next to nothing keeps the neutral light away.
-  static GltfBuilder dark() {
-    GltfBuilder b = empty_scene();
-    add_light(b, {{"type", "directional"}, {"intensity", 1e-12}}, {{"translation", {0, 0, 3}}});
-    for (const char* name :
-         {"KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_volume", "KHR_materials_dispersion"})
-      b.json["extensionsUsed"].push_back(name);
-    return b;
-  }
-  static void add_wall(GltfBuilder& b, double z = -1) {
-    const int mesh =
-        add_square_mesh(b, 6, add_material(b, unlit_material(wall_colour.x, wall_colour.y, wall_colour.z)));
-    add_node(b, {{"mesh", mesh}, {"translation", {0, 0, z}}});
-  }
-  static void add_sheet(GltfBuilder& b, const Json& material, float half = 1, glm::dvec3 at = glm::dvec3(0),
-                        double scale = 1) {
-    add_node(b, {{"mesh", add_square_mesh(b, half, add_material(b, material))},
-                 {"translation", {at.x, at.y, at.z}},
-                 {"scale", {scale, scale, scale}}});
-  }
-  static Job seen(const GltfBuilder& b, int samples = 1) {
-    Job job = job_for(write(b), width, height, samples);
-    look(job, {0, 0, 4}, {0, 0, 0}, 40);
-    job.effects = "refraction";
-    return job;
-  }
-  static void expect_color(glm::vec4 value, glm::dvec3 expected, const std::string& what, double by = 2e-6) {
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], expected[c], by) << what << ", channel " << c;
-  }
-};
+class FrameRefraction : public GlassTest {};
 
 TEST_F(FrameRefraction, ASheetTintsWhatIsBehind) {
   GltfBuilder b = dark();

@@ -2,6 +2,21 @@
 
 namespace candela {
 
+std::span<const Knob<DepthPrepass::Knobs>> DepthPrepass::Knobs::table() {
+  static const Knob<Knobs> table[] = {
+      {.name = "by_sample",
+       .member = &Knobs::by_sample,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0, 0, 0, 1},
+       .trades = "1: of a multisampled pixel a mask keeps the samples at which its alpha, followed by its slope, "
+                 "reaches the cutoff, so that edges of masks are as smooth as those of meshes; 0: all or none; exact "
+                 "is supersampling",
+       .passes = {"depth_prepass"}},
+  };
+  return table;
+}
+
 Need DepthPrepass::needed(const SceneFacts& facts, const FrameRequest&) const {
   if (refracting) return needed_if(facts.refracting_items > 0, "the scene has no surface that refracts");
   return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
@@ -16,6 +31,8 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.masked_fragment = "depth_prepass.frag";
+  if (knobs.by_sample != 0 && in.scene.samples > 1)
+    choice.masked_fragment += fmt::format("#BY_SAMPLE={}", in.scene.samples);
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,
       [this](const DrawRun& r) { return refracting ? r.alpha != AlphaMode::blend : r.solid(); }, choice);

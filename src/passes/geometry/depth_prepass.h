@@ -7,11 +7,16 @@ namespace candela {
 
 // Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float (TECHNIQUES 1.1), so
 // that shading runs once for each visible fragment. Masked surfaces drop what their mask cuts away, at the pixel's
-// shading point.
+// shading point, or sample by sample (knob by_sample).
 //
 // refracting: of those and of surfaces that refract, for what is drawn over what is seen through them.
 struct DepthPrepass {
   static constexpr std::string_view name = "depth_prepass";
+  struct Knobs {
+    static constexpr std::string_view name = "masks";
+    int by_sample = 0;
+    static std::span<const Knob<Knobs>> table();
+  };
   using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
   struct In {
     SceneInputs scene;
@@ -26,6 +31,7 @@ struct DepthPrepass {
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
   bool refracting = false;
+  Knobs knobs;
 };
 
 }  // namespace candela

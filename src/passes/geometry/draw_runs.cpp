@@ -154,7 +154,7 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
     const DrawRun& run = (*scene.runs)[r];
     commands.bind(pipelines.by_run[r]);
     commands.push(push);
-    commands.set_cull(run.cull_back, run.mirrored);
+    commands.set_cull(run.cull_back || own.backs, run.mirrored != own.backs);
     commands.draw_indexed_indirect_count(draws.commands, uint64_t(run.first) * sizeof(shared::DrawCommand),
                                          draws.counts, own.first_count + r * sizeof(uint32_t), run.count);
   }

@@ -44,6 +44,7 @@ struct OwnInputs {
   BufferHandle table, deformed_before;  // optional: of DrawPush
   uint64_t word = 0;                    // in the place of a table: places among images, or numbers
   uint32_t number = 0;
+  bool backs = false;        // of surfaces that are drawn: back faces alone
   uint64_t first_count = 0;  // into the counts of the draws, in bytes
 };
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights. fog: of one

@@ -1,19 +1,10 @@
 #include "passes/surfaces/refraction.h"
 
-#include <bit>
+#include "passes/transparency/phenomenological.h"
 
 #include "shared/refraction.h"
 
 namespace candela {
-namespace {
-glm::uvec2 pyramid_px(const SceneInputs& scene) {
-  return {std::bit_floor(scene.width_px), std::bit_floor(scene.height_px)};
-}
-uint32_t levels(const SceneInputs& scene) {
-  const glm::uvec2 size = pyramid_px(scene);
-  return uint32_t(std::bit_width(std::max(size.x, size.y)));
-}
-}  // namespace
 
 std::span<const Knob<Refraction::Knobs>> Refraction::Knobs::table() {
   static const Knob<Knobs> table[] = {
@@ -33,12 +24,13 @@ std::span<const Knob<Refraction::Knobs>> Refraction::Knobs::table() {
 
 Need Refraction::needed(const SceneFacts& facts, const FrameRequest& request) const {
   if (!request.wants_true(effect)) return {false, "refraction is not wanted (--effects, --quality)"};
+  if (request.transparency == Phenomenological::method)
+    return {false, "--transparency phenomenological draws what refracts together with blended surfaces"};
   return needed_if(facts.refracting_items > 0, "the scene has no surface that refracts");
 }
 
 Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& scene = in.scene;
-  const glm::uvec2 size = pyramid_px(scene);
   Out out;
   out.down = builder.pipeline(ComputePipelineDesc{"refraction_down.comp", {}});
   out.seen = {.picture = in.picture, .behind = in.behind, .lobe_samples = uint32_t(knobs.samples)};
@@ -50,20 +42,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
         builder.write(builder.create(ImageDesc{"refraction.copy", color_format, scene.width_px, scene.height_px}),
                       Access::storage_image_write);
   }
-  ImageHandle& pyramid = out.seen.pyramid;
-  pyramid = builder.create(ImageDesc{.name = "refraction.pyramid",
-                                     .format = color_format,
-                                     .width_px = size.x,
-                                     .height_px = size.y,
-                                     .mips = levels(scene)});
-  for (uint32_t k = 0; k < levels(scene); ++k) {
-    builder.begin_step();
-    if (k == 0)
-      builder.read(out.seen.picture, Access::sampled_compute, "the picture behind");
-    else
-      builder.read(pyramid, Access::sampled_compute, "the finer level", ImageRange::mip(k - 1));
-    pyramid = builder.write(pyramid, Access::storage_image_write, ImageRange::mip(k));
-  }
+  out.seen.pyramid = declare_pyramid(builder, scene, out.seen.picture, "refraction.pyramid");
   builder.begin_step();
   builder.read(in.depth, Access::depth_test, "depth");
   declare_lights(builder, scene, in.lists);
@@ -87,17 +66,15 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
 void Refraction::record(CommandList& commands, const In& in, const Out& out) const {
   const glm::uvec2 size(in.scene.width_px, in.scene.height_px);
   const uint32_t copies = in.scene.samples == 1 ? 1 : 0, step = commands.step();
-  if (step < copies + levels(in.scene)) {
-    const SeenThrough& seen = out.seen;
-    const uint32_t level = step - copies;  // beyond all of them while the picture is copied
-    shared::RefractionDownPush push{};
-    push.source = commands.sampled(step < copies ? in.picture : level == 0 ? seen.picture : seen.pyramid);
-    push.target = commands.storage(step < copies ? seen.picture : seen.pyramid);
-    push.source_px = step <= copies ? size : commands.size(seen.pyramid, level - 1);
-    push.target_px = step < copies ? size : commands.size(seen.pyramid, level);
+  if (step < copies) {
     commands.bind(out.down);
-    commands.push(push);
-    commands.dispatch(push.target_px.x, push.target_px.y);
+    commands.push(
+        shared::RefractionDownPush{commands.sampled(in.picture), commands.storage(out.seen.picture), size, size});
+    commands.dispatch(size.x, size.y);
+    return;
+  }
+  if (step < copies + pyramid_levels(in.scene)) {
+    record_level(commands, out.down, out.seen.picture, out.seen.pyramid, size, step - copies);
     return;
   }
   const CommandList::Attachment color{out.color};

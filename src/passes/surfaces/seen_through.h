@@ -13,6 +13,13 @@ struct SeenThrough {
   explicit operator bool() const { return bool(pyramid); }
 };
 
+// The pyramid of a picture of one sample, level by level: as many steps, each recorded by record_level. The first is
+// made of the picture.
+uint32_t pyramid_levels(const SceneInputs& scene);
+ImageHandle declare_pyramid(GraphBuilder& builder, const SceneInputs& scene, ImageHandle picture, std::string name);
+void record_level(CommandList& commands, PipelineHandle down, ImageHandle picture, ImageHandle pyramid,
+                  glm::uvec2 picture_px, uint32_t level);
+
 // Declares what is read, and completes the shaders and constants of a choice that has lights and fog.
 void declare_seen_through(GraphBuilder& builder, const SceneInputs& scene, const SeenThrough& seen,
                           RunPipelineChoice& choice);

@@ -1,0 +1,56 @@
+#pragma once
+#include "passes/transparency/blended.h"
+
+namespace candela {
+
+// Blended surfaces and those that let light through in one draw, in any order, by what they look like (McGuire and
+// Mara, "A Phenomenological Scattering Model for Order-Independent Transparency", 2016, and "Phenomenological
+// Transparency", 2017): each tints what is behind, channel by channel, moves it as its refraction does, and widens it
+// by its roughness and by how far what is seen lies behind it. All four are products and sums, so several surfaces of
+// a pixel need no order; only how much each one's own light counts is guessed, by its depth. A last step takes the
+// picture of what is opaque where the sums say, by taps that count as far as the width at their own depth reaches, so
+// that what touches frosted glass stays sharp and does not bleed.
+//
+// Unlike the papers: widths and ways are those of the file's roughness, index and body in metres, not of constants,
+// and sums hold them as polynomials of the depth behind, which the last step knows; light crosses bodies between their
+// faces (Wyman, "An Approximate Image-Space Approach for Interactive Refraction", 2005). Drawn by runs and lit as
+// others are. 32-bit sums in the order of drawing, which one device keeps.
+//
+// Exact for one blended surface, and for how clear sheets and blended surfaces tint what is behind. Leaves wrong: whose
+// own light lies before whose, as `weighted` does; blended surfaces are neither moved nor blurred by glass before them;
+// what the picture of opaque surfaces does not hold; total reflection, and what is reflected within bodies; the far
+// sides of bodies behind other bodies (slabs of the file's thickness); shadows, which are those of other methods.
+struct Phenomenological {
+  static constexpr std::string_view name = "phenomenological", method = "phenomenological";
+  struct Knobs {
+    static constexpr std::string_view name = "phenomenological";
+    int taps = 16, search = 2, backs = 3, falloff = 4;
+    static std::span<const Knob<Knobs>> table();
+  };
+  using SharedKnobs = BlendedKnobs;
+  struct In {
+    BlendedIn blended;
+    ImageHandle picture;  // what is behind, of one sample; only where something lets light through
+  };
+  struct Out {
+    ImageHandle color;  // an image of its own: what is behind is read
+    struct {
+      ImageHandle light, hidden;  // the surfaces' own; what they hide, by colour
+      ImageHandle widths, moved;  // of lib/glass_sums.glsl; empty where nothing lets light through
+    } sums;
+    struct {
+      ImageHandle faces, z;  // of bodies: what looks away
+      ImageHandle pyramid;   // of what is behind them
+    } backs;
+    RunPipelines back_faces, drawn;
+    struct {
+      PipelineHandle down, over;
+    } pipelines;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+}  // namespace candela

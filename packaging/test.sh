@@ -4,7 +4,7 @@
 #   Debian 12:           the .deb through apt with the packages that it names, and lavapipe of backports
 #   a newer Debian:      the archive, unpacked in a folder, with a Vulkan driver of that system and nothing else
 set -euo pipefail
-packages=$(readlink -f -- "$1") scene=$(readlink -f -- "$2")
+packages=$(readlink -f -- "$1") scene=$(readlink -f -- "$2") sources=$(dirname -- "$(dirname -- "$(readlink -f -- "$0")")")
 [[ $(id -u) -eq 0 ]] || { printf 'test: chroot needs root\n' >&2; exit 2; }
 command -v debootstrap >/dev/null || { printf 'test: install debootstrap\n' >&2; exit 2; }
 deb=$(find "$packages" -maxdepth 1 -name 'candela_*.deb') archive=$(find "$packages" -maxdepth 1 -name 'candela-*.tar.xz')
@@ -35,6 +35,13 @@ renders() {  # ROOT PROGRAM
   inside "$root" "$program" reference /root/scene.glb --spp 2 --size 32x18 -o /root/r.exr >/dev/null 2>&1 || broken "reference"
   inside "$root" "$program" compare /root/a.png /root/a.png --limit differing=0 >/dev/null 2>&1 || broken "compare"
   [[ -s $root/root/a.exr && -s $root/root/a.png ]] || broken "no pictures"
+  # Shaders that are built in need no compiler; edited ones do.
+  grep -A1 candela_glslang.so "$root/root/version.json" | grep -q '"opens": true' || broken "candela_glslang.so does not open"
+  rm -rf -- "$root/root/shaders"
+  cp -r -- "$sources/shaders" "$root/root/shaders"
+  printf '// edited\n' >>"$root/root/shaders/tonemap.comp"
+  said=$(inside "$root" "$program" render /root/scene.glb --size 160x90 --shader-dir /root/shaders -o /root/b.png 2>&1) || broken "edited shaders: $said"
+  inside "$root" "$program" compare /root/a.png /root/b.png --limit differing=0 >/dev/null 2>&1 || broken "a comment changes the picture"
 }
 
 system "$work/bookworm" bookworm

@@ -150,20 +150,19 @@ std::vector<RayKind> make_rays(const Accel& accel, const FrameData&, const View&
 }
 
 template <class Trace>
-double time_rays(const RayKind& kind, int threads, Trace trace) {
-  const auto run = [&](size_t first, size_t last) {
+double time_rays(const RayKind& kind, size_t first, size_t last, int threads, Trace trace) {
+  const auto run = [&](size_t from, size_t to) {
     uint64_t sum = 0;
-    for (size_t i = first; i < last; ++i) sum += trace(kind.rays[i]);
+    for (size_t i = from; i < to; ++i) sum += trace(kind.rays[i]);
     static std::atomic<uint64_t> sink;
     sink += sum;
   };
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   const auto begin = std::chrono::steady_clock::now();
   if (threads > 1)
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, kind.rays.size(), 2048),
-                      [&](const auto& r) { run(r.begin(), r.end()); });
+    tbb::parallel_for(tbb::blocked_range<size_t>(first, last, 2048), [&](const auto& r) { run(r.begin(), r.end()); });
   else
-    run(0, kind.rays.size());
+    run(first, last);
   return ms_since(begin);
 }
 
@@ -231,51 +230,83 @@ ordered_json time_builds(const Quality& q, const Scene& scene, const Pose& pose,
   AccelOptions options;
   options.tree.builder = q.builder;
   for (const int threads : plan.threads) {
-    std::vector<double> ours, theirs, ratios;
+    std::vector<double> ours, theirs;
     for (int i = 0; i < plan.rounds; ++i) {
       tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
       ours.push_back(Accel(scene, pose, frame, options).statistics().build_ms);
       theirs.push_back(Embree(mesh, q.embree, false, threads).build_ms);
-      ratios.push_back(ours.back() / theirs.back());
     }
-    out[threads_name(threads)] = {
-        {"candela_ms", spread(ours)}, {"embree_ms", spread(theirs)}, {"ratio", median(ratios)}};
+    const double least = *std::min_element(ours.begin(), ours.end());
+    const double their_least = *std::min_element(theirs.begin(), theirs.end());
+    out[threads_name(threads)] = {{"candela_ms", spread(ours)},
+                                  {"embree_ms", spread(theirs)},
+                                  {"candela_least_ms", least},
+                                  {"embree_least_ms", their_least},
+                                  {"ratio", least / their_least}};
   }
   return out;
 }
 
+// Three tracers in turn over pieces of the rays, many times. A busy machine only ever takes longer, so a piece's time
+// is its least one; the ratios of thirds of the rounds say how well that is known.
 ordered_json time_traversal(const Quality& q, const RayKind& kind, const Accel& accel, const Embree& fast,
                             const Embree& robust, const Plan& plan) {
+  const auto candela_trace = [&](const Ray& r) -> uint64_t {
+    if (kind.any) return accel.occluded(r);
+    const auto hit = accel.closest(r);
+    return hit ? hit->primitive : 0;
+  };
+  const auto embree_trace = [&](const Embree& peer) {
+    return [&](const Ray& r) -> uint64_t {
+      float t;
+      return kind.any ? peer.occluded(r) : peer.closest(r, t);
+    };
+  };
+  constexpr int thirds = 3;
+  enum Tracer { ours, theirs, robusts, tracers };
   ordered_json out;
   for (const int threads : plan.threads) {
-    const auto candela_trace = [&](const Ray& r) -> uint64_t {
-      if (kind.any) return accel.occluded(r);
-      const auto hit = accel.closest(r);
-      return hit ? hit->primitive : 0;
+    const size_t piece = threads == 1 ? 4096 : 32768, pieces = (kind.rays.size() + piece - 1) / piece;
+    const auto total = [&](const std::vector<double>& least) {
+      double sum = 0;
+      for (const double ms : least) sum += ms;
+      return sum;
     };
-    const auto embree_trace = [&](const Embree& peer) {
-      return [&](const Ray& r) -> uint64_t {
-        float t;
-        return kind.any ? peer.occluded(r) : peer.closest(r, t);
-      };
-    };
-    std::vector<double> ours, theirs, robusts, ratio, robust_ratio;
-    for (int i = -1; i < plan.rounds; ++i) {
-      const double a = time_rays(kind, threads, candela_trace), b = time_rays(kind, threads, embree_trace(fast)),
-                   c = time_rays(kind, threads, embree_trace(robust));
-      if (i < 0) continue;  // warm-up
-      const double mega = double(kind.rays.size()) / 1e3;
-      ours.push_back(mega / a), theirs.push_back(mega / b), robusts.push_back(mega / c);
-      ratio.push_back(a / b), robust_ratio.push_back(a / c);
+    std::vector<double> least[tracers];
+    std::vector<double> ratio, robust_ratio;
+    for (std::vector<double>& l : least) l.assign(pieces, std::numeric_limits<double>::infinity());
+    for (int third = 0; third < thirds; ++third) {
+      std::vector<double> now[tracers];
+      for (std::vector<double>& l : now) l.assign(pieces, std::numeric_limits<double>::infinity());
+      for (int round = 0; round < plan.rounds; ++round)
+        for (size_t i = 0; i < pieces; ++i) {
+          const size_t first = i * piece, last = std::min(first + piece, kind.rays.size());
+          const auto keep = [&](Tracer t, double ms) { now[t][i] = std::min(now[t][i], ms); };
+          keep(ours, time_rays(kind, first, last, threads, candela_trace));
+          keep(theirs, time_rays(kind, first, last, threads, embree_trace(fast)));
+          keep(robusts, time_rays(kind, first, last, threads, embree_trace(robust)));
+        }
+      ratio.push_back(total(now[ours]) / total(now[theirs]));
+      robust_ratio.push_back(total(now[ours]) / total(now[robusts]));
+      for (int t = 0; t < tracers; ++t)
+        for (size_t i = 0; i < pieces; ++i) least[t][i] = std::min(least[t][i], now[t][i]);
     }
-    ordered_json& row = out[threads_name(threads)];
-    row = {{"candela_mray_s", spread(ours)},
-           {"embree_mray_s", spread(theirs)},
-           {"embree_robust_mray_s", spread(robusts)},
-           {"time_ratio", spread(ratio)},
-           {"time_ratio_robust", median(robust_ratio)}};
-    std::fprintf(stderr, "  %s %-8s %d threads: %.2f / %.2f Mray/s, ratio %.2f, robust %.2f\n", q.name, kind.name,
-                 threads, median(ours), median(theirs), median(ratio), median(robust_ratio));
+    const auto mray_s = [&](Tracer t) { return double(kind.rays.size()) / 1e3 / total(least[t]); };
+    const auto range = [](const std::vector<double>& v) {
+      return ordered_json{*std::min_element(v.begin(), v.end()), *std::max_element(v.begin(), v.end())};
+    };
+    const double over = total(least[ours]) / total(least[theirs]),
+                 over_robust = total(least[ours]) / total(least[robusts]);
+    out[threads_name(threads)] = {{"candela_mray_s", mray_s(ours)},
+                                  {"embree_mray_s", mray_s(theirs)},
+                                  {"embree_robust_mray_s", mray_s(robusts)},
+                                  {"time_ratio", over},
+                                  {"time_ratio_range", range(ratio)},
+                                  {"time_ratio_robust", over_robust},
+                                  {"time_ratio_robust_range", range(robust_ratio)}};
+    std::fprintf(stderr, "  %s %-8s %d threads: %.2f Mray/s, ratio %.3f, robust %.3f [%.3f, %.3f]\n", q.name, kind.name,
+                 threads, mray_s(ours), over, over_robust, range(robust_ratio)[0].get<double>(),
+                 range(robust_ratio)[1].get<double>());
   }
   return out;
 }
@@ -329,10 +360,10 @@ Expected<ordered_json> measure(const std::string& what, const Plan& plan) {
       row = time_traversal(q, kind, accel, fast, robust, plan);
       row["rays"] = kind.rays.size();
       TraceCounts counts;
-      for (const Ray& ray : kind.rays) kind.any ? (void)accel.occluded(ray, nullptr, &counts) : (void)accel.closest(ray, nullptr, &counts);
+      for (const Ray& ray : kind.rays)
+        kind.any ? void(accel.occluded(ray, nullptr, &counts)) : void(accel.closest(ray, nullptr, &counts));
       row["nodes_a_ray"] = double(counts.nodes) / double(kind.rays.size());
       row["triangles_a_ray"] = double(counts.triangles) / double(kind.rays.size());
-      std::fprintf(stderr, "    %.2f nodes, %.2f boxes, %.2f triangles a ray; %zu instances\n", double(counts.nodes) / double(kind.rays.size()), double(counts.boxes) / double(kind.rays.size()), double(counts.triangles) / double(kind.rays.size()), accel.statistics().instances);
       row["agreement"] = compare(kind, accel, fast, mesh);
       row["agreement_robust"] = compare(kind, accel, robust, mesh);
     }

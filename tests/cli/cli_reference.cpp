@@ -49,6 +49,28 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   EXPECT_EQ(same.code, 0) << same.err;
 }
 
+// However the tree is built the picture is the same; what it was built of is in the JSON.
+TEST(Reference, TreesChangeNoPicture) {
+  const TestFolder folder;
+  const auto picture = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.end(), {"--spp", "4", "--layers", "none", "--json"});
+    const Ended ended = candela(traced(folder / name, more));
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return nlohmann::json::parse(ended.out)["bvh"];
+  };
+  const auto by_default = picture("a.exr", {});
+  EXPECT_EQ(by_default["builder"], "sah");  // few rays for so many triangles
+  const auto thesis = picture("b.exr", {"--bvh", "sbvh", "--set", "bvh.max-leaf=1", "--set", "bvh.block=0", "--set",
+                                        "bvh.budget=0.5", "--set", "bvh.depth=20", "--set", "bvh.node-cost=0.125"});
+  EXPECT_EQ(thesis["builder"], "sbvh");
+  EXPECT_GT(thesis["binary_nodes"], by_default["binary_nodes"]);
+  EXPECT_EQ(picture("c.exr", {"--bvh", "spatial-only"})["builder"], "spatial-only");
+  for (const char* other : {"b.exr", "c.exr"}) {
+    const Ended same = candela({"compare", folder / "a.exr", folder / other, "--limit", "max=0"});
+    EXPECT_EQ(same.code, 0) << same.err;
+  }
+}
+
 // The layers that a technique's frame has, by the same names and types, so that files of both compare layer by layer.
 TEST(Reference, WritesTheLayersThatRenderWrites) {
   const TestFolder folder;
@@ -264,6 +286,9 @@ TEST(Reference, NamesWhatIsWrong) {
       {{"reference"}, "SCENE"},
       {{"reference", box, "-o", out, "--mode", "paths"}, "did you mean 'path'"},
       {{"reference", box, "-o", out, "--bvh", "sahh"}, "did you mean 'sah'"},
+      {{"reference", box, "-o", out, "--set", "bvh.bucket=12"}, "did you mean 'bvh.buckets'"},
+      {{"reference", box, "-o", out, "--set", "bvh.buckets=1"}, "from 2 to 64"},
+      {{"reference", box, "-o", out, "--set", "bvh.max-leaf=1.5"}, "whole number"},
       {{"reference", box, "-o", out, "--sampler", "random"}, "jittered"},
       {{"reference", box, "-o", out, "--sampler", "uniform", "--seconds", "1"}, "--spp"},
       {{"reference", box, "-o", out, "--resume"}, "--state"},

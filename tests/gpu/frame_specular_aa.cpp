@@ -44,10 +44,10 @@ class SpecularAa : public FrameTest {
 
 }  // namespace
 
-// Nearer to the picture of 256 samples a pixel than one sample without it, and to that picture with more samples.
+// Nearer to the picture of 64 samples a pixel than one sample without it, and to that picture with more samples.
 TEST_F(SpecularAa, ComesNearerToManySamples) {
   const std::string file = write(bumpy());
-  const Image truth = beauty(file, "off", 16);
+  const Image truth = beauty(file, "off", 8);
   const double off = relmse(beauty(file, "off", 1), truth);
   for (const char* method : {"normals", "maps"}) {
     const double one = relmse(beauty(file, method, 1), truth), two = relmse(beauty(file, method, 4), truth);

@@ -56,7 +56,7 @@ void put_fog(FogMedium v) {
   }
 }
 void put_frame(FrameConstants v) {
-  put(v.vertices); put(v.transforms); put(v.geometries); put(v.items); put(v.materials);
+  put(v.vertices); put(v.transforms); put(v.geometries); put(v.items); put(v.materials); put(v.lobes);
   for (int i = 0; i < 4; ++i) put(v.clip_from_relative[i]);
   for (int i = 0; i < 5; ++i) put(v.planes[i]);
   for (int i = 0; i < 9; ++i) put(v.ambient_sh[i]);

@@ -4,7 +4,8 @@
 usage: bench/peers/khronos_pictures.py [--build DIR] [--shared DIR] [--spp N] [--pictures DIR]
 
 Draws each model by `candela render` and `candela reference --mode path` with the camera of the golden pictures (shared/goldens/MANIFEST.md),
-and prints the intersection over union of its silhouette with every golden's, where alpha is above a half. The silhouette is drawn without a sky.
+and prints the intersection over union of its silhouette with every golden's: both scaled to 256 pixels across by their means, where alpha is
+above a half. The silhouette is drawn without a sky.
 --pictures: sheets of the goldens and candela's pictures under studio_small_03_1k.hdr side by side; the goldens' own sky is not there.
 Needs Debian's python3-numpy and python3-pil. Prints a JSON object.
 """
@@ -60,14 +61,15 @@ def main():
         for model, (size, _, _) in MODELS.items():
             goldens = {f.stem: Image.open(f).convert("RGBA") for f in sorted((o.shared / "goldens" / model).glob("*.webp"))}
             outlines = {}
-            for name, how in (("render", render), ("reference", ["reference", "--spp", "16"])):
+            for name, how in (("render", render), ("reference", ["reference", "--spp", "4"])):
                 file = f"{work}/{model}-{name}.exr"
-                draw(o, model, file, how, halved(size), "--background", "transparent", "--exr-type", "float", "--exr-compression", "none")
-                outlines[name] = plain_exr.read_exr(file)["A"] > 0.5
-            shape = outlines["render"].shape[::-1]
+                draw(o, model, file, how, size, "--background", "transparent", "--exr-type", "float", "--exr-compression", "none")
+                alpha = Image.fromarray(plain_exr.read_exr(file)["A"].astype(numpy.float32))
+                outlines[name] = numpy.asarray(alpha.resize((256, round(256 * alpha.height / alpha.width)), Image.BOX)) > 0.5
+            shape = tuple(int(x) for x in halved(size).split("x"))
             found[model] = {}
             for engine, picture in goldens.items():
-                alpha = numpy.asarray(picture.resize(shape, Image.BOX))[..., 3] > 127
+                alpha = numpy.asarray(picture.resize(outlines["render"].shape[::-1], Image.BOX))[..., 3] > 127
                 found[model][engine] = {name: overlap(alpha, own) for name, own in outlines.items()}
             if not o.pictures:
                 continue

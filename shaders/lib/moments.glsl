@@ -2,10 +2,8 @@
 // Moments of what is absorbed along a ray, and the transmittance that they tell (Muenstermann et al. 2018; the bound by
 // Peters and Klein, "Moment Shadow Mapping", 2015). MOMENTS: how many, even. Needs lib/frame.glsl and, as pc.table, the
 // nearest and the farthest depth of what absorbs, two floats.
+#include "lib/absorbance.glsl"
 const int moment_roots = MOMENTS / 2;
-
-// At most 16.6, the last float below full coverage.
-float absorbance_of(float coverage) { return -log(max(1.0 - coverage, 5.9604645e-8)); }
 
 // In [-1, 1]: by its logarithm, or evenly where the view is parallel.
 float warped_depth(vec3 relative_position) {

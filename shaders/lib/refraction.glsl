@@ -193,7 +193,7 @@ Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, flo
   if (glass.transmission_texture.texture != absent) r.share *= sample_texture(glass.transmission_texture, v).r;
   if (glass.thickness_texture.texture != absent) g.thickness_m *= sample_texture(glass.thickness_texture, v).g;
   r.share = clamp(r.share, 0.0, 1.0);
-  g.thickness_m = clamp(g.thickness_m * scale, 0.0, 1e15);
+  if (g.thickness_m > 0.0) g.thickness_m = clamp(g.thickness_m * scale, 0.0, 1e15);  // a sheet is one at any scale
   g.position = v.relative_position;
   g.to_viewer = b.to_viewer;
   g.normal = s.normal;

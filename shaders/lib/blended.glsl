@@ -7,15 +7,16 @@ bool is_put_out() { return true; }
 float view_depth(vec3 relative_position) { return -dot(relative_position, frame.camera_back); }
 
 #ifdef WEIGHTED
+#include "lib/absorbance.glsl"
 layout(location = 0) out vec4 out_sum;
-layout(location = 1) out float out_covered;
+layout(location = 1) out float out_absorbance;
 
 // McGuire and Bavoil 2013, equation 9, over its largest value. Radiance is held where a sum of many stays a float.
 void put_out(vec4 premultiplied, vec3 relative_position) {
   const float far = view_depth(relative_position) / 200.0;
   const float w = premultiplied.a * clamp(0.03 / (1e-5 + far * far * far * far), 1e-2, 3e3) / 3e3;
   out_sum = vec4(min(premultiplied.rgb, vec3(1e30)), premultiplied.a) * w;
-  out_covered = premultiplied.a;
+  out_absorbance = absorbance_of(premultiplied.a);
 }
 #elif defined(MOMENTS)
 #include "lib/bindless.glsl"

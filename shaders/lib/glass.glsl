@@ -40,7 +40,7 @@ GlassPoint glass_point(Glass glass, Surface s, BrdfTerms b, Varyings v, float sc
   if (glass.transmission_texture.texture != absent) share *= sample_texture(glass.transmission_texture, v).r;
   if (glass.thickness_texture.texture != absent) g.thickness_m *= sample_texture(glass.thickness_texture, v).g;
   share = clamp(share, 0.0, 1.0);
-  g.thickness_m = clamp(g.thickness_m * scale, 0.0, 1e15);
+  if (g.thickness_m > 0.0) g.thickness_m = clamp(g.thickness_m * scale, 0.0, 1e15);  // a sheet is one at any scale
   g.position = v.relative_position;
   g.to_viewer = b.to_viewer;
   g.normal = s.normal;

@@ -161,7 +161,8 @@ shared::Glass shared_glass(const Material& m) {
   out.dispersion = m.dispersion;
   for (int c = 0; c < 3; ++c) {
     const double left = std::min(double(m.attenuation_color[c]), 1.0);
-    const double per_m = left < 1 ? -std::log(std::max(left, 1e-30)) / double(m.attenuation_distance_m) : 0;
+    // Of colour 0 nothing is left on any way.
+    const double per_m = left < 1 ? -std::log(left) / double(m.attenuation_distance_m) : 0;
     out.absorption[c] = float(std::min(per_m, 1e30));
   }
   return out;

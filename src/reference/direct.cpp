@@ -11,11 +11,11 @@ namespace candela::reference {
 namespace {
 
 // Dimensions of a surface that is not opaque: a group of the sampler's four and some more for each layer of blended
-// surfaces.
-constexpr uint32_t dimensions_a_layer = 8;
-constexpr int most_layers = 256;
+// surfaces. Layers beyond so many share those of the last.
+constexpr uint32_t dimensions_a_layer = 8, numbered_layers = 256;
 // Those of a surface's reflections lie behind all of them.
-constexpr uint32_t reflection_dimensions = 4 + uint32_t(most_layers) * dimensions_a_layer;
+constexpr uint32_t reflection_dimensions = 4 + numbered_layers * dimensions_a_layer;
+constexpr int most_layers = 1 << 16;  // no end of a loop must hang on arithmetic
 
 }  // namespace
 
@@ -83,9 +83,9 @@ PixelSample Integrator::sample(int x, int y, uint64_t index, TermSample* terms) 
   return sample_through(glm::dvec2(x, y) + stream.pixel(), stream, terms);
 }
 
-PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index) const {
+PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index, TermSample* terms) const {
   SampleStream stream(settings_.sampler, int(std::floor(place_px.x)), int(std::floor(place_px.y)), index);
-  return sample_through(place_px, stream, nullptr);
+  return sample_through(place_px, stream, terms);
 }
 
 PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream, TermSample* terms) const {
@@ -117,6 +117,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   const std::optional<RayDifferential> part = footprint();
   for (int layer = 0; hit && layer < most_layers && through > 0; ++layer) {
     Surface s = world_.surface(*hit, camera.origin, camera.direction, part ? &*part : nullptr);
+    const uint32_t numbered = std::min(uint32_t(layer), numbered_layers - 1);
     if (settings_.lifted != 0) {
       s.position += settings_.lifted * glm::distance(s.position, camera.origin) * s.geometric;
       to_viewer = glm::normalize(camera.origin - s.position);
@@ -131,7 +132,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
         lobe = specular_lobe(s, point, to_viewer, stream.next2());
         own[Term::reflections] = reflected(*lobe, s, point, stream);
       }
-      stream.start(4 + uint32_t(layer) * dimensions_a_layer);
+      stream.start(4 + numbered * dimensions_a_layer);
       glm::dvec3 radiance = s.base_color;
       if (!s.unlit)
         radiance = s.emission +
@@ -139,7 +140,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
                    own[Term::reflections];
       const double here_m = glm::dot(s.position - camera.origin, onward);
       const glm::dvec3 clear =
-          fog_before(camera.origin, onward, {before_m, here_m}, through, uint32_t(layer), stream, out);
+          fog_before(camera.origin, onward, {before_m, here_m}, through, numbered, stream, out);
       before_m = here_m;
       out.radiance += through * s.coverage * clear * radiance;
       out.fog_through += through * s.coverage * (clear - 1.0);
@@ -163,7 +164,8 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
   }
   if (through > 0) {
     const glm::dvec4 background = world_.background(camera.direction);
-    const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, endless}, through, most_layers, stream, out);
+    const glm::dvec3 clear =
+        fog_before(camera.origin, onward, {before_m, endless}, through, numbered_layers, stream, out);
     out.radiance += through * clear * glm::dvec3(background);
     if (terms) (*terms)[Term::background] += through * clear * glm::dvec3(background);
     out.fog_through += through * (clear - 1.0);

@@ -58,7 +58,7 @@ class Integrator {
   // terms: adds the sample's terms. They have sums of their own, so that asking for them changes no bit of the rest.
   PixelSample sample(int x, int y, uint64_t index, TermSample* terms = nullptr) const;
   // Through a place of the image in pixels, y down.
-  PixelSample sample_at(glm::dvec2 place_px, uint64_t index) const;
+  PixelSample sample_at(glm::dvec2 place_px, uint64_t index, TermSample* terms = nullptr) const;
 
   // Radiance towards `to_viewer` of light that comes straight from its source. For tests of single points.
   glm::dvec3 direct_light(const Surface& surface, const SurfacePoint& point, glm::dvec3 to_viewer, SampleStream& stream,

@@ -151,21 +151,23 @@ PixelCounts count_pixels(const Beauty& beauty, double pre_exposure) {
       counts.first_x = int(i % size_t(beauty.width_px)), counts.first_y = int(i / size_t(beauty.width_px));
     for (int c = 0; c < 3; ++c) counts.beyond_half += std::isfinite(v[c]) && std::abs(v[c]) > 65504;
     counts.black = counts.black && v.x == 0 && v.y == 0 && v.z == 0;
+    counts.most = std::max({counts.most, v.x, v.y, v.z});
   }
   return counts;
 }
 
-EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const Beauty& drawn, double pre_exposure) {
+EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const Beauty& drawn, double pre_exposure,
+                           double most) {
   EffectCounts counts;
   for (size_t i = 0; i < pixels_of(drawn); ++i) {
     const glm::dvec4 with = pixel_of(drawn, pre_exposure, i);
-    const glm::dvec4 most =
-        bare ? pixel_of(*bare, bare_pre_exposure, i) : glm::dvec4(std::numeric_limits<double>::infinity());
+    const glm::dvec4 allowed =
+        glm::min(bare ? pixel_of(*bare, bare_pre_exposure, i) : glm::dvec4(most), glm::dvec4(most));
     bool finite = true, negative = false, brighter = false;
     for (int c = 0; c < 4; ++c) finite = finite && std::isfinite(with[c]);
     for (int c = 0; c < 3; ++c) {
       negative = negative || with[c] < 0;
-      brighter = brighter || with[c] > most[c] * (1 + 1e-4) + 1e-30;
+      brighter = brighter || with[c] > allowed[c] * (1 + 1e-4) + 1e-30;
     }
     counts.nonfinite += !finite, counts.negative += negative, counts.brighter += brighter;
     if ((!finite || negative || brighter) && counts.first_x < 0)

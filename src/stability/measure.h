@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -42,16 +43,18 @@ struct PixelCounts {
   int first_x = -1, first_y = -1;
   uint64_t beyond_half = 0;  // colour values that an EXR file of halves holds clamped
   bool black = true;         // all colour is 0
+  double most = 0;           // the largest colour value
 };
 PixelCounts count_pixels(const Beauty& beauty, double pre_exposure);
 
 // Pixels of a picture with effects: not finite, with a negative colour, or brighter than the bare one by more than
-// rounding (bare may be null).
+// rounding (bare may be null), or than `most`.
 struct EffectCounts {
   uint64_t nonfinite = 0, negative = 0, brighter = 0;
   int first_x = -1, first_y = -1;
 };
-EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const Beauty& drawn, double pre_exposure);
+EffectCounts count_effects(const Beauty* bare, double bare_pre_exposure, const Beauty& drawn, double pre_exposure,
+                           double most = std::numeric_limits<double>::infinity());
 
 // Of the layers of one frame, one after the other: values that are not finite (ids of Cryptomatte are floats, too), and
 // the coverage of each pixel by names, of objects and of materials apart.

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <functional>
 #include <glm/glm.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ struct StabilityScene {
   Job job;                                               // without scene and sky
   std::optional<Job> plain_job;                          // where it is not `job`
   double time_s = 0, plain_time_s = 0;
+  std::string effects = "none";  // of the scene and of the plain one; the reference knows none
   bool reference = true;
   bool paths = false;          // light goes through surfaces: paths must be finite too, and refraction may brighten
   double bound = 1e-3;         // relative error that a pixel may have against the reference
@@ -38,7 +40,8 @@ struct StabilityScene {
   bool warns = false;          // a line of warning is owed to the user
   bool clamps = false;         // values beyond half: the count must not be 0
   bool black = false;          // every pixel is exactly 0
-  bool display = false;        // the 16-bit picture is compared with the curve in double
+  double most = std::numeric_limits<double>::infinity();  // no colour is above this, with effects neither
+  bool display = false;                                   // the 16-bit picture is compared with the curve in double
   // Fog, as a look file has it. No pass draws it yet: the reference does, in both modes, and is measured against the
   // radiance that is known in closed form for a direction (unit, world axes) from the eye. path is held to one bounce,
   // which is what direct solves, and judged by its energy: it has noise.

@@ -58,10 +58,11 @@ class StabilityRun {
   Expected<void> check_scene(const StabilityRecipe& recipe);
   Expected<void> check_fog(const StabilityRecipe& recipe, const StabilityScene& scene, Job job);
   Expected<void> write_files(const StabilityScene& scene);
-  Expected<Shot> shot(Job job, double time_s, bool display, const char* effects = "none");
+  Expected<Shot> shot(Job job, double time_s, bool display, const std::string& effects);
   void check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row);
   Expected<void> check_every_effect(const StabilityScene& scene, Job job, StabilityRow& row);
-  void count_faults(const char* with, const Expected<Shot>& made, const Shot* bare, StabilityRow& row) const;
+  void count_faults(const char* with, const Expected<Shot>& made, const Shot* bare, double most,
+                    StabilityRow& row) const;
   Expected<std::optional<TruePicture>> plain_truth(const StabilityScene& scene);
   void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain,
                StabilityRow& row) const;
@@ -112,8 +113,8 @@ Expected<void> StabilityRun::write_files(const StabilityScene& scene) {
   return {};
 }
 
-Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display, const char* effects) {
-  job.effects = effects;  // none: what the pictures are compared with is traced without shadows
+Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display, const std::string& effects) {
+  job.effects = effects;
   auto frame = renderer_->frame(job, {.linear = true, .display = display, .display_bits = 16}, time_s);
   if (!frame) return std::unexpected(frame.error());
   auto beauty = beauty_of(*frame);
@@ -136,7 +137,7 @@ Expected<std::optional<TruePicture>> StabilityRun::plain_truth(const StabilitySc
   job.sky = sky;
   job.technique = techniques_.front();
   if (auto loaded = renderer_->load(path("plain.glb"), sky); !loaded) return std::unexpected(loaded.error());
-  const auto made = shot(job, scene.plain_time_s, false);
+  const auto made = shot(job, scene.plain_time_s, false, scene.effects);
   if (!made) return std::unexpected(made.error());
   return picture_truth(made->beauty, made->pre_exposure);
 }
@@ -174,6 +175,10 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
     row.truth += (row.truth.empty() ? "" : " and ") + std::string("black");
     if (!counts.black) row.faults.push_back("light where there is none");
   }
+  if (std::isfinite(scene.most)) {
+    row.truth += (row.truth.empty() ? "" : " and ") + fmt::format("at most {}", scene.most);
+    if (!(counts.most <= scene.most)) row.faults.push_back(fmt::format("{} is above {}", counts.most, scene.most));
+  }
   if (shot.display && scene.display) {
     Job job = scene.job;
     row.display_error = display_error(*shot.display, shot.beauty, shot.pre_exposure, job);
@@ -188,16 +193,16 @@ std::string StabilityRun::without_folder(std::string text) const {
   return text;
 }
 
-// With effects too every pixel is finite and no colour negative, and where they only take light away none is brighter
-// than `bare`.
-void StabilityRun::count_faults(const char* with, const Expected<Shot>& made, const Shot* bare,
+// With effects too every pixel is finite and no colour negative or above `most`, and where they only take light away
+// none is brighter than `bare`.
+void StabilityRun::count_faults(const char* with, const Expected<Shot>& made, const Shot* bare, double most,
                                 StabilityRow& row) const {
   if (!made) {
     row.faults.push_back(fmt::format("with {}: no picture: {}", with, without_folder(made.error().text())));
     return;
   }
-  const EffectCounts counts =
-      count_effects(bare ? &bare->beauty : nullptr, bare ? bare->pre_exposure : 1, made->beauty, made->pre_exposure);
+  const EffectCounts counts = count_effects(bare ? &bare->beauty : nullptr, bare ? bare->pre_exposure : 1, made->beauty,
+                                            made->pre_exposure, most);
   row.effects_nonfinite += counts.nonfinite;
   const auto fault = [&](uint64_t pixels, const char* what) {
     if (pixels > 0)
@@ -217,7 +222,7 @@ void StabilityRun::count_faults(const char* with, const Expected<Shot>& made, co
 // The effects of quality high and of the look. Without a sky image to reflect, without fog and glass they only take
 // away.
 void StabilityRun::check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row) {
-  count_faults("effects", shot(job, scene.time_s, false, "auto"), bare, row);
+  count_faults("effects", shot(job, scene.time_s, false, "auto"), bare, scene.most, row);
 }
 
 // All that a look can switch on at once, with lights of a size and shadows and occlusion by rays, and the layers that
@@ -241,7 +246,8 @@ Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job
     job.settings.push_back({pass, knob, "2"});
   job.settings.push_back({"fog", "grid", "32x18x24"});
   job.settings.push_back({"probes", "size_px", "16"});
-  count_faults("every effect", shot(job, scene.time_s, false, "auto"), nullptr, row);
+  constexpr double any = std::numeric_limits<double>::infinity();  // fog and bloom add light
+  count_faults("every effect", shot(job, scene.time_s, false, "auto"), nullptr, any, row);
   return {};
 }
 
@@ -315,7 +321,8 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     row.technique = technique;
     job.technique = technique;
     const auto start = Clock::now();
-    auto made = loaded ? shot(job, scene.time_s, scene.display || keep) : std::unexpected(loaded.error());
+    auto made =
+        loaded ? shot(job, scene.time_s, scene.display || keep, scene.effects) : std::unexpected(loaded.error());
     row.wall_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     if (!made) {
       refuse(scene, made.error(), row);

@@ -88,6 +88,22 @@ StabilityScene scene_of(const GlbWriter& out) {
   return scene;
 }
 
+StabilityScene filled(StabilityInput& in, const Fill& fill) {
+  GlbWriter out;
+  lit_room(out, in.rng);
+  fill(out);
+  return scene_of(out);
+}
+
+StabilityScene filled_alike(StabilityInput& in, const Fill& fill, const Fill& fill_plain, double bound) {
+  StabilityInput again = in;
+  StabilityScene scene = filled(in, fill);
+  scene.plain = filled(again, fill_plain).file;
+  scene.plain_bound = bound;
+  scene.reference = false;
+  return scene;
+}
+
 StabilityScene beside_plain(StabilityInput& in, const Room& how, double bound,
                             const std::function<void(GlbWriter& out, Rng& rng)>& fill) {
   GlbWriter out, plain;

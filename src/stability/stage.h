@@ -16,6 +16,8 @@ void add_lights(Recipes& all);
 void add_cones_and_crowds(Recipes& all);
 void add_materials(Recipes& all);
 void add_lobes(Recipes& all);
+void add_glass(Recipes& all);
+void add_transparency(Recipes& all);
 void add_textures(Recipes& all);
 void add_geometry(Recipes& all);
 void add_transforms(Recipes& all);
@@ -56,6 +58,12 @@ void lit_room(GlbWriter& out, Rng& rng, const Room& how = {});
 
 // 64 by 48 pixels, one sample, lights without a floor of their range, and lists even of one light.
 StabilityScene scene_of(const GlbWriter& out);
+
+// The lit room and what `fill` adds; beside it, the lit room and what `fill_plain` adds, of which the picture must be
+// the same within `bound`.
+using Fill = std::function<void(GlbWriter& out)>;
+StabilityScene filled(StabilityInput& in, const Fill& fill);
+StabilityScene filled_alike(StabilityInput& in, const Fill& fill, const Fill& fill_plain, double bound);
 
 // The lit room as `how` says with what `fill` adds, and beside it the plain lit room, which must look the same within
 // `bound`.

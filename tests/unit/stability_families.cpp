@@ -27,8 +27,8 @@ TEST(Stability, HasAtLeastEightyScenesOfUniqueNames) {
     EXPECT_TRUE(names.insert(recipe.family + "/" + recipe.name).second) << recipe.name;
   }
   EXPECT_GE(names.size(), 80u);
-  EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "textures", "geometry",
-                                             "animation", "tone", "images", "fog", "skies"}));
+  EXPECT_EQ(families, (std::set<std::string>{"depth", "worlds", "lights", "materials", "lobes", "glass", "transparency",
+                                             "textures", "geometry", "animation", "tone", "images", "fog", "skies"}));
 }
 
 TEST(Stability, ScenesFollowFromTheSeed) {
@@ -51,6 +51,7 @@ TEST(Stability, CountsWhatIsNotFiniteAndWhatHalfCannotHold) {
   EXPECT_EQ(counts.first_x, 1);
   EXPECT_EQ(counts.beyond_half, 2u);
   EXPECT_FALSE(counts.black);
+  EXPECT_EQ(count_pixels(picture({{1, 2, 3, 1}, {-5, 4, 0, 9}}), 2).most, 2);
   // The exposure is taken out before the file gets the values.
   EXPECT_EQ(count_pixels(picture({{40000, 0, 0, 1}}), 0.5).beyond_half, 1u);
   EXPECT_EQ(count_pixels(picture({{70000, 0, 0, 1}}), 2).beyond_half, 0u);
@@ -68,6 +69,8 @@ TEST(Stability, CountsWhatEffectsMakeWrong) {
   EXPECT_EQ(count_effects(nullptr, 1, drawn, 1).brighter, 0u);
   EXPECT_EQ(count_effects(&bare, 0.5, drawn, 0.5).brighter, 1u) << "the exposures are taken out";
   EXPECT_EQ(count_effects(&bare, 2, drawn, 1).brighter, 4u);
+  EXPECT_EQ(count_effects(nullptr, 1, drawn, 1, 1.0).brighter, 1u) << "more than the most that may be";
+  EXPECT_EQ(count_effects(&bare, 1, drawn, 1, 0.4).brighter, 4u);
 }
 
 TEST(Stability, CountsWhatIsWrongInLayers) {

@@ -126,6 +126,8 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_cones_and_crowds(all);
   stability::add_materials(all);
   stability::add_lobes(all);
+  stability::add_glass(all);
+  stability::add_transparency(all);
   stability::add_textures(all);
   stability::add_geometry(all);
   stability::add_transforms(all);

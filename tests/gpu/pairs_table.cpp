@@ -1,0 +1,416 @@
+// Choices that go together: each pair of two of them (technique, method of transparency, samples, quality, each effect
+// on or off) stands in a row of one table, and each row's picture is that of brute force bit for bit, and the
+// reference's within what its choices state. The choices are the program's own lists: a new one joins by itself, and
+// needs a row in `allowed` where it is not exact.
+#include <gtest/gtest.h>
+
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "bench/shared_renderer.h"
+#include "passes/post/supersample.h"
+#include "reference/integrator.h"
+#include "render/reference_frame.h"
+#include "testscenes/table.h"
+
+namespace candela::test {
+namespace {
+
+constexpr int width = 32, height = 24;
+
+// What a choice may add to the error: the root of the mean squared relative error (t^2 + 0.01 below) of the pixels but
+// the worst twentieth, which edges are, without the reference's noise.
+struct Allowed {
+  std::string_view choice;
+  double error;
+  std::string_view why;
+};
+constexpr Allowed allowed[] = {
+    {"1 sample", 0.004, "corners rounded to 1/256 pixel"},
+    {"4 samples", 0.02, "a pixel's surface is shaded once, at the middle of its samples"},
+    {"2x2 pictures", 0.004, "as one sample"},
+    {"sorted", 0.002, "exact: the sheets do not cross"},
+    {"layers", 0.002, "exact"},
+    {"weighted", 0.06, "the order of two sheets is not known"},
+    {"moments", 0.02, "the nearer sheet dims itself by a quarter"},
+    {"draft", 0.02, "coarse grids and maps"},
+    {"high", 0, ""},
+    {"shadows", 0.03, "texels of maps at edges"},
+    {"occlusion", 0.04, "what is seen is taken to have a thickness, what is not seen hides nothing"},
+    {"fog", 0.02, "light between the nodes of a grid"},
+    {"ssr", 0.02, "what the picture does not hold is not mirrored"},
+    {"refraction", 0.01, "texels between those behind"},
+    {"ibl", 0.02, "split sums of lobes"},
+    {"probes", 0.03, "the scene is taken to lie on a box"},
+    {"bloom", 0.01, "the kernel is no Gaussian"},
+    {"exposure", 0, "of display output"},
+    {"volumetric", 0.01, "steps along the ray"},
+};
+double allowed_of(const std::string& choice) {
+  for (const Allowed& a : allowed)
+    if (a.choice == choice) return a.error;
+  return 0;
+}
+
+struct Row {
+  std::string technique, transparency, samples, quality;
+  std::set<std::string> effects;
+  bool has(const std::string& effect) const { return effects.contains(effect); }
+  std::string text() const {
+    return fmt::format("{}, {}, {}, {}, effects {}", technique, transparency, samples, quality,
+                       effects.empty() ? "none" : fmt::format("{}", fmt::join(effects, ",")));
+  }
+  double allowed_error() const {
+    double sum = allowed_of(samples) + allowed_of(transparency) + allowed_of(quality);
+    for (const std::string& effect : effects) sum += allowed_of(effect);
+    return sum;
+  }
+};
+
+// Few rows of one level for each factor so that any two levels of two factors stand together in one: each row begins
+// with the first pair that no row has yet, and takes factor by factor the level that makes most new pairs.
+using Levels = std::vector<size_t>;
+std::vector<Levels> covering_rows(const Levels& count) {
+  const size_t factors = count.size();
+  std::set<std::array<size_t, 4>> open;
+  for (size_t a = 0; a < factors; ++a)
+    for (size_t b = a + 1; b < factors; ++b)
+      for (size_t i = 0; i < count[a]; ++i)
+        for (size_t j = 0; j < count[b]; ++j) open.insert({a, b, i, j});
+  const auto pair_of = [](size_t a, size_t i, size_t b, size_t j) {
+    return a < b ? std::array{a, b, i, j} : std::array{b, a, j, i};
+  };
+  std::vector<Levels> rows;
+  while (!open.empty()) {
+    constexpr size_t none = size_t(-1);
+    Levels row(factors, none);
+    const auto [a, b, i, j] = *open.begin();
+    row[a] = i, row[b] = j;
+    for (size_t f = 0; f < factors; ++f) {
+      if (row[f] != none) continue;
+      size_t best = 0, most = 0;
+      for (size_t k = 0; k < count[f]; ++k) {
+        const size_t level = (k + rows.size()) % count[f];  // of equals, another one in each row
+        size_t made = 0;
+        for (size_t other = 0; other < factors; ++other)
+          if (other != f && row[other] != none) made += open.contains(pair_of(f, level, other, row[other]));
+        if (k == 0 || made > most) best = level, most = made;
+      }
+      row[f] = best;
+    }
+    for (size_t f = 0; f < factors; ++f)
+      for (size_t g = f + 1; g < factors; ++g) open.erase({f, g, row[f], row[g]});
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+const std::vector<std::string> all_samples = {"1 sample", "4 samples", "2x2 pictures"};
+const std::vector<std::string> all_qualities = {"draft", "high"};  // the others lie between and beyond
+
+std::vector<Row> table() {
+  const std::vector<std::string> techniques = technique_names(), methods = transparency_names(),
+                                 effects = effect_names();
+  Levels count = {techniques.size(), methods.size(), all_samples.size(), all_qualities.size()};
+  count.resize(count.size() + effects.size(), 2);
+  std::vector<Row> rows;
+  for (const Levels& levels : covering_rows(count)) {
+    Row row{techniques[levels[0]], methods[levels[1]], all_samples[levels[2]], all_qualities[levels[3]], {}};
+    for (size_t e = 0; e < effects.size(); ++e)
+      if (levels[4 + e] == 1) row.effects.insert(effects[e]);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+// --- the scene -----------------------------------------------------------------------------------------------------
+
+json see_through(glm::dvec3 color, double alpha) {
+  json material = pbr({color, alpha}, 0, 0.6);
+  material["alphaMode"] = "BLEND", material["doubleSided"] = true;
+  return material;
+}
+
+// Opaque, masked, blended, lobed and glass surfaces under a sun, a lamp and a spot. The sun shines from behind and the
+// lamps stand behind the glass, so that its shadow is not seen. The glass bends nothing and has no gloss: as the
+// reference's `direct` has no glass, a dark sheet that covers as much stands for it.
+constexpr double glass_lets_through = 0.6;
+std::vector<std::byte> scene_bytes(bool stands_for_glass) {
+  GlbWriter out;
+  for (const char* name : {"KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_specular",
+                           "KHR_materials_unlit", "KHR_materials_clearcoat", "KHR_materials_sheen"})
+    out.use_extension(name);
+  const auto put = [&](const Shape& shape, json material, glm::dvec3 at) {
+    out.node("thing", {{"mesh", out.mesh("thing", out.primitive(shape), out.material("thing", std::move(material)))},
+                       {"translation", vector_json(at)}});
+  };
+  put(ground(9, 4, 1), pbr({0.6, 0.55, 0.5, 1}, 0, 0.8), {0, 0, 0});
+  put(quad(9, 5), pbr({0.4, 0.5, 0.7, 1}, 0, 0.9), {0, 2.5, -3});
+  put(box({0.9, 1.4, 0.9}), pbr({0.7, 0.3, 0.2, 1}, 0, 0.5), {-1.5, 0.7, -0.6});
+  json coated = pbr({0.2, 0.4, 0.6, 1}, 0.3, 0.6);
+  coated["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.8}, {"clearcoatRoughnessFactor", 0.4}};
+  coated["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {0.3, 0.2, 0.1}}, {"sheenRoughnessFactor", 0.5}};
+  put(sphere(0.7, 48, 32), coated, {0.2, 0.7, -0.8});
+  json metal = pbr({0.8, 0.7, 0.5, 1}, 1, 0.3);
+  put(box({0.7, 0.7, 0.7}), metal, {1.5, 0.35, -0.4});
+  Shape fence = quad(1.2, 1.2);
+  for (size_t i = 0; i < fence.position.size(); ++i) fence.color.emplace_back(1, 1, 1, fence.position[i].x > 0 ? 1 : 0);
+  json masked = pbr({0.3, 0.6, 0.2, 1}, 0, 0.7);
+  masked["alphaMode"] = "MASK", masked["doubleSided"] = true;
+  put(fence, masked, {-1.5, 0.6, 0.7});
+  put(quad(1.1, 1), see_through({0.9, 0.2, 0.1}, 0.5), {-0.4, 1.5, 0.6});
+  put(quad(1.1, 1), see_through({0.1, 0.3, 0.9}, 0.4), {0.1, 1.3, 1});
+  json glass = pbr({glm::dvec3(glass_lets_through), 1}, 0, 0);
+  glass["doubleSided"] = true;
+  glass["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                         {"KHR_materials_ior", {{"ior", 1}}},
+                         {"KHR_materials_specular", {{"specularFactor", 0}}}};
+  if (stands_for_glass) {
+    glass = see_through(glm::dvec3(0), 1 - glass_lets_through);
+    glass["extensions"]["KHR_materials_unlit"] = json::object();
+  }
+  put(quad(0.7, 0.7), glass, {0.9, 1.1, 2.4});
+  add_sun(out, {-0.6, 1, -0.8}, {1, 0.95, 0.85}, 1.5);
+  add_point_light(out, {-1.8, 2.6, 1.5}, {1, 0.8, 0.6}, 9);
+  const int spot = out.light({{"type", "spot"},
+                              {"intensity", 30},
+                              {"range", 9},
+                              {"color", {0.6, 0.8, 1}},
+                              {"spot", {{"innerConeAngle", 0.4}, {"outerConeAngle", 0.7}}}});
+  out.node("spot", {{"translation", vector_json({1.8, 3, 1.6})},
+                    {"rotation", quaternion_json(rotation_about({1, 0, 0}, -0.9))},
+                    {"extensions", {{"KHR_lights_punctual", {{"light", spot}}}}}});
+  out.camera_node({0, 1.6, 5}, {0, 0.9, 0}, 0.7);
+  return out.bytes();
+}
+
+constexpr double bloom_strength = 0.2;
+json look_of(const Row& row, bool of_reference) {
+  json look = {{"sky",
+                {{"gradient",
+                  {{"zenith", {0.2, 0.3, 0.5}},
+                   {"horizon", {0.35, 0.35, 0.4}},
+                   {"ground", {0.15, 0.12, 0.1}},
+                   {"exponent", 1}}}}}};
+  // Without the effect nothing hides the sky from the reference either.
+  look["occlusion"] = {{"radius_m", 1}, {"strength", of_reference && !row.has("occlusion") ? 0 : 1}};
+  if (row.has("fog")) look["fog"] = {{"extinction", 0.06}, {"albedo", 0.8}, {"anisotropy", 0.3}};
+  if (row.has("volumetric")) look["volumetric"] = {{"phi", 3}, {"tau", 0.05}};
+  if (row.has("ssr")) look["reflections"] = json::object();
+  if (row.has("exposure")) look["exposure"] = {{"auto", json::object()}};
+  if (row.has("probes"))
+    look["probes"] = {{{"position", {0, 1.2, 1}}, {"box", {{"min", {-4.5, 0, -3}}, {"max", {4.5, 5, 4.5}}}}}};
+  if (row.has("bloom")) look["bloom"] = {{"strength", bloom_strength}, {"weights", {1}}, {"beauty", true}};
+  return look;
+}
+
+// Where a pixel's samples lie.
+std::vector<glm::dvec2> places_of(const std::string& samples) {
+  if (samples == "1 sample") return {{0.5, 0.5}};
+  if (samples == "4 samples") return {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}};
+  std::vector<glm::dvec2> places;
+  for (uint32_t i = 0; i < 4; ++i) places.push_back(0.5 + subsample_offset_px(2, i));
+  return places;
+}
+
+using Pixels = std::vector<glm::dvec3>;
+
+// The light that the look's bloom moves, by its definition.
+Pixels bloomed(const Pixels& sharp) {
+  const double variance = Bloom::variance_px2(0);
+  const int reach = 8;
+  Pixels out;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      glm::dvec3 sum(0);
+      double weights = 0;
+      for (int j = -reach; j <= reach; ++j)
+        for (int i = -reach; i <= reach; ++i) {
+          const double w = std::exp(-(i * i + j * j) / (2 * variance));
+          weights += w;
+          const int from_x = x + i, from_y = y + j;
+          if (from_x >= 0 && from_x < width && from_y >= 0 && from_y < height)
+            sum += w * sharp[size_t(from_y * width + from_x)];
+        }
+      out.push_back(glm::mix(sharp[size_t(y * width + x)], sum / weights, bloom_strength));
+    }
+  return out;
+}
+
+}  // namespace
+
+class PairsTable : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    RunSettings settings;
+    settings.validate = true;
+    auto opened = SharedRenderer::open(settings);
+    ASSERT_TRUE(opened) << opened.error().text();
+    renderer_ = std::move(*opened);
+    for (const bool stands_for_glass : {false, true}) {
+      const std::vector<std::byte> bytes = scene_bytes(stands_for_glass);
+      std::ofstream(scene_file(stands_for_glass), std::ios::binary)
+          .write(reinterpret_cast<const char*>(bytes.data()), long(bytes.size()));
+    }
+  }
+  static void TearDownTestSuite() { renderer_.reset(); }
+  static std::string scene_file(bool stands_for_glass) {
+    return ::testing::TempDir() + (stands_for_glass ? "candela_pairs_sheet.glb" : "candela_pairs.glb");
+  }
+  static Job job_of(const Row& row, bool of_reference) {
+    Job job;
+    job.scene = scene_file(of_reference && row.has("refraction"));
+    job.width_px = width, job.height_px = height;
+    job.tonemap = "none";
+    job.technique = of_reference ? "clustered" : row.technique;
+    job.transparency = row.transparency;
+    job.quality = row.quality;
+    job.samples = row.samples == "4 samples" ? 4 : 1;
+    job.settings = {{"lights", "floor_lux", "0"},
+                    {"lights", "few", "0"},
+                    {"supersample", "n", row.samples == "2x2 pictures" ? "2" : "1"}};
+    if (row.has("probes")) job.settings.push_back({"probes", "size_px", "64"});
+    job.effects = row.effects.empty() ? "none" : fmt::format("{}", fmt::join(row.effects, ","));
+    job.look = ::testing::TempDir() + (of_reference ? "candela_pairs_true.look.json" : "candela_pairs.look.json");
+    std::ofstream(job.look) << look_of(row, of_reference).dump();
+    return job;
+  }
+  struct Picture {
+    Beauty beauty;
+    Pixels pixels;
+  };
+  static Picture drawn(const Row& row) {
+    const Job job = job_of(row, false);
+    Picture out;
+    const auto loaded = renderer_->load(job.scene);
+    EXPECT_TRUE(loaded) << loaded.error().text();
+    const auto frame = loaded ? renderer_->frame(job, {.linear = true}, 0) : std::unexpected(loaded.error());
+    EXPECT_TRUE(frame) << row.text() << ": " << frame.error().text();
+    if (!frame) return out;
+    out.beauty = *beauty_of(*frame);
+    for (size_t i = 0; i < size_t(width) * height; ++i) {
+      glm::vec4 v;
+      std::memcpy(&v, out.beauty.bytes.data() + i * sizeof v, sizeof v);
+      out.pixels.push_back(glm::dvec3(v) / double(frame->pre_exposure));
+    }
+    return out;
+  }
+
+  // Two estimates whose noise is independent.
+  using Truth = std::array<Pixels, 2>;
+  static Truth traced(const Row& row) {
+    const Job job = job_of(row, true);
+    Truth out;
+    const auto frame = open_reference(job, 0, {});
+    EXPECT_TRUE(frame) << row.text() << ": " << frame.error().text();
+    if (!frame) return out;
+    // Lights with shadows or without; the sky and what surfaces mirror always as it is hidden, which the look bounds.
+    reference::TraceSettings of_lights, of_sky;
+    of_lights.visibility = row.has("shadows");
+    of_lights.fog_steps = 16;
+    of_sky.ambient = row.has("ibl") ? reference::Ambient::traced : reference::Ambient::occlusion;
+    const reference::Integrator lights(*(*frame)->world, of_lights, width, height),
+        sky(*(*frame)->world, of_sky, width, height);
+    const std::vector<glm::dvec2> places = places_of(row.samples);
+    const uint64_t samples = 8 / places.size();
+    for (size_t half = 0; half < 2; ++half) {
+      Pixels& pixels = out[half];
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          glm::dvec3 sum(0);
+          for (const glm::dvec2 place : places)
+            for (uint64_t i = 0; i < samples; ++i) {
+              const glm::dvec2 at = glm::dvec2(x, y) + place;
+              reference::TermSample terms, sky_terms;
+              const reference::PixelSample sample = lights.sample_at(at, 2 * i + half, &terms);
+              sky.sample_at(at, 2 * i + half, &sky_terms);
+              using reference::Term;
+              sum += sample.radiance;
+              for (const Term term : {Term::ambient_diffuse, Term::ambient_specular, Term::reflections})
+                sum += sky_terms[term] - terms[term];
+            }
+          pixels.push_back(sum / double(places.size() * samples));
+        }
+      if (row.has("bloom")) pixels = bloomed(pixels);
+    }
+    return out;
+  }
+
+  static double error(const Pixels& pixels, const Truth& truth) {
+    std::vector<double> squares, sizes;
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      double square = 0, size = 0;
+      for (int c = 0; c < 3; ++c) {
+        const double mean = (truth[0][i][c] + truth[1][i][c]) / 2, below = mean * mean + 0.01;
+        square += (pixels[i][c] - truth[0][i][c]) * (pixels[i][c] - truth[1][i][c]) / (3 * below);
+        size += std::pow(pixels[i][c] - mean, 2) / (3 * below);
+      }
+      squares.push_back(square), sizes.push_back(size);
+    }
+    std::vector<double> sorted = sizes;
+    std::sort(sorted.begin(), sorted.end());
+    const double most = sorted[sorted.size() * 19 / 20];
+    double sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < squares.size(); ++i)
+      if (sizes[i] <= most) sum += squares[i], ++count;
+    return std::sqrt(std::max(sum / double(count), 0.0));
+  }
+
+  static inline std::unique_ptr<SharedRenderer> renderer_;
+};
+class Pairs : public PairsTable, public ::testing::WithParamInterface<size_t> {};
+
+TEST_P(Pairs, AreTheReferencesPicture) {
+  const Row row = table()[GetParam()];
+  SCOPED_TRACE(row.text());
+  const Picture picture = drawn(row);
+  if (HasFailure()) return;
+  Row plain = row;
+  plain.technique = "brute-force";
+  if (row.technique != plain.technique)
+    EXPECT_EQ(difference(picture.beauty, drawn(plain).beauty).differing, 0u) << "pixels are not those of brute force";
+  const double e = error(picture.pixels, traced(row));
+  fmt::print("{:.4f} of {:.4f}: {}\n", e, row.allowed_error(), row.text());
+  EXPECT_LE(e, row.allowed_error());
+}
+INSTANTIATE_TEST_SUITE_P(Table, Pairs, ::testing::Range(size_t(0), table().size()));
+
+TEST_F(PairsTable, HoldsEveryPair) {
+  const Levels count = {3, 5, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2};
+  const std::vector<Levels> rows = covering_rows(count);
+  EXPECT_EQ(rows, covering_rows(count));
+  EXPECT_LE(rows.size(), 20u);
+  for (size_t a = 0; a < count.size(); ++a)
+    for (size_t b = a + 1; b < count.size(); ++b) {
+      std::set<std::pair<size_t, size_t>> met;
+      for (const Levels& row : rows) met.emplace(row[a], row[b]);
+      EXPECT_EQ(met.size(), count[a] * count[b]) << a << " and " << b;
+    }
+  for (const Allowed& a : allowed) {
+    bool known = false;
+    for (const auto& names : {transparency_names(), effect_names(), all_samples, all_qualities})
+      known = known || std::find(names.begin(), names.end(), a.choice) != names.end();
+    EXPECT_TRUE(known) << a.choice << " is no choice any more";
+  }
+}
+
+// What an effect changes is more than what it may be wrong by: a picture without it is not taken for one with it.
+TEST_F(PairsTable, TellsEachEffect) {
+  Row none{"brute-force", "layers", "1 sample", "high", {}};
+  const Truth bare = traced(none);
+  for (const std::string& effect : effect_names()) {
+    if (effect == "exposure") continue;  // of display output
+    Row with = none;
+    with.effects = {effect};
+    const double changed = error(bare[0], {traced(with)[0], traced(with)[0]});
+    fmt::print("{} changes {:.4f}, may be wrong by {:.4f}\n", effect, changed, allowed_of(effect));
+    EXPECT_GT(changed, 1.5 * allowed_of(effect)) << effect;
+  }
+}
+
+}  // namespace candela::test

@@ -20,6 +20,8 @@ struct BlendedIn {
   ImageHandle color;       // what lies behind them, premultiplied; `sorted` makes it where there is none
   ImageHandle glass = {};  // optional, of `sorted`: depth of surfaces that refract; what is not behind them is left out
 };
+// The method that draws surfaces which refract together with blended ones, in the place of the pass refraction.
+inline constexpr std::string_view method_with_glass = "phenomenological";
 Need needs_method(const SceneFacts& facts, const FrameRequest& request, std::string_view method);
 
 // Pipelines of all blended runs with shade_forward.frag and shade_unlit.frag under `define` ("#WEIGHTED=1"; empty:

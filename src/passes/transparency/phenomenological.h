@@ -21,7 +21,7 @@ namespace candela {
 // what the picture of opaque surfaces does not hold; total reflection, and what is reflected within bodies; the far
 // sides of bodies behind other bodies (slabs of the file's thickness); shadows, which are those of other methods.
 struct Phenomenological {
-  static constexpr std::string_view name = "phenomenological", method = "phenomenological";
+  static constexpr std::string_view name = "phenomenological", method = method_with_glass;
   struct Knobs {
     static constexpr std::string_view name = "phenomenological";
     int taps = 16, search = 2, backs = 3, falloff = 4;

@@ -13,6 +13,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import statistics
 import subprocess
 import sys
@@ -60,6 +61,12 @@ def medians(samples):
 def ratio(samples, of):
     """Round by round, which the machine's drift does not touch."""
     return {k: v for k, v in summary([a / b for a, b in zip(samples, of)]).items() if k in ("median", "mad")}
+
+
+def processor_ms():
+    """User and system time of all programs that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return (used.ru_utime + used.ru_stime) * 1000
 
 
 def ratio_of_pairs(samples, of):
@@ -215,28 +222,31 @@ class Bench:
             "filament to PNG": [self.program("filament_lights"), scene, "--time", time_s, "--size", self.options.size,
                                 "--samples", str(case.samples), "-o", str(self.work / "peer.png")],
         }
-        walls, stages = {name: [] for name in commands}, {name: [] for name in commands}
+        walls, processors, stages = ({name: [] for name in commands} for _ in range(3))
         for i in range(1 + self.options.cold_runs):
             for name, command in commands.items():
                 environment = dict(self.environment)
                 with tempfile.TemporaryDirectory(dir=self.work) as empty:
                     if caches == "empty":
                         environment.update(CANDELA_CACHE_DIR=empty + "/candela", MESA_SHADER_CACHE_DIR=empty + "/mesa")
-                    start = time.monotonic()
+                    start, busy = time.monotonic(), processor_ms()
                     out = self.run(*command, environment=environment)
-                    ms = (time.monotonic() - start) * 1000
+                    ms, busy = (time.monotonic() - start) * 1000, processor_ms() - busy
                 if i == 0:
                     continue
                 walls[name].append(ms)
+                processors[name].append(busy)
                 if name.startswith("candela"):
                     timings = json.loads(out)["timings"]
                     stages[name].append({**timings["cpu_ms"], "process": timings["process_ms"]})
         row = {"lights": lights, "caches": caches, "wall_ms": {name: summary(values) for name, values in walls.items()},
+               "processor_ms": {name: summary(values) for name, values in processors.items()},
                "candela_to_filament": ratio_of_pairs(walls["candela to PNG"], walls["filament to PNG"]),
+               "candela_to_filament_processor": ratio_of_pairs(processors["candela to PNG"], processors["filament to PNG"]),
                "candela_stages_ms": {name: medians(values) for name, values in stages.items() if values}}
         say(f"{case.name}, process to file, {caches} caches: " +
             ", ".join(f"{n} {s['median']:.0f} ± {s['mad']:.0f} ms" for n, s in row["wall_ms"].items()) +
-            f", ratio {row['candela_to_filament']}")
+            f", ratio {row['candela_to_filament']}, of processor time {row['candela_to_filament_processor']}")
         return row
 
     def measure(self, case, result):

@@ -1,11 +1,9 @@
 #pragma once
 // Moments of what is absorbed along a ray, and the transmittance that they tell (Muenstermann et al. 2018; the bound by
 // Peters and Klein, "Moment Shadow Mapping", 2015), of lib/warped_depth.glsl. MOMENTS: how many, even.
+#include "lib/absorbance.glsl"
 #include "lib/warped_depth.glsl"
 const int moment_roots = MOMENTS / 2;
-
-// At most 16.6, the last float below full coverage.
-float absorbance_of(float coverage) { return -log(max(1.0 - coverage, 5.9604645e-8)); }
 
 const float overestimation = 0.25;
 

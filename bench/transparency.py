@@ -38,7 +38,7 @@ def main() -> None:
     parser.add_argument("--json", required=True, type=pathlib.Path)
     parser.add_argument("--width", type=int, default=320)
     parser.add_argument("--spp", type=int, default=256)
-    parser.add_argument("--pictures", type=pathlib.Path, help="keep what was compared here")
+    parser.add_argument("--pictures", type=pathlib.Path, help="keep what was compared here; traced pictures that are there are taken")
     parser.add_argument("--without-times", action="store_true")
     parser.add_argument("--scenes", default=",".join(SCENES))
     options = parser.parse_args()
@@ -66,7 +66,8 @@ def main() -> None:
             run([options.program, "make-scene", scene, "-o", file])
             frame = [file, "--size", f"{width}x{height}", "--exr-type", "float", "--quiet"]
             outputs = lambda name: ["-o", folder / f"{scene}.{name}.exr", "-o", folder / f"{scene}.{name}.png"]
-            run([options.program, "reference", *frame, "--mode", "path", "--spp", options.spp, *outputs("path")])
+            if not (folder / f"{scene}.path.exr").exists():
+                run([options.program, "reference", *frame, "--mode", "path", "--spp", options.spp, *outputs("path")])
             ways = [(m, []) for m in METHODS]
             if parts:
                 ways.append(("sorted", ["--effects", "none"]))

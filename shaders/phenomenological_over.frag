@@ -2,6 +2,7 @@
 // What is behind a sample's see-through surfaces, moved, blurred and tinted by them, and their own light over it.
 #include "shared/transparency.h"
 layout(push_constant, scalar) uniform Push { PhenomenologicalPush pc; };
+#include "lib/absorbance.glsl"
 #include "lib/sample_over.glsl"
 #ifdef REFRACTION
 #include "lib/frame.glsl"
@@ -52,36 +53,44 @@ vec4 seen_behind(vec4 widths, vec4 moved) {
   const float width2 = width_squared(widths, q), width_px = sqrt(width2) * unit_px.x;
   if (TAPS <= 1 || width_px < 0.25)
     return picture_at(place, gl_FragCoord.xy, dispersion, TAPS > 1 ? 0.0 : log2(max(2.0 * width_px, 1.0)));
-  // The lobe's shape in the picture is that of GGX's slopes: taps by its shape here, each weighed by the shape that it
-  // has at the tap's own depth, so that what touches the glass does not bleed.
-  vec4 mean = vec4(0.0);
-  float weights = 0.0;
+  // The lobe's shape in the picture is that of GGX's slopes. Each direction of it is followed to the depth that is seen
+  // there, so that what touches the glass stays sharp and does not bleed.
+  vec4 mean = vec4(0.0);  // so far: a sum of the brightest lies beyond floats
+  int count = 0;
   for (int i = 0; i < TAPS; ++i) {
     const float u = (float(i) + 0.5) / float(TAPS), away2 = u / (1.0 - u);  // in squared widths
     const float turn = 2.399963230 * float(i);
-    const vec2 tap = place + sqrt(away2) * width_px * vec2(cos(turn), sin(turn));
-    const float tap_m = refraction_depth_m(ivec2(floor(tap)));
-    if (tap_m < glass_m * 0.9999) continue;
-    const float ratio = width2 / max(width_squared(widths, nearness(tap_m)), 1e-6 * width2);
-    const float shape = (1.0 + away2) / (1.0 + away2 * ratio);
-    const float weight = ratio * shape * shape;
-    const float lod = log2(max(1.7724539 * width_px / sqrt(float(TAPS)) * (1.0 + away2), 1.0));
-    weights += weight;
-    if (weight > 0.0) mean = mix(mean, picture_at(tap, gl_FragCoord.xy + (tap - place), dispersion, lod), weight / weights);
+    const float tilt2 = 0.25 * away2 * widths.x;  // squared tangent of a facet's tilt, of which light turns by twice
+    if (!(tilt2 < 0.98)) continue;                // no light comes from before the glass
+    const float stretched = 1.0 / (1.0 - tilt2);
+    const vec2 away = sqrt(away2) * stretched * vec2(cos(turn), sin(turn));
+    vec2 tap = place;
+    float tap_q = q, tap_px = 0.0;
+    for (int k = 0; k < max(SEARCH, 1); ++k) {
+      const float wide_px = sqrt(width_squared(widths, tap_q)) * unit_px.x;
+      const vec2 there = place + away * wide_px;
+      const float there_m = refraction_depth_m(ivec2(floor(there)));
+      if (there_m < glass_m * 0.9999) break;
+      tap = there;
+      tap_px = wide_px;
+      tap_q = nearness(there_m);
+    }
+    // A square as large as the direction's share of the lobe.
+    const float lod = log2(max(1.7724539 * tap_px / sqrt(float(TAPS)) * (1.0 + away2) * stretched, 1.0));
+    mean = mix(mean, picture_at(tap, gl_FragCoord.xy + (tap - place), dispersion, lod), 1.0 / float(++count));
   }
-  return weights > 0.0 ? mean : picture_at(place, gl_FragCoord.xy, dispersion, 0.0);
+  return count > 0 ? mean : picture_at(place, gl_FragCoord.xy, dispersion, log2(max(2.0 * width_px, 1.0)));
 }
 #endif
 
 void main() {
-  const vec4 sum = fetch_sample(pc.sum), covered = fetch_sample(pc.covered);
+  const vec4 sum = fetch_sample(pc.sum), absorbed = fetch_sample(pc.covered), left = exp(-absorbed);
   vec4 behind = fetch_sample(pc.color);
 #ifdef REFRACTION
   const vec4 widths = fetch_sample(pc.widths);
   if (widths.x > 0.0) behind = seen_behind(widths, fetch_sample(pc.moved));
 #endif
   cover_sample();
-  const vec3 left = 1.0 - covered.rgb;
-  const vec3 light = sum.a >= 1.2e-38 ? sum.rgb / sum.a * covered.a : vec3(0.0);
-  out_radiance = vec4(behind.rgb * left + light, 1.0 - max(left.r, max(left.g, left.b)) * (1.0 - behind.a));
+  const vec3 light = sum.a >= 1.2e-38 ? sum.rgb / sum.a * covered_by(absorbed.a) : vec3(0.0);
+  out_radiance = vec4(behind.rgb * left.rgb + light, 1.0 - max(left.r, max(left.g, left.b)) * (1.0 - behind.a));
 }

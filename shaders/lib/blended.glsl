@@ -9,14 +9,14 @@ float view_depth(vec3 relative_position) { return -dot(relative_position, frame.
 #ifdef WEIGHTED
 #include "lib/absorbance.glsl"
 layout(location = 0) out vec4 out_sum;
-layout(location = 1) out float out_absorbance;
+layout(location = 1) out float out_absorbed;
 
 // McGuire and Bavoil 2013, equation 9, over its largest value. Radiance is held where a sum of many stays a float.
 void put_out(vec4 premultiplied, vec3 relative_position) {
   const float far = view_depth(relative_position) / 200.0;
   const float w = premultiplied.a * clamp(0.03 / (1e-5 + far * far * far * far), 1e-2, 3e3) / 3e3;
   out_sum = vec4(min(premultiplied.rgb, vec3(1e30)), premultiplied.a) * w;
-  out_absorbance = absorbance_of(premultiplied.a);
+  out_absorbed = absorbance_of(premultiplied.a);
 }
 #elif defined(MOMENTS)
 #include "lib/bindless.glsl"
@@ -61,23 +61,29 @@ void put_out(vec4 premultiplied, vec3 relative_position) {
   out_sum = vec4(min(premultiplied.rgb, vec3(1e30)), premultiplied.a) * transmitted;
 }
 #elif defined(SUMMED)
+#include "lib/absorbance.glsl"
 #include "lib/warped_depth.glsl"
 // SUMMED: the power of two by which the farthest surface counts less than the nearest.
 layout(location = 0) out vec4 out_sum;
-layout(location = 1) out vec4 out_covered;  // by colour; and what of the picture the surface's own light lies over
+layout(location = 1) out vec4 out_absorbed;  // by colour; and of what the surface's own light lies over
+#if defined(GLASS) || defined(BESIDE_GLASS)
+layout(location = 2) out vec4 out_widths;
+layout(location = 3) out vec4 out_moved;
+#endif
 
 void put_sums(vec3 light, vec3 hidden, float covered, vec3 relative_position) {
+#if defined(GLASS) || defined(BESIDE_GLASS)
+  out_widths = out_moved = vec4(0.0);
+#endif
   const float w = exp2(-0.5 * float(SUMMED) * (1.0 + warped_depth(relative_position)));
   out_sum = vec4(min(light, vec3(1e30)), covered) * w;
-  out_covered = vec4(hidden, covered);
+  out_absorbed = vec4(absorbance_of(hidden.r), absorbance_of(hidden.g), absorbance_of(hidden.b), absorbance_of(covered));
 }
 void put_out(vec4 premultiplied, vec3 relative_position) {
   put_sums(premultiplied.rgb, vec3(premultiplied.a), premultiplied.a, relative_position);
 }
 #ifdef GLASS
 #include "lib/glass_sums.glsl"
-layout(location = 2) out vec4 out_widths;
-layout(location = 3) out vec4 out_moved;
 
 // What hides nothing, but shines, lies over a little of the picture.
 void put_glass(vec3 light, GlassSums g, vec3 relative_position) {

@@ -286,6 +286,24 @@ TEST_F(LitTransparency, LampsSkyShadowsAndFogAreTheSameInEveryMethod) {
   EXPECT_NE(under_sky, lamps);
 }
 
+// Black sheets with lighting leave the same of what is behind by every method. (Blending with one minus the source's
+// colour added up instead on lavapipe 25.0.7 in a second attachment: sums of absorbance take no such blending.)
+TEST_F(Transparency, LitSheetsHideTogether) {
+  for (const std::string& method : transparency_names())
+    for (const int samples : {1, 4}) {
+      GltfBuilder b = empty_scene();
+      use_materials(b);
+      add_light(b, {{"type", "point"}, {"intensity", 1}}, {{"translation", {0.5, 0.5, 2}}});
+      for (const double alpha : {0.6, 0.5, 0.3}) {
+        Json black = diffuse_material(0, 0, 0);
+        black["alphaMode"] = "BLEND";
+        black["pbrMetallicRoughness"]["baseColorFactor"][3] = alpha;
+        add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, black))}, {"translation", {0, 0, alpha}}});
+      }
+      expect_near(centre(job_of(b, method, samples)), behind * 0.4 * 0.5 * 0.7, 2e-6, method);
+    }
+}
+
 // The goal of issue 12: within relMSE 0.01 of what is exact, where many thin surfaces lie over each other.
 TEST_F(Transparency, MomentsAreNearLayersInFoliageAndSmoke) {
   for (const auto& [name, most] : {std::pair("foliage", 0.01), std::pair("smoke", 1e-3)}) {

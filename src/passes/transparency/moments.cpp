@@ -70,7 +70,7 @@ Moments::Out Moments::declare(GraphBuilder& builder, const In& in) const {
   builder.read(out.moments[1], Access::sampled_fragment, "absorbance");
   builder.read(out.sum, Access::sampled_fragment, "sums");
   GraphicsPipelineDesc over;
-  over.vertex_shader = "background.vert", over.fragment_shader = "moments_over.frag";
+  over.vertex_shader = "background.vert", over.fragment_shader = "weighted_over.frag";
   over.constants = {{0, "SAMPLES", s.samples}};
   over.color_formats = {color_format};
   over.samples = s.samples;

@@ -81,19 +81,17 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
   builder.begin_step();
   GraphicsPipelineDesc drawn;
   drawn.color_formats = {color_format, color_format};
-  drawn.attachments = {{Blend::additive}, {Blend::coverage}};
+  drawn.blend = Blend::additive;
   if (glass) {
     drawn.color_formats.insert(drawn.color_formats.end(), 2, color_format);
-    drawn.attachments.insert(drawn.attachments.end(), 2, {Blend::none, 0});
   }
   const std::string define = fmt::format("#SUMMED={}", knobs.falloff);
-  out.drawn = declare_blended(builder, in, drawn, define);
+  out.drawn = declare_blended(builder, in, drawn, define + (glass ? "#BESIDE_GLASS=1" : ""));
   if (glass) {
     builder.read_optional(out.backs.faces, Access::sampled_fragment);
     drawn.vertex_shader = "draw.vert#GLASS=1";
     drawn.fragment_shader =
         with_fog("shade_forward.frag" + define + fmt::format("#GLASS=1#BACKS={}", backs ? 1 : 0), in.lists);
-    drawn.attachments[2] = drawn.attachments[3] = {Blend::additive};
     drawn.samples = s.samples;
     test_depth(drawn, bool(in.depth));
     drawn.constants = light_constants(in.lists);
@@ -107,7 +105,7 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
     write(made);
   };
   sums(out.sums.light, "phenomenological.sum");
-  sums(out.sums.hidden, "phenomenological.covered");
+  sums(out.sums.absorbed, "phenomenological.absorbed");
   if (glass) {
     sums(out.sums.widths, "phenomenological.widths");
     sums(out.sums.moved, "phenomenological.moved");
@@ -115,7 +113,7 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
 
   builder.begin_step();
   builder.read(in.color, Access::sampled_fragment, "what is behind");
-  for (const ImageHandle sum : {out.sums.light, out.sums.hidden}) builder.read(sum, Access::sampled_fragment, "sums");
+  for (const ImageHandle sum : {out.sums.light, out.sums.absorbed}) builder.read(sum, Access::sampled_fragment, "sums");
   GraphicsPipelineDesc over;
   over.vertex_shader = "background.vert", over.fragment_shader = "phenomenological_over.frag";
   over.constants = {{0, "SAMPLES", s.samples}};
@@ -157,7 +155,7 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
     own.backs = true;
     record_runs(commands, s, in.draws, in.deformed, out.back_faces, nullptr, nullptr, own);
   } else if (step == draw_step) {
-    std::vector<CommandList::Attachment> sums = {{out.sums.light}, {out.sums.hidden}};
+    std::vector<CommandList::Attachment> sums = {{out.sums.light}, {out.sums.absorbed}};
     if (glass) sums.insert(sums.end(), {{out.sums.widths}, {out.sums.moved}});
     commands.begin_rendering(sums, in.depth);
     own.word = std::bit_cast<uint64_t>(std::array{s.blended_near_m, s.blended_far_m});
@@ -165,7 +163,7 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
     record_runs(commands, s, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
   } else {
     shared::PhenomenologicalPush push{};
-    push.sum = commands.sampled(out.sums.light), push.covered = commands.sampled(out.sums.hidden);
+    push.sum = commands.sampled(out.sums.light), push.covered = commands.sampled(out.sums.absorbed);
     push.color = commands.sampled(in.color);
     if (glass) {
       push.widths = commands.sampled(out.sums.widths), push.moved = commands.sampled(out.sums.moved);

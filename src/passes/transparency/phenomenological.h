@@ -35,8 +35,8 @@ struct Phenomenological {
   struct Out {
     ImageHandle color;  // an image of its own: what is behind is read
     struct {
-      ImageHandle light, hidden;  // the surfaces' own; what they hide, by colour
-      ImageHandle widths, moved;  // of lib/glass_sums.glsl; empty where nothing lets light through
+      ImageHandle light, absorbed;  // the surfaces' own; what they take of what is behind, by colour
+      ImageHandle widths, moved;    // of lib/glass_sums.glsl; empty where nothing lets light through
     } sums;
     struct {
       ImageHandle faces, z;  // of bodies: what looks away

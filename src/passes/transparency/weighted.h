@@ -17,7 +17,7 @@ struct Weighted {
   using In = BlendedIn;
   struct Out {
     ImageHandle color;
-    ImageHandle sum, covered;  // of weighted radiance and weights; of coverage
+    ImageHandle sum, absorbed;  // of weighted radiance and weights; of absorbance
     RunPipelines drawn;
     PipelineHandle over;
   };

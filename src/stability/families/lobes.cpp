@@ -12,7 +12,7 @@ json with_lobes(json material, const json& lobes) {
 
 // Over the room's floor, near the light, which also shines from behind.
 void add_shape(Recipes& all, std::string name, std::string what, const Shape& shape, double metallic, double roughness,
-               const std::function<json(GlbWriter&)>& lobes, double bound = 1e-3) {
+               const std::function<json(GlbWriter&)>& lobes, double bound = 1e-3, double stray_share = 0) {
   all.push_back({"lobes", std::move(name), std::move(what), [=](StabilityInput& in) {
                    StabilityScene scene = filled(in, [&](GlbWriter& out) {
                      const json made = lobes(out);
@@ -21,6 +21,7 @@ void add_shape(Recipes& all, std::string name, std::string what, const Shape& sh
                      point(out, {0, 1, 0.5}, 10);
                    });
                    scene.bound = bound;
+                   scene.stray_share = stray_share;
                    scene.paths = true;
                    return scene;
                  }});
@@ -64,13 +65,14 @@ std::function<json(GlbWriter&)> coat_of_normal(glm::dvec3 texel, double scale = 
     return made;
   };
 }
-// Stripes of a film from least to most.
+// Stripes of a film from least to most, of whole texels: an edge between two lies on either side by rounding.
 std::function<json(GlbWriter&)> striped_film(double ior, double least_nm, double most_nm) {
   return [=](GlbWriter& out) {
     json made = film(ior, most_nm);
     made["iridescence"]["iridescenceThicknessMinimum"] = least_nm;
     const int texture =
-        out.texture("thickness", png_from(1, 16, 3, [](double, double v) { return glm::dvec4(0, v, 0, 1); }));
+        out.texture("thickness", png_from(1, 16, 3, [](double, double v) { return glm::dvec4(0, v, 0, 1); }),
+                    {{"magFilter", 9728}, {"minFilter", 9728}});
     made["iridescence"]["iridescenceThicknessTexture"] = {{"index", texture}};
     return made;
   };
@@ -82,7 +84,8 @@ Shape with_tangent(Shape shape, const std::function<glm::dvec4(glm::dvec3 normal
 }
 
 // A floor of ten metres, seen from a height of a centimetre.
-void add_floor(Recipes& all, std::string name, std::string what, double metallic, double roughness, json lobes) {
+void add_floor(Recipes& all, std::string name, std::string what, double metallic, double roughness, json lobes,
+               double bound = 1e-3) {
   all.push_back({"lobes", std::move(name), std::move(what), [=](StabilityInput&) {
                    GlbWriter out;
                    for (const auto& [lobe, values] : lobes.items()) out.use_extension("KHR_materials_" + lobe);
@@ -92,6 +95,8 @@ void add_floor(Recipes& all, std::string name, std::string what, double metallic
                    sun(out, {0.1, 0.01, -1}, 1);
                    camera(out, {0, 0.01, 10}, {0, 0, -4}, 0.3, 0.01);
                    StabilityScene scene = scene_of(out);
+                   scene.bound = bound;
+                   scene.energy_bound = std::max(scene.energy_bound, bound / 4);
                    scene.paths = true;
                    return scene;
                  }});
@@ -164,7 +169,8 @@ void add_lobes(Recipes& all) {
   add_ball(all, "passing all light", "colour of 1e6 in one channel", 0, 0.5, passing(1e6));
   for (const double roughness : {0.0, 1.0}) {
     const std::string of = " of roughness " + std::to_string(int(roughness));
-    add_floor(all, "sheen" + of + " along the floor", "cosines of 1e-3", 0, 0.5, sheen(roughness));
+    // What the device takes from a table of albedos is a line between two cosines.
+    add_floor(all, "sheen" + of + " along the floor", "cosines of 1e-3", 0, 0.5, sheen(roughness), 0.03);
     add_floor(all, "coat" + of + " along the floor", "cosines of 1e-3", 0, 0.5, coat(roughness));
   }
   add_floor(all, "film along the floor", "cosines of 1e-3", 1, 0.3, film(1.5, 300));
@@ -175,8 +181,8 @@ void add_lobes(Recipes& all) {
   add_shape(all, "coat normals of scale 1e30", "their square is no float", tangents, 0, 0.5,
             coat_of_normal({0.7, 0.6, 0.9}, 1e30));
   add_shape(all, "film from 1000 nm to 100", "the least above the most", tangents, 0.5, 0.3,
-            striped_film(1.5, 1000, 100), 5e-3);
-  add_shape(all, "film from 0 nm to 1e9", "", tangents, 0.5, 0.3, striped_film(1.5, 0, 1e9), 5e-3);
+            striped_film(1.5, 1000, 100), 5e-3, 0.02);
+  add_shape(all, "film from 0 nm to 1e9", "", tangents, 0.5, 0.3, striped_film(1.5, 0, 1e9), 5e-3, 0.02);
   add_shape(all, "film of ior 1 from 0 nm to 0", "", tangents, 0.5, 0.3, striped_film(1, 0, 0));
   add_furnace(all, "white metal", "", 1, 0.3, json::object(), 1.01);
   add_furnace(all, "coat on white metal", "", 1, 0.5, coat(0.1), 1.01);

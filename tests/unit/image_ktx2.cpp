@@ -8,16 +8,11 @@
 #include <cstring>
 #include <set>
 
-#include "base/files.h"
 #include "image/io.h"
+#include "image_files.h"
 
 namespace candela {
 namespace {
-
-std::vector<std::byte> file_of(const std::string& name) {
-  auto bytes = read_file(std::filesystem::path(CANDELA_SOURCE_DIR) / "tests/images" / name);
-  return bytes ? *bytes : std::vector<std::byte>();
-}
 
 template <class T>
 T get(const std::vector<std::byte>& file, size_t at) {

@@ -5,18 +5,13 @@
 
 #include <cstring>
 
-#include "base/files.h"
 #include "image/io.h"
+#include "image_files.h"
 
 namespace candela {
 namespace {
 
 constexpr int width = 40, height = 24;
-
-std::vector<std::byte> file_of(const std::string& name) {
-  auto bytes = read_file(std::filesystem::path(CANDELA_SOURCE_DIR) / "tests/images" / name);
-  return bytes ? *bytes : std::vector<std::byte>();
-}
 
 std::vector<uint8_t> picture(int channels) {
   std::vector<uint8_t> codes;

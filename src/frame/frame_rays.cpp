@@ -263,7 +263,8 @@ Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bo
 
 FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,
                        bool refraction) {
-  static_assert(offsetof(WideNode, unused) == sizeof(shared::TraceNode) && sizeof(TriangleBlock) == sizeof(shared::TraceBlock));
+  static_assert(offsetof(WideNode, unused) == sizeof(shared::TraceNode) &&
+                sizeof(TriangleBlock) == sizeof(shared::TraceBlock));
   static_assert(leaf_bit == shared::trace_leaf_bit && leaf_count_shift == shared::trace_leaf_shift &&
                 no_child == shared::no_trace && no_triangle == shared::no_trace);
   return LayOut(accel, scene, pose, data, refraction).run();

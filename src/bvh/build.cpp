@@ -17,6 +17,8 @@
 namespace candela {
 namespace {
 
+// Spatial splits cut every triangle at each plane between its ends, so they try fewer than splits of objects.
+constexpr int most_spatial_buckets = 12;
 constexpr uint32_t task_size = 2048;  // subtrees above this many references become tasks
 
 // A subtree to build. Its references lie at [begin, begin + count) within its slots [first, last), at the low end or at
@@ -107,7 +109,8 @@ class Builder {
     // deep down do not matter however much they overlap.
     const bool always = options_.builder == BvhBuilder::spatial_only;
     if (may_cut && slack > 0 && (always || object.axis < 0 || object.overlap > options_.overlap_alpha * root_area_))
-      spatial = find_spatial_split(references, triangles_, at.box, options_.buckets, options_.block_shift, slack);
+      spatial = find_spatial_split(references, triangles_, at.box, std::min(options_.buckets, most_spatial_buckets),
+                                   options_.block_shift, slack);
     const float best = std::min(object.cost, spatial.cost);
     if (at.count <= options_.max_leaf &&
         !(options_.node_cost * area + best < area * tests_of(at.count, options_.block_shift)))

@@ -1,5 +1,5 @@
-// A material's values (shared/scene.h) in 64-bit words. llvmpipe gathers words lane by lane, of either width: pairs halve
-// what a material costs there. What a shader does not use of it is not read.
+// A material's values (shared/scene.h) in 64-bit words. llvmpipe gathers words lane by lane, of either width: pairs
+// halve their number. What a shader does not use of it is not read.
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MaterialWordsRef { uint64_t w[45]; };
 uvec2 material_word(MaterialWordsRef r, uint at) { return unpackUint2x32(r.w[at]); }
 vec2 material_pair(MaterialWordsRef r, uint at) { return uintBitsToFloat(material_word(r, at)); }

@@ -24,7 +24,9 @@ void put(uvec2 v) { put(v.x); put(v.y); }
 void put(vec3 v) { put(v.x); put(v.y); put(v.z); }
 void put(uvec3 v) { put(v.x); put(v.y); put(v.z); }
 void put(vec4 v) { put(v.x); put(v.y); put(v.z); put(v.w); }
-void put(TextureRef v) { put(v.texture); put(v.sampler_index); put(v.uv_set); put(v.unused); put(v.u_row); put(v.v_row); }
+void put(TextureRef v) {
+  put(v.texture); put(v.sampler_index); put(v.uv_set); put(v.unused); put(v.u_row); put(v.v_row);
+}
 
 void put_transform(Transform v) { put(v.row0); put(v.row1); put(v.row2); }
 void put_geometry(Geometry v) {

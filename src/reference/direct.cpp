@@ -130,8 +130,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
                    surface_light(s, point, to_viewer, stream, terms ? &own : nullptr, lobe ? &*lobe : nullptr) +
                    own[Term::reflections];
       const double here_m = glm::dot(s.position - camera.origin, onward);
-      const glm::dvec3 clear =
-          fog_before(camera.origin, onward, {before_m, here_m}, through, numbered, stream, out);
+      const glm::dvec3 clear = fog_before(camera.origin, onward, {before_m, here_m}, through, numbered, stream, out);
       before_m = here_m;
       out.radiance += through * s.coverage * clear * radiance;
       out.fog_through += through * s.coverage * (clear - 1.0);

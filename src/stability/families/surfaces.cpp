@@ -162,8 +162,9 @@ void add_materials(Recipes& all) {
   all.push_back({"materials", "normal scale 1e6", "normals in the surface's plane", [](StabilityInput& in) {
                    return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 1e6, 1e-3);
                  }});
-  all.push_back({"materials", "normal scale 1e30", "its square is no float",
-                 [](StabilityInput& in) { return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 1e30, 1e-3); }});
+  all.push_back({"materials", "normal scale 1e30", "its square is no float", [](StabilityInput& in) {
+                   return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 1e30, 1e-3);
+                 }});
   all.push_back({"materials", "normal scale 0", "as without a map", [](StabilityInput& in) {
                    return normal_mapped(in, {0.7, 0.6, 0.9, 1}, 0, 1e-3);
                  }});

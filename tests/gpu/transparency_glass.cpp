@@ -160,7 +160,8 @@ TEST_F(TransparencyGlass, TapsTendToTheTruth) {
   const glm::dvec3 posts[] = {{0.9, 0.1, 0.1}, {0.1, 0.9, 0.1}, {0.9, 0.9, 0.1}};
   for (int i = 0; i < 3; ++i)
     add_sheet(b, unlit_material(posts[i].x, posts[i].y, posts[i].z), 0.2f, {-0.7 + 0.7 * i, 0, -0.1 - 0.4 * i});
-  for (int i = 0; i < 2; ++i) add_sheet(b, glass_material({.color = {1, 0.6, 0.4 + 0.4 * i}, .roughness = 0.3}), 1.2f, {0, 0, 0.2 * i});
+  for (int i = 0; i < 2; ++i)
+    add_sheet(b, glass_material({.color = {1, 0.6, 0.4 + 0.4 * i}, .roughness = 0.3}), 1.2f, {0, 0, 0.2 * i});
   Job job = seen(b, 4);
   const auto with = [&](const char* taps) {
     job.settings = {{"phenomenological", "taps", taps}};

@@ -1,7 +1,5 @@
 #include "passes/surfaces/refraction.h"
 
-#include "passes/transparency/phenomenological.h"
-
 #include "shared/refraction.h"
 
 namespace candela {
@@ -24,7 +22,7 @@ std::span<const Knob<Refraction::Knobs>> Refraction::Knobs::table() {
 
 Need Refraction::needed(const SceneFacts& facts, const FrameRequest& request) const {
   if (!request.wants_true(effect)) return {false, "refraction is not wanted (--effects, --quality)"};
-  if (request.transparency == Phenomenological::method)
+  if (request.transparency == "phenomenological")
     return {false, "--transparency phenomenological draws what refracts together with blended surfaces"};
   return needed_if(facts.refracting_items > 0, "the scene has no surface that refracts");
 }

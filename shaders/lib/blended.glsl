@@ -77,7 +77,8 @@ void put_sums(vec3 light, vec3 hidden, float covered, vec3 relative_position) {
 #endif
   const float w = exp2(-0.5 * float(SUMMED) * (1.0 + warped_depth(relative_position)));
   out_sum = vec4(min(light, vec3(1e30)), covered) * w;
-  out_absorbed = vec4(absorbance_of(hidden.r), absorbance_of(hidden.g), absorbance_of(hidden.b), absorbance_of(covered));
+  out_absorbed =
+      vec4(absorbance_of(hidden.r), absorbance_of(hidden.g), absorbance_of(hidden.b), absorbance_of(covered));
 }
 void put_out(vec4 premultiplied, vec3 relative_position) {
   put_sums(premultiplied.rgb, vec3(premultiplied.a), premultiplied.a, relative_position);

@@ -7,7 +7,7 @@ struct SumsPush {     // of a triangle that lays sums of blended surfaces over t
   uint sample_number;
 };
 
-struct PhenomenologicalPush {           // of the same where what is behind is moved and blurred
+struct PhenomenologicalPush {               // of the same where what is behind is moved and blurred
   uint sum, covered, widths, moved, color;  // places of the images
   uint images;                              // of REFRACTION_IMAGES
   uint sample_number;

@@ -98,7 +98,7 @@ void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   outcome.limits = *limits;
   outcome.gate = judge_golden(*expected, *actual, *limits, golden.exr ? Encoding::linear : Encoding::display);
   outcome.message = outcome.gate.message;
-  if (exact && outcome.gate.passed() && outcome.gate.rung != GateRung::identical) {
+  if (exact && outcome.gate.rung != GateRung::identical && outcome.gate.rung != GateRung::failed) {
     outcome.message =
         fmt::format("not the same pixels; without --exact it is {}{}{}", gate_rung_name(outcome.gate.rung),
                     outcome.message.empty() ? "" : ": ", outcome.message);

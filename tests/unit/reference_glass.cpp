@@ -3,7 +3,7 @@
 
 #include "reference_fixture.h"
 
-namespace candela::reference::test {
+namespace candela::reference::test::reference_glass {
 namespace {
 
 using std::numbers::pi;
@@ -248,4 +248,4 @@ TEST(Glass, ExtremesAreFinite) {
       }
 }
 
-}  // namespace candela::reference::test
+}  // namespace candela::reference::test::reference_glass

@@ -126,6 +126,10 @@ ExtensionUse describe(const std::string& name, LoadFor purpose) {
     if (name == known.name) {
       // Where it is drawn nothing is lacking.
       if (known.traced && purpose == LoadFor::path_tracing) return {.name = name, .support = supported};
+      if (known.traced && purpose == LoadFor::direct_tracing)
+        return {.name = name,
+                .support = approximated,
+                .consequence = "direct light takes the surface as opaque; --mode path follows light through it"};
       use.support = known.support;
       use.traced = known.traced;
       use.consequence = known.consequence;

@@ -11,7 +11,7 @@ namespace candela {
 // What is going to be made of a scene. path_tracing: light goes through surfaces and bodies as their geometry is, so
 // that these extensions are supported and nothing approximate; raster techniques take the file's word for a body's
 // thickness.
-enum class LoadFor : uint8_t { raster, path_tracing };
+enum class LoadFor : uint8_t { raster, direct_tracing, path_tracing };
 struct LoadOptions {
   LoadFor use;
   std::string variant;  // of materials (KHR_materials_variants); empty: what primitives have without one

@@ -140,7 +140,7 @@ Expected<void> check_traced_job(const Job& job) {
 Expected<std::shared_ptr<const ReferenceScene>> load_reference(const Job& job, reference::Mode mode) {
   if (auto fine = check_traced_job(job); !fine) return std::unexpected(fine.error());
   auto loaded = std::make_shared<ReferenceScene>();
-  auto scene = load_scene(job, mode == reference::Mode::path ? LoadFor::path_tracing : LoadFor::raster);
+  auto scene = load_scene(job, mode == reference::Mode::path ? LoadFor::path_tracing : LoadFor::direct_tracing);
   if (!scene) return std::unexpected(scene.error());
   loaded->scene = std::move(*scene);
   if (!job.look.empty()) {

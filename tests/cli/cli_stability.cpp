@@ -47,19 +47,17 @@ TEST(Stability, ExtremeScenesAreAsTheyShouldBe) {
   }
 }
 
-// Of lobes, glass and blended surfaces those whose arithmetic had to be mended, and one of each kind.
+// Of lobes, glass and blended surfaces those whose arithmetic had to be mended, and one that stacks lobes.
 TEST(Stability, MaterialsAtTheirEnds) {
   const TestFolder folder;
-  const Ended ended =
-      stability({"--only",
-                 "coat normals reversed,turned by 1e30,lobes/coat and sheen on white metal,glass/ior 1 + 2,"
-                 "glass/node of scale 2^60,glass/sheet of scale 2^60,glass/colour 0,glass/ten in each other,"
-                 "light of 1e30 under alpha 1e-7,alpha 0 and 1 in one mesh,1000 colours",
-                 "--techniques", "clustered", "--json", folder / "s.json"});
+  const Ended ended = stability({"--only",
+                                 "lobes/coat and sheen on white metal,glass/node of scale 2^60,glass/colour 0,"
+                                 "light of 1e30 under alpha 1e-7 by weighted,light of 1e30 under alpha 1e-7 by moments",
+                                 "--techniques", "clustered", "--json", folder / "s.json"});
   ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
   const Json json = Json::parse(bytes_of(folder / "s.json"));
   EXPECT_EQ(json["nonfinite"], 0);
-  EXPECT_GE(json["scenes"], 20);
+  EXPECT_GE(json["scenes"], 5);
 }
 
 TEST(Stability, ClampedValuesAreCountedAndSaid) {

@@ -168,6 +168,41 @@ TEST_F(FrameSurfaces, AMaskKeepsWhatEqualsItsCutoff) {
   }
 }
 
+// masks.by_sample: a pixel that a mask's edge crosses keeps as many of its samples as lie inside; the rest stays.
+TEST_F(FrameSurfaces, AMaskBySampleCoversAsMuchAsLiesInside) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json material = with_alpha(unlit_material(1, 1, 1), "MASK", 1);
+  material["alphaCutoff"] = 0.5;
+  const int square = add_square_mesh(b, 1, add_material(b, material));
+  b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["COLOR_0"] =
+      b.accessor<float>("VEC4", {1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 1});
+  add_node(b, {{"mesh", square}, {"rotation", {0, 0, std::sin(0.15), std::cos(0.15)}}});
+  Job job = job_for(write(b), 64, 36, 4);
+  look(job, {0, 0, 3}, {0, 0, 0}, 30);
+  const Images whole = images_of(job);
+  job.settings = {{"masks", "by_sample", "1"}};
+  const Images parts = images_of(job);
+  // The line of alpha 0.5 runs through the middle of the square, 0.3 radians off the vertical.
+  const double pixel_m = 2 * 3 * std::tan(15 * std::numbers::pi / 180) / 36;
+  double wrong_whole = 0, wrong_parts = 0;
+  size_t mixed = 0;
+  for (int y = 10; y < 26; ++y)
+    for (int x = 22; x < 42; ++x) {
+      const glm::dvec2 at = glm::dvec2(x + 0.5 - 32, 18 - (y + 0.5)) * pixel_m;
+      const double inside_px = -(at.x * std::cos(0.3) + at.y * std::sin(0.3)) / pixel_m;
+      const double truth = std::clamp(inside_px / (std::cos(0.3) + std::sin(0.3)) + 0.5, 0.0, 1.0);
+      const float kept = parts["beauty"].at<glm::vec4>(x, y).w;
+      EXPECT_EQ(kept * 4, std::floor(kept * 4));
+      EXPECT_NEAR(kept, truth, 0.3) << x << " " << y;
+      wrong_whole += std::abs(whole["beauty"].at<glm::vec4>(x, y).w - truth);
+      wrong_parts += std::abs(kept - truth);
+      mixed += kept > 0 && kept < 1;
+    }
+  EXPECT_GT(mixed, 10u);
+  EXPECT_LT(wrong_parts, 0.5 * wrong_whole);
+}
+
 // A mask by vertex colours whose alpha falls from 1 to 0: solid up to the cutoff, then gone, in beauty and layers
 // alike. Each channel of the colours is its own.
 TEST_F(FrameSurfaces, AMaskCutsAtItsCutoff) {

@@ -38,6 +38,35 @@ TEST(Suite, ConfigurationsAreTheCrossProduct) {
   EXPECT_FALSE(all->back().lights.has_value());
 }
 
+TEST(Suite, MethodsOfTransparencyAreAnAxis) {
+  const auto suite = suite_of(R"({"scenes": ["smoke"], "techniques": ["clustered", "brute-force"],
+      "transparency": ["sorted", "moments", "layers"]})");
+  ASSERT_TRUE(suite) << suite.error().text();
+  const auto all = configurations(*suite);
+  ASSERT_TRUE(all) << all.error().text();
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const Configuration& c : *all) seen.insert({c.job.technique, c.job.transparency});
+  EXPECT_EQ(all->size(), 6u);
+  EXPECT_EQ(seen.size(), 6u);
+  const std::string wrong = error_of(R"({"scenes": ["smoke"], "transparency": ["moment"]})");
+  EXPECT_NE(wrong.find("transparency"), std::string::npos) << wrong;
+}
+
+// Every file of bench/suites is one that the program takes.
+TEST(Suite, TheProjectsOwnAreTaken) {
+  size_t taken = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CANDELA_SOURCE_DIR "/bench/suites")) {
+    if (entry.path().extension() != ".json" || entry.path().string().ends_with(".look.json")) continue;
+    std::ifstream file(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (text.find("\"suite\": \"stability\"") != std::string::npos) continue;  // of another kind (stability_suite.cpp)
+    const auto suite = suite_from_json(text, entry.path().string(), entry.path().parent_path(), "no/assets");
+    EXPECT_TRUE(suite) << (suite ? "" : suite.error().text());
+    ++taken;
+  }
+  EXPECT_GE(taken, 8u);
+}
+
 TEST(Suite, WhatLimitsLeaveOutSaysWhy) {
   const auto suite = suite_of(R"({"scenes": ["animated"], "lights": [4, 5000], "max_lights": {"brute-force": 4096}})");
   ASSERT_TRUE(suite) << suite.error().text();

@@ -209,4 +209,26 @@ TEST(KnownAnswers, ManyLampsInsideADiffuseSphere) {
   EXPECT_LT(all.error + direct.error, 0.02 * expected);
 }
 
+// Any number of blended layers, the farthest one too.
+TEST(KnownAnswers, HundredsOfBlendedLayers) {
+  GltfBuilder b = empty_scene();
+  use_all(b);
+  constexpr int count = 300;
+  double expected = 0, through = 1;
+  for (int i = 0; i < count; ++i) {
+    Json material = unlit_material(i == 0 ? 1 : 0.25, 0, 0, 0.01);
+    material["alphaMode"] = "BLEND";
+    material["doubleSided"] = true;
+    if (i == 0) material["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.9;
+    add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, material))}, {"translation", {0, 0, 0.005 * i}}});
+  }
+  for (int i = count; i-- > 0;) {
+    const double alpha = i == 0 ? 0.9f : 0.01f;
+    expected += through * alpha * (i == 0 ? 1 : 0.25), through *= 1 - alpha;
+  }
+  const TestCamera camera{.eye = {0, 0, 4}, .yfov_deg = 10, .width = 2, .height = 2};
+  const Film film = traced(*make_world(b, camera), centred(), camera, 1);
+  for (size_t i = 0; i < film.pixels(); ++i) EXPECT_NEAR(film.mean(i).x, expected, 1e-6);
+}
+
 }  // namespace candela::reference::test::reference_known

@@ -163,8 +163,9 @@ TEST_F(Traced, RaysMeetWhatTheCpusMeet) {
 
 TEST_F(Traced, RaysMeetInstancesAsTheCpusDo) { expect_same(*instanced_scene(40), 200'000); }
 
-// The stack is as large as the tree is deep, and no ray needs more.
-TEST_F(Traced, DeepTreesFitTheirStack) { EXPECT_GT(expect_same(*made("nested", nested(330)), 100'000), 8u); }
+// The stack is as large as the tree is deep, and no ray needs more. A tree that is no deeper than it must be has three
+// levels for as many triangles.
+TEST_F(Traced, DeepTreesFitTheirStack) { EXPECT_GE(expect_same(*made("nested", nested(330)), 100'000), 8u); }
 
 TEST_F(Traced, RaysMeetPosedScenesAsTheCpusDo) {
   for (const char* name : {"skinned", "morph", "far-world", "near-world", "instanced"}) {

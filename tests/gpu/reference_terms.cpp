@@ -143,7 +143,10 @@ TEST_F(ReferenceTerms, AgreeOnGeneratedScenes) {
     for (const TermPair& p : terms_of(job, 4, 17.0 / 24)) {
       RecordProperty(name + " " + p.name, fmt::format("{:.3g}", p.relmse()));
       // The size and the bounds of beauty (reference_parity.cpp): the stars of `animated` are points, which rays miss.
-      EXPECT_LT(p.relmse(), name == "animated" ? 1e-4 : 1e-5) << name << " " << p.name;
+      // The wall of `glass` shines all over by a texture, and lavapipe's sRGB is off by up to 1.2e-3
+      // (reference_layers.cpp).
+      const double bound = name == "animated" ? 1e-4 : name == "glass" ? 2e-5 : 1e-5;
+      EXPECT_LT(p.relmse(), bound) << name << " " << p.name;
     }
   }
 }

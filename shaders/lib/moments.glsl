@@ -3,6 +3,9 @@
 // Peters and Klein, "Moment Shadow Mapping", 2015), of lib/warped_depth.glsl. MOMENTS: how many, even.
 #include "lib/absorbance.glsl"
 #include "lib/warped_depth.glsl"
+#ifndef MOMENTS
+#define MOMENTS 4
+#endif
 const int moment_roots = MOMENTS / 2;
 
 const float overestimation = 0.25;

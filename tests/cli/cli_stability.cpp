@@ -96,7 +96,7 @@ TEST(Stability, SamplesThatTheDeviceLacksAreNoSilentlyDarkerPicture) {
 
 TEST(Stability, FindsLostEnergy) {
   // A cap drops all but one of ten thousand lights.
-  const Ended ended = stability({"--only", "000 points in one place", "--techniques", "clustered", "--set",
+  const Ended ended = stability({"--only", "000 spots in one place", "--techniques", "clustered", "--set",
                                  "lights.cap=1", "--set", "lights.few=0"});
   EXPECT_EQ(ended.code, 1) << ended.out << ended.err;
   EXPECT_NE(ended.out.find("of the plain scene's energy"), std::string::npos) << ended.out;

@@ -184,23 +184,29 @@ TEST_F(FrameSurfaces, AMaskBySampleCoversAsMuchAsLiesInside) {
   job.settings = {{"masks", "by_sample", "1"}};
   const Images parts = images_of(job);
   // The line of alpha 0.5 runs through the middle of the square, 0.3 radians off the vertical.
-  const double pixel_m = 2 * 3 * std::tan(15 * std::numbers::pi / 180) / 36;
-  double wrong_whole = 0, wrong_parts = 0;
-  size_t mixed = 0;
+  const glm::dvec2 places[] = {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}};
+  size_t mixed = 0, hard = 0;
   for (int y = 10; y < 26; ++y)
     for (int x = 22; x < 42; ++x) {
-      const glm::dvec2 at = glm::dvec2(x + 0.5 - 32, 18 - (y + 0.5)) * pixel_m;
-      const double inside_px = -(at.x * std::cos(0.3) + at.y * std::sin(0.3)) / pixel_m;
-      const double truth = std::clamp(inside_px / (std::cos(0.3) + std::sin(0.3)) + 0.5, 0.0, 1.0);
-      const float kept = parts["beauty"].at<glm::vec4>(x, y).w;
-      EXPECT_EQ(kept * 4, std::floor(kept * 4));
-      EXPECT_NEAR(kept, truth, 0.3) << x << " " << y;
-      wrong_whole += std::abs(whole["beauty"].at<glm::vec4>(x, y).w - truth);
-      wrong_parts += std::abs(kept - truth);
-      mixed += kept > 0 && kept < 1;
+      int inside = 0, above = 0, right = 0;
+      bool clear = true;
+      for (const glm::dvec2& place : places) {
+        const glm::dvec2 at(x + place.x - 32, 18 - (y + place.y));
+        const double px = -(at.x * std::cos(0.3) + at.y * std::sin(0.3));
+        const double up = at.y * std::cos(0.3) - at.x * std::sin(0.3);
+        clear = clear && std::abs(px) > 0.02;
+        inside += px > 0, above += up > px, right += up > -px;
+      }
+      // Where the square's two triangles share a pixel alpha is that of the centroid of each one's samples.
+      clear = clear && above % 4 == 0 && right % 4 == 0;
+      const float of_whole = whole["beauty"].at<glm::vec4>(x, y).w;
+      EXPECT_TRUE(of_whole == 0 || of_whole == 1) << x << " " << y;
+      if (!clear) continue;
+      EXPECT_EQ(parts["beauty"].at<glm::vec4>(x, y).w, inside / 4.0f) << x << " " << y;
+      mixed += inside % 4 != 0, hard += inside % 4 == 0;
     }
-  EXPECT_GT(mixed, 10u);
-  EXPECT_LT(wrong_parts, 0.5 * wrong_whole);
+  EXPECT_GE(mixed, 10u);
+  EXPECT_GT(hard, 100u);
 }
 
 // A mask by vertex colours whose alpha falls from 1 to 0: solid up to the cutoff, then gone, in beauty and layers

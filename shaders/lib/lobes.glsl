@@ -36,7 +36,8 @@ vec3 film_sensitivity(float path_nm, vec3 shift) {
 // What a thin film in air with a base of f0 under it reflects (Belcour and Barla, "A Practical Extension to Microfacet
 // Theory for the Modeling of Varying Iridescence", 2017, in KHR_materials_iridescence's form: Schlick at both
 // interfaces, two orders of interference). The path difference has the angle inside the film. Cut to [0, 1], from which
-// the model strays by colours outside of Rec. 709.
+// the model strays by colours outside of Rec. 709. The phase turns where the base's index passes the film's; the base's
+// comes from a rounded f0, so that indices nearer than a part of 1e-5 are equal.
 vec3 film_reflectance(float cosine, float ior, float thickness_nm, vec3 f0) {
   const float c = clamp(cosine, 0.0, 1.0);
   const float film = mix(1.0, clamp(ior, 1.0, 1e9), smoothstep(0.0, 0.03, thickness_nm));  // the thinnest fade to air
@@ -46,7 +47,7 @@ vec3 film_reflectance(float cosine, float ior, float thickness_nm, vec3 f0) {
   for (int i = 0; i < 3; ++i) {
     const float root = sqrt(clamp(f0[i], 0.0, 0.9999)), base = (1.0 + root) / (1.0 - root);
     const float r23 = schlick(reflectance_at_normal(base, film), inside);
-    shift[i] = base < film ? 2.0 * PI : PI;
+    shift[i] = base < film * (1.0 - 1e-5) ? 2.0 * PI : PI;
     const float both = clamp(r12 * r23, 1e-5, 0.9999);
     rs[i] = t121 * t121 * r23 / (1.0 - both);
     r123[i] = sqrt(both);
@@ -79,15 +80,22 @@ float sheen_entry(int row, int column) {
   const int at = row * sheen_albedo_columns + column;
   return unpackUnorm2x16(sheen_albedo_words[at >> 1])[at & 1];
 }
+// Of the polynomial of third degree through places 0 to 3.
+vec4 cubic_weights(float at) {
+  const vec4 d = at - vec4(0.0, 1.0, 2.0, 3.0);
+  return vec4(-d.y * d.z * d.w, 3.0 * d.x * d.z * d.w, -3.0 * d.x * d.y * d.w, d.x * d.y * d.z) / 6.0;
+}
 float sheen_albedo(float roughness, float cosine) {
-  const float r = clamp(roughness, least_sheen_roughness, 1.0);
+  const float r = clamp(roughness, least_sheen_roughness, 1.0), c = clamp(cosine, least_sheen_cosine, 1.0);
+  const float least = sqrt(sqrt(least_sheen_cosine));
   const float y = sqrt((r - least_sheen_roughness) / (1.0 - least_sheen_roughness)) * float(sheen_albedo_rows - 1);
-  const float x = pow(clamp(cosine, 1e-20, 1.0), 1.0 / 3.0) * float(sheen_albedo_columns - 1);
-  const int row = min(int(y), sheen_albedo_rows - 2), column = min(int(x), sheen_albedo_columns - 2);
-  const float fx = x - float(column);
-  const float low = mix(sheen_entry(row, column), sheen_entry(row, column + 1), fx);
-  const float high = mix(sheen_entry(row + 1, column), sheen_entry(row + 1, column + 1), fx);
-  return sheen_albedo_most * mix(low, high, y - float(row));
+  const float x = (sqrt(sqrt(c)) - least) / (1.0 - least) * float(sheen_albedo_columns - 1);
+  const int row = clamp(int(y) - 1, 0, sheen_albedo_rows - 4), column = clamp(int(x) - 1, 0, sheen_albedo_columns - 4);
+  const vec4 down = cubic_weights(y - float(row)), across = cubic_weights(x - float(column));
+  float sum = 0.0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) sum += down[i] * across[j] * sheen_entry(row + i, column + j);
+  return sheen_albedo_most * max(sum, 0.0);
 }
 
 // What the lobes of a shaded point share, beside the base's.

@@ -2,22 +2,22 @@
 
 // Width along the tangent: facets are stretched from alpha towards 1.
 float stretched_alpha(float alpha, float anisotropy) { return mix(alpha, 1.0, anisotropy * anisotropy); }
-// Roughness of the round facets that lose as much light between them as stretched ones: a fit
-// (reference/albedo.h).
+// Roughness of round facets that stand for stretched ones seen from anywhere (reference/albedo.h).
 float mean_roughness(Surface s) {
   const float r = max(s.roughness, least_roughness), alpha = r * r;
   if (!HAS_ANISOTROPY || s.lobes.anisotropy == 0.0) return s.roughness;
   const float along = stretched_alpha(alpha, s.lobes.anisotropy);
   return sqrt(sqrt(0.39 * along * along + 0.61 * alpha * alpha));
 }
-// What further bounces add to white facets.
+// What further bounces add to white facets; to stretched ones as to round ones that lose as much light towards the
+// viewer, by the fit of reference/albedo.h.
 float facets_further_bounces(Surface s, BrdfTerms b) {
-  const float mean = max(mean_roughness(s), least_roughness);
-  float smith_v = b.smith_v;
-  if (HAS_ANISOTROPY && s.lobes.anisotropy > 0.0)
-    smith_v = length(vec3(stretched_alpha(b.alpha, s.lobes.anisotropy) * dot(s.lobes.tangent, b.to_viewer),
-                          b.alpha * dot(s.lobes.bitangent, b.to_viewer), b.n_v));
-  return further_bounces(mean * mean, b.n_v / smith_v);
+  if (!HAS_ANISOTROPY || s.lobes.anisotropy == 0.0) return further_bounces(b.alpha, b.n_v / b.smith_v);
+  const float along = stretched_alpha(b.alpha, s.lobes.anisotropy), v_y = dot(s.lobes.bitangent, b.to_viewer);
+  const vec3 stretched = normalize(vec3(along * dot(s.lobes.tangent, b.to_viewer), b.alpha * v_y, b.n_v));
+  const float part = 0.431 + 0.177 * abs(stretched.y) - 0.085 * b.alpha / along * v_y * v_y +
+                     (1.0 - along) * (0.168 - 0.35 * abs(stretched.x));
+  return further_bounces(sqrt(part * along * along + (1.0 - part) * b.alpha2), stretched.z);
 }
 
 BrdfLobes brdf_lobes(Surface s, BrdfTerms b, vec3 gain) {

@@ -111,9 +111,13 @@ double mean_alpha(const StretchedFacets& f) {
 }
 
 glm::dvec3 specular_gain(glm::dvec3 f0, const StretchedFacets& f, glm::dvec3 v) {
-  const double view = std::max(std::abs(glm::dot(f.z, v)), least_view);
-  const double x = f.alpha.x * glm::dot(f.x, v), y = f.alpha.y * glm::dot(f.y, v);
-  return gain_of(f0, mean_alpha(f), view / std::sqrt(view * view + x * x + y * y));
+  const double along = f.alpha.x, across = f.alpha.y, v_y = glm::dot(f.y, v);
+  const glm::dvec3 stretched = glm::normalize(
+      glm::dvec3(along * glm::dot(f.x, v), across * v_y, std::max(std::abs(glm::dot(f.z, v)), least_view)));
+  // The part of the rougher axis in alpha squared.
+  const double part = 0.431 + 0.177 * std::abs(stretched.y) - 0.085 * across / along * v_y * v_y +
+                      (1 - along) * (0.168 - 0.35 * std::abs(stretched.x));
+  return gain_of(f0, std::sqrt(part * along * along + (1 - part) * across * across), stretched.z);
 }
 
 }  // namespace candela::reference

@@ -41,9 +41,10 @@ double fibre_density(double n_h, double alpha) {
 }
 
 double row_roughness(int i) { return std::pow(least_sheen_roughness, 1 - double(i) / (sheen_rows - 1)); }
+// In equal steps of the fourth root.
 double column_cosine(int i) {
-  const double low = std::cbrt(least_cosine), at = low + (1 - low) * i / (sheen_columns - 1);
-  return std::min(at * at * at, 1.0);
+  const double low = std::pow(least_cosine, 0.25);
+  return std::min(std::pow(low + (1 - low) * i / (sheen_columns - 1), 4), 1.0);
 }
 const std::vector<double>& sheen_table() {
   static const std::vector<double> made = [] {
@@ -87,11 +88,11 @@ double integrate_sheen(double roughness, double n_v, int rings) {
 }
 
 double sheen_albedo(double roughness, double n_v) {
-  const double low = std::cbrt(least_cosine);
+  const double low = std::pow(least_cosine, 0.25);
   const double r = std::clamp(roughness, least_sheen_roughness, 1.0);
   const CubicWeights rows((1 - std::log(r) / std::log(least_sheen_roughness)) * (sheen_rows - 1), sheen_rows);
-  const CubicWeights columns((std::cbrt(std::clamp(n_v, least_cosine, 1.0)) - low) / (1 - low) * (sheen_columns - 1),
-                             sheen_columns);
+  const CubicWeights columns(
+      (std::pow(std::clamp(n_v, least_cosine, 1.0), 0.25) - low) / (1 - low) * (sheen_columns - 1), sheen_columns);
   double sum = 0;
   for (size_t r = 0; r < 4; ++r)
     for (size_t c = 0; c < 4; ++c)

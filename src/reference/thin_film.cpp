@@ -8,6 +8,9 @@ namespace candela::reference {
 namespace {
 
 using std::numbers::pi;
+// The phase turns where the base's index passes the film's; the base's comes from a rounded f0, so that indices nearer
+// than this part are equal.
+constexpr double least_step = 1e-5;
 
 double reflectance_at_normal(double behind, double before) {
   const double r = (behind - before) / (behind + before);
@@ -45,7 +48,7 @@ glm::dvec3 film_reflectance(double cosine, double ior, double thickness_nm, glm:
   for (int i = 0; i < 3; ++i) {
     const double root = std::sqrt(std::clamp(f0[i], 0.0, 0.9999)), base = (1 + root) / (1 - root);
     const double r23 = schlick(reflectance_at_normal(base, film), inside);
-    if (base < film) shift[i] += pi;
+    if (base < film * (1 - least_step)) shift[i] += pi;
     const double both = std::clamp(r12 * r23, 1e-5, 0.9999);
     rs[i] = t121 * t121 * r23 / (1 - both);
     r123[i] = std::sqrt(both);

@@ -51,13 +51,14 @@ TEST(Stability, ExtremeScenesAreAsTheyShouldBe) {
 TEST(Stability, MaterialsAtTheirEnds) {
   const TestFolder folder;
   const Ended ended = stability({"--only",
-                                 "lobes/coat and sheen on white metal,glass/node of scale 2^60,glass/colour 0,"
+                                 "lobes/coat and sheen on white metal,lobes/film from 1000 nm,lobes/sheen of roughness "
+                                 "1 along,glass/node of scale 2^60,glass/colour 0,"
                                  "light of 1e30 under alpha 1e-7 by weighted,light of 1e30 under alpha 1e-7 by moments",
                                  "--techniques", "clustered", "--json", folder / "s.json"});
   ASSERT_EQ(ended.code, 0) << ended.out << ended.err;
   const Json json = Json::parse(bytes_of(folder / "s.json"));
   EXPECT_EQ(json["nonfinite"], 0);
-  EXPECT_GE(json["scenes"], 5);
+  EXPECT_GE(json["scenes"], 7);
 }
 
 TEST(Stability, ClampedValuesAreCountedAndSaid) {

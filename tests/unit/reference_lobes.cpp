@@ -205,12 +205,12 @@ TEST(Lobes, TheGainOfStretchedFacetsKeepsTheFurnace) {
             }
           }
           const std::string where = fmt::format("{} {} {} {}", roughness, strength, degrees, turn);
-          EXPECT_LE(light, 1.006) << where;
-          EXPECT_GE(light, 0.86) << where;
+          EXPECT_LE(light, 1.011) << where;
+          EXPECT_GE(light, 0.97) << where;
           EXPECT_NEAR(facet_albedo(s, v).scale + facet_albedo(s, v).bias, light / s.specular_gain.x, 0.13) << where;
           sum += light, ++count;
         }
-  EXPECT_NEAR(sum / count, 0.98, 0.01);
+  EXPECT_NEAR(sum / count, 0.998, 0.003);
 }
 
 // Facets, film and both diffuse lobes look the same along the same way; so does sheen as long as it needs no scaling.
@@ -410,12 +410,23 @@ TEST(ThinFilm, InterferesAsWavesDo) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(film_reflectance(1, n, 1e-9, glm::dvec3(f0))[c], f0, 0.008);
 }
 
+// The phase turns where the film's index passes the base's: f0 of 0.04 rounded up or down is the index 1.5 either way.
+TEST(ThinFilm, ARoundedBaseHasItsIndex) {
+  for (const double nm : {150.0, 400.0, 745.0})
+    for (const double cosine : {1.0, 0.7, 0.3}) {
+      const auto at = [&](double f0) { return film_reflectance(cosine, 1.5, nm, glm::dvec3(f0)).y; };
+      const double exact = at(0.04 + 1e-12);
+      EXPECT_NEAR(at(0.04f), exact, 1e-7) << nm << " " << cosine;
+      EXPECT_NEAR(at(std::nextafter(0.04f, 1.0f)), exact, 1e-7) << nm << " " << cosine;
+    }
+}
+
 // The table against a finer integral.
 TEST(Sheen, TheTableIsTheIntegral) {
   for (const double roughness : {0.0, 0.08, 0.12, 0.2, 0.45, 0.77, 1.0})
     for (const double n_v : {1e-4, 0.002, 0.03, 0.1, 0.35, 0.7, 1.0}) {
       const double exact = integrate_sheen(roughness, n_v, 400);
-      EXPECT_NEAR(sheen_albedo(roughness, n_v), exact, 0.005 * exact + 1e-4) << roughness << " " << n_v;
+      EXPECT_NEAR(sheen_albedo(roughness, n_v), exact, 0.002 * exact + 5e-5) << roughness << " " << n_v;
     }
 }
 

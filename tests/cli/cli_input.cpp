@@ -213,6 +213,36 @@ TEST(MissingTexture, IsACheckerInEveryRendererAndExitThreeWhenStrict) {
 }
 
 // A user of its own has processes of its own: the limit then counts what the program starts.
+TEST(VolumeScatter, IsIgnoredAndSaidSoByFactsAndEveryRenderer) {
+  TestFolder folder;
+  const std::string file = folder / "wax.gltf";
+  std::ofstream(file) << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"extensionsUsed":["KHR_materials_volume","KHR_materials_volume_scatter"],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+"materials":[{"name":"wax","extensions":{"KHR_materials_volume":{"thicknessFactor":1},
+"KHR_materials_volume_scatter":{"multiscatterColor":[0.6,0.2,0.1]}}}],
+"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPw=="}],
+"bufferViews":[{"buffer":0,"byteLength":36}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}]})";
+  const Ended facts = candela({"facts", file});
+  ASSERT_EQ(facts.code, 0) << facts.err;
+  const auto json = nlohmann::json::parse(facts.out);
+  bool listed = false;
+  for (const auto& use : json["extensions"])
+    if (use["name"] == "KHR_materials_volume_scatter") {
+      listed = true;
+      EXPECT_EQ(use["support"], "ignored");
+      EXPECT_EQ(use["users"], nlohmann::json::array({"/materials/0 'wax'"}));
+    }
+  EXPECT_TRUE(listed) << facts.out;
+  for (const char* command : {"render", "reference"}) {
+    const Ended ended = candela({command, file, "-o", folder / "wax.png", "--size", "16x16"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_NE(ended.err.find("warning: extension KHR_materials_volume_scatter is ignored"), std::string::npos)
+        << command << ": " << ended.err;
+  }
+}
+
 TEST(Limits, RefusedThreadsAndMemoryAreAnExitCodeAndALine) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become a user without processes";
   TestFolder folder;

@@ -199,6 +199,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   }
   s.item_count = uint32_t(u.items.size());
   s.cull_group_count = uint32_t(u.groups.size());
+  s.batch_count = uint32_t(u.batches.size());
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);
   s.deformed_words = u.deformed_words;
   s.width_px = uint32_t(f.request.width_px);
@@ -298,7 +299,10 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
         bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data, refraction);
   const AmbientSh ambient = f.sky ? f.sky.ambient() : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
+  const auto technique = std::find_if(techniques().begin(), techniques().end(),
+                                      [&](const Technique& t) { return t.name == job.technique; });
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
+  if (technique->rasterizes) add_batches(f.draws, f.upload);
   if (f.request.has_layer("motion") && !context.face) {
     const auto before = pose_before(context.scene, job, time_s, f.pose);
     if (!before) return std::unexpected(before.error());
@@ -308,8 +312,6 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.animate_ms = ms_since(start);
 
   start = Clock::now();
-  const auto technique = std::find_if(techniques().begin(), techniques().end(),
-                                      [&](const Technique& t) { return t.name == job.technique; });
   const DrawnExtent extent = drawn_extent(f.data, f.view);
   f.light_grid = make_light_grid(technique->light_grid, f.data.lights, f.upload.constants, extent.farthest_m,
                                  extent.reach_m, knobs->get<LightKnobs>());
@@ -339,6 +341,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
+  f.upload.constants.background = {(*background)[0], (*background)[1], (*background)[2], (*background)[3]};
   std::vector<DumpRequest> requests = wanted.dumps;
   if (const auto image = image_of_view(job.view); image && wanted.display) requests.push_back(*image);
   std::map<Hash128, KeptState> kept_states;

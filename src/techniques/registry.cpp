@@ -10,6 +10,8 @@ std::span<const Technique> techniques() {
        LightGridKind::tiles},
       {"brute-force", "forward shading, every light for every pixel: correct first, and the yardstick", forward,
        LightGridKind::none},
+      {"visibility", "triangles rasterized in compute, each visible one of a pixel shaded once; lights as clustered",
+       visibility, LightGridKind::clusters, true},
   };
   return table;
 }

@@ -20,7 +20,7 @@ void rasterize_small(Triangle t, Piece piece, PixelBounds at) {
 }
 
 // False: the list is full. Its order is that of arrival, which no key depends on.
-bool put_large(Triangle t, int piece, PixelBounds at) {
+bool put_large(Triangle t, Piece piece, PixelBounds at) {
   LargeRef large = LargeRef(pc.large);
   if (uint(large.ends >> large_tile_bits) >= pc.most_large) return false;
   const ivec2 tiles = at.high / int(raster_tile_px) - at.low / int(raster_tile_px) + 1;
@@ -29,7 +29,8 @@ bool put_large(Triangle t, int piece, PixelBounds at) {
   const uint place = uint(before >> large_tile_bits);
   // The first one beyond the end says where the last one's tiles end.
   if (place <= pc.most_large)
-    large.t[place] = LargeTriangle(before & large_tile_mask, t.number, uint(piece));
+    large.t[place] = LargeTriangle(before & large_tile_mask, t.number, piece.depth,
+        uvec2[](uvec2(piece.p[0]), uvec2(piece.p[1]), uvec2(piece.p[2])));
   return place < pc.most_large;
 }
 
@@ -59,7 +60,7 @@ void main() {
     if (any(lessThanEqual(size, ivec2(0)))) continue;
     if (!clipped && all(lessThanEqual(size, ivec2(pc.small_px))))
       rasterize_small(t, piece, at);
-    else if (!put_large(t, clipped ? i + 1 : 0, at))
+    else if (!put_large(t, piece, at))
       rasterize_alone(t, piece, at);
   }
 }

@@ -1,43 +1,70 @@
 #version 460
-// Rasterizes the listed triangles tile by tile, a workgroup a tile: the tiles of all are numbered through, and each
-// workgroup takes every so manieth.
+// Rasterizes the listed triangles tile by tile. The tiles of all are numbered through, and a workgroup takes a chunk of
+// them: each of its first threads finds out whose one tile is and whether anything of it is inside, then all threads
+// share the pixels of those that are left.
 #include "lib/rasterize_batch.glsl"
+#include "lib/large_triangles.glsl"
 layout(local_size_x = 64) in;
 
-void main() {
+struct Tile {
+  Piece piece;
+  PixelBounds at;
+  ivec2 corner_px;
+  uint triangle;
+};
+shared Tile tiles[raster_chunk];
+shared uint tile_count;
+
+// False: nothing of the triangle is in the tile.
+bool find_tile(uint64_t number, uint triangles, out Tile tile) {
   LargeRef large = LargeRef(pc.large);
-  const uint64_t ends = large.ends;
-  const uint listed = uint(ends >> large_tile_bits), count = min(listed, pc.most_large);
-  const uint64_t tiles = listed > count ? large.t[count].first_tile : ends & large_tile_mask;
-  for (uint64_t tile = gl_WorkGroupID.x; tile < tiles; tile += gl_NumWorkGroups.x) {
-    uint low = 0u, high = count;  // the last one that begins at or before the tile
-    while (high - low > 1u) {
-      const uint middle = (low + high) / 2u;
-      if (large.t[middle].first_tile <= tile)
-        low = middle;
-      else
-        high = middle;
-    }
-    const LargeTriangle l = large.t[low];
-    const TriangleBatch b = BatchesRef(pc.batches).b[l.triangle / triangle_batch_size];
-    const Triangle t = load_triangle(b, load_item(b.item), l.triangle);
-    Piece piece;
-    if (l.piece == 0u)
-      make_piece(t.a, t.b, t.c, piece);
+  uint low = 0u, high = triangles;  // the last one that begins at or before the tile
+  while (high - low > 1u) {
+    const uint middle = (low + high) / 2u;
+    if (large.t[middle].first_tile <= number)
+      low = middle;
     else
-      clipped_piece(t.a, t.b, t.c, int(l.piece) - 1, piece);
-    const PixelBounds at = piece_bounds(piece);
-    const ivec2 first = at.low / int(raster_tile_px), row = at.high / int(raster_tile_px) - first + 1;
-    const int place = int(tile - l.first_tile);
-    const ivec2 corner_px = (first + ivec2(place % row.x, place / row.x)) * int(raster_tile_px);
-    const ivec2 corner = corner_px << 8;
-    const Edges e = piece_edges(piece, corner);
-    const i64vec3 side = i64vec3(int(raster_tile_px) << 8);
-    if (any(lessThanEqual(e.c + side * i64vec3(max(e.a, 0) + max(e.b, 0)), i64vec3(0)))) continue;
-    for (uint i = gl_LocalInvocationIndex; i < raster_tile_px * raster_tile_px; i += gl_WorkGroupSize.x) {
-      const ivec2 pixel = corner_px + ivec2(i % raster_tile_px, i / raster_tile_px);
-      if (all(lessThanEqual(pixel, at.high)) && all(greaterThanEqual(pixel, at.low)))
-        put_pixel_by_edges(t, piece, e, corner, pixel);
+      high = middle;
+  }
+  const LargeTriangle l = large.t[low];
+  for (int i = 0; i < 3; ++i) tile.piece.p[i] = ivec2(l.p[i]);
+  tile.piece.depth = l.depth;
+  tile.piece.clockwise = true;
+  tile.triangle = l.triangle;
+  tile.at = piece_bounds(tile.piece);
+  const ivec2 first = tile.at.low / int(raster_tile_px), row = tile.at.high / int(raster_tile_px) - first + 1;
+  const int place = int(number - l.first_tile);
+  tile.corner_px = (first + ivec2(place % row.x, place / row.x)) * int(raster_tile_px);
+  const Edges e = piece_edges(tile.piece, tile.corner_px << 8);
+  const i64vec3 side = i64vec3(int(raster_tile_px) << 8);
+  return all(greaterThan(e.c + side * i64vec3(max(e.a, 0) + max(e.b, 0)), i64vec3(0)));
+}
+
+void main() {
+  const LargeCount large = large_count();
+  const uint64_t first = (uint64_t(gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x) * raster_chunk;
+  const uint thread = gl_LocalInvocationIndex;
+  if (thread == 0u) tile_count = 0u;
+  barrier();
+  if (thread < raster_chunk && first + thread < large.tiles) {
+    Tile tile;
+    if (find_tile(first + thread, large.triangles, tile)) tiles[atomicAdd(tile_count, 1u)] = tile;
+  }
+  barrier();
+  for (uint i = 0u; i < tile_count; ++i) {
+    const Tile tile = tiles[i];
+    Triangle t;
+    t.number = tile.triangle;
+    if (HAS_MASKS != 0) {
+      const TriangleBatch b = BatchesRef(pc.batches).b[tile.triangle / triangle_batch_size];
+      t = load_triangle(b, load_item(b.item), tile.triangle);
+    }
+    const ivec2 corner = tile.corner_px << 8;
+    const Edges e = piece_edges(tile.piece, corner);
+    for (uint j = thread; j < raster_tile_px * raster_tile_px; j += gl_WorkGroupSize.x) {
+      const ivec2 pixel = tile.corner_px + ivec2(j % raster_tile_px, j / raster_tile_px);
+      if (all(lessThanEqual(pixel, tile.at.high)) && all(greaterThanEqual(pixel, tile.at.low)))
+        put_pixel_by_edges(t, tile.piece, e, corner, pixel);
     }
   }
 }

@@ -53,15 +53,23 @@ vec4 shade_triangle(uint triangle, vec2 place) {
 
 #ifdef WHOLE
 vec4 behind_all(vec2 place) {
-#ifdef SKY
   const vec2 ndc = 2.0 * place / vec2(frame.size_px) - 1.0;
+#ifdef FOG
+  const FogSeen fog = fog_before_sky(IS_SUBSAMPLE != 0 ? ndc + pc.subsample_ndc : ndc);
+#endif
+#ifdef SKY
   const vec2 px = 2.0 / vec2(frame.size_px);
   const vec3 direction = sky_direction(ndc);
   const float step = max(length(sky_direction(ndc + vec2(px.x, 0.0)) - direction),
       length(sky_direction(ndc + vec2(0.0, px.y)) - direction));
-  return vec4(sky_radiance(direction, step), 1.0);
+  const vec4 behind = vec4(sky_radiance(direction, step), 1.0);
 #else
-  return frame.background;
+  const vec4 behind = frame.background;
+#endif
+#ifdef FOG
+  return seen_through_fog(behind, fog);
+#else
+  return behind;
 #endif
 }
 #endif

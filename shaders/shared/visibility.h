@@ -10,16 +10,23 @@ struct TriangleBatch {
   uint cull_bit;  // of the item among the masks of culling (shared/cull.h)
   uint flags;     // batch_*
 };
-// A triangle over many pixels, and where its tiles begin among those of all such.
+// A triangle over many pixels, or a piece of one that was clipped (lib/rasterize.glsl, Piece), and where its tiles
+// begin among those of all.
 struct LargeTriangle {
   uint64_t first_tile;
   uint triangle;  // its number among all of the frame: 64 for each batch
-  uint piece;     // of the triangle as it was clipped
+  vec3 depth;
+  uvec2 p[3];  // signed
+};
+// Of how many workgroups rasterize_large.comp is, a chunk of tiles each.
+struct TileGroups {
+  uint x, y, z;
 };
 struct RasterizePush {
   uint64_t deformed, indices, batches, masks;
   uint64_t keys;   // one for each sample: bits of its depth, and 1 + the triangle's number below them
   uint64_t large;  // a word that counts triangles, and their tiles below, then LargeTriangles
+  uint64_t groups;
   vec2 subsample_ndc;
   float subsample_footprint;
   uint batch_count;
@@ -36,17 +43,18 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u };
-inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16;
-static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 16 && sizeof(RasterizePush) == 72);
+inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 16;
+static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 48 && sizeof(RasterizePush) == 80);
 }  // namespace candela::shared
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;
-const uint triangle_batch_size = 64u, raster_tile_px = 16u;
+const uint triangle_batch_size = 64u, raster_tile_px = 16u, raster_chunk = 16u;
 const uint large_tile_bits = 40u;
 const uint64_t large_tile_mask = (1ul << large_tile_bits) - 1ul;
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BatchesRef { TriangleBatch b[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) volatile buffer KeysRef { uint64_t k[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeRef { uint64_t ends; LargeTriangle t[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileGroupsRef { TileGroups g; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SamplesRef { vec4 s[]; };
 #endif
 #endif

@@ -31,7 +31,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     lit.lists.sun_maps = lighting.lists.sun_maps;
     lit.lists.fog = lighting.lists.fog;
     lit.lists.rays = lighting.lists.rays;
-    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
+    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, n * n);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
     const Shaded shaded = technique.shade(frame, sample, seen, lit, instance);
     const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
@@ -59,7 +59,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   // Of a supersampled frame only the layer is of this depth. Before the suns' maps, which are drawn meanwhile.
   OcclusionTexels occlusion;
   if (n == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
-    occlusion = ambient_occlusion(frame, scene, surfaces.depth);
+    occlusion = ambient_occlusion(frame, scene, surfaces.looked_up);
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.rays = scene.rays;
   lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;

@@ -47,7 +47,7 @@ void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
 
 Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                     const Shaded& shaded, std::string_view instance) {
-  const auto& [draws, kept_items, deformed, depth, keys] = surfaces;
+  const auto& [draws, kept_items, deformed, depth, looked_up, keys] = surfaces;
   Composite out;
   if (shaded.whole) {
     for (const std::string_view pass : {Sky::name, Background::name})

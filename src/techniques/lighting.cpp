@@ -46,8 +46,8 @@ ImageHandle lamp_maps(Frame& frame, const SceneInputs& scene, const Surfaces& su
   return depth_maps(frame, scene, surfaces, scene.lamp_image, scene.lamp_key, views, scene.lamp_absence, "lamps");
 }
 
-OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance,
-                                  uint32_t index, uint32_t count) {
+OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const SampledDepth& depth,
+                                  std::string_view instance, uint32_t index, uint32_t count) {
   AmbientOcclusion pass;
   pass.knobs = frame.knobs.get<AmbientOcclusion::Knobs>();
   AmbientOcclusion::In in{scene, depth};

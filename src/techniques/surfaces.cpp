@@ -15,11 +15,13 @@ void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, st
         frame.add(KeyDepth{}, {surfaces.keys, scene.width_px, scene.height_px, scene.samples}, instance).depth;
     if (!draws_lines(scene)) {
       frame.builder.leave_out(std::string(DepthPrepass::name), "triangles are rasterized in compute (rasterize)");
+      surfaces.looked_up = {{}, surfaces.keys};
       return;
     }
   }
   surfaces.depth =
       frame.add(DepthPrepass{}, {scene, surfaces.draws, surfaces.deformed, surfaces.depth}, instance).depth;
+  surfaces.looked_up = {surfaces.depth, {}};
 }
 
 }  // namespace

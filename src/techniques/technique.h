@@ -12,6 +12,7 @@ struct Surfaces {
   BufferHandle kept_items;  // a bit for each item that culling left
   BufferHandle deformed;    // vertices of skinned and morphed sections; may be empty
   ImageHandle depth;        // of the nearest surface at every sample; empty: nothing is opaque or masked
+  SampledDepth looked_up;   // the same for compute
   BufferHandle keys;        // which triangles these are, where compute rasterizes them (passes/geometry/rasterize.h)
 };
 Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);
@@ -42,7 +43,7 @@ Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& 
 
 // How open to the sky the opaque and masked surfaces of a depth are. `index`: which of `count` samples of a
 // supersampled frame the depth is of; each has its own part of the slices.
-OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth,
+OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const SampledDepth& depth,
                                   std::string_view instance = {}, uint32_t index = 0, uint32_t count = 1);
 // Whether shading takes it; it may be made for its layer alone.
 bool shades_occluded(const Frame& frame);

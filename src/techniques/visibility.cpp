@@ -5,9 +5,9 @@ namespace candela {
 namespace {
 
 // Whether something is drawn over the surfaces, sample by sample: then there must be a picture and a depth of samples.
-bool drawn_over(const Frame& frame, const SceneInputs& scene, const Lighting& lighting) {
+bool drawn_over(const Frame& frame, const SceneInputs& scene) {
   return frame.facts.blend_items > 0 || Refraction{}.needed(frame.facts, frame.request) ||
-         Reflections{}.needed(frame.facts, frame.request) || bool(lighting.lists.fog) || draws_lines(scene);
+         Reflections{}.needed(frame.facts, frame.request) || draws_lines(scene);
 }
 
 }  // namespace
@@ -16,7 +16,7 @@ Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
                   std::string_view instance) {
   if (!surfaces.keys) return forward(frame, scene, surfaces, lighting, instance);
   ShadeVisible::In in{scene, surfaces.keys, surfaces.deformed, lighting.of_opaque()};
-  in.whole = !drawn_over(frame, scene, lighting);
+  in.whole = !drawn_over(frame, scene);
   in.draws_sky = frame.facts.environment && frame.request.draw_background;
   const ShadeVisible::Out shaded = frame.add(ShadeVisible{}, in, instance);
   if (in.whole) return {shaded.color, true};

@@ -7,8 +7,6 @@ namespace candela {
 namespace {
 // Triangles that the list holds: beyond it each is its thread's own.
 constexpr uint32_t most_large = 1u << 18;
-// Workgroups among which the tiles of all listed triangles are dealt out.
-constexpr uint32_t tile_groups = 4096;
 constexpr uint32_t most_groups = 65535;  // of a dimension, on every device
 }  // namespace
 
@@ -56,35 +54,49 @@ Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
   Out out;
   out.keys = builder.create(keys);
   out.large = builder.create(large);
+  out.groups = builder.create(BufferDesc{"rasterize.groups", sizeof(shared::TileGroups)});
   out.batches = builder.pipeline(ComputePipelineDesc{"rasterize.comp", constants});
+  out.count = builder.pipeline(ComputePipelineDesc{"rasterize_tiles.comp", {}});
   out.tiles = builder.pipeline(ComputePipelineDesc{"rasterize_large.comp", constants});
-  for (int step = 0; step < 2; ++step) {
-    builder.begin_step();
-    out.keys = builder.write(out.keys, Access::compute_write);
-    out.large = builder.write(out.large, Access::compute_write);
-  }
+  builder.begin_step();
+  out.keys = builder.write(out.keys, Access::compute_write);
+  out.large = builder.write(out.large, Access::compute_write);
+  builder.begin_step();
+  builder.read(out.large, Access::compute_read, "large triangles");
+  out.groups = builder.write(out.groups, Access::compute_write);
+  builder.begin_step();
+  builder.read(out.large, Access::compute_read, "large triangles");
+  builder.read(out.groups, Access::indirect_read, "how many tiles there are");
+  out.keys = builder.write(out.keys, Access::compute_write);
   return out;
 }
 
 void Rasterize::record(CommandList& commands, const In& in, const Out& out) const {
   const SceneInputs& s = in.scene;
   shared::RasterizePush push{};
+  push.large = commands.address(out.large);
+  push.most_large = most_large;
+  if (commands.step() == 1) {
+    push.groups = commands.address(out.groups);
+    commands.bind(out.count);
+    commands.push(push);
+    commands.dispatch(1);
+    return;
+  }
   push.deformed = in.deformed ? commands.address(in.deformed) : 0;
   push.indices = commands.address(s.indices);
   push.batches = commands.address(s.batches);
   push.masks = commands.address(in.masks);
   push.keys = commands.address(out.keys);
-  push.large = commands.address(out.large);
   push.subsample_ndc = s.subsample_ndc;
   push.subsample_footprint = s.subsample_footprint;
   push.batch_count = s.batch_count;
-  push.most_large = most_large;
   push.small_px = uint32_t(knobs.small_px);
-  const bool first = commands.step() == 0;
-  commands.bind(first ? out.batches : out.tiles);
+  commands.bind(commands.step() == 0 ? out.batches : out.tiles);
   commands.push(push);
-  const uint32_t groups = first ? s.batch_count : tile_groups, row = std::min(groups, most_groups);
-  commands.dispatch(row * shared::triangle_batch_size, (groups + row - 1) / row);
+  if (commands.step() == 2) return commands.dispatch_indirect(out.groups);
+  const uint32_t row = std::min(s.batch_count, most_groups);
+  commands.dispatch(row * shared::triangle_batch_size, (s.batch_count + row - 1) / row);
 }
 
 KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {

@@ -27,8 +27,8 @@ struct Rasterize {
     bool masks_by_sample = false;
   };
   struct Out {
-    BufferHandle keys, large;
-    PipelineHandle batches, tiles;
+    BufferHandle keys, large, groups;
+    PipelineHandle batches, count, tiles;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

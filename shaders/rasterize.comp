@@ -29,7 +29,7 @@ bool put_large(Triangle t, Piece piece, PixelBounds at) {
   const uint place = uint(before >> large_tile_bits);
   // The first one beyond the end says where the last one's tiles end.
   if (place <= pc.most_large)
-    large.t[place] = LargeTriangle(before & large_tile_mask, t.number, piece.depth,
+    large.t[place] = LargeTriangle(before & large_tile_mask, t.number, gl_WorkGroupID.z, piece.depth,
         uvec2[](uvec2(piece.p[0]), uvec2(piece.p[1]), uvec2(piece.p[2])));
   return place < pc.most_large;
 }
@@ -45,7 +45,9 @@ void main() {
   const uint batch = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
   if (batch >= pc.batch_count) return;
   const TriangleBatch b = BatchesRef(pc.batches).b[batch];
-  if ((MasksRef(pc.masks).m[b.cull_bit / 32u] >> (b.cull_bit & 31u) & 1u) == 0u) return;
+  const uint bit = b.cull_bit + gl_WorkGroupID.z * pc.view_masks;
+  if ((MasksRef(pc.masks).m[bit / 32u] >> (bit & 31u) & 1u) == 0u) return;
+  begin_view(gl_WorkGroupID.z);
   const Item item = load_item(b.item);
   if (3u * (b.first_triangle + gl_LocalInvocationIndex) + 2u >= item.index_count) return;
   const Triangle t = load_triangle(b, item, batch * triangle_batch_size + gl_LocalInvocationIndex);

@@ -10,7 +10,7 @@ struct Tile {
   Piece piece;
   PixelBounds at;
   ivec2 corner_px;
-  uint triangle;
+  uint triangle, view;
 };
 shared Tile tiles[raster_chunk];
 shared uint tile_count;
@@ -31,6 +31,8 @@ bool find_tile(uint64_t number, uint triangles, out Tile tile) {
   tile.piece.depth = l.depth;
   tile.piece.clockwise = true;
   tile.triangle = l.triangle;
+  tile.view = l.view;
+  begin_view(l.view);
   tile.at = piece_bounds(tile.piece);
   const ivec2 first = tile.at.low / int(raster_tile_px), row = tile.at.high / int(raster_tile_px) - first + 1;
   const int place = int(number - l.first_tile);
@@ -53,6 +55,7 @@ void main() {
   barrier();
   for (uint i = 0u; i < tile_count; ++i) {
     const Tile tile = tiles[i];
+    begin_view(tile.view);
     Triangle t;
     t.number = tile.triangle;
     if (HAS_MASKS != 0) {

@@ -5,7 +5,9 @@
 // Rasterization", 1988).
 const int raster_one = 256;               // pixel
 const float raster_guard_px = 16384.0;    // farther from the picture's middle than this, triangles are clipped
-const int most_pieces = 6;                // of a triangle, by six planes
+const int raster_planes = 7;
+const int most_pieces = raster_planes + 1;  // of a triangle that they cut
+uvec2 raster_size_px;                     // of the viewport
 
 // A triangle in front of the camera, with positive area where y points down.
 struct Piece {
@@ -14,7 +16,7 @@ struct Piece {
   bool clockwise; // as it is seen
 };
 
-vec2 raster_px(vec4 clip) { return (clip.xy / clip.w) * (0.5 * vec2(frame.size_px)) + 0.5 * vec2(frame.size_px); }
+vec2 raster_px(vec4 clip) { return (clip.xy / clip.w) * (0.5 * vec2(raster_size_px)) + 0.5 * vec2(raster_size_px); }
 
 // False: it has no area.
 bool make_piece(vec4 a, vec4 b, vec4 c, out Piece piece) {
@@ -33,39 +35,41 @@ bool make_piece(vec4 a, vec4 b, vec4 c, out Piece piece) {
   return area != 0;
 }
 
-// How far a corner lies inside of a plane: the near plane, the camera's own, and a frame around the picture.
+// How far a corner lies inside of a plane: the near plane, the camera's own, a frame around the picture, the far plane.
 float inside_of(vec4 clip, int plane) {
-  const vec2 guard = raster_guard_px / (0.5 * vec2(frame.size_px));
+  const vec2 guard = raster_guard_px / (0.5 * vec2(raster_size_px));
   switch (plane) {
     case 0: return clip.w - clip.z;
     case 1: return clip.w - 1e-30;
     case 2: return guard.x * clip.w + clip.x;
     case 3: return guard.x * clip.w - clip.x;
     case 4: return guard.y * clip.w + clip.y;
-    default: return guard.y * clip.w - clip.y;
+    case 5: return guard.y * clip.w - clip.y;
+    default: return clip.z;
   }
 }
 bool outside_picture(vec4 a, vec4 b, vec4 c) {
   const vec3 x = vec3(a.x, b.x, c.x), y = vec3(a.y, b.y, c.y), w = vec3(a.w, b.w, c.w), z = vec3(a.z, b.z, c.z);
   return all(lessThan(x, -w)) || all(greaterThan(x, w)) || all(lessThan(y, -w)) || all(greaterThan(y, w)) ||
-      all(greaterThan(z, w)) || !all(lessThan(abs(x) + abs(y) + abs(w), vec3(3e38)));
+      all(greaterThan(z, w)) || all(lessThan(z, vec3(0.0))) ||
+      !all(lessThan(abs(x) + abs(y) + abs(z) + abs(w), vec3(3e38)));
 }
 bool needs_clipping(vec4 a, vec4 b, vec4 c) {
   float least = 3e38;
-  for (int plane = 0; plane < 6; ++plane)
+  for (int plane = 0; plane < raster_planes; ++plane)
     least = min(least, min(inside_of(a, plane), min(inside_of(b, plane), inside_of(c, plane))));
-  return !(least > 0.0);
+  return !(least >= 0.0);
 }
 
 // Of the polygon that is left (Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974), the triangle `piece` of its
 // fan; false: there is none.
 bool clipped_piece(vec4 a, vec4 b, vec4 c, int piece, out Piece made) {
-  vec4 polygon[3 + 6], before[3 + 6];
+  vec4 polygon[3 + raster_planes], before[3 + raster_planes];
   int count = 3;
   polygon[0] = a;
   polygon[1] = b;
   polygon[2] = c;
-  for (int plane = 0; plane < 6; ++plane) {
+  for (int plane = 0; plane < raster_planes; ++plane) {
     for (int i = 0; i < count; ++i) before[i] = polygon[i];
     const int of = count;
     count = 0;
@@ -89,7 +93,7 @@ struct PixelBounds {
 };
 PixelBounds piece_bounds(Piece t) {
   const ivec2 low = min(t.p[0], min(t.p[1], t.p[2])), high = max(t.p[0], max(t.p[1], t.p[2]));
-  return PixelBounds(max(low >> 8, ivec2(0)), min(high >> 8, ivec2(frame.size_px) - 1));
+  return PixelBounds(max(low >> 8, ivec2(0)), min(high >> 8, ivec2(raster_size_px) - 1));
 }
 
 // E(x, y) = a x + b y + c, above 0 inside and on edges that the triangle owns, x and y in 1/256 pixel from `corner`.

@@ -15,6 +15,7 @@ struct TriangleBatch {
 struct LargeTriangle {
   uint64_t first_tile;
   uint triangle;  // its number among all of the frame: 64 for each batch
+  uint view;
   vec3 depth;
   uvec2 p[3];  // signed
 };
@@ -24,14 +25,18 @@ struct TileGroups {
 };
 struct RasterizePush {
   uint64_t deformed, indices, batches, masks;
-  uint64_t keys;   // one for each sample: bits of its depth, and 1 + the triangle's number below them
+  uint64_t keys;   // one for each sample: bits of its depth, and 1 + the triangle's number below them. Of views: those of
+                   // the depth of each texel, layer by layer
   uint64_t large;  // a word that counts triangles, and their tiles below, then LargeTriangles
-  uint64_t groups;
+  uint64_t groups;  // TileGroups
+  uint64_t views;   // View (shared/cull.h); only of views
   vec2 subsample_ndc;
   float subsample_footprint;
   uint batch_count;
   uint most_large;  // room among them
   uint small_px;    // bounds up to this side are one thread's
+  uint view_masks;  // bits of culling's masks for each view
+  uint image_px;    // side of the views' image
 };
 struct SamplesPush {  // of passes that put a buffer's samples into images
   uint64_t source;
@@ -44,7 +49,7 @@ SHARED_END
 namespace candela::shared {
 enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u };
 inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 16;
-static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 48 && sizeof(RasterizePush) == 80);
+static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 96);
 }  // namespace candela::shared
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;
@@ -53,6 +58,7 @@ const uint large_tile_bits = 40u;
 const uint64_t large_tile_mask = (1ul << large_tile_bits) - 1ul;
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BatchesRef { TriangleBatch b[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) volatile buffer KeysRef { uint64_t k[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) volatile buffer DepthsRef { uint d[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeRef { uint64_t ends; LargeTriangle t[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileGroupsRef { TileGroups g; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SamplesRef { vec4 s[]; };

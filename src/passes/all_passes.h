@@ -59,11 +59,12 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses =
-    PassList<Cull, CullCompact, Deform, Rasterize, KeyDepth, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
-             LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
-             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms,
-             FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks,
-             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+    PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, KeyDepth, DepthPrepass, DepthViews, TileDepth,
+             LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible,
+             PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
+             Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
+             LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
+             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -30,6 +30,9 @@ ImageHandle depth_maps(Frame& frame, const SceneInputs& scene, const Surfaces& s
   }
   views.count = uint32_t(image->views.size());
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
+  if (scene.batch_count > 0)
+    return frame.add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image}, instance)
+        .depth;
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
   return frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
 }

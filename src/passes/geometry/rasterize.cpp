@@ -1,5 +1,7 @@
 #include "passes/geometry/rasterize.h"
 
+#include <algorithm>
+
 #include "passes/geometry/features.h"
 #include "shared/visibility.h"
 
@@ -10,10 +12,10 @@ constexpr uint32_t most_large = 1u << 18;
 constexpr uint32_t most_groups = 65535;  // of a dimension, on every device
 }  // namespace
 
-std::span<const Knob<Rasterize::Knobs>> Rasterize::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
+  static const Knob<RasterKnobs> table[] = {
       {.name = "small_px",
-       .member = &Knobs::small_px,
+       .member = &RasterKnobs::small_px,
        .unit = "px",
        .lowest = 1,
        .highest = 64,
@@ -21,10 +23,72 @@ std::span<const Knob<Rasterize::Knobs>> Rasterize::Knobs::table() {
        .trades = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
        .kind = Trades::time,
        .walk = {1, 8, 64},
-       .passes = {"rasterize"}},
+       .passes = {"rasterize", "rasterize_views"}},
   };
   return table;
 }
+
+namespace {
+
+// The first steps of both passes: they write `target` twice. defined: behind the shaders' names.
+RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHandle masks, BufferHandle deformed,
+                          BufferHandle& target, const std::string& defined, std::vector<SpecConstant> constants) {
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.batches})
+    builder.read(b, Access::compute_read, "the scene");
+  builder.read(masks, Access::compute_read, "the items that stay");
+  builder.read_optional(deformed, Access::compute_read);
+  const bool any_masked =
+      std::ranges::any_of(*s.runs, [](const DrawRun& r) { return r.solid() && r.alpha == AlphaMode::mask; });
+  if (any_masked) constants.push_back({31, "HAS_MASKS", 1});
+  for (const SpecConstant& c : base_color_constants(s.features))
+    if (any_masked || Feature(c.id) == Feature::subsample) constants.push_back(c);
+  BufferDesc large{"rasterize.large", 8 + (uint64_t(most_large) + 1) * sizeof(shared::LargeTriangle)};
+  large.zeroed = large.unordered = true;
+  RasterSteps steps;
+  steps.large = builder.create(large);
+  steps.groups = builder.create(BufferDesc{"rasterize.groups", sizeof(shared::TileGroups)});
+  steps.batches = builder.pipeline(ComputePipelineDesc{"rasterize.comp" + defined, constants});
+  steps.count = builder.pipeline(ComputePipelineDesc{"rasterize_tiles.comp", {}});
+  steps.tiles = builder.pipeline(ComputePipelineDesc{"rasterize_large.comp" + defined, constants});
+  builder.begin_step();
+  target = builder.write(target, Access::compute_write);
+  steps.large = builder.write(steps.large, Access::compute_write);
+  builder.begin_step();
+  builder.read(steps.large, Access::compute_read, "large triangles");
+  steps.groups = builder.write(steps.groups, Access::compute_write);
+  builder.begin_step();
+  builder.read(steps.large, Access::compute_read, "large triangles");
+  builder.read(steps.groups, Access::indirect_read, "how many tiles there are");
+  target = builder.write(target, Access::compute_write);
+  return steps;
+}
+
+// push: with what is the pass's own.
+void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks, BufferHandle deformed,
+                 BufferHandle target, const RasterSteps& steps, uint32_t views, shared::RasterizePush push) {
+  push.large = commands.address(steps.large);
+  push.most_large = most_large;
+  if (commands.step() == 1) {
+    push.groups = commands.address(steps.groups);
+    commands.bind(steps.count);
+    commands.push(push);
+    return commands.dispatch(1);
+  }
+  push.deformed = deformed ? commands.address(deformed) : 0;
+  push.indices = commands.address(s.indices);
+  push.batches = commands.address(s.batches);
+  push.masks = commands.address(masks);
+  push.keys = commands.address(target);
+  push.batch_count = s.batch_count;
+  commands.bind(commands.step() == 0 ? steps.batches : steps.tiles);
+  commands.push(push);
+  if (commands.step() == 2) return commands.dispatch_indirect(steps.groups);
+  const uint32_t row = std::min(s.batch_count, most_groups);
+  commands.dispatch(row * shared::triangle_batch_size, (s.batch_count + row - 1) / row, views);
+}
+
+}  // namespace
 
 Need Rasterize::needed(const SceneFacts& facts, const FrameRequest&) const {
   return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
@@ -32,71 +96,52 @@ Need Rasterize::needed(const SceneFacts& facts, const FrameRequest&) const {
 
 Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
-  builder.read(s.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.batches})
-    builder.read(b, Access::compute_read, "the scene");
-  builder.read(in.masks, Access::compute_read, "the items that stay");
-  builder.read_optional(in.deformed, Access::compute_read);
-  bool any_masked = false;
-  for (const DrawRun& run : *s.runs) any_masked |= run.solid() && run.alpha == AlphaMode::mask;
   std::vector<SpecConstant> constants = {{30, "SAMPLES", s.samples}};
-  if (any_masked) {
-    constants.push_back({31, "HAS_MASKS", 1});
-    if (in.masks_by_sample && s.samples > 1) constants.push_back({32, "MASKS_BY_SAMPLE", 1});
-  }
-  for (const SpecConstant& c : base_color_constants(s.features))
-    if (any_masked || Feature(c.id) == Feature::subsample) constants.push_back(c);
-  const uint64_t samples = uint64_t(s.width_px) * s.height_px * s.samples;
-  BufferDesc keys{"keys", samples * sizeof(uint64_t)};
+  if (in.masks_by_sample && s.samples > 1) constants.push_back({32, "MASKS_BY_SAMPLE", 1});
+  BufferDesc keys{"keys", uint64_t(s.width_px) * s.height_px * s.samples * sizeof(uint64_t)};
   keys.zeroed = true;
-  BufferDesc large{"rasterize.large", 8 + (uint64_t(most_large) + 1) * sizeof(shared::LargeTriangle)};
-  large.zeroed = large.unordered = true;
   Out out;
   out.keys = builder.create(keys);
-  out.large = builder.create(large);
-  out.groups = builder.create(BufferDesc{"rasterize.groups", sizeof(shared::TileGroups)});
-  out.batches = builder.pipeline(ComputePipelineDesc{"rasterize.comp", constants});
-  out.count = builder.pipeline(ComputePipelineDesc{"rasterize_tiles.comp", {}});
-  out.tiles = builder.pipeline(ComputePipelineDesc{"rasterize_large.comp", constants});
-  builder.begin_step();
-  out.keys = builder.write(out.keys, Access::compute_write);
-  out.large = builder.write(out.large, Access::compute_write);
-  builder.begin_step();
-  builder.read(out.large, Access::compute_read, "large triangles");
-  out.groups = builder.write(out.groups, Access::compute_write);
-  builder.begin_step();
-  builder.read(out.large, Access::compute_read, "large triangles");
-  builder.read(out.groups, Access::indirect_read, "how many tiles there are");
-  out.keys = builder.write(out.keys, Access::compute_write);
+  out.steps = declare_steps(builder, s, in.masks, in.deformed, out.keys, {}, std::move(constants));
   return out;
 }
 
 void Rasterize::record(CommandList& commands, const In& in, const Out& out) const {
-  const SceneInputs& s = in.scene;
   shared::RasterizePush push{};
-  push.large = commands.address(out.large);
-  push.most_large = most_large;
-  if (commands.step() == 1) {
-    push.groups = commands.address(out.groups);
-    commands.bind(out.count);
-    commands.push(push);
-    commands.dispatch(1);
-    return;
-  }
-  push.deformed = in.deformed ? commands.address(in.deformed) : 0;
-  push.indices = commands.address(s.indices);
-  push.batches = commands.address(s.batches);
-  push.masks = commands.address(in.masks);
-  push.keys = commands.address(out.keys);
-  push.subsample_ndc = s.subsample_ndc;
-  push.subsample_footprint = s.subsample_footprint;
-  push.batch_count = s.batch_count;
+  push.subsample_ndc = in.scene.subsample_ndc;
+  push.subsample_footprint = in.scene.subsample_footprint;
   push.small_px = uint32_t(knobs.small_px);
-  commands.bind(commands.step() == 0 ? out.batches : out.tiles);
-  commands.push(push);
-  if (commands.step() == 2) return commands.dispatch_indirect(out.groups);
-  const uint32_t row = std::min(s.batch_count, most_groups);
-  commands.dispatch(row * shared::triangle_batch_size, (s.batch_count + row - 1) / row);
+  record_step(commands, in.scene, in.masks, in.deformed, out.keys, out.steps, 1, push);
+}
+
+Need RasterizeViews::needed(const SceneFacts& facts, const FrameRequest& request) const {
+  return DepthViews{}.needed(facts, request);
+}
+
+RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.views.table, Access::compute_read, "the views");
+  const ViewImage& image = *in.image;
+  BufferDesc texels{"rasterize_views.texels", uint64_t(image.layers) * image.size_px * image.size_px * 4};
+  texels.zeroed = true;
+  Out out;
+  out.texels = builder.create(texels);
+  out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, "#VIEWS=1", {});
+  builder.begin_step();
+  builder.read(out.texels, Access::transfer_source, "the views' depths");
+  out.depth = builder.write(in.target ? in.target : builder.create(DepthViews::image_desc(image)),
+                            Access::transfer_destination);
+  return out;
+}
+
+void RasterizeViews::record(CommandList& commands, const In& in, const Out& out) const {
+  if (commands.step() == 3) return commands.copy_to_image(out.texels, out.depth);
+  shared::RasterizePush push{};
+  push.subsample_footprint = 1;
+  push.small_px = uint32_t(knobs.small_px);
+  push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
+  push.view_masks = in.scene.cull_group_count * shared::cull_group_size;
+  push.image_px = in.image->size_px;
+  record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, in.views.count, push);
 }
 
 KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {

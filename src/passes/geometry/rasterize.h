@@ -1,4 +1,5 @@
 #pragma once
+#include "passes/geometry/depth_views.h"
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
 #include "passes/surfaces/texture_knobs.h"
@@ -12,13 +13,19 @@ namespace candela {
 // arrive. Triangles over few pixels are one thread's; others are listed, and their tiles dealt out to workgroups.
 // Coverage is the hardware's: corners snapped to 1/256 pixel, standard sample places. Lines and points are not in it.
 // Leaves wrong: depths may differ from the hardware's in their last bits. Needs shaderBufferInt64Atomics.
+struct RasterKnobs {
+  static constexpr std::string_view name = "rasterize";
+  int small_px = 8;
+  static std::span<const Knob<RasterKnobs>> table();
+};
+// What both passes below do by.
+struct RasterSteps {
+  BufferHandle large, groups;
+  PipelineHandle batches, count, tiles;
+};
 struct Rasterize {
   static constexpr std::string_view name = "rasterize";
-  struct Knobs {
-    static constexpr std::string_view name = "rasterize";
-    int small_px = 8;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = RasterKnobs;
   using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
   struct In {
     SceneInputs scene;
@@ -27,8 +34,33 @@ struct Rasterize {
     bool masks_by_sample = false;
   };
   struct Out {
-    BufferHandle keys, large, groups;
-    PipelineHandle batches, count, tiles;
+    BufferHandle keys;
+    RasterSteps steps;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+// The same for a range of views that see depth alone, in the place of DepthViews: in one buffer for all, with 32 bits a
+// texel, which then becomes the layered image.
+struct RasterizeViews {
+  static constexpr std::string_view name = "rasterize_views", effect = DepthViews::effect;
+  using Knobs = RasterKnobs;
+  using SharedKnobs = DepthViews::SharedKnobs;
+  struct In {
+    SceneInputs scene;
+    ViewRange views;
+    BufferHandle masks;     // of culling, by these views
+    BufferHandle deformed;  // optional
+    std::shared_ptr<const ViewImage> image;
+    ImageHandle target;  // optional: written instead of an image of this frame alone
+  };
+  struct Out {
+    ImageHandle depth;
+    BufferHandle texels;
+    RasterSteps steps;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -35,10 +35,16 @@ bool put_large(Triangle t, Piece piece, PixelBounds at) {
 }
 
 void rasterize_alone(Triangle t, Piece piece, PixelBounds at) {
-  const ivec2 corner = at.low << 8;
-  const Edges e = piece_edges(piece, corner);
   for (int y = at.low.y; y <= at.high.y; ++y)
-    for (int x = at.low.x; x <= at.high.x; ++x) put_pixel_by_edges(t, piece, e, corner, ivec2(x, y));
+    for (int x = at.low.x; x <= at.high.x; ++x) {
+      const Edges e = piece_edges(piece, ivec2(x, y) << 8);
+      uint covered = 0u;
+      for (int s = 0; s < SAMPLES; ++s) {
+        const i64vec2 p = i64vec2(sample_place(s));
+        if (all(greaterThan(i64vec3(e.a) * p.x + i64vec3(e.b) * p.y + e.c, i64vec3(0)))) covered |= 1u << s;
+      }
+      put_pixel(t, piece, ivec2(x, y), covered);
+    }
 }
 
 void main() {

@@ -62,12 +62,26 @@ void main() {
       const TriangleBatch b = BatchesRef(pc.batches).b[tile.triangle / triangle_batch_size];
       t = load_triangle(b, load_item(b.item), tile.triangle);
     }
-    const ivec2 corner = tile.corner_px << 8;
-    const Edges e = piece_edges(tile.piece, corner);
-    for (uint j = thread; j < raster_tile_px * raster_tile_px; j += gl_WorkGroupSize.x) {
-      const ivec2 pixel = tile.corner_px + ivec2(j % raster_tile_px, j / raster_tile_px);
-      if (all(lessThanEqual(pixel, tile.at.high)) && all(greaterThanEqual(pixel, tile.at.low)))
-        put_pixel_by_edges(t, tile.piece, e, corner, pixel);
+    const TileEdges e = tile_edges(tile.piece, tile.corner_px << 8);
+    const uint side = raster_tile_px;
+    if (HAS_MASKS != 0) {
+      for (uint j = thread; j < side * side; j += gl_WorkGroupSize.x) {
+        const ivec2 inside = ivec2(j % side, j / side), pixel = tile.corner_px + inside;
+        if (any(greaterThan(pixel, tile.at.high)) || any(lessThan(pixel, tile.at.low))) continue;
+        uint covered = 0u;
+        for (int s = 0; s < SAMPLES; ++s)
+          if (inside_tile(e, (inside << 4) + (sample_place(s) >> 4))) covered |= 1u << s;
+        put_pixel(t, tile.piece, pixel, covered);
+      }
+      continue;
+    }
+    // Neighbouring threads take the samples of a pixel, which lie side by side in memory.
+    for (uint j = thread; j < side * side * uint(SAMPLES); j += gl_WorkGroupSize.x) {
+      const int s = int(j % uint(SAMPLES));
+      const uint place = j / uint(SAMPLES);
+      const ivec2 inside = ivec2(place % side, place / side), pixel = tile.corner_px + inside;
+      if (any(greaterThan(pixel, tile.at.high)) || any(lessThan(pixel, tile.at.low))) continue;
+      if (inside_tile(e, (inside << 4) + (sample_place(s) >> 4))) put_sample(tile.piece, tile.triangle, pixel, s);
     }
   }
 }

@@ -4,7 +4,7 @@
 // whole numbers, so that neighbours neither overlap nor leave gaps (Pineda, "A Parallel Algorithm for Polygon
 // Rasterization", 1988).
 const int raster_one = 256;               // pixel
-const float raster_guard_px = 16384.0;    // farther from the picture's middle than this, triangles are clipped
+const float raster_guard_px = 8192.0;     // farther from the picture's middle than this, triangles are clipped
 const int raster_planes = 7;
 const int most_pieces = raster_planes + 1;  // of a triangle that they cut
 uvec2 raster_size_px;                     // of the viewport
@@ -112,6 +112,19 @@ Edges piece_edges(Piece t, ivec2 corner) {
   }
   return e;
 }
+
+// The same for samples of one tile, whose places are whole sixteenths of a pixel from the tile's corner: inside is
+// a x + b y > c. An edge is at most two guards long, so that 32 bits do.
+struct TileEdges {
+  ivec3 a, b, c;
+};
+TileEdges tile_edges(Piece t, ivec2 corner) {
+  const Edges e = piece_edges(t, corner);
+  // 16 k + c > 0 for a whole k where k > floor(-c / 16).
+  const i64vec3 least = -e.c >> 4;
+  return TileEdges(e.a, e.b, ivec3(clamp(least, i64vec3(-0x7fffffffl), i64vec3(0x7fffffffl))));
+}
+bool inside_tile(TileEdges e, ivec2 p) { return all(greaterThan(e.a * p.x + e.b * p.y, e.c)); }
 
 // Reversed depth at a place from the first corner, above 0: a surface at infinity is before the sky.
 uint piece_depth(Piece t, ivec2 place) {

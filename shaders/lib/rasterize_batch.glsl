@@ -111,32 +111,23 @@ uint without_holes(Triangle t, ivec2 pixel, uint covered) {
   return in_hole(t, vec2(pixel) + place) ? 0u : covered;
 }
 
-void put_pixel(Triangle t, Piece piece, ivec2 pixel, uint covered) {
-  if (covered == 0u) return;
-  if (HAS_MASKS != 0 && (t.batch.flags & batch_masked) != 0u) covered = without_holes(t, pixel, covered);
+void put_sample(Piece piece, uint number, ivec2 pixel, int sample_number) {
+  const uint depth = piece_depth(piece, (pixel << 8) + sample_place(sample_number));
 #ifdef VIEWS
-  if (covered == 0u) return;
   const uvec2 texel = raster_view.origin_px + uvec2(pixel);
   const uint at = (raster_view.layer * pc.image_px + texel.y) * pc.image_px + texel.x;
-  const uint depth = piece_depth(piece, (pixel << 8) + raster_one / 2);
   DepthsRef depths = DepthsRef(pc.keys);
   if (depths.d[at] < depth) atomicMax(depths.d[at], depth);
 #else
+  const uint at = (uint(pixel.y) * frame.size_px.x + uint(pixel.x)) * uint(SAMPLES) + uint(sample_number);
+  const uint64_t key = uint64_t(depth) << 32 | uint64_t(number + 1u);
   KeysRef keys = KeysRef(pc.keys);
-  const uint first = (uint(pixel.y) * frame.size_px.x + uint(pixel.x)) * uint(SAMPLES);
-  for (int s = 0; s < SAMPLES; ++s) {
-    if ((covered >> s & 1u) == 0u) continue;
-    const uint64_t key =
-        uint64_t(piece_depth(piece, (pixel << 8) + sample_place(s))) << 32 | uint64_t(t.number + 1u);
-    if (keys.k[first + uint(s)] < key) atomicMax(keys.k[first + uint(s)], key);
-  }
+  if (keys.k[at] < key) atomicMax(keys.k[at], key);
 #endif
 }
-void put_pixel_by_edges(Triangle t, Piece piece, Edges e, ivec2 corner, ivec2 pixel) {
-  uint covered = 0u;
-  for (int s = 0; s < SAMPLES; ++s) {
-    const i64vec2 p = i64vec2((pixel << 8) + sample_place(s) - corner);
-    if (all(greaterThan(i64vec3(e.a) * p.x + i64vec3(e.b) * p.y + e.c, i64vec3(0)))) covered |= 1u << s;
-  }
-  put_pixel(t, piece, pixel, covered);
+void put_pixel(Triangle t, Piece piece, ivec2 pixel, uint covered) {
+  if (covered == 0u) return;
+  if (HAS_MASKS != 0 && (t.batch.flags & batch_masked) != 0u) covered = without_holes(t, pixel, covered);
+  for (int s = 0; s < SAMPLES; ++s)
+    if ((covered >> s & 1u) != 0u) put_sample(piece, t.number, pixel, s);
 }

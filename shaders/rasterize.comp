@@ -59,9 +59,14 @@ void main() {
   const Triangle t = load_triangle(b, item, batch * triangle_batch_size + gl_LocalInvocationIndex);
   if (outside_picture(t.a, t.b, t.c)) return;
   const bool clipped = needs_clipping(t.a, t.b, t.c);
-  for (int i = 0; i < (clipped ? most_pieces : 1); ++i) {
+  vec4 polygon[3 + raster_planes];
+  int corners = 3;
+  if (clipped) corners = clip_polygon(t.a, t.b, t.c, polygon);
+  for (int i = 2; i < corners; ++i) {
     Piece piece;
-    if (!(clipped ? clipped_piece(t.a, t.b, t.c, i, piece) : make_piece(t.a, t.b, t.c, piece))) continue;
+    const bool has_area = clipped ? make_piece(polygon[0], polygon[i - 1], polygon[i], piece)
+        : make_piece(t.a, t.b, t.c, piece);
+    if (!has_area) continue;
     if (is_culled(b, piece)) return;
     const PixelBounds at = piece_bounds(piece);
     const ivec2 size = at.high - at.low + 1;

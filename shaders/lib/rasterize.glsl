@@ -6,7 +6,6 @@
 const int raster_one = 256;               // pixel
 const float raster_guard_px = 8192.0;     // farther from the picture's middle than this, triangles are clipped
 const int raster_planes = 7;
-const int most_pieces = raster_planes + 1;  // of a triangle that they cut
 uvec2 raster_size_px;                     // of the viewport
 
 // A triangle in front of the camera, with positive area where y points down.
@@ -61,15 +60,19 @@ bool needs_clipping(vec4 a, vec4 b, vec4 c) {
   return !(least >= 0.0);
 }
 
-// Of the polygon that is left (Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974), the triangle `piece` of its
-// fan; false: there is none.
-bool clipped_piece(vec4 a, vec4 b, vec4 c, int piece, out Piece made) {
-  vec4 polygon[3 + raster_planes], before[3 + raster_planes];
+// The polygon that is left of the triangle (Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974): how many
+// corners it has.
+int clip_polygon(vec4 a, vec4 b, vec4 c, out vec4 polygon[3 + raster_planes]) {
+  vec4 before[3 + raster_planes];
   int count = 3;
   polygon[0] = a;
   polygon[1] = b;
   polygon[2] = c;
   for (int plane = 0; plane < raster_planes; ++plane) {
+    // Most planes cut nothing.
+    float least = 0.0;
+    for (int i = 0; i < count; ++i) least = min(least, inside_of(polygon[i], plane));
+    if (least >= 0.0) continue;
     for (int i = 0; i < count; ++i) before[i] = polygon[i];
     const int of = count;
     count = 0;
@@ -81,10 +84,7 @@ bool clipped_piece(vec4 a, vec4 b, vec4 c, int piece, out Piece made) {
       if ((f >= 0.0) != (t >= 0.0)) polygon[count++] = f >= 0.0 ? mix(from, to, f / (f - t)) : mix(to, from, t / (t - f));
     }
   }
-  made.p[0] = made.p[1] = made.p[2] = ivec2(0);
-  made.depth = vec3(0.0);
-  made.clockwise = false;
-  return piece + 2 < count && make_piece(polygon[0], polygon[piece + 1], polygon[piece + 2], made);
+  return count;
 }
 
 // Pixels whose samples it may hold; empty: none in the picture.

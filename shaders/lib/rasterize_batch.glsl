@@ -116,13 +116,11 @@ void put_sample(Piece piece, uint number, ivec2 pixel, int sample_number) {
 #ifdef VIEWS
   const uvec2 texel = raster_view.origin_px + uvec2(pixel);
   const uint at = (raster_view.layer * pc.image_px + texel.y) * pc.image_px + texel.x;
-  DepthsRef depths = DepthsRef(pc.keys);
-  if (depths.d[at] < depth) atomicMax(depths.d[at], depth);
+  atomicMax(DepthsRef(pc.keys).d[at], depth);
 #else
   const uint at = (uint(pixel.y) * frame.size_px.x + uint(pixel.x)) * uint(SAMPLES) + uint(sample_number);
   const uint64_t key = uint64_t(depth) << 32 | uint64_t(number + 1u);
-  KeysRef keys = KeysRef(pc.keys);
-  if (keys.k[at] < key) atomicMax(keys.k[at], key);
+  atomicMax(KeysRef(pc.keys).k[at], key);
 #endif
 }
 void put_pixel(Triangle t, Piece piece, ivec2 pixel, uint covered) {

@@ -48,17 +48,17 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u };
-inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 16;
+inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 8;
 static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 96);
 }  // namespace candela::shared
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;
-const uint triangle_batch_size = 64u, raster_tile_px = 16u, raster_chunk = 16u;
+const uint triangle_batch_size = 64u, raster_tile_px = 16u, raster_chunk = 8u;
 const uint large_tile_bits = 40u;
 const uint64_t large_tile_mask = (1ul << large_tile_bits) - 1ul;
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BatchesRef { TriangleBatch b[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) volatile buffer KeysRef { uint64_t k[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) volatile buffer DepthsRef { uint d[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer KeysRef { uint64_t k[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DepthsRef { uint d[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeRef { uint64_t ends; LargeTriangle t[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileGroupsRef { TileGroups g; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SamplesRef { vec4 s[]; };

@@ -1,6 +1,6 @@
 #version 460
-// Brings the entries of short lists into light order, so that the same frame gives the same bytes: each thread takes one
-// entry to its place, the number of its list's lights before it. light_sort.comp orders long lists.
+// Brings the entries of short lists into light order, so that the same frame gives the same bytes: each thread takes
+// one entry to its place, the number of its list's lights before it. light_sort.comp orders long lists.
 #include "shared/lights.h"
 layout(push_constant, scalar) uniform Push { LightSortPush pc; };
 layout(local_size_x = 64) in;

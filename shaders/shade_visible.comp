@@ -40,7 +40,8 @@ vec4 shade_triangle(uint triangle, vec2 place) {
     const bool is_front = counter_clockwise != ((batch.flags & batch_mirrored) != 0u);
     const Surface s = load_surface(m, v, is_front ? 1.0 : -1.0, to_viewer);
     vec3 plane_normal = vec3(0.0);
-    if (HAS_SHADOWS || HAS_OCCLUSION != 0) plane_normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
+    if (HAS_SHADOWS || HAS_OCCLUSION != 0)
+      plane_normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
     begin_rays(p.position, plane_normal);
     radiance = surface_radiance(s, brdf_terms(s, to_viewer), p.position, p.position, plane_normal);
   }

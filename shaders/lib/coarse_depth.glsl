@@ -1,7 +1,7 @@
 #pragma once
 // Depths of texels that are several pixels wide. A texel's depth is one of its pixels', chosen and never averaged; its
-// ray is that pixel's. Needs lib/frame.glsl, lib/image_kinds.glsl, pc.depth or pc.keys and the constant DEPTH_SAMPLES (0: nothing
-// is drawn).
+// ray is that pixel's. Needs lib/frame.glsl, lib/image_kinds.glsl, pc.depth or pc.keys and the constant DEPTH_SAMPLES
+// (0: nothing is drawn).
 #include "lib/frame_depth.glsl"
 #include "shared/volumetric.h"
 

@@ -30,7 +30,8 @@ bool make_piece(vec4 a, vec4 b, vec4 c, out Piece piece) {
   piece.p[2] = piece.clockwise ? p2 : p1;
   const float z0 = a.z / a.w, z1 = b.z / b.w - z0, z2 = c.z / c.w - z0;
   const float inverse = area != 0 ? 1.0 / float(area) : 0.0;
-  piece.depth = vec3(z0, (z1 * float(e2.y) - z2 * float(e1.y)) * inverse, (z2 * float(e1.x) - z1 * float(e2.x)) * inverse);
+  piece.depth = vec3(z0, (z1 * float(e2.y) - z2 * float(e1.y)) * inverse,
+      (z2 * float(e1.x) - z1 * float(e2.x)) * inverse);
   return area != 0;
 }
 
@@ -81,7 +82,8 @@ int clip_polygon(vec4 a, vec4 b, vec4 c, out vec4 polygon[3 + raster_planes]) {
       const float f = inside_of(from, plane), t = inside_of(to, plane);
       if (f >= 0.0) polygon[count++] = from;
       // From the same end for both triangles of an edge.
-      if ((f >= 0.0) != (t >= 0.0)) polygon[count++] = f >= 0.0 ? mix(from, to, f / (f - t)) : mix(to, from, t / (t - f));
+      if ((f >= 0.0) != (t >= 0.0))
+        polygon[count++] = f >= 0.0 ? mix(from, to, f / (f - t)) : mix(to, from, t / (t - f));
     }
   }
   return count;

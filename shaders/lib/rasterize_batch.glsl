@@ -69,7 +69,8 @@ bool is_culled(TriangleBatch batch, Piece piece) {
 }
 
 #ifdef VIEWS
-vec3 weights_at(Triangle t, vec2 ndc) {  // Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997
+// Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997.
+vec3 weights_at(Triangle t, vec2 ndc) {
   const vec3 p = vec3(ndc, 1.0);
   const vec3 w =
       vec3(dot(cross(t.b.xyw, t.c.xyw), p), dot(cross(t.c.xyw, t.a.xyw), p), dot(cross(t.a.xyw, t.b.xyw), p));

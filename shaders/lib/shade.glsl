@@ -1,7 +1,8 @@
 #pragma once
 // The light that a surface sends to the viewer, before exposure: its emission, ambient light, and every light of the
 // point's list, or all, in ascending order and summed without contraction, so that a culled list gives the same bits
-// (TECHNIQUES 6.1). Needs the push constants of DrawPush, lib/surface.glsl, and what it includes. begin_rays goes before.
+// (TECHNIQUES 6.1). Needs the push constants of DrawPush, lib/surface.glsl, and what it includes. begin_rays goes
+// before.
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"
 #include "lib/light_shadow.glsl"

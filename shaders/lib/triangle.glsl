@@ -4,6 +4,7 @@
 // coordinates, so that triangles through the camera's plane need no case of their own. Needs lib/features.glsl,
 // lib/scene.glsl, lib/vertex_position.glsl, lib/vertex_attributes.glsl, lib/surface.glsl with TRIANGLES defined, and
 // the push constants of DrawPush that these need.
+#include "lib/view_ray.glsl"
 #include "shared/visibility.h"
 
 struct Corners {
@@ -19,28 +20,11 @@ Corners load_corners(uint64_t indices, Item item, Geometry g, uint triangle) {
   return c;
 }
 
-// Through a place of the picture, in pixels from its upper left corner; with what one pixel to the right and one down
-// change of it. Its length along the view axis is 1.
-struct ViewRay {
-  vec3 origin, direction, across, down;
-};
-ViewRay view_ray(vec2 place) {
-  vec2 ndc = 2.0 * place / vec2(frame.size_px) - 1.0;
-  if (IS_SUBSAMPLE != 0) ndc += pc.subsample_ndc;
-  const vec3 right = frame.tan_half.x * frame.camera_right, up = frame.tan_half.y * frame.camera_up;
-  const vec3 off = ndc.x * right - ndc.y * up;
-  ViewRay r;
-  r.across = right * (2.0 / float(frame.size_px.x));
-  r.down = -up * (2.0 / float(frame.size_px.y));
-  r.origin = frame.perspective != 0u ? vec3(0.0) : off;
-  r.direction = (frame.perspective != 0u ? off : vec3(0.0)) - frame.camera_back;
-  return r;
-}
-
 // Where the ray meets the triangle's plane. weights: of the corners, and what they gain a pixel to the right and a
 // pixel down.
 struct TrianglePoint {
-  vec3 position, plane;  // the plane's normal, not of unit length: counter-clockwise corners are seen from where it points
+  vec3 position;
+  vec3 plane;  // its normal, not of unit length: corners are counter-clockwise seen from where it points
   vec3 weights, across, down;
 };
 TrianglePoint meet_triangle(Corners c, ViewRay r) {

@@ -25,8 +25,9 @@ struct TileGroups {
 };
 struct RasterizePush {
   uint64_t deformed, indices, batches, masks;
-  uint64_t keys;   // one for each sample: bits of its depth, and 1 + the triangle's number below them. Of views: those of
-                   // the depth of each texel, layer by layer
+  // One for each sample: bits of its depth, and 1 + the triangle's number below them. Of views: the bits of each texel's
+  // depth, layer by layer.
+  uint64_t keys;
   uint64_t large;  // a word that counts triangles, and their tiles below, then LargeTriangles
   uint64_t groups;  // TileGroups
   uint64_t views;   // View (shared/cull.h); only of views
@@ -37,6 +38,11 @@ struct RasterizePush {
   uint small_px;    // bounds up to this side are one thread's
   uint view_masks;  // bits of culling's masks for each view
   uint image_px;    // side of the views' image
+};
+struct TraceKeysPush {
+  uint64_t trees, keys;
+  uint64_t numbers;  // of the first triangle of each item of the trees, or absent: not drawn opaque
+  vec2 subsample_ndc;
 };
 struct SamplesPush {  // of passes that put a buffer's samples into images
   uint64_t source;

@@ -268,6 +268,12 @@ void add_batches(const DrawList& draws, FrameUpload& upload) {
   }
 }
 
+void add_triangle_numbers(const DrawList& draws, FrameUpload& upload) {
+  upload.triangle_numbers.assign(draws.order.size(), shared::absent);
+  for (size_t b = upload.batches.size(); b-- > 0;)  // the first batch of an item stays
+    upload.triangle_numbers[draws.order[upload.batches[b].item]] = uint32_t(b) * shared::triangle_batch_size;
+}
+
 namespace {
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {

@@ -128,12 +128,13 @@ bool soft_lamps(const PlannedFrame& f, const LampKnobs& knobs) {
 }
 
 // Trees, where shading sends rays, and how it does.
-void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& knobs) {
+void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& knobs, bool traces_keys) {
   AmbientOcclusion occlusion;
   occlusion.knobs = knobs.get<AmbientOcclusion::Knobs>();
   if (f.upload.items.empty()) return;
   const bool refraction = f.facts.refracting_items > 0;
-  if (f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request))
+  const bool lights = f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request);
+  if (lights || traces_keys)
     f.rays = context.rays && context.rays->key == rays_key(context.scene, f.pose, f.data, refraction)
                  ? context.rays
                  : make_frame_rays(context.scene, f.pose, f.data, refraction);
@@ -157,7 +158,7 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
     s.sun_tangent = float(std::tan(angle));
   }
   s.seed = f.request.still_seed;
-  f.ray_settings = {s};
+  if (lights || traced.soft_suns || traced.soft_lamps) f.ray_settings = {s};
   if (!f.rays) return;
   // Rounded up, so that frames whose trees differ a little share their pipelines.
   traced.stack = (f.rays->stack + 7) / 8 * 8;
@@ -302,7 +303,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   const auto technique = std::find_if(techniques().begin(), techniques().end(),
                                       [&](const Technique& t) { return t.name == job.technique; });
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
-  if (technique->rasterizes) add_batches(f.draws, f.upload);
+  if (technique->keys != Technique::Keys::none) add_batches(f.draws, f.upload);
+  const bool traces_keys = technique->keys == Technique::Keys::traced && !f.upload.batches.empty();
+  if (traces_keys) add_triangle_numbers(f.draws, f.upload);
   if (f.request.has_layer("motion") && !context.face) {
     const auto before = pose_before(context.scene, job, time_s, f.pose);
     if (!before) return std::unexpected(before.error());
@@ -335,7 +338,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.light_grid_ms = ms_since(start);
 
   start = Clock::now();
-  plan_rays(f, context, *knobs);
+  plan_rays(f, context, *knobs, traces_keys);
   f.trees_ms = ms_since(start);
 
   start = Clock::now();
@@ -390,6 +393,19 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
   if (!sky) return std::unexpected(sky.error());
   for (const std::string& warning : warnings) log::warning("{}", warning);
   return plan_frame(job, PlanContext{scene, *layout, &*sky}, wanted, time_s);
+}
+
+Job with_every_light(Job job, const std::string& reference) {
+  const auto known =
+      std::ranges::find_if(techniques(), [&](const Technique& t) { return t.name == job.technique && t.own_pixels(); });
+  if (known == techniques().end()) {
+    job.technique = reference;
+  } else {
+    const std::span<const Knob<LightKnobs>> table = LightKnobs::table();
+    const auto few = std::ranges::find(table, "few", &Knob<LightKnobs>::name);
+    job.settings.push_back({std::string(LightKnobs::name), "few", few->text(few->highest)});
+  }
+  return job;
 }
 
 std::vector<std::string> technique_names() {

@@ -12,6 +12,7 @@
 #include "passes/geometry/depth_prepass.h"
 #include "passes/geometry/depth_views.h"
 #include "passes/geometry/rasterize.h"
+#include "passes/geometry/trace_keys.h"
 #include "passes/lights/light_assign.h"
 #include "passes/lights/light_fill.h"
 #include "passes/lights/light_scan.h"
@@ -59,7 +60,7 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses =
-    PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, KeyDepth, DepthPrepass, DepthViews, TileDepth,
+    PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, TraceKeys, KeyDepth, DepthPrepass, DepthViews, TileDepth,
              LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible,
              PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
              Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,

@@ -14,6 +14,7 @@ namespace candela {
 struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
   BufferHandle lobes;                                      // of materials; empty without
+  BufferHandle triangle_numbers;                           // empty unless rays find what the camera sees
   BufferHandle batches;                                    // empty unless triangles are rasterized in compute
   BufferHandle light_bounds, light_chunks, light_globals;  // empty without light lists
   LightGridShape light_grid;

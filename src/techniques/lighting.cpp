@@ -22,7 +22,7 @@ ImageHandle depth_maps(Frame& frame, const SceneInputs& scene, const Surfaces& s
     none.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
     return none;
   }
-  const Frame::Kept maps = frame.keep(DepthViews::image_desc(*image), key);
+  const Frame::Kept maps = frame.keep(image_desc(*image, depth_format), key);
   if (maps.filled) {
     for (const std::string_view pass : {Cull::name, CullCompact::name, DepthViews::name})
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), "kept from before: nothing that casts has moved");

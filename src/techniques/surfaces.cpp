@@ -10,11 +10,14 @@ void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, st
   surfaces.keys = {}, surfaces.depth = {};
   if (scene.batch_count > 0) {
     const bool by_sample = frame.knobs.get<DepthPrepass::Knobs>().by_sample != 0;
-    surfaces.keys = frame.add(Rasterize{}, {scene, surfaces.kept_items, surfaces.deformed, by_sample}, instance).keys;
+    surfaces.keys =
+        scene.triangle_numbers
+            ? frame.add(TraceKeys{}, {scene}, instance).keys
+            : frame.add(Rasterize{}, {scene, surfaces.kept_items, surfaces.deformed, by_sample}, instance).keys;
     surfaces.depth =
         frame.add(KeyDepth{}, {surfaces.keys, scene.width_px, scene.height_px, scene.samples}, instance).depth;
     if (!draws_lines(scene)) {
-      frame.builder.leave_out(std::string(DepthPrepass::name), "triangles are rasterized in compute (rasterize)");
+      frame.builder.leave_out(std::string(DepthPrepass::name), "keys of triangles tell depths (rasterize, trace_keys)");
       surfaces.looked_up = {{}, surfaces.keys};
       return;
     }

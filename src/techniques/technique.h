@@ -109,11 +109,20 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
 
 using ShadeFunction = Shaded (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,
                                  std::string_view instance);
+// A knob's value as --set takes it.
+struct Preset {
+  std::string_view table, knob, value;
+};
 struct Technique {
   std::string_view name, description;
   ShadeFunction shade;
   LightGridKind light_grid;
-  bool rasterizes = false;  // triangles in compute
+  // A visibility buffer, and how it is made.
+  enum class Keys { none, rasterized, traced } keys = Keys::none;
+  // Knobs that it begins with in the place of a quality's; --set comes after.
+  std::span<const Preset> presets = {};
+  // Shades other points of the surfaces than the hardware does: pixels differ in their last bits.
+  constexpr bool own_pixels() const { return keys != Keys::none; }
 };
 std::span<const Technique> techniques();
 // What the values of a layer are; light for beauty.

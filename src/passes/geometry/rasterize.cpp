@@ -7,8 +7,6 @@
 
 namespace candela {
 namespace {
-// Triangles that the list holds: beyond it each is its thread's own.
-constexpr uint32_t most_large = 1u << 18;
 constexpr uint32_t most_groups = 65535;  // of a dimension, on every device
 }  // namespace
 
@@ -24,6 +22,16 @@ std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
        .kind = Trades::time,
        .walk = {1, 8, 64},
        .passes = {"rasterize", "rasterize_views"}},
+      {.name = "list",
+       .member = &RasterKnobs::list,
+       .lowest = 1,
+       .highest = 1048576,
+       .ladder = {262144},
+       .trades = "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
+                 "never the image",
+       .kind = Trades::time,
+       .walk = {1024, 262144},
+       .passes = {"rasterize", "rasterize_views"}},
   };
   return table;
 }
@@ -32,7 +40,8 @@ namespace {
 
 // The first steps of both passes: they write `target` twice. defined: behind the shaders' names.
 RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHandle masks, BufferHandle deformed,
-                          BufferHandle& target, const std::string& defined, std::vector<SpecConstant> constants) {
+                          BufferHandle& target, const RasterKnobs& knobs, const std::string& defined,
+                          std::vector<SpecConstant> constants) {
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
   for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.batches})
     builder.read(b, Access::compute_read, "the scene");
@@ -43,7 +52,7 @@ RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHan
   if (any_masked) constants.push_back({31, "HAS_MASKS", 1});
   for (const SpecConstant& c : base_color_constants(s.features))
     if (any_masked || Feature(c.id) == Feature::subsample) constants.push_back(c);
-  BufferDesc large{"rasterize.large", 8 + (uint64_t(most_large) + 1) * sizeof(shared::LargeTriangle)};
+  BufferDesc large{"rasterize.large", 8 + (uint64_t(knobs.list) + 1) * sizeof(shared::LargeTriangle)};
   large.zeroed = large.unordered = true;
   RasterSteps steps;
   steps.large = builder.create(large);
@@ -66,9 +75,11 @@ RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHan
 
 // push: with what is the pass's own.
 void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks, BufferHandle deformed,
-                 BufferHandle target, const RasterSteps& steps, uint32_t views, shared::RasterizePush push) {
+                 BufferHandle target, const RasterSteps& steps, const RasterKnobs& knobs, uint32_t views,
+                 shared::RasterizePush push) {
   push.large = commands.address(steps.large);
-  push.most_large = most_large;
+  push.most_large = uint32_t(knobs.list);
+  push.small_px = uint32_t(knobs.small_px);
   if (commands.step() == 1) {
     push.groups = commands.address(steps.groups);
     commands.bind(steps.count);
@@ -102,7 +113,7 @@ Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
   keys.zeroed = true;
   Out out;
   out.keys = builder.create(keys);
-  out.steps = declare_steps(builder, s, in.masks, in.deformed, out.keys, {}, std::move(constants));
+  out.steps = declare_steps(builder, s, in.masks, in.deformed, out.keys, knobs, {}, std::move(constants));
   return out;
 }
 
@@ -110,12 +121,11 @@ void Rasterize::record(CommandList& commands, const In& in, const Out& out) cons
   shared::RasterizePush push{};
   push.subsample_ndc = in.scene.subsample_ndc;
   push.subsample_footprint = in.scene.subsample_footprint;
-  push.small_px = uint32_t(knobs.small_px);
-  record_step(commands, in.scene, in.masks, in.deformed, out.keys, out.steps, 1, push);
+  record_step(commands, in.scene, in.masks, in.deformed, out.keys, out.steps, knobs, 1, push);
 }
 
 Need RasterizeViews::needed(const SceneFacts& facts, const FrameRequest& request) const {
-  return DepthViews{}.needed(facts, request);
+  return Rasterize{}.needed(facts, request);
 }
 
 RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in) const {
@@ -125,10 +135,10 @@ RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in)
   texels.zeroed = true;
   Out out;
   out.texels = builder.create(texels);
-  out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, "#VIEWS=1", {});
+  out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, knobs, "#VIEWS=1", {});
   builder.begin_step();
   builder.read(out.texels, Access::transfer_source, "the views' depths");
-  out.depth = builder.write(in.target ? in.target : builder.create(DepthViews::image_desc(image)),
+  out.depth = builder.write(in.target ? in.target : builder.create(image_desc(image, depth_format)),
                             Access::transfer_destination);
   return out;
 }
@@ -137,11 +147,10 @@ void RasterizeViews::record(CommandList& commands, const In& in, const Out& out)
   if (commands.step() == 3) return commands.copy_to_image(out.texels, out.depth);
   shared::RasterizePush push{};
   push.subsample_footprint = 1;
-  push.small_px = uint32_t(knobs.small_px);
   push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
   push.view_masks = in.scene.cull_group_count * shared::cull_group_size;
   push.image_px = in.image->size_px;
-  record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, in.views.count, push);
+  record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, knobs, in.views.count, push);
 }
 
 KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {

@@ -1,7 +1,8 @@
 #pragma once
-#include "passes/geometry/depth_views.h"
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
+#include "passes/shadows/lamp_knobs.h"
+#include "passes/shadows/sun_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -15,7 +16,7 @@ namespace candela {
 // Leaves wrong: depths may differ from the hardware's in their last bits. Needs shaderBufferInt64Atomics.
 struct RasterKnobs {
   static constexpr std::string_view name = "rasterize";
-  int small_px = 8;
+  int small_px = 8, list = 262144;
   static std::span<const Knob<RasterKnobs>> table();
 };
 // What both passes below do by.
@@ -46,9 +47,9 @@ struct Rasterize {
 // The same for a range of views that see depth alone, in the place of DepthViews: in one buffer for all, with 32 bits a
 // texel, which then becomes the layered image.
 struct RasterizeViews {
-  static constexpr std::string_view name = "rasterize_views", effect = DepthViews::effect;
+  static constexpr std::string_view name = "rasterize_views", effect = "shadows";
   using Knobs = RasterKnobs;
-  using SharedKnobs = DepthViews::SharedKnobs;
+  using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
   struct In {
     SceneInputs scene;
     ViewRange views;

@@ -1,7 +1,10 @@
 #pragma once
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
-#include "passes/surfaces/surface_pass.h"
+#include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/surface_knobs.h"
+#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 
@@ -12,8 +15,8 @@ namespace candela {
 // Otherwise a colour for each sample, which PutSamples makes an image of.
 struct ShadeVisible {
   static constexpr std::string_view name = "shade_visible";
-  using SharedKnobs = ShadeForward::SharedKnobs;
-  static constexpr std::array<std::string_view, 2> shading_effects = ShadeForward::shading_effects;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
+  static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};
   struct In {
     SceneInputs scene;
     BufferHandle keys;

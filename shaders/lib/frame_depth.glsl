@@ -1,6 +1,6 @@
 #pragma once
-// Reversed depth of a sample of the frame: of an image, pc.depth, or of a visibility buffer's keys, pc.keys (KEYS). Needs
-// lib/frame.glsl and lib/bindless.glsl.
+// Reversed depth of a sample of the frame: of an image, pc.depth, or of a visibility buffer's keys, pc.keys (KEYS).
+// Needs lib/frame.glsl and lib/bindless.glsl.
 #ifdef KEYS
 #include "shared/visibility.h"
 #endif

@@ -25,10 +25,10 @@ struct TileGroups {
 };
 struct RasterizePush {
   uint64_t deformed, indices, batches, masks;
-  // One for each sample: bits of its depth, and 1 + the triangle's number below them. Of views: the bits of each texel's
-  // depth, layer by layer.
+  // One for each sample: bits of its depth, and 1 + the triangle's number below them. Of views: the bits of each
+  // texel's depth, layer by layer.
   uint64_t keys;
-  uint64_t large;  // a word that counts triangles, and their tiles below, then LargeTriangles
+  uint64_t large;   // a word that counts triangles, and their tiles below, then LargeTriangles
   uint64_t groups;  // TileGroups
   uint64_t views;   // View (shared/cull.h); only of views
   vec2 subsample_ndc;
@@ -65,7 +65,10 @@ const uint64_t large_tile_mask = (1ul << large_tile_bits) - 1ul;
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BatchesRef { TriangleBatch b[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer KeysRef { uint64_t k[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DepthsRef { uint d[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeRef { uint64_t ends; LargeTriangle t[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeRef {
+  uint64_t ends;
+  LargeTriangle t[];
+};
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileGroupsRef { TileGroups g; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SamplesRef { vec4 s[]; };
 #endif

@@ -60,8 +60,8 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses =
-    PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, TraceKeys, KeyDepth, DepthPrepass, DepthViews, TileDepth,
-             LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible,
+    PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, TraceKeys, KeyDepth, DepthPrepass, DepthViews,
+             TileDepth, LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible,
              PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
              Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
              LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,

@@ -4,6 +4,7 @@ layout(push_constant, scalar) uniform Push { DepthViewPush pc; };
 #include "lib/features.glsl"
 #include "lib/scene.glsl"
 #include "lib/vertex_position.glsl"
+#include "lib/vertex_attributes.glsl"
 // Depth of a view that is not the camera's.
 layout(location = 0) out flat uint out_material;
 layout(location = 1) centroid out vec2 out_uv0;
@@ -20,8 +21,8 @@ void main() {
   if (IS_MASKED != 0) {
     const uint v = gl_VertexIndex;
     out_material = item.material;
-    out_uv0 = g.uv0 != absent ? load2(frame.vertices, g.uv0 + 2u * v) : vec2(0.0);
-    out_uv1 = HAS_UV1 != 0 && g.uv1 != absent ? load2(frame.vertices, g.uv1 + 2u * v) : vec2(0.0);
-    out_color = HAS_VERTEX_COLOR != 0 && g.color != absent ? load4(frame.vertices, g.color + 4u * v) : vec4(1.0);
+    out_uv0 = vertex_uv0(g, v);
+    out_uv1 = HAS_UV1 != 0 ? vertex_uv1(g, v) : vec2(0.0);
+    out_color = HAS_VERTEX_COLOR != 0 ? vertex_color(g, v) : vec4(1.0);
   }
 }

@@ -1,23 +1,12 @@
 #version 460
-// Metallic-roughness shading under the lights of the fragment's list, or all of them. The list is walked in ascending
-// order and summed without contraction, so that a culled list gives the same bits (TECHNIQUES 6.1).
+// Metallic-roughness shading of fragments under the lights of their lists, or all of them.
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
 #include "lib/scene.glsl"
 #include "lib/surface.glsl"
-#include "lib/brdf.glsl"
-#include "lib/light_eval.glsl"
-#include "lib/light_shadow.glsl"
-#include "lib/light_cells.glsl"
-#include "lib/light_list.glsl"
-#include "lib/ambient.glsl"
-#include "lib/occlusion.glsl"
+#include "lib/shade.glsl"
 #include "lib/draw.frag.glsl"
-#ifdef FOG
-#include "lib/fog.glsl"
-#include "lib/fog_lamps.glsl"
-#endif
 #ifdef REFRACTION
 #include "lib/refraction.glsl"
 #elif defined(GLASS)
@@ -58,28 +47,7 @@ void main() {
   s.base_color *= 1.0 - behind.share;
   brdf.diffuse *= 1.0 - behind.share;
 #endif
-  precise vec3 radiance = s.emission;
-  if (HAS_AMBIENT != 0) {
-    shade_probes(s, brdf, v.relative_position);
-    vec3 ambient = HAS_OCCLUSION != 0
-        ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
-        : ambient_light(s, brdf);
-#ifdef FOG
-    ambient *= fog_sky_through_surface(v.relative_position, s.normal);
-#endif
-    if (PROBE_COUNT != 0) ambient += probes.specular * s.occlusion;
-    radiance += ambient;
-  }
-  if (HAS_LIGHTS != 0) {
-    for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
-      LightRef light = light_at(pc.lights, w.light);
-      vec3 reaching = light_reaching(light, w.light, brdf, v.relative_position, surface_point, plane_normal);
-#ifdef FOG
-      if (reaching != vec3(0.0)) reaching *= fog_light_through(light, v.relative_position);
-#endif
-      radiance += reaching;
-    }
-  }
+  precise vec3 radiance = surface_radiance(s, brdf, v.relative_position, surface_point, plane_normal);
 #ifdef REFRACTION
   // What lies behind is seen through all of the fog before it; the fog before the glass is in it already.
   const float covered = 1.0 - max(behind.tint.r, max(behind.tint.g, behind.tint.b)) * (1.0 - behind.light.a);

@@ -1,7 +1,8 @@
 #pragma once
 // Depths of texels that are several pixels wide. A texel's depth is one of its pixels', chosen and never averaged; its
-// ray is that pixel's. Needs lib/frame.glsl, lib/image_kinds.glsl, pc.depth and the constant DEPTH_SAMPLES (0: nothing
-// is drawn).
+// ray is that pixel's. Needs lib/frame.glsl, lib/image_kinds.glsl, pc.depth or pc.keys and the constant DEPTH_SAMPLES
+// (0: nothing is drawn).
+#include "lib/frame_depth.glsl"
 #include "shared/volumetric.h"
 
 const float COARSE_FAR = 1e18;  // where nothing is drawn
@@ -9,8 +10,7 @@ const float COARSE_FAR = 1e18;  // where nothing is drawn
 // Metres in front of the camera, of a pixel's first sample.
 float coarse_metres(ivec2 pixel) {
   if (DEPTH_SAMPLES == 0) return COARSE_FAR;
-  const float d = DEPTH_SAMPLES > 1 ? texelFetch(pass_multisampled_images[pc.depth], pixel, 0).r
-      : texelFetch(pass_images[pc.depth], pixel, 0).r;
+  const float d = frame_depth(pixel, 0, DEPTH_SAMPLES);
   if (!(d > 0.0)) return COARSE_FAR;
   const mat4 m = frame.clip_from_relative;
   if (frame.perspective != 0u) return min(m[3][2] / d, COARSE_FAR);

@@ -1,3 +1,4 @@
+#include "lib/vertex_attributes.glsl"
 // The vertex shader of every pass that shades the scene. Varyings are centroid: never extrapolated off the triangle, so
 // that a partly covered pixel shades a point of the surface (TECHNIQUES 3.1).
 invariant gl_Position;
@@ -39,7 +40,6 @@ void main() {
   const Item item = load_item(gl_InstanceIndex);
   const Geometry g = load_geometry(item.geometry);
   const Transform t = TransformsRef(frame.transforms).t[item.transform];
-  const uint64_t base = deformable_base(g);
 #ifdef STORED
   out_item = uint(gl_InstanceIndex);
 #endif
@@ -56,19 +56,10 @@ void main() {
 #endif
   if (HAS_SHADOWS || HAS_OCCLUSION != 0) out_plane_position = out_position;
   if (IS_UNLIT == 0) {
-    out_normal = g.normal != absent ? normalize_or(transform_normal(t, load3(base, g.normal + 3u * v)), vec3(0.0))
-        : vec3(0.0);
-    if (HAS_TANGENT) {
-      out_tangent = vec4(0.0);
-      if (g.tangent != absent) {
-        const vec4 tangent = load4(base, g.tangent + 4u * v);
-        // The handedness is that of mesh space: a mirrored transform turns the bitangent over.
-        const float mirrored = dot(t.row0.xyz, cross(t.row1.xyz, t.row2.xyz)) < 0.0 ? -1.0 : 1.0;
-        out_tangent = vec4(normalize_or(transform_vector(t, tangent.xyz), vec3(0.0)), tangent.w * mirrored);
-      }
-    }
+    out_normal = vertex_normal(g, t, v);
+    if (HAS_TANGENT) out_tangent = vertex_tangent(g, t, v);
   }
-  if (HAS_TEXTURES != 0) out_uv0 = g.uv0 != absent ? load2(frame.vertices, g.uv0 + 2u * v) : vec2(0.0);
-  if (HAS_UV1 != 0) out_uv1 = g.uv1 != absent ? load2(frame.vertices, g.uv1 + 2u * v) : vec2(0.0);
-  if (HAS_VERTEX_COLOR != 0) out_color = g.color != absent ? load4(frame.vertices, g.color + 4u * v) : vec4(1.0);
+  if (HAS_TEXTURES != 0) out_uv0 = vertex_uv0(g, v);
+  if (HAS_UV1 != 0) out_uv1 = vertex_uv1(g, v);
+  if (HAS_VERTEX_COLOR != 0) out_color = vertex_color(g, v);
 }

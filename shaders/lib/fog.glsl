@@ -59,15 +59,17 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
   const vec2 at = clamp((ndc * 0.5 + 0.5) * most, vec2(0.0), most - 1e-4 * most);
   const vec3 before = k < 0 ? vec3(0.0) : fog_grid_light(at, k);
 #ifdef FOG_LAST
-  // The slice in which a surface stands, as far as it lies before it: a lamp may be behind.
-  // A quarter of a pixel: a ray of its own stands for nothing but its pixel.
-  const vec2 cells = 0.5 * frame.tan_half / vec2(frame.size_px);
-  float node_m[FOG_RUN + 1];
-  node_m[0] = min(a_m, end_m);
-  node_m[1] = end_m;
-  vec3 gained[FOG_RUN];
-  fog_run(ray, node_m, sqrt(cells.x * cells.y), gained);
-  return before + gained[0] * frame.pre_exposure;
+  // The slice in which a surface stands, as far as it lies before it: a lamp may be behind. The sky stands in none.
+  if (end_m < FOG_FAR) {
+    // A quarter of a pixel: a ray of its own stands for nothing but its pixel.
+    const vec2 cells = 0.5 * frame.tan_half / vec2(frame.size_px);
+    float node_m[FOG_RUN + 1];
+    node_m[0] = min(a_m, end_m);
+    node_m[1] = end_m;
+    vec3 gained[FOG_RUN];
+    fog_run(ray, node_m, sqrt(cells.x * cells.y), gained);
+    return before + gained[0] * frame.pre_exposure;
+  }
 #endif
   const vec3 after = fog_grid_light(at, k + 1);
   return before + (after - before) * mix(vec3(0.0), min(part / all, 1.0), greaterThan(all, vec3(0.0)));
@@ -140,3 +142,8 @@ vec3 fog_before_through(vec3 position) {
   return fog_through(p.ray.origin, p.ray.direction, p.end_m);
 }
 FogSeen fog_before_sky(vec2 ndc) { return fog_seen(fog_ray(ndc), ndc, FOG_FAR); }
+// What is not seen through fog covers what is behind the picture, by its luminance.
+vec4 seen_through_fog(vec4 behind, FogSeen fog) {
+  const float through = dot(fog.through, vec3(0.2126, 0.7152, 0.0722));
+  return vec4(behind.rgb * fog.through + fog.light, 1.0 - through * (1.0 - behind.a));
+}

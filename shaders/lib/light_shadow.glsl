@@ -6,7 +6,7 @@
 
 // By how much a disc of lookups is turned in this pixel: interleaved gradient noise (Jimenez 2014).
 float shadow_turn() {
-  vec2 pixel = floor(gl_FragCoord.xy);
+  vec2 pixel = floor(PIXEL_MIDDLE);
   if (IS_SUBSAMPLE != 0) pixel += 37.0 * pc.subsample_ndc * vec2(frame.size_px);  // each sample has its own turn
   return 6.2831853 * fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }

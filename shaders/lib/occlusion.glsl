@@ -22,7 +22,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
   const vec2 subsample_ndc = IS_SUBSAMPLE != 0 ? pc.subsample_ndc : vec2(0.0);
   const ivec2 last = textureSize(pass_images[pc.occlusion], 0) - 1;
   // A texel's point is of its first pixel.
-  const vec2 at = (gl_FragCoord.xy - 0.5) / float(max(OCCLUSION_TEXEL_PX(HAS_OCCLUSION), 1));
+  const vec2 at = (PIXEL_MIDDLE - 0.5) / float(max(OCCLUSION_TEXEL_PX(HAS_OCCLUSION), 1));
   const ivec2 corner = ivec2(floor(at));
   const vec2 f = at - vec2(corner);
   float sum = 0.0, weights = 0.0;

@@ -2,9 +2,10 @@
 const int SAMPLES = OCCLUSION_SAMPLES(SHAPE), TEXEL_PX = OCCLUSION_TEXEL_PX(SHAPE);
 const int PIXELS = 1 | SAMPLES << 8;  // the shape of a point for each pixel
 
+#include "lib/frame_depth.glsl"
+
 float sample_depth(ivec2 p, int s) {
-  return SAMPLES > 1 ? texelFetch(pass_multisampled_images[pc.depth], p, s).r
-      : texelFetch(pass_images[pc.depth], p, 0).r;
+  return frame_depth(p, s, SAMPLES);
 }
 // 0 outside the picture.
 float depth_beside(ivec2 p, int s) {

@@ -2,6 +2,14 @@
 #include "lib/bindless.glsl"
 #include "lib/frame.glsl"
 
+// The middle of the pixel that is shaded.
+#ifdef TRIANGLES
+vec2 pixel_middle;
+#define PIXEL_MIDDLE pixel_middle
+#else
+#define PIXEL_MIDDLE gl_FragCoord.xy
+#endif
+
 Item load_item(uint i) { return ItemsRef(frame.items).i[i]; }
 Geometry load_geometry(uint i) { return GeometriesRef(frame.geometries).g[i]; }
 

@@ -8,6 +8,10 @@ struct Varyings {
   vec4 tangent;
   vec2 uv0, uv1;
   vec4 color;
+#ifdef TRIANGLES  // slopes, by pixels: to the right and down. Fragment shaders take differences to their neighbours
+  vec2 uv0_across, uv0_down, uv1_across, uv1_down;
+  vec3 normal_across, normal_down;
+#endif
 };
 
 #ifdef LOBED
@@ -46,6 +50,27 @@ vec2 texture_uv(TextureRef r, Varyings v) {
   if (HAS_TEXTURE_TRANSFORM == 0) return uv;
   return vec2(dot(r.u_row, vec3(uv, 1.0)), dot(r.v_row, vec3(uv, 1.0)));
 }
+#ifdef TRIANGLES
+vec4 sample_texture(TextureRef r, Varyings v) {
+  const bool second = HAS_UV1 != 0 && r.uv_set == 1u;
+  vec2 across = second ? v.uv1_across : v.uv0_across, down = second ? v.uv1_down : v.uv0_down;
+  if (HAS_TEXTURE_TRANSFORM != 0) {
+    across = vec2(dot(r.u_row.xy, across), dot(r.v_row.xy, across));
+    down = vec2(dot(r.u_row.xy, down), dot(r.v_row.xy, down));
+  }
+  if (IS_SUBSAMPLE != 0) {
+    across *= pc.subsample_footprint;
+    down *= pc.subsample_footprint;
+  }
+  if (across == vec2(0.0) && down == vec2(0.0))  // as below
+    return textureLod(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
+                                              samplers[nonuniformEXT(r.sampler_index)])),
+                      texture_uv(r, v), 0.0);
+  return textureGrad(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)],
+                                             samplers[nonuniformEXT(r.sampler_index)])),
+                     texture_uv(r, v), across, down);
+}
+#else
 vec4 sample_texture(TextureRef r, Varyings v) {
   const vec2 uv = texture_uv(r, v);
   // Where the corners of a triangle share one place there is no footprint: llvmpipe's anisotropic filter divides by it.
@@ -60,6 +85,7 @@ vec4 sample_texture(TextureRef r, Varyings v) {
   return texture(nonuniformEXT(sampler2D(textures[nonuniformEXT(r.texture)], samplers[nonuniformEXT(r.sampler_index)])),
                  uv);
 }
+#endif
 
 // Base colour with alpha: all that the depth pre-pass and unlit surfaces need.
 vec4 surface_base_color(Material m, Varyings v) {
@@ -104,9 +130,27 @@ vec3 surface_normal(Material m, Varyings v, float facing, vec3 to_viewer) {
 // normal and what the filtered normal map says of its own texels (frame/mip_chain.h).
 const float specular_aa_pixel = 0.15915494;  // variance of a pixel's filter, 1 / (2 pi)
 const float specular_aa_most = 0.18;         // of what is added to alpha squared
+#ifdef TRIANGLES
+Varyings varyings_beside(Varyings v, bool below) {
+  v.normal += below ? v.normal_down : v.normal_across;
+  v.uv0 += below ? v.uv0_down : v.uv0_across;
+  v.uv1 += below ? v.uv1_down : v.uv1_across;
+  return v;
+}
+vec3 unfaced_normal(Material m, Varyings v) {
+  if (SPECULAR_AA == specular_aa_maps) return normalize_or(v.normal, vec3(0.0));
+  return surface_normal(m, v, 1.0, vec3(0.0));
+}
+#endif
 float normal_variance(Material m, Varyings v, vec3 normal) {
+#ifdef TRIANGLES
+  normal = unfaced_normal(m, v);
+  vec3 along = unfaced_normal(m, varyings_beside(v, false)) - normal;
+  vec3 across = unfaced_normal(m, varyings_beside(v, true)) - normal;
+#else
   if (SPECULAR_AA == specular_aa_maps) normal = normalize_or(v.normal, vec3(0.0));
   vec3 along = dFdx(normal), across = dFdy(normal);
+#endif
   if (IS_SUBSAMPLE != 0) {
     along *= pc.subsample_footprint;
     across *= pc.subsample_footprint;

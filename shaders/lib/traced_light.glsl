@@ -86,7 +86,7 @@ vec2 rays_place(uint i, uvec2 own) {
 }
 uvec2 rays_own(uint dimension) {
   const RaySettings s = RaySettingsRef(pc.rays).s;
-  const uvec2 pixel = uvec2(gl_FragCoord.xy);
+  const uvec2 pixel = uvec2(PIXEL_MIDDLE);
   return uvec2(rays_hash(uvec3(pixel, s.seed ^ (2u * dimension))),
       rays_hash(uvec3(pixel, s.seed ^ (2u * dimension + 1u))));
 }

@@ -48,6 +48,7 @@ struct FogLightPush {
 };
 struct FogMarchPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
+  uint64_t keys;  // in the place of depth
   uint sun_maps, lamp_maps, depth, target;
   uvec2 texels;
   uint texel_px, steps;

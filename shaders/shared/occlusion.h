@@ -10,9 +10,11 @@
 
 SHARED_BEGIN
 struct OcclusionPointsPush {
+  uint64_t keys;  // in the place of depth
   uint depth, points;
 };
 struct OcclusionPush {
+  uint64_t keys;  // in the place of depth
   uint depth, points, normals, open;
   uvec2 texels;  // size in texels
   vec2 subsample_ndc;

@@ -99,6 +99,8 @@ struct FrameConstants {
   float sky_intensity;
   uint sky_background;  // the sky as it is seen: its own image, or that blurred
   ProbeLights probes;
+  uint64_t indices, batches;  // only where triangles are rasterized in compute (shared/visibility.h)
+  vec4 background;            // premultiplied, pre-exposed
 };
 
 SHARED_END
@@ -123,7 +125,8 @@ static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offseto
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameConstants, grid) == 432 &&
               offsetof(FrameConstants, fog) == 512 && offsetof(FrameConstants, image_light) == 1440 &&
-              offsetof(FrameConstants, probes) == 1512 && sizeof(FrameConstants) == 1912);
+              offsetof(FrameConstants, probes) == 1512 && offsetof(FrameConstants, indices) == 1912 &&
+              sizeof(FrameConstants) == 1944);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

@@ -14,6 +14,7 @@ const uint volumetric_extinction = 0u, volumetric_attenuation = 1u;
 
 // Light in the air of lamps, at texels of some pixels' side. Units: radiance as in beauty, pre-exposed.
 struct VolumetricMarchPush {
+  uint64_t keys;  // in the place of depth
   uint64_t lights, light_cells, light_entries, light_tiles, lamps;
   uint lamp_maps, depth, target;
   uvec2 texels;
@@ -31,6 +32,7 @@ struct VolumetricFilterPush {
   float deviation, depth_share;  // depth_share: of a depth, beyond which texels are of another surface; 0: all count
 };
 struct VolumetricCompositePush {
+  uint64_t keys;  // in the place of depth
   uint color, light, depth, composed, layer;
   uvec2 size_px, texels;
   uint texel_px, aware;  // aware: of depths; otherwise bilinear

@@ -130,12 +130,12 @@ Expected<std::vector<Configuration>> configurations(const Suite& suite) {
 
 Configuration reference_of(const Configuration& configuration, const Suite& suite, const std::string& technique) {
   Configuration reference = configuration;
-  reference.job.technique = technique;
   reference.left_out.clear();
   std::erase_if(reference.job.settings, [&](const KnobSetting& s) {
     const std::string name = s.pass + "." + s.knob;
     return std::find(suite.picture_knobs.begin(), suite.picture_knobs.end(), name) == suite.picture_knobs.end();
   });
+  reference.job = with_every_light(std::move(reference.job), technique);
   return reference;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "frame/plan_frame.h"
+#include "techniques/technique.h"
 
 namespace candela {
 namespace {
@@ -70,7 +71,13 @@ Expected<KnobValues> frame_knobs(const Job& job) {
     knob.set(knobs, rung(knob.ladder, knob.value(knobs), job.quality));
   });
   if (job.samples != 0) all.get<Resolve::Knobs>().samples = job.samples;
-  for (const KnobSetting& s : job.settings) {
+  std::vector<KnobSetting> settings;
+  for (const Technique& t : techniques())
+    if (t.name == job.technique)
+      for (const Preset& p : t.presets)
+        settings.push_back({std::string(p.table), std::string(p.knob), std::string(p.value)});
+  settings.insert(settings.end(), job.settings.begin(), job.settings.end());
+  for (const KnobSetting& s : settings) {
     bool known = false;
     Expected<void> outcome;
     all.each([&](std::string_view table, const auto& knob, auto& knobs) {

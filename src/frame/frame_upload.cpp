@@ -252,6 +252,28 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
   return upload;
 }
 
+void add_batches(const DrawList& draws, FrameUpload& upload) {
+  for (uint32_t group = 0; group < upload.groups.size(); ++group) {
+    const shared::CullGroup& g = upload.groups[group];
+    const DrawRun& run = draws.runs[g.run];
+    if (!run.solid() || run.is_lines()) continue;
+    const uint32_t flags =
+        (run.cull_back ? shared::batch_cull_back : 0u) | (run.mirrored ? shared::batch_mirrored : 0u) |
+        (run.alpha == AlphaMode::mask ? shared::batch_masked : 0u) | (run.unlit ? shared::batch_unlit : 0u);
+    for (uint32_t i = 0; i < g.item_count; ++i) {
+      const uint32_t triangles = upload.items[g.first_item + i].index_count / 3;
+      for (uint32_t first = 0; first < triangles; first += shared::triangle_batch_size)
+        upload.batches.push_back({g.first_item + i, first, group * shared::cull_group_size + i, flags});
+    }
+  }
+}
+
+void add_triangle_numbers(const DrawList& draws, FrameUpload& upload) {
+  upload.triangle_numbers.assign(draws.order.size(), shared::absent);
+  for (size_t b = upload.batches.size(); b-- > 0;)  // the first batch of an item stays
+    upload.triangle_numbers[draws.order[upload.batches[b].item]] = uint32_t(b) * shared::triangle_batch_size;
+}
+
 namespace {
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {

@@ -11,6 +11,7 @@
 #include "shared/deform.h"
 #include "shared/lobes.h"
 #include "shared/scene.h"
+#include "shared/visibility.h"
 
 namespace candela {
 
@@ -25,6 +26,8 @@ struct FrameUpload {
   std::vector<uint32_t> lobes;               // words of shared/lobes.h; empty: no material has any. Textures likewise
   std::vector<shared::Light> lights;
   std::vector<shared::CullGroup> groups;
+  std::vector<shared::TriangleBatch> batches;  // empty unless add_batches made them
+  std::vector<uint32_t> triangle_numbers;      // empty unless add_triangle_numbers did
   std::vector<shared::DeformJob> deform_jobs;
   uint32_t deformed_words = 0;
   // matte_id of each node's and material's name, the default material's last; empty unless their layers are wanted.
@@ -38,6 +41,10 @@ struct FrameUpload {
 FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
                               const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
                               const AmbientSh& ambient);
+// Adds the batches in which compute rasterizes opaque and masked triangles.
+void add_batches(const DrawList& draws, FrameUpload& upload);
+// Of each item of the frame's data the number of its first triangle among those batches; shared::absent: it has none.
+void add_triangle_numbers(const DrawList& draws, FrameUpload& upload);
 // Adds the time before, where anything moves in the picture: items of both are one for one.
 void add_motion(const FrameData& now, const View& view, const FrameData& before, const View& view_before,
                 FrameUpload& upload);

@@ -66,9 +66,9 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
   gpu::Buffer& index_buffer = scene_buffers_["scene.indices"];
   vertex_buffer = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                               Memory::device, Purpose::scene, "scene.vertices");
-  index_buffer =
-      gpu::Buffer(device, indices.size() * 4, VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                  Memory::device, Purpose::scene, "scene.indices");
+  index_buffer = gpu::Buffer(device, indices.size() * 4,
+                             storage_usage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                             Memory::device, Purpose::scene, "scene.indices");
   gpu::Uploader uploader(device);
   uploader.to_buffer(vertex_buffer, 0, std::as_bytes(std::span(words)));
   uploader.to_buffer(index_buffer, 0, std::as_bytes(std::span(indices)));

@@ -128,12 +128,13 @@ bool soft_lamps(const PlannedFrame& f, const LampKnobs& knobs) {
 }
 
 // Trees, where shading sends rays, and how it does.
-void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& knobs) {
+void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& knobs, bool traces_keys) {
   AmbientOcclusion occlusion;
   occlusion.knobs = knobs.get<AmbientOcclusion::Knobs>();
   if (f.upload.items.empty()) return;
   const bool refraction = f.facts.refracting_items > 0;
-  if (f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request))
+  const bool lights = f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request);
+  if (lights || traces_keys)
     f.rays = context.rays && context.rays->key == rays_key(context.scene, f.pose, f.data, refraction)
                  ? context.rays
                  : make_frame_rays(context.scene, f.pose, f.data, refraction);
@@ -157,7 +158,7 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
     s.sun_tangent = float(std::tan(angle));
   }
   s.seed = f.request.still_seed;
-  f.ray_settings = {s};
+  if (lights || traced.soft_suns || traced.soft_lamps) f.ray_settings = {s};
   if (!f.rays) return;
   // Rounded up, so that frames whose trees differ a little share their pipelines.
   traced.stack = (f.rays->stack + 7) / 8 * 8;
@@ -199,6 +200,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   }
   s.item_count = uint32_t(u.items.size());
   s.cull_group_count = uint32_t(u.groups.size());
+  s.batch_count = uint32_t(u.batches.size());
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);
   s.deformed_words = u.deformed_words;
   s.width_px = uint32_t(f.request.width_px);
@@ -298,7 +300,12 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
         bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data, refraction);
   const AmbientSh ambient = f.sky ? f.sky.ambient() : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
+  const auto technique = std::find_if(techniques().begin(), techniques().end(),
+                                      [&](const Technique& t) { return t.name == job.technique; });
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
+  if (technique->keys != Technique::Keys::none) add_batches(f.draws, f.upload);
+  const bool traces_keys = technique->keys == Technique::Keys::traced && !f.upload.batches.empty();
+  if (traces_keys) add_triangle_numbers(f.draws, f.upload);
   if (f.request.has_layer("motion") && !context.face) {
     const auto before = pose_before(context.scene, job, time_s, f.pose);
     if (!before) return std::unexpected(before.error());
@@ -308,8 +315,6 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.animate_ms = ms_since(start);
 
   start = Clock::now();
-  const auto technique = std::find_if(techniques().begin(), techniques().end(),
-                                      [&](const Technique& t) { return t.name == job.technique; });
   const DrawnExtent extent = drawn_extent(f.data, f.view);
   f.light_grid = make_light_grid(technique->light_grid, f.data.lights, f.upload.constants, extent.farthest_m,
                                  extent.reach_m, knobs->get<LightKnobs>());
@@ -333,12 +338,13 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.light_grid_ms = ms_since(start);
 
   start = Clock::now();
-  plan_rays(f, context, *knobs);
+  plan_rays(f, context, *knobs, traces_keys);
   f.trees_ms = ms_since(start);
 
   start = Clock::now();
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
+  f.upload.constants.background = {(*background)[0], (*background)[1], (*background)[2], (*background)[3]};
   std::vector<DumpRequest> requests = wanted.dumps;
   if (const auto image = image_of_view(job.view); image && wanted.display) requests.push_back(*image);
   std::map<Hash128, KeptState> kept_states;
@@ -387,6 +393,19 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
   if (!sky) return std::unexpected(sky.error());
   for (const std::string& warning : warnings) log::warning("{}", warning);
   return plan_frame(job, PlanContext{scene, *layout, &*sky}, wanted, time_s);
+}
+
+Job with_every_light(Job job, const std::string& reference) {
+  const auto known =
+      std::ranges::find_if(techniques(), [&](const Technique& t) { return t.name == job.technique && t.own_pixels(); });
+  if (known == techniques().end()) {
+    job.technique = reference;
+  } else {
+    const std::span<const Knob<LightKnobs>> table = LightKnobs::table();
+    const auto few = std::ranges::find(table, "few", &Knob<LightKnobs>::name);
+    job.settings.push_back({std::string(LightKnobs::name), "few", few->text(few->highest)});
+  }
+  return job;
 }
 
 std::vector<std::string> technique_names() {

@@ -88,6 +88,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
 // The same for one frame alone; reads the job's sky and look.
 Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const WantedOutputs& wanted, double time_s);
 
+// The job whose picture has the same bits as this one's unless lists of lights lose something: by the technique
+// `reference`, whose pixels the hardware shades as it does most techniques'; or, for a technique with pixels of its
+// own, by that one with every light at every pixel.
+Job with_every_light(Job job, const std::string& reference);
+
 // Tables for `candela list`, --set and the help text.
 std::vector<std::string> technique_names();
 std::vector<std::string> transparency_names();

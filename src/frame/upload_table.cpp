@@ -30,7 +30,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
   };
   if (!u.items.empty()) {
     rows.push_back({"scene.vertices", &Inputs::vertices, layout.vertex_words * 4, {}, offsetof(Constants, vertices)});
-    rows.push_back({"scene.indices", &Inputs::indices, layout.index_count * 4, {}});
+    rows.push_back({"scene.indices", &Inputs::indices, layout.index_count * 4, {}, offsetof(Constants, indices)});
     add("frame.items", &Inputs::items, u.items, offsetof(Constants, items));
     add("frame.transforms", &Inputs::transforms, u.transforms, offsetof(Constants, transforms));
     add("frame.geometries", &Inputs::geometries, u.geometries, offsetof(Constants, geometries));
@@ -38,6 +38,8 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.lobes", &Inputs::lobes, u.lobes, offsetof(Constants, lobes));
     add_lights();
     add("frame.cull_groups", &Inputs::cull_groups, u.groups);
+    add("frame.triangle_numbers", &Inputs::triangle_numbers, u.triangle_numbers);
+    add("frame.triangle_batches", &Inputs::batches, u.batches, offsetof(Constants, batches));
     add("frame.views", &Inputs::views, frame.suns.views.table);
     add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);
     add("frame.suns", &Inputs::suns, frame.suns.shadows);

@@ -61,6 +61,7 @@ constexpr Feature<VkPhysicalDeviceVulkan12Features> required_12[] = {
 };
 constexpr Feature<VkPhysicalDeviceVulkan12Features> optional_12[] = {
     {"shaderOutputLayer", &VkPhysicalDeviceVulkan12Features::shaderOutputLayer},
+    {"shaderBufferInt64Atomics", &VkPhysicalDeviceVulkan12Features::shaderBufferInt64Atomics},
 };
 constexpr Feature<VkPhysicalDeviceVulkan13Features> required_13[] = {
     {"synchronization2", &VkPhysicalDeviceVulkan13Features::synchronization2},

@@ -17,6 +17,7 @@ struct DrawRun {
     return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back &&
            mirrored == o.mirrored && refracts == o.refracts;
   }
+  bool is_lines() const { return topology != Topology::triangles; }  // or points
   // Hides what is behind it.
   bool solid() const { return alpha != AlphaMode::blend && !refracts; }
 };

@@ -31,9 +31,9 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     lit.lists.sun_maps = lighting.lists.sun_maps;
     lit.lists.fog = lighting.lists.fog;
     lit.lists.rays = lighting.lists.rays;
-    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.depth, instance, i, n * n);
+    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, n * n);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
-    const ImageHandle shaded = technique.shade(frame, sample, seen, lit, instance);
+    const Shaded shaded = technique.shade(frame, sample, seen, lit, instance);
     const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(seen_all.radiance, sum, instance);
     if (foggy) {
@@ -59,7 +59,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   // Of a supersampled frame only the layer is of this depth. Before the suns' maps, which are drawn meanwhile.
   OcclusionTexels occlusion;
   if (n == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
-    occlusion = ambient_occlusion(frame, scene, surfaces.depth);
+    occlusion = ambient_occlusion(frame, scene, surfaces.looked_up);
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.rays = scene.rays;
   lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
@@ -67,6 +67,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
   lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);
   ImageHandle radiance;
+  bool resolved = false;
   TermImages terms;
   FogImages fog;
   MatteImages mattes;
@@ -74,9 +75,10 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
     radiance = supersampled(frame, scene, technique, surfaces, lighting, n, terms, fog, mattes);
   } else {
     frame.add(Supersample{}, {});
-    const ImageHandle shaded = technique.shade(frame, scene, surfaces, lighting, {});
-    const Composite all = composite(frame, scene, surfaces, lighting, shaded);
+    const Composite all =
+        composite(frame, scene, surfaces, lighting, technique.shade(frame, scene, surfaces, lighting, {}));
     radiance = all.radiance;
+    resolved = all.resolved;
     terms = divide(frame, scene, surfaces, lighting, all);
     fog = fog_layers(frame, scene, surfaces, lighting, all);
     matte_ids(frame, scene, surfaces, mattes);
@@ -85,7 +87,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
   publish_mattes(frame, scene, mattes, n * n);
-  post(frame, scene, surfaces, lighting, radiance, terms[size_t(Term::emission)]);
+  post(frame, scene, surfaces, lighting, radiance, resolved, terms[size_t(Term::emission)]);
 }
 
 }  // namespace candela

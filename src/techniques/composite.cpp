@@ -46,11 +46,19 @@ void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
 }  // namespace
 
 Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                    ImageHandle shaded, std::string_view instance) {
-  const auto& [draws, deformed, depth] = surfaces;
+                    const Shaded& shaded, std::string_view instance) {
+  const auto& [draws, kept_items, deformed, depth, looked_up, keys] = surfaces;
   Composite out;
-  ImageHandle color =
-      newest(frame.add(Sky{}, {scene, depth, shaded, fog_to_infinity(lighting.lists)}, instance).color, shaded);
+  if (shaded.whole) {
+    for (const std::string_view pass : {Sky::name, Background::name})
+      frame.builder.leave_out(std::string(pass), "surfaces are shaded with what is behind them (shade_visible)");
+    out.radiance = shaded.color;
+    out.depth = depth;
+    out.resolved = true;
+    return out;
+  }
+  ImageHandle color = newest(
+      frame.add(Sky{}, {scene, depth, shaded.color, fog_to_infinity(lighting.lists)}, instance).color, shaded.color);
   color =
       newest(frame.add(Background{}, {scene, depth, color, fog_to_infinity(lighting.lists)}, instance).color, color);
   out.reflected = reflections(frame, scene, surfaces, lighting, color, instance);

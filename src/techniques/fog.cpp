@@ -12,7 +12,7 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   FogMarch march;
   march.shared_knobs = knobs;
   const ImageHandle texels =
-      frame.add(march, {scene, lighting.lists, surfaces.depth, ambient, fog.media, frame.request.still_seed}).light;
+      frame.add(march, {scene, lighting.lists, surfaces.looked_up, ambient, fog.media, frame.request.still_seed}).light;
   if (!frame.request.draws_fog()) return fog;
   fog.ambient = ambient;
   fog.last = knobs.last != 0;

@@ -7,14 +7,20 @@ namespace candela {
 // takes the list of its own depth; tiles between the depths of their samples (Harada, McKee, Yang, "Forward+: Bringing
 // Deferred Lighting to the Next Level", 2012), where a point outside them takes the list of its column; or none, where
 // every pixel walks every light.
-ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                    std::string_view instance) {
-  const auto& [draws, deformed, depth] = surfaces;
-  const ImageHandle color =
-      frame.add(ShadeForward{}, {scene, draws, deformed, lighting.of_opaque(), depth, {}}, instance).color;
-  return newest(
-      frame.add(ShadeUnlit{}, {scene, draws, deformed, fog_alone(lighting.lists), depth, color}, instance).color,
-      color);
+Shaded forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+               std::string_view instance) {
+  return {draw_forward(frame, scene, surfaces, lighting, {}, false, instance)};
+}
+
+ImageHandle draw_forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                         ImageHandle color, bool lines_alone, std::string_view instance) {
+  SurfacePass<true>::In lit{scene, surfaces.draws, surfaces.deformed, lighting.of_opaque(), surfaces.depth, color};
+  lit.lines_alone = lines_alone;
+  color = newest(frame.add(ShadeForward{}, lit, instance).color, color);
+  SurfacePass<false>::In unlit{scene,          surfaces.draws, surfaces.deformed, fog_alone(lighting.lists),
+                               surfaces.depth, color};
+  unlit.lines_alone = lines_alone;
+  return newest(frame.add(ShadeUnlit{}, unlit, instance).color, color);
 }
 
 }  // namespace candela

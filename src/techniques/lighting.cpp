@@ -22,7 +22,7 @@ ImageHandle depth_maps(Frame& frame, const SceneInputs& scene, const Surfaces& s
     none.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
     return none;
   }
-  const Frame::Kept maps = frame.keep(DepthViews::image_desc(*image), key);
+  const Frame::Kept maps = frame.keep(image_desc(*image, depth_format), key);
   if (maps.filled) {
     for (const std::string_view pass : {Cull::name, CullCompact::name, DepthViews::name})
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), "kept from before: nothing that casts has moved");
@@ -30,6 +30,9 @@ ImageHandle depth_maps(Frame& frame, const SceneInputs& scene, const Surfaces& s
   }
   views.count = uint32_t(image->views.size());
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
+  if (scene.batch_count > 0)
+    return frame.add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image}, instance)
+        .depth;
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
   return frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
 }
@@ -46,8 +49,8 @@ ImageHandle lamp_maps(Frame& frame, const SceneInputs& scene, const Surfaces& su
   return depth_maps(frame, scene, surfaces, scene.lamp_image, scene.lamp_key, views, scene.lamp_absence, "lamps");
 }
 
-OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance,
-                                  uint32_t index, uint32_t count) {
+OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const SampledDepth& depth,
+                                  std::string_view instance, uint32_t index, uint32_t count) {
   AmbientOcclusion pass;
   pass.knobs = frame.knobs.get<AmbientOcclusion::Knobs>();
   AmbientOcclusion::In in{scene, depth};

@@ -46,14 +46,17 @@ void show_layer(const Frame& frame, Tonemap::In& shown) {
 }  // namespace
 
 void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-          ImageHandle radiance, ImageHandle emission) {
-  const uint32_t width = scene.width_px, height = scene.height_px;
-  const ImageHandle resolved =
-      newest(frame.add(Resolve{}, {radiance, width, height, scene.samples}).resolved, radiance);
-  VolumetricLight::In volumetric{scene, resolved, surfaces.depth, lighting.lists};
+          ImageHandle radiance, bool resolved, ImageHandle emission) {
+  ImageHandle picture = radiance;
+  if (resolved)
+    frame.builder.leave_out(std::string(Resolve::name), "surfaces are shaded and resolved at once (shade_visible)");
+  else
+    picture =
+        newest(frame.add(Resolve{}, {radiance, scene.width_px, scene.height_px, scene.samples}).resolved, radiance);
+  VolumetricLight::In volumetric{scene, picture, surfaces.looked_up, lighting.lists};
   volumetric.look = frame.request.look.volumetric.value_or(Volumetric{});
   volumetric.layer_wanted = frame.request.has_layer("volumetric");
-  const ImageHandle linear = newest(frame.add(VolumetricLight{}, volumetric).color, resolved);
+  const ImageHandle linear = newest(frame.add(VolumetricLight{}, volumetric).color, picture);
   const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear, emission)).color, linear);
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);
   if (frame.request.view != "beauty") show_layer(frame, shown);

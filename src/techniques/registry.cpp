@@ -3,6 +3,8 @@
 namespace candela {
 
 std::span<const Technique> techniques() {
+  static constexpr Preset rays[] = {
+      {"sun", "mode", "traced"}, {"shadows", "method", "traced"}, {"occlusion", "method", "traced"}};
   static constexpr Technique table[] = {
       {"clustered", "forward shading, lights listed by tile and depth slice: the default", forward,
        LightGridKind::clusters},
@@ -10,6 +12,12 @@ std::span<const Technique> techniques() {
        LightGridKind::tiles},
       {"brute-force", "forward shading, every light for every pixel: correct first, and the yardstick", forward,
        LightGridKind::none},
+      {"visibility", "triangles rasterized in compute, each visible one of a pixel shaded once; lights as clustered",
+       visibility, LightGridKind::clusters, Technique::Keys::rasterized},
+      {"hybrid", "visibility, with shadows and ambient occlusion by rays", visibility, LightGridKind::clusters,
+       Technique::Keys::rasterized, rays},
+      {"ray", "what the camera sees, shadows and ambient occlusion by rays, shaded as in visibility", visibility,
+       LightGridKind::clusters, Technique::Keys::traced, rays},
   };
   return table;
 }

@@ -1,18 +1,46 @@
+#include "passes/geometry/draw_runs.h"
 #include "techniques/technique.h"
 
 namespace candela {
 
+namespace {
+
+// Depths of the surfaces, and, where compute rasterizes triangles, which are seen.
+void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, std::string_view instance = {}) {
+  surfaces.keys = {}, surfaces.depth = {};
+  if (scene.batch_count > 0) {
+    const bool by_sample = frame.knobs.get<DepthPrepass::Knobs>().by_sample != 0;
+    surfaces.keys =
+        scene.triangle_numbers
+            ? frame.add(TraceKeys{}, {scene}, instance).keys
+            : frame.add(Rasterize{}, {scene, surfaces.kept_items, surfaces.deformed, by_sample}, instance).keys;
+    surfaces.depth =
+        frame.add(KeyDepth{}, {surfaces.keys, scene.width_px, scene.height_px, scene.samples}, instance).depth;
+    if (!draws_lines(scene)) {
+      frame.builder.leave_out(std::string(DepthPrepass::name), "keys of triangles tell depths (rasterize, trace_keys)");
+      surfaces.looked_up = {{}, surfaces.keys};
+      return;
+    }
+  }
+  surfaces.depth =
+      frame.add(DepthPrepass{}, {scene, surfaces.draws, surfaces.deformed, surfaces.depth}, instance).depth;
+  surfaces.looked_up = {surfaces.depth, {}};
+}
+
+}  // namespace
+
 Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene) {
   const Cull::Out culled = frame.add(Cull{}, {scene});
   Surfaces surfaces;
+  surfaces.kept_items = culled.masks;
   surfaces.draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors}).draws;
   surfaces.deformed = frame.add(Deform{}, {scene}).deformed;
-  surfaces.depth = frame.add(DepthPrepass{}, {scene, surfaces.draws, surfaces.deformed}).depth;
+  find_nearest(frame, scene, surfaces);
   return surfaces;
 }
 
 Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, std::string_view instance) {
-  surfaces.depth = frame.add(DepthPrepass{}, {scene, surfaces.draws, surfaces.deformed}, instance).depth;
+  find_nearest(frame, scene, surfaces, instance);
   return surfaces;
 }
 

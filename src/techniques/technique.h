@@ -8,9 +8,12 @@ namespace candela {
 
 // What the camera sees of the opaque and masked geometry.
 struct Surfaces {
-  Draws draws;            // what culling left
-  BufferHandle deformed;  // vertices of skinned and morphed sections; may be empty
-  ImageHandle depth;      // of the nearest surface at every sample; empty: nothing is opaque or masked
+  Draws draws;              // what culling left
+  BufferHandle kept_items;  // a bit for each item that culling left
+  BufferHandle deformed;    // vertices of skinned and morphed sections; may be empty
+  ImageHandle depth;        // of the nearest surface at every sample; empty: nothing is opaque or masked
+  SampledDepth looked_up;   // the same for compute
+  BufferHandle keys;        // which triangles these are, where compute rasterizes them (passes/geometry/rasterize.h)
 };
 Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);
 // The same geometry seen by one picture of a supersampled frame: a depth of its own.
@@ -40,21 +43,27 @@ Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& 
 
 // How open to the sky the opaque and masked surfaces of a depth are. `index`: which of `count` samples of a
 // supersampled frame the depth is of; each has its own part of the slices.
-OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, ImageHandle depth,
+OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const SampledDepth& depth,
                                   std::string_view instance = {}, uint32_t index = 0, uint32_t count = 1);
 // Whether shading takes it; it may be made for its layer alone.
 bool shades_occluded(const Frame& frame);
 
+// The opaque and masked surfaces as a technique shades them; empty: there are none.
+struct Shaded {
+  ImageHandle color;
+  bool whole = false;  // what is behind them is in it, and the pixels' samples are resolved: nothing is drawn over it
+};
 // Everything that is not an opaque or masked surface, over and behind them, in order, and what the surfaces reflect of
 // each other. `shaded` may be empty.
 struct Composite {
-  ImageHandle radiance;  // linear, with premultiplied alpha, multisampled where the request is
-  ImageHandle depth;     // of the surfaces, and of those that let light through
-  SeenThrough seen;      // by these
-  Reflected reflected;   // empty: surfaces reflect the sky alone
+  ImageHandle radiance;   // linear, with premultiplied alpha, multisampled where the request is
+  ImageHandle depth;      // of the surfaces, and of those that let light through
+  SeenThrough seen;       // by these
+  Reflected reflected;    // empty: surfaces reflect the sky alone
+  bool resolved = false;  // the radiance has one sample a pixel, whatever the request
 };
 Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                    ImageHandle shaded, std::string_view instance = {});
+                    const Shaded& shaded, std::string_view instance = {});
 
 // How blended surfaces come over each other (FrameRequest::transparency), and the pass that draws them over `in.color`:
 // the new version of it, or empty where the frame does without the pass.
@@ -96,15 +105,24 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
 // From a frame's radiance to what the host gets: resolve, light in the air, bloom, tone mapping, read-back of all
 // outputs and layers that are asked for. emission: resolved, where the look's bloom is of that alone.
 void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-          ImageHandle radiance, ImageHandle emission);
+          ImageHandle radiance, bool resolved, ImageHandle emission);
 
-// Shades the opaque and masked surfaces: empty when there are none.
-using ShadeFunction = ImageHandle (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,
-                                      std::string_view instance);
+using ShadeFunction = Shaded (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,
+                                 std::string_view instance);
+// A knob's value as --set takes it.
+struct Preset {
+  std::string_view table, knob, value;
+};
 struct Technique {
   std::string_view name, description;
   ShadeFunction shade;
   LightGridKind light_grid;
+  // A visibility buffer, and how it is made.
+  enum class Keys { none, rasterized, traced } keys = Keys::none;
+  // Knobs that it begins with in the place of a quality's; --set comes after.
+  std::span<const Preset> presets = {};
+  // Shades other points of the surfaces than the hardware does: pixels differ in their last bits.
+  constexpr bool own_pixels() const { return keys != Keys::none; }
 };
 std::span<const Technique> techniques();
 // What the values of a layer are; light for beauty.
@@ -113,8 +131,13 @@ LayerForm layer_form(std::string_view layer);
 // The whole frame.
 void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique);
 
-ImageHandle forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                    std::string_view instance);
+Shaded forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+               std::string_view instance);
+Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                  std::string_view instance);
+// Draws surfaces over the colour, which may be empty, by the hardware; lines_alone: and points, without triangles.
+ImageHandle draw_forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                         ImageHandle color, bool lines_alone, std::string_view instance);
 
 // A pass that draws over an image gives it a new version; one that was left out leaves the old.
 inline ImageHandle newest(ImageHandle made, ImageHandle before) { return made ? made : before; }

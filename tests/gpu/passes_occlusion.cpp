@@ -79,7 +79,7 @@ class OcclusionTest : public PassTest {
     AmbientOcclusion::In in;
     in.scene.constants = import(builder, frame, "constants");
     in.scene.width_px = uint32_t(camera.width), in.scene.height_px = uint32_t(camera.height);
-    in.depth = make_image(builder, import(builder, source, "depths"), in.scene.width_px, in.scene.height_px);
+    in.depth.image = make_image(builder, import(builder, source, "depths"), in.scene.width_px, in.scene.height_px);
     in.look = settings.look;
     in.seed = settings.seed;
     const AmbientOcclusion::Out out = add(builder, pass, in);

@@ -35,9 +35,12 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
     choice.masked_fragment += fmt::format("#BY_SAMPLE={}", in.scene.samples);
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,
-      [this](const DrawRun& r) { return refracting ? r.alpha != AlphaMode::blend : r.solid(); }, choice);
+      [&](const DrawRun& r) {
+        return (refracting ? r.alpha != AlphaMode::blend : r.solid()) && (!in.depth || r.is_lines());
+      },
+      choice);
   ImageDesc desc{"depth", depth_format, in.scene.width_px, in.scene.height_px, in.scene.samples};
-  out.depth = builder.write(builder.create(desc), Access::depth_attachment);
+  out.depth = builder.write(in.depth ? in.depth : builder.create(desc), Access::depth_attachment);
   return out;
 }
 

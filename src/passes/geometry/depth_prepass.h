@@ -22,6 +22,7 @@ struct DepthPrepass {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
+    ImageHandle depth;      // optional: of triangles; then lines and points alone are drawn
   };
   struct Out {
     ImageHandle depth;

@@ -8,13 +8,6 @@ Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const {
   return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
 }
 
-ImageDesc DepthViews::image_desc(const ViewImage& image) {
-  ImageDesc desc{image.name, depth_format, image.size_px, image.size_px};
-  desc.kind = ImageKind::d2_array;
-  desc.layers = image.layers;
-  return desc;
-}
-
 DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   Out out;
   RunPipelineChoice choice;
@@ -26,7 +19,7 @@ DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,
       [](const DrawRun& r) { return r.solid() && r.topology == Topology::triangles; }, choice);
-  out.depth = in.target ? in.target : builder.create(image_desc(*in.image));
+  out.depth = in.target ? in.target : builder.create(image_desc(*in.image, depth_format));
   for (uint32_t layer = 0; layer < in.image->layers; ++layer)
     out.depth = builder.write(out.depth, Access::depth_attachment, ImageRange::layer(layer));
   return out;

@@ -21,7 +21,6 @@ struct DepthViews {
     std::shared_ptr<const ViewImage> image;
     ImageHandle target;  // optional: drawn into instead of an image of this frame alone
   };
-  static ImageDesc image_desc(const ViewImage& image);
   struct Out {
     ImageHandle depth;
     RunPipelines pipelines;

@@ -1,5 +1,7 @@
 #include "passes/geometry/draw_runs.h"
 
+#include <algorithm>
+
 #include "passes/geometry/features.h"
 #include "passes/lights/push_lights.h"
 #include "shared/cull.h"
@@ -41,28 +43,31 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
     const bool masked = run.alpha == AlphaMode::mask;
     if (masked && !choice.masked_fragment.empty()) desc.fragment_shader = choice.masked_fragment;
     desc.constants = run_constants(scene.features, desc, masked, run.unlit);
-    if (sends_rays(desc.constants)) desc.fragment_shader += "#TRACES=1";
-    if (shades_lobes(desc.constants)) desc.fragment_shader += "#LOBED=1";
+    desc.fragment_shader += surface_definitions(desc.constants);
     pipelines.by_run.push_back(builder.pipeline(desc));
   }
   return pipelines;
 }
 
-void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists) {
+bool draws_lines(const SceneInputs& scene) {
+  return std::ranges::any_of(*scene.runs, [](const DrawRun& r) { return r.solid() && r.is_lines(); });
+}
+
+void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, const ReadBy& by) {
   for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
-    builder.read_optional(b, Access::fragment_read);
-  builder.read_optional(lists.occlusion.open, Access::sampled_fragment);
+    builder.read_optional(b, by.buffer);
+  builder.read_optional(lists.occlusion.open, by.image);
   if (lists.sun_maps) {
-    builder.read(lists.sun_maps, Access::sampled_fragment, "the suns' maps");
-    builder.read(scene.suns, Access::fragment_read, "the suns' cascades");
+    builder.read(lists.sun_maps, by.image, "the suns' maps");
+    builder.read(scene.suns, by.buffer, "the suns' cascades");
   }
   if (lists.lamp_maps) {
-    builder.read(lists.lamp_maps, Access::sampled_fragment, "the lamps' maps");
-    builder.read(scene.lamps, Access::fragment_read, "the lamps' tiles");
+    builder.read(lists.lamp_maps, by.image, "the lamps' maps");
+    builder.read(scene.lamps, by.buffer, "the lamps' tiles");
   }
   const TracedRays& rays = lists.rays;
-  if (traces(lists)) builder.read(rays.trees, Access::fragment_read, "the trees for rays");
-  if (takes_settings(lists)) builder.read(rays.settings, Access::fragment_read, "how rays are sent");
+  if (traces(lists)) builder.read(rays.trees, by.buffer, "the trees for rays");
+  if (takes_settings(lists)) builder.read(rays.settings, by.buffer, "how rays are sent");
   const auto count = [&](bool used, const char* knob, uint32_t value) {
     if (used) builder.knob(knob, fmt::format("{} a picture", value));
   };
@@ -132,9 +137,8 @@ shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const 
   return push;
 }
 
-void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog, const OwnInputs& own) {
-  commands.bind_index_buffer(scene.indices);
+shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, BufferHandle deformed,
+                           const CellLists* lists, const CellLists* fog, const OwnInputs& own) {
   shared::DrawPush push{};
   push.table = own.table ? commands.address(own.table) : own.word;
   push.own = own.number;
@@ -149,6 +153,13 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
     push.rays = commands.address(lists->rays.settings);
     push.subsample = scene.subsample;
   }
+  return push;
+}
+
+void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog, const OwnInputs& own) {
+  commands.bind_index_buffer(scene.indices);
+  const shared::DrawPush push = draw_push(commands, scene, deformed, lists, fog, own);
   for (size_t r = 0; r < scene.runs->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
     const DrawRun& run = (*scene.runs)[r];

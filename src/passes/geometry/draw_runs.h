@@ -47,6 +47,9 @@ struct OwnInputs {
   bool backs = false;        // of surfaces that are drawn: back faces alone
   uint64_t first_count = 0;  // into the counts of the draws, in bytes
 };
+// The push constants of passes that shade the scene. lists, fog: as for record_runs.
+shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, BufferHandle deformed,
+                           const CellLists* lists, const CellLists* fog, const OwnInputs& own);
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights. fog: of one
 // that declared fog.
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
@@ -65,6 +68,9 @@ void record_view_runs(CommandList& commands, const SceneInputs& scene, const Dra
 std::vector<SpecConstant> light_constants(const CellLists& lists);
 
 // What a pass that shades under lights reads besides.
-void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists);
+void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, const ReadBy& by = {});
+
+// Whether opaque or masked lines or points are among the runs.
+bool draws_lines(const SceneInputs& scene);
 
 }  // namespace candela

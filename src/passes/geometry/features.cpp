@@ -111,6 +111,15 @@ bool holds(const std::vector<SpecConstant>& constants, Feature f) {
 bool sends_rays(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::ray_stack); }
 bool shades_lobes(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::lobes); }
 
+std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& features) {
+  std::vector<SpecConstant> list;
+  std::copy_if(features.begin(), features.end(), std::back_inserter(list), concerns_base_color);
+  return list;
+}
+std::string surface_definitions(const std::vector<SpecConstant>& constants) {
+  return std::string(sends_rays(constants) ? "#TRACES=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "");
+}
+
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {
   std::vector<SpecConstant> list = {constant(Feature::ibl_method)};
   list.front().value = uint32_t(method) + 1;

@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "graph/pipeline_desc.h"
@@ -58,6 +59,10 @@ SpecConstant occlusion_constant(uint32_t shape, bool traced);
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended);
 bool sends_rays(const std::vector<SpecConstant>& constants);    // those are among them
 bool shades_lobes(const std::vector<SpecConstant>& constants);  // visible materials have lobes (shared/lobes.h)
+// Those that a surface's base colour depends on.
+std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& features);
+// What is compiled into a shading shader only where the constants need it, behind its name.
+std::string surface_definitions(const std::vector<SpecConstant>& constants);
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs
 // none, an unlit or masked depth one only what the base colour takes.
 std::vector<SpecConstant> run_constants(const std::vector<SpecConstant>& scene, const GraphicsPipelineDesc& desc,

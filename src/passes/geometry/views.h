@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "graph/handle.h"
+#include "graph/plan.h"
 #include "shared/cull.h"
 
 namespace candela {
@@ -26,6 +27,13 @@ struct ViewImage {
   uint32_t size_px = 0, layers = 0;
   std::vector<shared::View> views;
 };
+
+inline ImageDesc image_desc(const ViewImage& image, VkFormat format) {
+  ImageDesc desc{image.name, format, image.size_px, image.size_px};
+  desc.kind = ImageKind::d2_array;
+  desc.layers = image.layers;
+  return desc;
+}
 
 // The commands that culling leaves for a range of views, and their counts.
 struct Draws {

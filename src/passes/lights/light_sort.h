@@ -14,7 +14,7 @@ struct LightSort {
   struct Out {
     BufferHandle entries;
     BufferHandle report;  // empty without a cap
-    PipelineHandle pipeline;
+    PipelineHandle rank, sort;
   };
   // What the cap loses: it must not do so in silence.
   struct Report {

@@ -125,14 +125,14 @@ AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In&
   const VkFormat format = knobs.bent != 0 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   Out out;
-  out.find = builder.pipeline(ComputePipelineDesc{"occlusion_points.comp", constants});
+  out.find = builder.pipeline(ComputePipelineDesc{with_depth("occlusion_points.comp", in.depth), constants});
   builder.begin_step();
-  builder.read(in.depth, Access::sampled_compute, "depth");
+  read_depth(builder, in.depth);
   out.points = builder.write(image("occlusion.points", VK_FORMAT_R32_SFLOAT, picture), Access::storage_image_write);
   if (knobs.denoise != 0) constants.push_back({1, "KEEPS_NORMALS", 1});
-  out.integrate = builder.pipeline(ComputePipelineDesc{"occlusion.comp", constants});
+  out.integrate = builder.pipeline(ComputePipelineDesc{with_depth("occlusion.comp", in.depth), constants});
   builder.begin_step();
-  builder.read(in.depth, Access::sampled_compute, "depth");
+  read_depth(builder, in.depth);
   builder.read(out.points, Access::sampled_compute, "points");
   out.open = builder.write(image("occlusion", format, size), Access::storage_image_write);
   if (knobs.denoise != 0)
@@ -151,14 +151,17 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
   const glm::uvec2 size = texels(in.scene);
   if (commands.step() == 0) {
     commands.bind(out.find);
-    commands.push(shared::OcclusionPointsPush{commands.sampled(in.depth), commands.storage(out.points)});
+    shared::OcclusionPointsPush push{};
+    push_depth(commands, in.depth, push);
+    push.points = commands.storage(out.points);
+    commands.push(push);
     commands.dispatch(in.scene.width_px, in.scene.height_px);
     return;
   }
   if (commands.step() == 1) {
     shared::OcclusionPush push{};
     push.points = commands.sampled(out.points);
-    push.depth = commands.sampled(in.depth);
+    push_depth(commands, in.depth, push);
     push.normals = out.normals ? commands.storage(out.normals) : 0;
     push.open = commands.storage(out.noisy ? out.noisy : out.open);
     push.texels = size;

@@ -1,4 +1,5 @@
 #pragma once
+#include "passes/geometry/sampled_depth.h"
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
 
@@ -39,7 +40,7 @@ struct AmbientOcclusion {
   };
   struct In {
     SceneInputs scene;
-    ImageHandle depth;  // of the pre-pass
+    SampledDepth depth;
     Occlusion look;
     uint32_t seed = 0;
     // Of a supersampled frame: the samples share the slices out, and turn theirs so that all are even.

@@ -24,7 +24,8 @@ typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, 
   if (lit) choice.desc.constants = light_constants(in.lists);
   Out out;
   out.pipelines = declare_runs(
-      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid() && r.unlit != lit; }, choice);
+      builder, in.scene, in.draws, in.deformed,
+      [&](const DrawRun& r) { return r.solid() && r.unlit != lit && (!in.lines_alone || r.is_lines()); }, choice);
   out.color = write_color(builder, in.scene, in.color);
   return out;
 }

@@ -26,10 +26,11 @@ struct SurfacePass {
   struct In {
     SceneInputs scene;
     Draws draws;
-    BufferHandle deformed;  // optional
-    CellLists lists;        // empty: every light for every pixel. Unlit: its fog alone
-    ImageHandle depth;      // of the pre-pass
-    ImageHandle color;      // optional: without one the pass makes it
+    BufferHandle deformed;     // optional
+    CellLists lists;           // empty: every light for every pixel. Unlit: its fog alone
+    ImageHandle depth;         // of the pre-pass
+    ImageHandle color;         // optional: without one the pass makes it
+    bool lines_alone = false;  // and points: triangles are in the colour
   };
   struct Out {
     ImageHandle color;

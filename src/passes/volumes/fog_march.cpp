@@ -19,7 +19,7 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
                                        .width_px = (s.width_px + side - 1) / side,
                                        .height_px = (s.height_px + side - 1) / side});
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
-  builder.read_optional(in.depth, Access::sampled_compute);
+  if (in.depth) read_depth(builder, in.depth);
   for (const BufferHandle b : {s.lights, s.light_globals, in.lists.cells, in.lists.entries})
     builder.read_optional(b, Access::compute_read);
   const bool lamps = in.lists.lamp_maps && shared_knobs.lamp_shadows > 0;
@@ -31,7 +31,7 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
     builder.read(in.lists.lamp_maps, Access::sampled_compute, "the lamps' maps");
     builder.read(s.lamps, Access::compute_read, "the lamps' tiles");
   }
-  std::string shader = "fog_march.comp";
+  std::string shader = with_depth("fog_march.comp", in.depth);
   if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
   if (in.ambient) shader += "#FOG_AMBIENT=1";
   shader += fog_shadows(bool(in.lists.sun_maps), lamps, shared_knobs.lamp_shadows);
@@ -46,7 +46,7 @@ void FogMarch::record(CommandList& commands, const In& in, const Out& out) const
   lists.tiles = {};  // air lies before and behind what tiles know the depths of
   if (shared_knobs.lamp_shadows == 0) lists.lamp_maps = {};
   push_light_lists(commands, in.scene, lists, push);
-  if (in.depth) push.depth = commands.sampled(in.depth);
+  push_depth(commands, in.depth, push);
   push.target = commands.storage(out.light);
   push.texels = commands.size(out.light);
   push.texel_px = uint32_t(shared_knobs.march_px), push.steps = uint32_t(shared_knobs.march_steps);

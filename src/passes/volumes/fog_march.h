@@ -1,5 +1,6 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
+#include "passes/geometry/sampled_depth.h"
 #include "passes/pass.h"
 #include "passes/volumes/fog_knobs.h"
 
@@ -21,7 +22,7 @@ struct FogMarch {
   struct In {
     SceneInputs scene;
     CellLists lists;
-    ImageHandle depth;  // optional: nothing is drawn
+    SampledDepth depth;  // optional: nothing is drawn
     bool ambient = false;
     int media = 0;  // FogView::media
     uint32_t seed = 0;

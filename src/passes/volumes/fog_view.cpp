@@ -33,9 +33,10 @@ std::string with_fog(std::string shader, const CellLists& lists) {
   return shader + fog_shadows(bool(lists.sun_maps), bool(lists.lamp_maps), lists.fog.lamp_points);
 }
 
-void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared) {
-  if (lists.fog.grid && fog_is_read(lists)) builder.read(lists.fog.grid, Access::sampled_fragment, "the fog's light");
-  if (fog_walks(lists) && !lights_declared) declare_lights(builder, scene, lists);
+void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared,
+                 const ReadBy& by) {
+  if (lists.fog.grid && fog_is_read(lists)) builder.read(lists.fog.grid, by.image, "the fog's light");
+  if (fog_walks(lists) && !lights_declared) declare_lights(builder, scene, lists, by);
 }
 
 }  // namespace candela

@@ -31,8 +31,14 @@ struct FogView {
 std::string with_fog(std::string shader, const CellLists& lists);
 // The same for the maps of suns and lamps that the light in fog is shadowed by.
 std::string fog_shadows(bool sun, bool lamps, int lamp_points);
+// Which shaders read what a shading pass declares.
+struct ReadBy {
+  Access buffer = Access::fragment_read, image = Access::sampled_fragment;
+  static ReadBy compute() { return {Access::compute_read, Access::sampled_compute}; }
+};
 // What such a shader reads besides the frame's constants: the grid, and, to walk, lights and shadow maps.
-void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared = false);
+void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared = false,
+                 const ReadBy& by = {});
 // Whether such a shader reads the light of fog from an image.
 bool fog_is_read(const CellLists& lists);
 // Texels hold the light up to the nearest opaque surface: what is blended before it follows its own rays.

@@ -101,9 +101,9 @@ VolumetricLight::Out VolumetricLight::declare(GraphBuilder& builder, const In& i
   };
   out.coarse[0] = coarse("volumetric.light");
   if (!filters.empty()) out.coarse[1] = coarse("volumetric.filtered");
-  out.pipelines.push_back(builder.pipeline(
-      ComputePipelineDesc{in.lists.lamp_maps ? "volumetric_march.comp#LAMP_SHADOWS=1" : "volumetric_march.comp",
-                          {{0, "DEPTH_SAMPLES", samples}}}));
+  std::string march = with_depth("volumetric_march.comp", in.depth);
+  if (in.lists.lamp_maps) march += "#LAMP_SHADOWS=1";
+  out.pipelines.push_back(builder.pipeline(ComputePipelineDesc{march, {{0, "DEPTH_SAMPLES", samples}}}));
   builder.begin_step();
   for (const BufferHandle b : {s.lights, s.light_globals, in.lists.cells, in.lists.entries, in.lists.tiles})
     builder.read_optional(b, Access::compute_read);
@@ -111,7 +111,7 @@ VolumetricLight::Out VolumetricLight::declare(GraphBuilder& builder, const In& i
     builder.read(in.lists.lamp_maps, Access::sampled_compute, "the lamps' maps");
     builder.read(s.lamps, Access::compute_read, "the lamps' tiles");
   }
-  builder.read_optional(in.depth, Access::sampled_compute);
+  if (in.depth) read_depth(builder, in.depth);
   out.coarse[0] = builder.write(out.coarse[0], Access::storage_image_write);
   for (size_t i = 0; i < filters.size(); ++i) {
     out.pipelines.push_back(builder.pipeline(ComputePipelineDesc{"volumetric_filter.comp", {}}));
@@ -121,10 +121,11 @@ VolumetricLight::Out VolumetricLight::declare(GraphBuilder& builder, const In& i
   }
   std::vector<SpecConstant> constants = {{0, "DEPTH_SAMPLES", samples}};
   if (in.layer_wanted) constants.push_back({1, "HAS_LAYER", 1});
-  out.pipelines.push_back(builder.pipeline(ComputePipelineDesc{"volumetric_composite.comp", constants}));
+  out.pipelines.push_back(
+      builder.pipeline(ComputePipelineDesc{with_depth("volumetric_composite.comp", in.depth), constants}));
   builder.begin_step();
   builder.read(out.coarse[0], Access::sampled_compute, "the light");
-  builder.read_optional(in.depth, Access::sampled_compute);
+  if (in.depth) read_depth(builder, in.depth);
   const auto full = [&](const char* image) {
     return builder.write(builder.create(ImageDesc{
                              .name = image, .format = color_format, .width_px = s.width_px, .height_px = s.height_px}),
@@ -142,12 +143,11 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
   const uint32_t step = commands.step();
   const auto filters = filter_steps(Filter(knobs.filter));
   const glm::uvec2 texels = commands.size(out.coarse[0]);
-  const uint32_t depth = in.depth && (step == 0 || step > filters.size()) ? commands.sampled(in.depth) : 0;
   commands.bind(out.pipelines[step]);
   if (step == 0) {
     shared::VolumetricMarchPush push{};
     push_light_lists(commands, in.scene, in.lists, push);
-    push.depth = depth;
+    push_depth(commands, in.depth, push);
     push.target = commands.storage(out.coarse[0]);
     push.texels = texels;
     push.texel_px = uint32_t(knobs.texel_px), push.rule = uint32_t(knobs.depth);
@@ -176,7 +176,7 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     shared::VolumetricCompositePush push{};
     push.color = commands.sampled(in.color);
     push.light = commands.sampled(out.coarse[0]);
-    push.depth = depth;
+    push_depth(commands, in.depth, push);
     push.composed = commands.storage(out.color);
     push.layer = out.layer ? commands.storage(out.layer) : 0;
     push.size_px = {in.scene.width_px, in.scene.height_px};

@@ -1,5 +1,6 @@
 #pragma once
 #include "passes/geometry/draw_runs.h"
+#include "passes/geometry/sampled_depth.h"
 #include "passes/pass.h"
 
 namespace candela {
@@ -32,8 +33,8 @@ struct VolumetricLight {
   using SharedKnobs = std::tuple<LightRangeKnobs>;
   struct In {
     SceneInputs scene;
-    ImageHandle color;  // resolved
-    ImageHandle depth;  // optional: nothing is drawn
+    ImageHandle color;   // resolved
+    SampledDepth depth;  // optional: nothing is drawn
     CellLists lists;
     Volumetric look;
     bool layer_wanted = false;

@@ -1,0 +1,43 @@
+#pragma once
+// The light that a surface sends to the viewer, before exposure: its emission, ambient light, and every light of the
+// point's list, or all, in ascending order and summed without contraction, so that a culled list gives the same bits
+// (TECHNIQUES 6.1). Needs the push constants of DrawPush, lib/surface.glsl, and what it includes. begin_rays goes
+// before.
+#include "lib/brdf.glsl"
+#include "lib/light_eval.glsl"
+#include "lib/light_shadow.glsl"
+#include "lib/light_cells.glsl"
+#include "lib/light_list.glsl"
+#include "lib/ambient.glsl"
+#include "lib/occlusion.glsl"
+#ifdef FOG
+#include "lib/fog.glsl"
+#include "lib/fog_lamps.glsl"
+#endif
+
+// surface_point, plane_normal: where its triangle is.
+vec3 surface_radiance(Surface s, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
+  precise vec3 radiance = s.emission;
+  if (HAS_AMBIENT != 0) {
+    shade_probes(s, brdf, position);
+    vec3 ambient = HAS_OCCLUSION != 0
+        ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
+        : ambient_light(s, brdf);
+#ifdef FOG
+    ambient *= fog_sky_through_surface(position, s.normal);
+#endif
+    if (PROBE_COUNT != 0) ambient += probes.specular * s.occlusion;
+    radiance += ambient;
+  }
+  if (HAS_LIGHTS != 0) {
+    for (LightWalk w = begin_lights(position); next_light(w);) {
+      LightRef light = light_at(pc.lights, w.light);
+      vec3 reaching = light_reaching(light, w.light, brdf, position, surface_point, plane_normal);
+#ifdef FOG
+      if (reaching != vec3(0.0)) reaching *= fog_light_through(light, position);
+#endif
+      radiance += reaching;
+    }
+  }
+  return radiance;
+}

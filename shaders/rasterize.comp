@@ -1,0 +1,79 @@
+#version 460
+// Rasterizes a batch of triangles, each thread one: those over few pixels at once, others go to a list for
+// rasterize_large.comp. The key of a sample is the largest: the nearest depth, and of equal depths what is drawn last.
+#include "lib/rasterize_batch.glsl"
+layout(local_size_x = 64) in;
+
+void rasterize_small(Triangle t, Piece piece, PixelBounds at) {
+  const ivec2 corner = at.low << 8;
+  const Edges e = piece_edges(piece, corner);
+  const ivec3 c = ivec3(e.c);  // bounds are small: all fits
+  for (int y = at.low.y; y <= at.high.y; ++y)
+    for (int x = at.low.x; x <= at.high.x; ++x) {
+      uint covered = 0u;
+      for (int s = 0; s < SAMPLES; ++s) {
+        const ivec2 p = (ivec2(x, y) << 8) + sample_place(s) - corner;
+        if (all(greaterThan(e.a * p.x + e.b * p.y + c, ivec3(0)))) covered |= 1u << s;
+      }
+      put_pixel(t, piece, ivec2(x, y), covered);
+    }
+}
+
+// False: the list is full. Its order is that of arrival, which no key depends on.
+bool put_large(Triangle t, Piece piece, PixelBounds at) {
+  LargeRef large = LargeRef(pc.large);
+  if (uint(large.ends >> large_tile_bits) >= pc.most_large) return false;
+  const ivec2 tiles = at.high / int(raster_tile_px) - at.low / int(raster_tile_px) + 1;
+  const uint64_t before =
+      atomicAdd(large.ends, (1ul << large_tile_bits) + uint64_t(tiles.x) * uint64_t(tiles.y));
+  const uint place = uint(before >> large_tile_bits);
+  // The first one beyond the end says where the last one's tiles end.
+  if (place <= pc.most_large)
+    large.t[place] = LargeTriangle(before & large_tile_mask, t.number, gl_WorkGroupID.z, piece.depth,
+        uvec2[](uvec2(piece.p[0]), uvec2(piece.p[1]), uvec2(piece.p[2])));
+  return place < pc.most_large;
+}
+
+void rasterize_alone(Triangle t, Piece piece, PixelBounds at) {
+  for (int y = at.low.y; y <= at.high.y; ++y)
+    for (int x = at.low.x; x <= at.high.x; ++x) {
+      const Edges e = piece_edges(piece, ivec2(x, y) << 8);
+      uint covered = 0u;
+      for (int s = 0; s < SAMPLES; ++s) {
+        const i64vec2 p = i64vec2(sample_place(s));
+        if (all(greaterThan(i64vec3(e.a) * p.x + i64vec3(e.b) * p.y + e.c, i64vec3(0)))) covered |= 1u << s;
+      }
+      put_pixel(t, piece, ivec2(x, y), covered);
+    }
+}
+
+void main() {
+  const uint batch = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+  if (batch >= pc.batch_count) return;
+  const TriangleBatch b = BatchesRef(pc.batches).b[batch];
+  const uint bit = b.cull_bit + gl_WorkGroupID.z * pc.view_masks;
+  if ((MasksRef(pc.masks).m[bit / 32u] >> (bit & 31u) & 1u) == 0u) return;
+  begin_view(gl_WorkGroupID.z);
+  const Item item = load_item(b.item);
+  if (3u * (b.first_triangle + gl_LocalInvocationIndex) + 2u >= item.index_count) return;
+  const Triangle t = load_triangle(b, item, batch * triangle_batch_size + gl_LocalInvocationIndex);
+  if (outside_picture(t.a, t.b, t.c)) return;
+  const bool clipped = needs_clipping(t.a, t.b, t.c);
+  vec4 polygon[3 + raster_planes];
+  int corners = 3;
+  if (clipped) corners = clip_polygon(t.a, t.b, t.c, polygon);
+  for (int i = 2; i < corners; ++i) {
+    Piece piece;
+    const bool has_area = clipped ? make_piece(polygon[0], polygon[i - 1], polygon[i], piece)
+        : make_piece(t.a, t.b, t.c, piece);
+    if (!has_area) continue;
+    if (is_culled(b, piece)) return;
+    const PixelBounds at = piece_bounds(piece);
+    const ivec2 size = at.high - at.low + 1;
+    if (any(lessThanEqual(size, ivec2(0)))) continue;
+    if (!clipped && all(lessThanEqual(size, ivec2(pc.small_px))))
+      rasterize_small(t, piece, at);
+    else if (!put_large(t, piece, at))
+      rasterize_alone(t, piece, at);
+  }
+}

@@ -1,0 +1,123 @@
+#version 460
+// Shades what the keys of a pixel's samples name: each triangle once, at the middle of the samples that it has there.
+#define TRIANGLES
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { DrawPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/vertex_position.glsl"
+#include "lib/vertex_attributes.glsl"
+#include "lib/surface.glsl"
+#include "lib/triangle.glsl"
+#include "lib/shade.glsl"
+#include "lib/sample_places.glsl"
+#ifdef WHOLE
+#include "lib/sky_seen.glsl"
+#endif
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 30) const int SAMPLES = 1;
+
+vec4 shade_triangle(uint triangle, vec2 place) {
+  const TriangleBatch batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
+  const Item item = load_item(batch.item);
+  const Geometry g = load_geometry(item.geometry);
+  const Corners corners =
+      load_corners(frame.indices, item, g, batch.first_triangle + triangle % triangle_batch_size);
+  const ViewRay ray = view_ray(place);
+  const TrianglePoint p = meet_triangle(corners, ray);
+  const Material m = load_material(item.material);
+  const Varyings v = lit_varyings(item, g, corners, p);
+#ifdef FOG
+  const FogSeen fog = fog_before(p.position);
+#endif
+  vec3 radiance;
+  if ((batch.flags & batch_unlit) != 0u) {
+    radiance = max(surface_base_color(m, v).rgb, vec3(0.0));
+  } else {
+    const vec3 to_viewer =
+        frame.perspective != 0u ? normalize(-view_ray(pixel_middle).direction) : frame.camera_back;
+    const bool counter_clockwise = dot(p.plane, ray.direction) < 0.0;
+    const bool is_front = counter_clockwise != ((batch.flags & batch_mirrored) != 0u);
+    const Surface s = load_surface(m, v, is_front ? 1.0 : -1.0, to_viewer);
+    vec3 plane_normal = vec3(0.0);
+    if (HAS_SHADOWS || HAS_OCCLUSION != 0)
+      plane_normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
+    begin_rays(p.position, plane_normal);
+    radiance = surface_radiance(s, brdf_terms(s, to_viewer), p.position, p.position, plane_normal);
+  }
+#ifdef FOG
+  return vec4(radiance * frame.pre_exposure * fog.through + fog.light, 1.0);
+#else
+  return vec4(radiance * frame.pre_exposure, 1.0);
+#endif
+}
+
+#ifdef WHOLE
+vec4 behind_all(vec2 place) {
+  const vec2 ndc = 2.0 * place / vec2(frame.size_px) - 1.0;
+#ifdef FOG
+  const FogSeen fog = fog_before_sky(IS_SUBSAMPLE != 0 ? ndc + pc.subsample_ndc : ndc);
+#endif
+#ifdef SKY
+  const vec2 px = 2.0 / vec2(frame.size_px);
+  const vec3 direction = sky_direction(ndc);
+  const float step = max(length(sky_direction(ndc + vec2(px.x, 0.0)) - direction),
+      length(sky_direction(ndc + vec2(0.0, px.y)) - direction));
+  const vec4 behind = vec4(sky_radiance(direction, step), 1.0);
+#else
+  const vec4 behind = frame.background;
+#endif
+#ifdef FOG
+  return seen_through_fog(behind, fog);
+#else
+  return behind;
+#endif
+}
+#endif
+
+void main() {
+  const uvec2 pixel = gl_GlobalInvocationID.xy;
+  if (any(greaterThanEqual(pixel, frame.size_px))) return;
+  pixel_middle = vec2(pixel) + 0.5;
+  const uint first = (pixel.y * frame.size_px.x + pixel.x) * uint(SAMPLES);
+  KeysRef keys = KeysRef(pc.table);
+  uint seen[SAMPLES];
+  uint left = 0u;
+  for (int s = 0; s < SAMPLES; ++s) {
+    seen[s] = uint(keys.k[first + uint(s)]);
+    if (seen[s] != 0u) left |= 1u << s;
+#ifndef WHOLE
+    if (seen[s] == 0u) SamplesRef(pc.deformed_before).s[first + uint(s)] = vec4(0.0);
+#endif
+  }
+  const uint all_samples = (1u << SAMPLES) - 1u;
+#ifdef WHOLE
+  vec4 sum = vec4(0.0);
+  if (left != all_samples) {
+    const int covered = SAMPLES - bitCount(left);
+    sum = behind_all(pixel_middle) * (float(covered) / float(SAMPLES));
+  }
+#endif
+  while (left != 0u) {
+    const uint triangle = seen[findLSB(left)];
+    uint covered = 0u;
+    vec2 place = vec2(0.0);
+    for (int s = 0; s < SAMPLES; ++s)
+      if (seen[s] == triangle) {
+        covered |= 1u << s;
+        place += sample_place_px(SAMPLES, uint(s));
+      }
+    left &= ~covered;
+    place = covered == all_samples ? vec2(0.5) : place / float(bitCount(covered));
+    const vec4 radiance = shade_triangle(triangle - 1u, vec2(pixel) + place);
+#ifdef WHOLE
+    sum += radiance * (float(bitCount(covered)) / float(SAMPLES));
+#else
+    for (int s = 0; s < SAMPLES; ++s)
+      if ((covered >> s & 1u) != 0u) SamplesRef(pc.deformed_before).s[first + uint(s)] = radiance;
+#endif
+  }
+#ifdef WHOLE
+  imageStore(storage_images[pc.own], ivec2(pixel), sum);
+#endif
+}

@@ -1,0 +1,184 @@
+#include "passes/geometry/rasterize.h"
+
+#include <algorithm>
+
+#include "passes/geometry/features.h"
+#include "shared/visibility.h"
+
+namespace candela {
+namespace {
+constexpr uint32_t most_groups = 65535;  // of a dimension, on every device
+}  // namespace
+
+std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
+  static const Knob<RasterKnobs> table[] = {
+      {.name = "small_px",
+       .member = &RasterKnobs::small_px,
+       .unit = "px",
+       .lowest = 1,
+       .highest = 64,
+       .ladder = {8},
+       .trades = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
+       .kind = Trades::time,
+       .walk = {1, 8, 64},
+       .passes = {"rasterize", "rasterize_views"}},
+      {.name = "list",
+       .member = &RasterKnobs::list,
+       .lowest = 1,
+       .highest = 1048576,
+       .ladder = {262144},
+       .trades = "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
+                 "never the image",
+       .kind = Trades::time,
+       .walk = {1024, 262144},
+       .passes = {"rasterize", "rasterize_views"}},
+  };
+  return table;
+}
+
+namespace {
+
+// The first steps of both passes: they write `target` twice. defined: behind the shaders' names.
+RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHandle masks, BufferHandle deformed,
+                          BufferHandle& target, const RasterKnobs& knobs, const std::string& defined,
+                          std::vector<SpecConstant> constants) {
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.batches})
+    builder.read(b, Access::compute_read, "the scene");
+  builder.read(masks, Access::compute_read, "the items that stay");
+  builder.read_optional(deformed, Access::compute_read);
+  const bool any_masked =
+      std::ranges::any_of(*s.runs, [](const DrawRun& r) { return r.solid() && r.alpha == AlphaMode::mask; });
+  if (any_masked) constants.push_back({31, "HAS_MASKS", 1});
+  for (const SpecConstant& c : base_color_constants(s.features))
+    if (any_masked || Feature(c.id) == Feature::subsample) constants.push_back(c);
+  BufferDesc large{"rasterize.large", 8 + (uint64_t(knobs.list) + 1) * sizeof(shared::LargeTriangle)};
+  large.zeroed = large.unordered = true;
+  RasterSteps steps;
+  steps.large = builder.create(large);
+  steps.groups = builder.create(BufferDesc{"rasterize.groups", sizeof(shared::TileGroups)});
+  steps.batches = builder.pipeline(ComputePipelineDesc{"rasterize.comp" + defined, constants});
+  steps.count = builder.pipeline(ComputePipelineDesc{"rasterize_tiles.comp", {}});
+  steps.tiles = builder.pipeline(ComputePipelineDesc{"rasterize_large.comp" + defined, constants});
+  builder.begin_step();
+  target = builder.write(target, Access::compute_write);
+  steps.large = builder.write(steps.large, Access::compute_write);
+  builder.begin_step();
+  builder.read(steps.large, Access::compute_read, "large triangles");
+  steps.groups = builder.write(steps.groups, Access::compute_write);
+  builder.begin_step();
+  builder.read(steps.large, Access::compute_read, "large triangles");
+  builder.read(steps.groups, Access::indirect_read, "how many tiles there are");
+  target = builder.write(target, Access::compute_write);
+  return steps;
+}
+
+// push: with what is the pass's own.
+void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks, BufferHandle deformed,
+                 BufferHandle target, const RasterSteps& steps, const RasterKnobs& knobs, uint32_t views,
+                 shared::RasterizePush push) {
+  push.large = commands.address(steps.large);
+  push.most_large = uint32_t(knobs.list);
+  push.small_px = uint32_t(knobs.small_px);
+  if (commands.step() == 1) {
+    push.groups = commands.address(steps.groups);
+    commands.bind(steps.count);
+    commands.push(push);
+    return commands.dispatch(1);
+  }
+  push.deformed = deformed ? commands.address(deformed) : 0;
+  push.indices = commands.address(s.indices);
+  push.batches = commands.address(s.batches);
+  push.masks = commands.address(masks);
+  push.keys = commands.address(target);
+  push.batch_count = s.batch_count;
+  commands.bind(commands.step() == 0 ? steps.batches : steps.tiles);
+  commands.push(push);
+  if (commands.step() == 2) return commands.dispatch_indirect(steps.groups);
+  const uint32_t row = std::min(s.batch_count, most_groups);
+  commands.dispatch(row * shared::triangle_batch_size, (s.batch_count + row - 1) / row, views);
+}
+
+}  // namespace
+
+Need Rasterize::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+}
+
+Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
+  const SceneInputs& s = in.scene;
+  std::vector<SpecConstant> constants = {{30, "SAMPLES", s.samples}};
+  if (in.masks_by_sample && s.samples > 1) constants.push_back({32, "MASKS_BY_SAMPLE", 1});
+  BufferDesc keys{"keys", uint64_t(s.width_px) * s.height_px * s.samples * sizeof(uint64_t)};
+  keys.zeroed = true;
+  Out out;
+  out.keys = builder.create(keys);
+  out.steps = declare_steps(builder, s, in.masks, in.deformed, out.keys, knobs, {}, std::move(constants));
+  return out;
+}
+
+void Rasterize::record(CommandList& commands, const In& in, const Out& out) const {
+  shared::RasterizePush push{};
+  push.subsample_ndc = in.scene.subsample_ndc;
+  push.subsample_footprint = in.scene.subsample_footprint;
+  record_step(commands, in.scene, in.masks, in.deformed, out.keys, out.steps, knobs, 1, push);
+}
+
+Need RasterizeViews::needed(const SceneFacts& facts, const FrameRequest& request) const {
+  return Rasterize{}.needed(facts, request);
+}
+
+RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.views.table, Access::compute_read, "the views");
+  const ViewImage& image = *in.image;
+  BufferDesc texels{"rasterize_views.texels", uint64_t(image.layers) * image.size_px * image.size_px * 4};
+  texels.zeroed = true;
+  Out out;
+  out.texels = builder.create(texels);
+  out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, knobs, "#VIEWS=1", {});
+  builder.begin_step();
+  builder.read(out.texels, Access::transfer_source, "the views' depths");
+  out.depth = builder.write(in.target ? in.target : builder.create(image_desc(image, depth_format)),
+                            Access::transfer_destination);
+  return out;
+}
+
+void RasterizeViews::record(CommandList& commands, const In& in, const Out& out) const {
+  if (commands.step() == 3) return commands.copy_to_image(out.texels, out.depth);
+  shared::RasterizePush push{};
+  push.subsample_footprint = 1;
+  push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
+  push.view_masks = in.scene.cull_group_count * shared::cull_group_size;
+  push.image_px = in.image->size_px;
+  record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, knobs, in.views.count, push);
+}
+
+KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.keys, Access::fragment_read, "keys");
+  GraphicsPipelineDesc desc;
+  desc.vertex_shader = "background.vert";
+  desc.fragment_shader = "key_depth.frag";
+  if (in.samples > 1) desc.constants = {{0, "SAMPLES", in.samples}};
+  desc.depth_format = depth_format;
+  desc.samples = in.samples;
+  desc.depth_test = desc.depth_write = true;
+  desc.depth_compare = VK_COMPARE_OP_ALWAYS;
+  Out out;
+  out.pipeline = builder.pipeline(desc);
+  out.depth = builder.write(builder.create(ImageDesc{"depth", depth_format, in.width_px, in.height_px, in.samples}),
+                            Access::depth_attachment);
+  return out;
+}
+
+void KeyDepth::record(CommandList& commands, const In& in, const Out& out) const {
+  commands.begin_rendering({}, out.depth);
+  commands.bind(out.pipeline);
+  commands.set_cull(false, false);
+  for (uint32_t sample = 0; sample < in.samples; ++sample) {
+    commands.push(shared::SamplesPush{commands.address(in.keys), in.width_px, sample});
+    commands.draw(3);
+  }
+  commands.end_rendering();
+}
+
+}  // namespace candela

@@ -1,0 +1,88 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+#include "passes/shadows/lamp_knobs.h"
+#include "passes/shadows/sun_knobs.h"
+#include "passes/surfaces/texture_knobs.h"
+
+namespace candela {
+
+// A visibility buffer (Burns, Hunt, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading", 2013), made
+// in compute: for each sample of each pixel 64 bits, those of the depth of the nearest opaque or masked triangle over
+// 1 + its number in the order of drawing, or 0. The largest wins by an atomic maximum (Karis, Stubbe, Wihlidal, "A Deep
+// Dive into Nanite Virtualized Geometry", 2021): of equal depths what is drawn last, as in hardware, however threads
+// arrive. Triangles over few pixels are one thread's; others are listed, and their tiles dealt out to workgroups.
+// Coverage is the hardware's: corners snapped to 1/256 pixel, standard sample places. Lines and points are not in it.
+// Leaves wrong: depths may differ from the hardware's in their last bits. Needs shaderBufferInt64Atomics.
+struct RasterKnobs {
+  static constexpr std::string_view name = "rasterize";
+  int small_px = 8, list = 262144;
+  static std::span<const Knob<RasterKnobs>> table();
+};
+// What both passes below do by.
+struct RasterSteps {
+  BufferHandle large, groups;
+  PipelineHandle batches, count, tiles;
+};
+struct Rasterize {
+  static constexpr std::string_view name = "rasterize";
+  using Knobs = RasterKnobs;
+  using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  struct In {
+    SceneInputs scene;
+    BufferHandle masks;     // of culling, by the camera
+    BufferHandle deformed;  // optional
+    bool masks_by_sample = false;
+  };
+  struct Out {
+    BufferHandle keys;
+    RasterSteps steps;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+// The same for a range of views that see depth alone, in the place of DepthViews: in one buffer for all, with 32 bits a
+// texel, which then becomes the layered image.
+struct RasterizeViews {
+  static constexpr std::string_view name = "rasterize_views", effect = "shadows";
+  using Knobs = RasterKnobs;
+  using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
+  struct In {
+    SceneInputs scene;
+    ViewRange views;
+    BufferHandle masks;     // of culling, by these views
+    BufferHandle deformed;  // optional
+    std::shared_ptr<const ViewImage> image;
+    ImageHandle target;  // optional: written instead of an image of this frame alone
+  };
+  struct Out {
+    ImageHandle depth;
+    BufferHandle texels;
+    RasterSteps steps;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+// The depths of keys as an image, for passes that test against it or sample it.
+struct KeyDepth {
+  static constexpr std::string_view name = "key_depth";
+  struct In {
+    BufferHandle keys;
+    uint32_t width_px = 0, height_px = 0, samples = 1;
+  };
+  struct Out {
+    ImageHandle depth;
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts&, const FrameRequest&) const { return {}; }
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

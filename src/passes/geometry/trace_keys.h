@@ -1,0 +1,24 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// The keys of a visibility buffer (passes/geometry/rasterize.h) by a ray of the camera through each sample, for any
+// device: the trees and the tests of shaders/lib/trace.glsl, which meet what the reference's rays meet. Holes of masks
+// are those of the texture's finest level. Lines and points are not in it. Needs no atomics.
+struct TraceKeys {
+  static constexpr std::string_view name = "trace_keys";
+  struct In {
+    SceneInputs scene;
+  };
+  struct Out {
+    BufferHandle keys;
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -1,0 +1,27 @@
+#include "passes/geometry/draw_runs.h"
+#include "techniques/technique.h"
+
+namespace candela {
+namespace {
+
+// Whether something is drawn over the surfaces, sample by sample: then there must be a picture and a depth of samples.
+bool drawn_over(const Frame& frame, const SceneInputs& scene) {
+  return frame.facts.blend_items > 0 || Refraction{}.needed(frame.facts, frame.request) ||
+         Reflections{}.needed(frame.facts, frame.request) || draws_lines(scene);
+}
+
+}  // namespace
+
+Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                  std::string_view instance) {
+  if (!surfaces.keys) return forward(frame, scene, surfaces, lighting, instance);
+  ShadeVisible::In in{scene, surfaces.keys, surfaces.deformed, lighting.of_opaque()};
+  in.whole = !drawn_over(frame, scene);
+  in.draws_sky = frame.facts.environment && frame.request.draw_background;
+  const ShadeVisible::Out shaded = frame.add(ShadeVisible{}, in, instance);
+  if (in.whole) return {shaded.color, true};
+  const ImageHandle color = frame.add(PutSamples{}, {scene, shaded.samples}, instance).color;
+  return {draws_lines(scene) ? draw_forward(frame, scene, surfaces, lighting, color, true, instance) : color};
+}
+
+}  // namespace candela

@@ -20,7 +20,9 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
                   "Samples a pixel: 1, 2, 4 or 8, as the device has them; 0: as the quality says")
       ->capture_default_str()
       ->type_name("N");
-  command.add_option("--technique", o.technique, "How the frame is made (candela list techniques)")
+  command
+      .add_option("--technique", o.technique,
+                  "How the frame is made (candela list techniques), or auto: what is quickest on the device")
       ->capture_default_str()
       ->type_name("NAME");
   command

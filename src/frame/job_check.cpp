@@ -100,7 +100,8 @@ Expected<void> check_job(const Job& job) {
     return fail(ErrorKind::usage, "--yfov", "{} is outside 0 to 180 degrees", *job.camera.yfov_deg);
   if (auto good = check_direction(job.camera); !good) return good;
   static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
-  if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;
+  if (job.technique != auto_technique)
+    if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;
   if (auto known = check_name("--transparency", "method of transparency", job.transparency, transparency_names());
       !known)
     return known;

@@ -262,6 +262,14 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s) {
   if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
+  if (job.technique == auto_technique) {  // no device is open
+    Job any_device = job;
+    any_device.technique = quickest_technique(true, false).name;
+    auto planned = plan_frame(any_device, context, wanted, time_s);
+    if (planned)
+      planned->notes.push_back("technique auto: without a device the plan is that of " + any_device.technique);
+    return planned;
+  }
   auto start = Clock::now();
   PlannedFrame f;
   const Expected<KnobValues> knobs = frame_knobs(job);
@@ -406,6 +414,12 @@ Job with_every_light(Job job, const std::string& reference) {
     job.settings.push_back({std::string(LightKnobs::name), "few", few->text(few->highest)});
   }
   return job;
+}
+
+ChosenTechnique quickest_technique(bool is_cpu, bool int64_atomics) {
+  if (is_cpu) return {"clustered", "the device is a CPU, which rasterizes better than shaders on it do"};
+  if (!int64_atomics) return {"clustered", "the device has no 64-bit atomics, which visibility needs"};
+  return {"visibility", "the device is a GPU, which shades in compute many times as fast"};
 }
 
 std::vector<std::string> technique_names() {

@@ -93,6 +93,14 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
 // own, by that one with every light at every pixel.
 Job with_every_light(Job job, const std::string& reference);
 
+// The technique that a frame is made by where the job says `auto`, by what bench/results shows to be quickest: on a GPU
+// with 64-bit atomics `visibility`, else `clustered`. `why`: a sentence for the user.
+inline constexpr std::string_view auto_technique = "auto";
+struct ChosenTechnique {
+  std::string name, why;
+};
+ChosenTechnique quickest_technique(bool is_cpu, bool int64_atomics);
+
 // Tables for `candela list`, --set and the help text.
 std::vector<std::string> technique_names();
 std::vector<std::string> transparency_names();

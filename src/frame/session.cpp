@@ -15,6 +15,7 @@
 #include "frame/posed_scene.h"
 #include "frame/timings.h"
 #include "glsl/built_in_spirv.h"
+#include "gpu/device_select.h"
 #include "gpu/kept_image.h"
 
 namespace candela {
@@ -123,6 +124,12 @@ Expected<void> DeviceSession::open() {
   if (!loaded) return loaded;
   if (!device) return std::unexpected(device.error());
   device_ = std::move(*device);
+  if (job_.technique == auto_technique) {
+    const bool is_cpu = device_->info().type == "cpu";
+    const ChosenTechnique chosen = quickest_technique(is_cpu, gpu::has_int64_atomics(device_->physical()));
+    job_.technique = chosen.name;
+    log::info("technique auto: {}, because {}", chosen.name, chosen.why);
+  }
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   try {
     const StageTimer timer(opening_, "upload");

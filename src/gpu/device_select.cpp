@@ -273,6 +273,12 @@ bool has_post_depth_coverage(VkPhysicalDevice physical) {
   });
 }
 
+bool has_int64_atomics(VkPhysicalDevice physical) {
+  DeviceFeatures present;
+  vkGetPhysicalDeviceFeatures2(physical, &present.core);
+  return present.v12.shaderBufferInt64Atomics;
+}
+
 Error start_error(VkResult result, std::string message) {
   const bool no_memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
   const std::string missing = no_memory ? "memory" : what_runs_out();

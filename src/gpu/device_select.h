@@ -27,6 +27,8 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted);
 
 // A fragment's coverage after the depth test is of no version of Vulkan, and optional.
 bool has_post_depth_coverage(VkPhysicalDevice physical);
+// shaderBufferInt64Atomics, which is on where it is present.
+bool has_int64_atomics(VkPhysicalDevice physical);
 
 struct Candidate {
   VkPhysicalDevice physical = VK_NULL_HANDLE;

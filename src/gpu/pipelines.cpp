@@ -90,12 +90,7 @@ VkPipelineColorBlendAttachmentState blend_state(const AttachmentState& attachmen
 Pipelines::Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler,
                      std::filesystem::path cache_folder)
     : device_(device), bindless_(bindless), compiler_(std::move(compiler)), cache_folder_(std::move(cache_folder)) {
-  // What is optional is on where it is present.
-  VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v12};
-  vkGetPhysicalDeviceFeatures2(device.physical(), &features);
-  features_ = features.features;
-  int64_atomics_ = v12.shaderBufferInt64Atomics;
+  vkGetPhysicalDeviceFeatures(device.physical(), &features_);  // what is optional is on where it is present
   load_cache();
 }
 
@@ -230,7 +225,7 @@ VkShaderModule Pipelines::module(const std::string& file) const { return shaders
 
 Pipeline Pipelines::make(const ComputePipelineDesc& desc) const {
   constexpr uint32_t int64_atomics = 12;  // of SPIR-V
-  if (!int64_atomics_ && uses(shaders_.at(desc.shader).spirv, int64_atomics))
+  if (!has_int64_atomics(device_.physical()) && uses(shaders_.at(desc.shader).spirv, int64_atomics))
     throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("shaderBufferInt64Atomics, for {}", desc.shader));
   const Specialization specialization(desc.constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};

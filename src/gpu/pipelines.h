@@ -48,7 +48,6 @@ class Pipelines {
   glsl::ShaderCompiler compiler_;
   std::filesystem::path cache_folder_;
   VkPhysicalDeviceFeatures features_{};
-  bool int64_atomics_ = false;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   Hash128 on_disk_;  // of the data in the cache file
   struct Shader {

@@ -32,7 +32,9 @@ def whole(code):
     if not draw.balanced(code):
         return False
     code = code.strip()
-    return code.endswith(";") or not re.match(r"[?:]|.*[?:]$", code, re.DOTALL) and not LONE_ASSIGNMENT.search(code)
+    if code.endswith(";"):
+        return not re.match(r"(const|static|auto|bool|int|float|double|uint32_t|size_t)\b", code)
+    return not re.match(r"[?:,]|.*[?:,]$", code, re.DOTALL) and not LONE_ASSIGNMENT.search(code)
 
 
 def place_of(text, fault, edit):
@@ -44,7 +46,8 @@ def place_of(text, fault, edit):
         raise Wrong(f"{fault['name']}: 'within' holds this {within.count(old)} times, not once: {old}")
     start = text.index(within) + within.index(old)
     if edit["file"].startswith("src/"):
-        if not (whole(old) and whole(edit["new"])):
+        begins = re.search(r"([;{})]|\belse|//.*)\s*$", text[:start])
+        if not (whole(old) and whole(edit["new"])) or old.rstrip().endswith(";") and not begins:
             raise Wrong(f"{fault['name']}: neither an expression nor whole statements: {old}")
         if re.search(r"^\s*(static |inline )*constexpr ", text[text.rfind("\n", 0, start) + 1:start + len(old)]):
             raise Wrong(f"{fault['name']}: the compiler must know this, so it is no choice at run time: {old}")

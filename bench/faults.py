@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Counts what becomes of frames when things go wrong in the middle of a sequence: kill -9 at random moments, a full disk, a
-Vulkan call that fails, two writers, folders that cannot be written, and 10,000 frames of one process. Each part ends with
-the bytes of an undisturbed run, or says how many frames are lost, half or different. Exit 1 when there is one."""
+Vulkan call that fails, a texture whose upload ends in the middle, two writers, folders that cannot be written, and 10,000
+frames of one process. Each part ends with the bytes of an undisturbed run, or says how many frames are lost, half or
+different. Exit 1 when there is one."""
 import argparse
 import concurrent.futures
 import json
@@ -9,15 +10,43 @@ import os
 import pathlib
 import random
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 HOST_MEMORY, DEVICE_MEMORY, DEVICE_LOST = -1, -2, -4
 MAY_BE_LOST = {"vkCreateDevice", "vkQueueSubmit2", "vkWaitForFences", "vkDeviceWaitIdle", "vkGetQueryPoolResults"}
 DEVICE_TOO = {"vkAllocateMemory", "vkCreateBuffer", "vkCreateImage", "vkCreateGraphicsPipelines", "vkQueueSubmit2"}
+
+
+def textured_scene(folder, side_px):
+    """A square whose unlit colour is a texture of that side, beside the file."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = b"".join(b"\0" + bytes([y & 255, 80, 200]) * side_px for y in range(side_px))
+    (folder / "texture.png").write_bytes(
+        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side_px, side_px, 8, 2, 0, 0, 0)) +
+        chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
+    corners = struct.pack("<12f8f", -1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0, 0, 1, 1, 1, 0, 0, 1, 0)
+    (folder / "square.bin").write_bytes(corners + struct.pack("<6H", 0, 1, 2, 2, 1, 3))
+    views = [(0, 48), (48, 32), (80, 12)]
+    (folder / "square.gltf").write_text(json.dumps({
+        "asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_unlit"], "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}], "textures": [{"source": 0}], "images": [{"uri": "texture.png"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "materials": [{"extensions": {"KHR_materials_unlit": {}},
+                       "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "buffers": [{"uri": "square.bin", "byteLength": 92}],
+        "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in views],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0],
+                       "max": [1, 1, 0]},
+                      {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+                      {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}]}))
+    return folder / "square.gltf"
 
 
 class Faults:
@@ -173,6 +202,41 @@ class Faults:
         return self.result(len(faults), different, lost, calls=len(names), functions=len(set(names)), exit_codes=codes,
                            wrong_exit_codes=wrong_codes, wrong_files=wrong_files)
 
+    def uploads(self, step):
+        """A texture larger than the staging buffer, and each call between its creation and the end of its upload that
+        fails: the error names the file, and no picture is left."""
+        if not self.options.layer:
+            return {"skipped": "no --layer"}
+        scene = textured_scene(self.base, 2048)
+        layer = {"VK_LAYER_PATH": self.options.layer, "VK_INSTANCE_LAYERS": "VK_LAYER_CANDELA_fault"}
+
+        def draw(folder, environment):
+            to = self.base / folder
+            ended = subprocess.run([self.options.program, "render", scene, "--size", "64x36", "--device", self.options.device,
+                                    "--quiet", "-o", to / "a.exr", "-o", to / "a.png"], capture_output=True, text=True,
+                                   timeout=120, env={**os.environ, **layer, **environment})
+            files = len(self.contents(folder)) + len(self.contents(folder, temporary=True))
+            self.clear(folder)
+            return ended, files
+
+        names_file = self.base / "calls"
+        self.check(draw("uploads", {"FAULT_LIST": str(names_file)})[0], 0, "the layer alone")
+        names = names_file.read_text().split()
+        first = names.index("vkCreateImage")  # the first image of the process
+        last = names.index("vkResetFences", first)  # staging is full: the texture is uploaded in two parts
+        faults = [(at + 1, names[at], result) for at in range(first, last + 1)
+                  for result in [HOST_MEMORY] + [DEVICE_LOST] * (names[at] in MAY_BE_LOST) +
+                  [DEVICE_MEMORY] * (names[at] in DEVICE_TOO)][::step]
+        ends = self.side_by_side(lambda fault: (fault, *draw(f"uploads{fault[0]}{fault[2]}", {
+            "FAULT_AT": str(fault[0]), "FAULT_RESULT": str(fault[2])})), faults)
+        half, wrong_codes = 0, []
+        for (at, name, result), ended, files in ends:
+            half += files
+            if ended.returncode != (4 if result == DEVICE_LOST else 6) or "square.gltf: /images/0: " not in ended.stderr:
+                wrong_codes.append({"call": at, "function": name, "result": result, "exit": ended.returncode,
+                                    "stderr": ended.stderr[-300:]})
+        return self.result(len(faults), half, 0, calls=last - first + 1, wrong_exit_codes=wrong_codes)
+
     def writers(self, tries):
         different = lost = 0
         for _ in range(tries):
@@ -259,13 +323,13 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="runs side by side, of kills and of failing calls")
     parser.add_argument("--soak", type=int, default=10000)
-    parser.add_argument("--only", default="kills,disks,vulkan,writers,read_only,soak")
+    parser.add_argument("--only", default="kills,disks,vulkan,uploads,writers,read_only,soak")
     parser.add_argument("--quick", action="store_true", help="a few of each, as a test")
     parser.add_argument("--json")
     options = parser.parse_args()
     few = options.quick
     faults = Faults(options)
-    parts = {"kills": 6 if few else 200, "disks": 3 if few else 50, "vulkan": 40 if few else 1, "writers": 1 if few else 20,
+    parts = {"kills": 6 if few else 200, "disks": 3 if few else 50, "vulkan": 40 if few else 1, "uploads": 2 if few else 1, "writers": 1 if few else 20,
              "read_only": 2 if few else 20, "soak": 150 if few else options.soak}
     results, failed = {}, False
     try:

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "bench/picture.h"
+#include "frame/device_samples.h"
 #include "frame/gpu_scene.h"
 #include "frame/plan_frame.h"
 #include "gpu/frame_runner.h"
@@ -21,6 +22,7 @@ class SharedRenderer {
   Expected<FrameResult> frame(const Job& job, const WantedOutputs& wanted, double time_s);
   const std::vector<std::string>& warnings() const { return warnings_; }  // of loading scene and sky
   const gpu::DeviceInfo& device() const { return device_->info(); }
+  std::vector<int> samples() const { return device_samples(*device_); }  // a pixel, that the device can do
 
  private:
   SharedRenderer() = default;

@@ -155,8 +155,14 @@ void GpuScene::load_textures(const PlannedFrame& frame, Uploaded& uploaded) {
     if (!decoded->data) throw gpu::GpuError(VK_ERROR_OUT_OF_HOST_MEMORY, decoded->data.error().text());
     uploaded.warnings.insert(uploaded.warnings.end(), decoded->warnings.begin(), decoded->warnings.end());
     LoadedTexture& made = loaded[decoded->key];
-    made.texture = gpu::Texture(device_, *decoded->data, scene_.images[size_t(decoded->key.image)].place.c_str());
-    uploader->to_texture(made.texture, *decoded->data);
+    const std::string& place = scene_.images[size_t(decoded->key.image)].place;
+    try {
+      made.texture = gpu::Texture(device_, *decoded->data, place.c_str());
+      uploader->to_texture(made.texture, *decoded->data);
+    } catch (gpu::GpuError& e) {
+      e.place = place;
+      throw;
+    }
   };
   tbb::parallel_pipeline(at_once, tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, take) &
                                       tbb::make_filter<size_t, Result>(tbb::filter_mode::parallel, decode) &

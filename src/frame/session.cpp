@@ -22,7 +22,7 @@ namespace candela {
 namespace {
 
 Error as_error(const gpu::GpuError& e) {
-  return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), ""};
+  return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), e.place};
 }
 
 class DeviceSession : public Session {

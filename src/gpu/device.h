@@ -19,6 +19,7 @@ class GpuError : public std::runtime_error {
  public:
   GpuError(VkResult result, const std::string& what);
   VkResult result;
+  std::string place;  // the file that it befell; empty: none
   bool out_of_memory() const {
     return result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
   }

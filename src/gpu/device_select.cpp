@@ -27,11 +27,11 @@ constexpr Feature<VkPhysicalDeviceFeatures> required_core[] = {
     {"shaderStorageImageArrayDynamicIndexing", &VkPhysicalDeviceFeatures::shaderStorageImageArrayDynamicIndexing},
     {"fragmentStoresAndAtomics", &VkPhysicalDeviceFeatures::fragmentStoresAndAtomics},
     {"independentBlend", &VkPhysicalDeviceFeatures::independentBlend},
+    {"sampleRateShading", &VkPhysicalDeviceFeatures::sampleRateShading},  // values at samples, of masks by sample
 };
 constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
     {"samplerAnisotropy", &VkPhysicalDeviceFeatures::samplerAnisotropy},
     {"geometryShader", &VkPhysicalDeviceFeatures::geometryShader},  // gl_PrimitiveID in fragment shaders
-    {"sampleRateShading", &VkPhysicalDeviceFeatures::sampleRateShading},
     {"depthClamp", &VkPhysicalDeviceFeatures::depthClamp},
     {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics},
     {"textureCompressionBC", &VkPhysicalDeviceFeatures::textureCompressionBC},

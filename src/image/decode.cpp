@@ -24,6 +24,7 @@
 #include "image/hdr.h"
 #include "image/io.h"
 #include "image/ktx2.h"
+#include "image/png_text.h"
 #include "image/webp.h"
 
 namespace candela {
@@ -48,12 +49,16 @@ uint32_t big_endian(std::span<const std::byte> bytes, size_t at, int count) {
   return value;
 }
 
-// Nothing when the chunks of the PNG reach its IEND, else what is wrong. stb stops at IEND too, but reads zeros past
-// the end.
+// Nothing when the chunks of the PNG reach its IEND and those that pixels are made of are what was written, else what
+// is wrong. stb stops at IEND too, but reads zeros past the end, and looks at no checksum.
 std::string check_png_chunks(std::span<const std::byte> bytes) {
   for (size_t at = 8; bytes.size() - at >= 12;) {
     const uint64_t length = big_endian(bytes, at, 4);
     if (length > bytes.size() - at - 12) return "the file is truncated";
+    const bool critical = (bytes[at + 4] & std::byte(0x20)) == std::byte(0);  // a capital letter
+    const size_t end = at + 8 + size_t(length);
+    if (critical && png_crc(bytes.subspan(at + 4, size_t(length) + 4)) != big_endian(bytes, end, 4))
+      return "a checksum is wrong";
     if (std::memcmp(bytes.data() + at + 4, "IEND", 4) == 0) return {};
     at += 12 + size_t(length);
   }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/files.h"
 #include "image/io.h"
 #include "program.h"
 
@@ -210,6 +211,64 @@ TEST(MissingTexture, IsACheckerInEveryRendererAndExitThreeWhenStrict) {
   EXPECT_GT(magenta, 20);
   EXPECT_GT(black, 20);
   EXPECT_LT(different, 5);
+}
+
+// A texture that is cut or damaged within its pixels is drawn as one that is not there: no part of it is seen, and the
+// warning names the scene's file, the image and what is wrong.
+TEST(DamagedTexture, IsTheCheckerWholeAndNamed) {
+  TestFolder folder;
+  const fs::path images = fs::path(CANDELA_SOURCE_DIR) / "tests/images";
+  const auto draw = [&](const std::string& image, const std::string& extension) {
+    std::string text = textured(image);
+    if (!extension.empty()) {
+      const std::string plain = R"("textures":[{"source":0}])", core = R"("KHR_texture_transform"],)";
+      text.replace(text.find(plain), plain.size(),
+                   R"("textures":[{"extensions":{")" + extension + R"(":{"source":0}}}])");
+      text.replace(text.find(core), core.size(),
+                   R"("KHR_texture_transform",")" + extension + R"("],"extensionsRequired":[")" + extension + "\"],");
+    }
+    std::ofstream(folder / "a.gltf") << text;
+    fs::remove(folder / "a.png");
+    return Arguments{"render", folder / "a.gltf", "--size", "32x32", "-o", folder / "a.png"};
+  };
+  const auto picture = [&] {
+    const auto bytes = read_file(folder / "a.png");
+    const auto image = bytes ? decode_image(*bytes, "a.png") : fail(ErrorKind::input, "a.png", "is not there");
+    EXPECT_TRUE(image);
+    return image ? image->pixels : std::vector<std::byte>();
+  };
+  ASSERT_EQ(candela(draw("absent.png", "")).code, 0);
+  const auto checker = picture();
+  struct Damage {
+    std::string file, extension;
+    bool cut;  // in the middle of the pixels; else one bit there is another
+    std::string says;
+  };
+  for (const Damage& d : {Damage{"etc1s_alpha.png", "", true, "the file is truncated"},
+                          Damage{"etc1s_alpha.png", "", false, "a checksum is wrong"},
+                          Damage{"etc1s_alpha.ktx2", "KHR_texture_basisu", true, "the file is truncated"},
+                          Damage{"lossless.webp", "EXT_texture_webp", true, "the WebP is truncated"}}) {
+    SCOPED_TRACE(d.file + ": " + d.says);
+    auto bytes = read_file(images / d.file);
+    ASSERT_TRUE(bytes);
+    const size_t middle = bytes->size() * 6 / 10;
+    for (const bool whole : {true, false}) {
+      if (!whole && d.cut) bytes->resize(middle);
+      if (!whole && !d.cut) (*bytes)[middle] ^= std::byte(1);
+      std::ofstream(folder / d.file, std::ios::binary)
+          .write(reinterpret_cast<const char*>(bytes->data()), std::streamsize(bytes->size()));
+      Arguments arguments = draw(d.file, d.extension);
+      const Ended ended = candela(arguments);
+      ASSERT_EQ(ended.code, 0) << ended.err;
+      EXPECT_EQ(picture() == checker, !whole);
+      EXPECT_EQ(ended.err.find("a.gltf: /images/0: ") != std::string::npos, !whole) << ended.err;
+      EXPECT_EQ(ended.err.find(d.says) != std::string::npos, !whole) << ended.err;
+      fs::remove(folder / "a.png");
+      arguments.push_back("--strict");
+      EXPECT_EQ(candela(arguments).code, whole ? 0 : 3);
+      EXPECT_EQ(fs::exists(folder / "a.png"), whole);
+    }
+  }
 }
 
 // A user of its own has processes of its own: the limit then counts what the program starts.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -47,6 +48,37 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   EXPECT_EQ(candela(traced(folder / "n.exr", {"--spp", "4", "--layers", "none"})).code, 0);
   const Ended same = candela({"compare", folder / "v.exr", folder / "n.exr", "--limit", "max=0"});
   EXPECT_EQ(same.code, 0) << same.err;
+}
+
+// --footprints: within the squares of a textured scene 4 samples a pixel are nearer to 256 than points are. The file
+// says so, and where nothing is textured no pixel changes.
+TEST(Reference, FootprintsAreMeansOfTextures) {
+  const TestFolder folder;
+  const auto traced_of = [&](const std::string& file, std::vector<std::string> more) {
+    more.insert(more.begin(), {"reference", file, "--size", "48x32", "--sampler", "uniform", "--layers", "none",
+                               "--quiet", "--exr-type", "float", "--json", "-o", folder / "a.exr"});
+    const Ended ended = candela(more);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    const bool said = nlohmann::json::parse(ended.out)["reference"].value("footprints", false);
+    EXPECT_EQ(said, more.back() == "--footprints");
+    auto image = read_image(folder / "a.exr");
+    EXPECT_TRUE(image);
+    return image ? *image : FloatImage{};
+  };
+  const auto values = [](const FloatImage& image, const char* channel) { return image.find(channel)->f; };
+  const std::string squares = scene("texture-transform");
+  const FloatImage truth = traced_of(squares, {"--spp", "256"}), points = traced_of(squares, {"--spp", "4"}),
+                   means = traced_of(squares, {"--spp", "4", "--footprints"});
+  const auto error = [&](const FloatImage& image) {
+    double sum = 0;
+    for (const char* channel : {"R", "G", "B"})
+      for (size_t i = 0; i < 48 * 32; ++i)
+        if (values(truth, "A")[i] == 1) sum += std::pow(values(image, channel)[i] - values(truth, channel)[i], 2);
+    return sum;
+  };
+  EXPECT_LT(error(means), 0.01 * error(points)) << error(means) << " " << error(points);
+  EXPECT_EQ(values(traced_of(spheres, {"--spp", "4"}), "R"),
+            values(traced_of(spheres, {"--spp", "4", "--footprints"}), "R"));
 }
 
 // However the tree is built the picture is the same; what it was built of is in the JSON.

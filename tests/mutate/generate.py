@@ -9,6 +9,7 @@ OUT/faults.json          every fault with its tests, for mutate.py
 OUT/inputs.txt           the files that were read
 """
 import json
+import re
 import sys
 import tomllib
 from pathlib import Path
@@ -19,8 +20,21 @@ import draw  # noqa: E402
 HERE = Path(__file__).resolve().parent
 
 
+LONE_ASSIGNMENT = re.compile(r"(?<![=!<>+*/%&|^\[-])=(?!=)")
+
+
 class Wrong(Exception):
     pass
+
+
+def whole(code):
+    """Whether the C++ text may be statements, or an expression: no part of one and no declaration's `name = value`."""
+    if not draw.balanced(code):
+        return False
+    code = code.strip()
+    if code.endswith(";"):
+        return not re.match(r"(const|static|auto|bool|int|float|double|uint32_t|size_t)\b", code)
+    return not re.match(r"[?:,]|.*[?:,]$", code, re.DOTALL) and not LONE_ASSIGNMENT.search(code)
 
 
 def place_of(text, fault, edit):
@@ -30,9 +44,13 @@ def place_of(text, fault, edit):
         raise Wrong(f"{fault['name']}: {edit['file']} holds this {text.count(within)} times, not once: {within}")
     if within.count(old) != 1:
         raise Wrong(f"{fault['name']}: 'within' holds this {within.count(old)} times, not once: {old}")
-    if edit["file"].startswith("src/") and not (draw.balanced(old) and draw.balanced(edit["new"])):
-        raise Wrong(f"{fault['name']}: neither an expression nor whole statements: {old}")
     start = text.index(within) + within.index(old)
+    if edit["file"].startswith("src/"):
+        begins = re.search(r"([;{})]|\belse|//.*)\s*$", text[:start])
+        if not (whole(old) and whole(edit["new"])) or old.rstrip().endswith(";") and not begins:
+            raise Wrong(f"{fault['name']}: neither an expression nor whole statements: {old}")
+        if re.search(r"^\s*(static |inline )*constexpr ", text[text.rfind("\n", 0, start) + 1:start + len(old)]):
+            raise Wrong(f"{fault['name']}: the compiler must know this, so it is no choice at run time: {old}")
     return start, start + len(old)
 
 

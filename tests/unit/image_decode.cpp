@@ -3,6 +3,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "../png_checksums.h"
 #include "base/files.h"
 #include "image/exr.h"
 #include "image/io.h"
@@ -124,6 +125,21 @@ TEST(Decode, EveryTruncationIsAnError) {
   }
 }
 
+// Every byte of a PNG's head and pixels counts: one bit that is another is an error, not other pixels.
+TEST(Decode, EveryDamagedBitOfAPngIsAnError) {
+  const auto small = read_file(std::filesystem::path(CANDELA_SOURCE_DIR) / "tests/images/etc1s_58x42.png");
+  ASSERT_TRUE(small);
+  std::vector<std::byte> bytes = *small;
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    bytes[i] ^= std::byte(1 << i % 8);
+    EXPECT_FALSE(decode_image(bytes, "damaged")) << "byte " << i;
+    bytes[i] = (*small)[i];
+  }
+  EXPECT_TRUE(decode_image(bytes, "whole"));
+  // Fewer rows than the head says, in chunks that are whole.
+  EXPECT_FALSE(decode_image(bytes_of(png(4, 4, 8, 2, std::string(3 * 13, '\0'))), "short"));
+}
+
 TEST(Decode, MutatedBytesNeverCrash) {
   std::vector<std::string> files = {png(8, 8, 8, 6, std::string(8 * 33, '\1')),
                                     png(5, 5, 4, 3, std::string(5 * 4, '\0'), chunk("PLTE", "abcdefghi")),
@@ -143,7 +159,8 @@ TEST(Decode, MutatedBytesNeverCrash) {
       std::string bytes = good;
       for (uint32_t n = 1 + random() % 6; n > 0; --n) bytes[random() % bytes.size()] = char(random());
       // An exact heap block: reading past it is seen by the address sanitizer.
-      const std::vector<char> exact(bytes.begin(), bytes.end());
+      std::vector<char> exact(bytes.begin(), bytes.end());
+      test::renew_png_checksums(std::as_writable_bytes(std::span(exact)));
       const auto image = decode_image(std::as_bytes(std::span(exact)), "mutated", 2048);
       if (image) {
         const size_t size = image->format == DecodedImage::Format::rgba8    ? 4

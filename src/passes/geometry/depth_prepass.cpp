@@ -9,9 +9,8 @@ std::span<const Knob<DepthPrepass::Knobs>> DepthPrepass::Knobs::table() {
        .lowest = 0,
        .highest = 1,
        .ladder = {0, 0, 0, 1},
-       .trades = "1: of a multisampled pixel a mask keeps the samples at which its alpha, followed by its slope, "
-                 "reaches the cutoff, so that edges of masks are as smooth as those of meshes; 0: all or none; exact "
-                 "is supersampling",
+       .trades = "1: of a multisampled pixel a mask keeps the samples at which its alpha reaches the cutoff, so that "
+                 "edges of masks are as smooth as those of meshes; 0: all or none; exact is supersampling",
        .passes = {"depth_prepass"}},
   };
   return table;

@@ -1,5 +1,5 @@
 // The vertex shader of every pass that shades the scene. Varyings are centroid: never extrapolated off the triangle, so
-// that a partly covered pixel shades a point of the surface (TECHNIQUES 3.1).
+// that a partly covered pixel shades a point of the surface (TECHNIQUES 3.1). PLACED: a function placed() says where.
 invariant gl_Position;
 layout(location = 0) out flat uvec2 out_ids;  // material, object
 layout(location = 1) centroid out vec3 out_position;
@@ -71,4 +71,7 @@ void main() {
   if (HAS_TEXTURES != 0) out_uv0 = g.uv0 != absent ? load2(frame.vertices, g.uv0 + 2u * v) : vec2(0.0);
   if (HAS_UV1 != 0) out_uv1 = g.uv1 != absent ? load2(frame.vertices, g.uv1 + 2u * v) : vec2(0.0);
   if (HAS_VERTEX_COLOR != 0) out_color = g.color != absent ? load4(frame.vertices, g.color + 4u * v) : vec4(1.0);
+#ifdef PLACED
+  gl_Position = placed();
+#endif
 }

@@ -34,6 +34,7 @@
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
+#include "passes/transparency/colored_shadows.h"
 #include "passes/transparency/fragments.h"
 #include "passes/transparency/moments.h"
 #include "passes/transparency/phenomenological.h"
@@ -57,11 +58,11 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses =
-    PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, TileDepth, LightAssign, LightScan, LightFill,
-             LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
-             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms,
-             FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks,
-             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+    PassList<Cull, CullCompact, Deform, DepthPrepass, DepthViews, ColoredShadows, TileDepth, LightAssign, LightScan,
+             LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeForward, ShadeUnlit, Sky, Background,
+             Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological,
+             Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds,
+             MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

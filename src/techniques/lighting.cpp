@@ -24,12 +24,14 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   LightMaps out;
   if (!image) {
     out.depth.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
+    frame.builder.leave_out(fmt::format("{}.{}", ColoredShadows::name, instance), absence);
     return out;
   }
   const Frame::Kept maps = frame.keep(DepthViews::image_desc(*image), key);
   if (maps.filled) {
     for (const std::string_view pass : {Cull::name, CullCompact::name, DepthViews::name})
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), "kept from before: nothing that casts has moved");
+    frame.add(ColoredShadows{}, {}, instance);
     out.depth = maps.image;
     return out;
   }
@@ -37,12 +39,8 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
   out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
-  if (!draws_shadow_colors(frame.facts, frame.request, frame.knobs)) return out;
-  out.colors =
-      frame
-          .add(ColoredShadows{}, {scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0},
-               instance)
-          .colors;
+  const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};
+  out.colors = frame.add(ColoredShadows{}, in, instance).colors;
   return out;
 }
 

@@ -129,9 +129,11 @@ TEST_F(TransparencyShadows, IsLeftOutWhereNothingNeedsIt) {
   GltfBuilder b = lit_wall(Lamp::sun);
   add_sheet(b, glass_material({.color = {0.9, 0.5, 0.2}}), 0.6f, {0, 0, 0.5});
   const auto passes = [](const Job& job) { return plan_text(render(*open(job)).plan); };
-  EXPECT_NE(passes(from_aside(b)).find("colored_shadows.sun"), std::string::npos);
+  EXPECT_NE(passes(from_aside(b)).find("colored_shadows.sun.maps"), std::string::npos);
   EXPECT_EQ(passes(from_aside(b)).find("back_positions"), std::string::npos);  // a sheet bends nothing
-  const auto is_absent = [&](const Job& job) { return passes(job).find("colored_shadows") == std::string::npos; };
+  const auto is_absent = [&](const Job& job) {
+    return passes(job).find("colored_shadows.sun.maps") == std::string::npos;
+  };
   EXPECT_TRUE(is_absent(from_aside(b, {{"colored_shadows", "scale", "off"}})));
   Job sorted = from_aside(b);
   sorted.transparency = "sorted";

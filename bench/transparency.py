@@ -5,7 +5,8 @@
 
 Times are those of `candela bench bench/suites/transparency.json`, whose rows are measured in turn. Errors are relMSE at
 --width, one sample a pixel against `--transparency layers`, and four against `candela reference --mode path`, over the
-picture and over parts of it. Refraction apart: `sorted` is drawn without that effect too (glass is opaque then).
+picture and over parts of it. Refraction apart: `sorted` is drawn without that effect too (glass is opaque then), and
+`phenomenological` without coloured shadows.
 """
 import argparse
 import json
@@ -22,6 +23,8 @@ SCENES = {
               "ball and lens": (0.42, 0.16, 0.2, 0.68)},
     "glass": {"frosted sheets": (0.1, 0.1, 0.35, 0.75), "ball": (0.6, 0.55, 0.15, 0.32),
               "prism": (0.78, 0.4, 0.12, 0.5)},
+    "stained": {"coloured sheets": (0.21, 0.17, 0.47, 0.35), "coloured shadows": (0.33, 0.56, 0.2, 0.09)},
+    "caustics": {"ball": (0.18, 0.26, 0.2, 0.4), "lens": (0.4, 0.2, 0.26, 0.48), "slab": (0.66, 0.34, 0.22, 0.3)},
 }
 
 
@@ -68,16 +71,16 @@ def main() -> None:
             outputs = lambda name: ["-o", folder / f"{scene}.{name}.exr", "-o", folder / f"{scene}.{name}.png"]
             if not (folder / f"{scene}.path.exr").exists():
                 run([options.program, "reference", *frame, "--mode", "path", "--spp", options.spp, *outputs("path")])
-            ways = [(m, []) for m in METHODS]
+            ways = [(m, m, []) for m in METHODS]
             if parts:
-                ways.append(("sorted", ["--effects", "none"]))
+                ways.append(("sorted.bare", "sorted", ["--effects", "none"]))
+                ways.append(("phenomenological.uncoloured", "phenomenological",
+                             ["--set", "colored_shadows.scale=off"]))
             for samples in (1, 4):
-                for method, more in ways:
-                    name = f"{method}{'.bare' if more else ''}.{samples}"
+                for name, method, more in ways:
                     run([options.program, "render", *frame, "--transparency", method, "--samples", samples, *more,
-                         *outputs(name)])
-            for method, more in ways:
-                name = f"{method}{'.bare' if more else ''}"
+                         *outputs(f"{name}.{samples}")])
+            for name, method, more in ways:
                 errors = {}
                 for truth, samples in (("layers.1", 1), ("path", 4)):
                     compared = json.loads(run([
@@ -87,11 +90,11 @@ def main() -> None:
                     errors[key] = {"whole": compared["metrics"]["relmse"]}
                     for part, region in zip(parts, compared.get("regions", [])):
                         errors[key][part] = region["metrics"]["relmse"]
-                row = {"scene": scene, "transparency": method, "effects": "none" if more else "auto", **errors}
+                row = {"scene": scene, "transparency": method, "options": more, **errors}
                 if not more:
                     row |= times.get((scene, method), {})
                 rows.append(row)
-                print(f"{scene:10} {name:18} layers {errors['against_layers']['whole']:.3g}  path "
+                print(f"{scene:10} {name:27} layers {errors['against_layers']['whole']:.3g}  path "
                       + "  ".join(f"{k} {v:.3g}" for k, v in errors["against_path"].items())
                       + (f"  {row['gpu_ms']:.1f} ms" if "gpu_ms" in row else ""), flush=True)
     options.json.parent.mkdir(parents=True, exist_ok=True)

@@ -38,16 +38,34 @@ vec4 picture_at(vec2 place, vec2 undispersed, float dispersion, float lod) {
   return seen;
 }
 
+// A ray's search for where it meets the picture, by what its points are polynomials of: the farthest that lies before
+// what is seen there, and the nearest behind.
+struct Search {
+  float q, before, behind;
+};
+Search begin_search(float q, float glass_m) { return Search(q, nearness(glass_m), -1.0); }
+bool is_nearer(float a, float b) { return frame.perspective != 0u ? a > b : a < b; }
+// there_m: the depth that is seen at the ray's point. False: that is before the glass.
+bool go_on(inout Search s, float there_m, float glass_m) {
+  const bool is_behind_glass = there_m >= glass_m * 0.9999;
+  const float q = nearness(there_m);
+  if (is_nearer(q, s.q) || !is_behind_glass) s.behind = s.q;
+  else s.before = s.q;
+  const bool within = is_behind_glass && is_nearer(s.before, q) && (s.behind < 0.0 || is_nearer(q, s.behind));
+  s.q = within || s.behind < 0.0 || q == s.q ? q : 0.5 * (s.before + s.behind);
+  return is_behind_glass;
+}
+
 vec4 seen_behind(vec4 widths, vec4 moved) {
   const float glass_m = widths.y / widths.x, dispersion = widths.w / widths.x;
   vec2 place = gl_FragCoord.xy;
-  float q = nearness(refraction_depth_m(ivec2(place)));
+  Search search = begin_search(nearness(refraction_depth_m(ivec2(place))), glass_m);
+  float q = search.q;
   for (int i = 0; i < SEARCH; ++i) {
-    const vec2 there = place_px(moved.xy + moved.zw * q);
-    const float there_m = refraction_depth_m(ivec2(floor(there)));
-    if (there_m < glass_m * 0.9999) break;  // something before the glass
+    const vec2 there = place_px(moved.xy + moved.zw * search.q);
+    if (!go_on(search, refraction_depth_m(ivec2(floor(there))), glass_m)) continue;
     place = there;
-    q = nearness(there_m);
+    q = search.q;
   }
   const vec2 unit_px = 0.5 * vec2(frame.size_px) / frame.tan_half;
   const float width2 = width_squared(widths, q), width_px = sqrt(width2) * unit_px.x;
@@ -65,15 +83,12 @@ vec4 seen_behind(vec4 widths, vec4 moved) {
     const float stretched = 1.0 / (1.0 - tilt2);
     const vec2 away = sqrt(away2) * stretched * vec2(cos(turn), sin(turn));
     vec2 tap = place;
-    float tap_q = q, tap_px = 0.0;
+    float tap_px = 0.0;
+    search = begin_search(q, glass_m);
     for (int k = 0; k < max(SEARCH, 1); ++k) {
-      const float wide_px = sqrt(width_squared(widths, tap_q)) * unit_px.x;
-      const vec2 there = place + away * wide_px;
-      const float there_m = refraction_depth_m(ivec2(floor(there)));
-      if (there_m < glass_m * 0.9999) break;
-      tap = there;
-      tap_px = wide_px;
-      tap_q = nearness(there_m);
+      tap_px = sqrt(width_squared(widths, search.q)) * unit_px.x;
+      const vec2 there = place + away * tap_px;
+      if (go_on(search, refraction_depth_m(ivec2(floor(there))), glass_m)) tap = there;
     }
     // A square as large as the direction's share of the lobe.
     const float lod = log2(max(1.7724539 * tap_px / sqrt(float(TAPS)) * (1.0 + away2) * stretched, 1.0));

@@ -16,13 +16,13 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 layout(location = 8) in flat float in_scale;
 #endif
 #include "lib/blended.glsl"
-#ifdef BEHIND
+#if defined(BEHIND) || defined(BEFORE)
 #include "lib/behind.glsl"
 #endif
 
 void main() {
-#ifdef BEHIND
-  keep_behind();
+#if defined(BEHIND) || defined(BEFORE)
+  keep_part();
 #endif
   if (!is_put_out()) return;
   const Material m = load_material(in_ids.x);

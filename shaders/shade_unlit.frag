@@ -10,13 +10,13 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #ifdef FOG
 #include "lib/fog.glsl"
 #endif
-#ifdef BEHIND
+#if defined(BEHIND) || defined(BEFORE)
 #include "lib/behind.glsl"
 #endif
 
 void main() {
-#ifdef BEHIND
-  keep_behind();
+#if defined(BEHIND) || defined(BEFORE)
+  keep_part();
 #endif
   if (!is_put_out()) return;
   const Material m = load_material(in_ids.x);

@@ -1,17 +1,7 @@
 #pragma once
 // A point of a surface that lets light through, and what the surface does to it. Needs lib/surface.glsl, lib/brdf.glsl,
 // lib/ambient.glsl and frame.lobes.
-#include "shared/lobes.h"
-
-Glass load_glass(uint material) {
-  return MaterialLobesRef(frame.lobes + 4ul * uint64_t(WordsRef(frame.lobes).w[material])).m.glass;
-}
-
-// GLSL's refract() for the way of light towards the viewer run backwards; the direction itself where all is reflected.
-vec3 bent(vec3 direction, vec3 normal, float eta) {
-  const vec3 r = refract(direction, normal, eta);
-  return dot(r, r) > 0.25 ? r : direction;
-}
+#include "lib/bend.glsl"
 
 struct GlassPoint {
   vec3 position, to_viewer, normal;
@@ -52,9 +42,8 @@ GlassPoint glass_point(Glass glass, Surface s, BrdfTerms b, Varyings v, float sc
   return g;
 }
 
-// What goes through, of what is behind: way_m through the body.
-vec3 glass_tint(Glass glass, Surface s, BrdfTerms b, float share, bool is_body, float way_m) {
-  const vec3 reflected = refraction_reflected(s, b);
+// What goes through, of what is behind: way_m through the body. reflected: by the interface.
+vec3 glass_tint(Glass glass, Surface s, vec3 reflected, float share, bool is_body, float way_m) {
   vec3 tint = s.base_color * ((1.0 - s.metallic) * share);
   if (is_body)  // the slab's other side, and what is reflected between the two
     tint *= tint * exp(-glass.absorption * way_m) / (1.0 + reflected);

@@ -2,8 +2,8 @@
 // How a surface that lets light through moves and widens what is seen behind it, as numbers that several surfaces of a
 // ray add up, in any order (McGuire and Mara 2016, 2017), whatever lies how far behind. Light goes through the body
 // between this surface and the nearest back face behind it (Wyman, "An Approximate Image-Space Approach for Interactive
-// Refraction", 2005), or a slab of the file's thickness. Needs lib/glass.glsl; pc.own is the place of the image of
-// back faces, where BACKS is 1.
+// Refraction", 2005), or a slab of the file's thickness. Needs lib/glass.glsl; where BACKS is 1, pc.own >> 16
+// is the place of the image of back faces.
 layout(constant_id = 42) const int GLASS_SEARCH = 3;  // steps to the body's other side
 
 struct GlassSums {
@@ -28,7 +28,7 @@ bool other_side(vec3 at, vec3 inside, inout vec3 exit, inout vec3 normal) {
   for (int i = 0; i < GLASS_SEARCH; ++i) {
     const ivec2 texel = clamp(ivec2(floor(gl_FragCoord.xy + (seen_at(point) - origin) * px)), ivec2(0),
                               ivec2(frame.size_px) - 1);
-    const vec4 back = texelFetch(pass_images[pc.own], texel, 0);
+    const vec4 back = texelFetch(pass_images[pc.own >> 16u], texel, 0);
     if (!(back.w > at.z)) break;  // nothing, or another body's before this one
     const vec2 there = origin + (vec2(texel) + 0.5 - gl_FragCoord.xy) / px;
     const vec3 on_back = vec3(frame.perspective != 0u ? there * back.w : there, back.w);
@@ -75,6 +75,6 @@ GlassSums glass_sums(Material m, uint material, Surface s, BrdfTerms b, Varyings
     alpha2 = 4.0 * alpha2 + least;
     sums.widths = vec4(alpha2 * vec3(1.0, at.z, at.z * at.z), 0.0);
   }
-  sums.tint = glass_tint(glass, s, b, sums.share, is_body, way);
+  sums.tint = glass_tint(glass, s, refraction_reflected(s, b), sums.share, is_body, way);
   return sums;
 }

@@ -14,6 +14,9 @@ float shadow_turn() {
 #include "lib/traced_light.glsl"
 #include "lib/sun_shadow.glsl"
 #include "lib/lamp_shadow.glsl"
+#ifdef COLORED_SHADOWS
+#include "lib/shadow_color.glsl"
+#endif
 
 // 1 for lights without a map. Traced lights: of the point that begin_rays was called for. Of lights with a size the
 // part that is seen. number: the light's, for its own places on it.
@@ -56,5 +59,8 @@ vec3 light_reaching(LightRef light, uint number, BrdfTerms brdf, vec3 position, 
   }
   vec3 reaching = light_contribution(light, brdf, position);
   if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, number, surface_point, plane_normal);
+#ifdef COLORED_SHADOWS
+  if (reaching != vec3(0.0)) reaching *= shadow_color(light, surface_point);
+#endif
   return reaching;
 }

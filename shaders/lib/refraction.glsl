@@ -142,6 +142,6 @@ Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, flo
   } else {
     r.light = seen_through(g);
   }
-  r.tint = glass_tint(glass, s, b, r.share, g.thickness_m > 0.0, g.thickness_m);
+  r.tint = glass_tint(glass, s, refraction_reflected(s, b), r.share, g.thickness_m > 0.0, g.thickness_m);
   return r;
 }

@@ -18,12 +18,26 @@ struct DrawPush {  // every pass that draws the scene
   uint64_t table;            // what this pass alone reads: ids of mattes, a Motion, ...
   uint64_t deformed_before;  // deformed vertices of the time before, where there is a Motion
   uint own;                  // what this pass alone reads
+  uint shadow_colors;        // places of the images of the suns' coloured shadows and, 16 bits up, of the lamps'
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;
   mat4 clip_from_relative;
   vec2 subsample_ndc;  // as in DrawPush, whose functions it serves; 0
   uint flattens;       // what lies before the near plane onto it: parallel views
+};
+// What see-through surfaces leave of the light of a view (passes/transparency/colored_shadows.h); some members as in
+// DrawPush, whose functions it serves.
+struct ColoredShadowPush {
+  uint64_t deformed;
+  mat4 clip_from_relative;
+  vec4 light;  // direction to it, and 0; or where it is, relative, and 1
+  vec2 subsample_ndc;
+  float subsample_footprint;
+  uint layer;    // of the maps; bit 31: what lies before the near plane is flattened onto it
+  uint images;   // places of the maps and of the back faces' positions and normals, 8 bits each
+  uint size_px;  // of the image that is drawn to
+  vec4 place;    // of the view in its layer: normalised device coordinates times xy plus zw, 0 to 1
 };
 // Of what lies behind everything: the members that DrawPush has too are used where it is seen through fog.
 struct SkyPush {

@@ -121,7 +121,7 @@ std::string nodes_of(const FrameData& data, std::span<const Candidate> lamps) {
 
 Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
                                 const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, int rows,
-                                bool culling, FrameUpload& upload) {
+                                bool culling, bool see_through, FrameUpload& upload) {
   FrameLamps out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
@@ -204,7 +204,8 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   }
   image.layers = room.layers;
   image.size_px = room.layer_px;
-  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws");
+  auto placed =
+      place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws", see_through);
   if (!placed) return std::unexpected(placed.error());
   out.views = std::move(*placed);
   out.image = std::make_shared<const ViewImage>(std::move(image));

@@ -29,6 +29,6 @@ struct FrameLamps {
 // for.
 Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
                                 const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, int rows,
-                                bool culling, FrameUpload& upload);
+                                bool culling, bool see_through, FrameUpload& upload);
 
 }  // namespace candela

@@ -49,7 +49,8 @@ double brightness_lux(const LightItem& light) {
 }  // namespace
 
 Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const DrawList& draws, const SceneFacts& facts,
-                              const FrameRequest& request, const SunKnobs& knobs, bool culling, FrameUpload& upload) {
+                              const FrameRequest& request, const SunKnobs& knobs, bool culling, bool see_through,
+                              FrameUpload& upload) {
   FrameSuns out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
@@ -84,7 +85,8 @@ Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const Dra
   }
   image.layers = uint32_t(image.views.size());
   image.size_px = image.views.front().size_px.x;
-  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "sun.draws");
+  auto placed =
+      place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "sun.draws", see_through);
   if (!placed) return std::unexpected(placed.error());
   out.views = std::move(*placed);
   out.image = std::make_shared<const ViewImage>(std::move(image));

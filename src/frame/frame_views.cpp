@@ -28,13 +28,14 @@ bool may_keep(const shared::View& view, const shared::Item& item) {
 }
 
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
-                                 std::span<const DrawRun> runs, bool culling, uint64_t budget, std::string_view knob) {
+                                 std::span<const DrawRun> runs, bool culling, uint64_t budget, std::string_view knob,
+                                 bool see_through) {
   FrameViews placed;
   placed.table = std::move(views);
   std::vector<uint32_t> counts(placed.table.size() * runs.size());
   tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
     for (size_t r = 0; r < runs.size(); ++r) {
-      if (!casts_shadows(runs[r])) continue;
+      if (!casts_shadows(runs[r]) && !(see_through && runs[r].topology == Topology::triangles)) continue;
       const auto of_run = items.subspan(runs[r].first, runs[r].count);
       counts[v * runs.size() + r] =
           !culling ? runs[r].count

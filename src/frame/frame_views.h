@@ -18,12 +18,13 @@ struct FrameViews {
 
 // Room for the draw commands of every view and run: as many as the CPU counts with a test that never culls what the
 // device keeps (its allowance for rounding is four times as wide), so nothing can run out on the device. Runs of
-// blended, line and point items get none: they cast no shadow. More than `budget` commands over all views is an error
-// that names what is needed, at most what a 32-bit place can hold, and the knob that the budget is from.
-// culling: 0 in the pass means that every item of a run that is drawn at all needs room.
+// line and point items get none: they cast no shadow. Of see-through ones neither, unless what they leave of the light
+// is drawn (`see_through`). More than `budget` commands over all views is an error that names what is needed, at most
+// what a 32-bit place can hold, and the knob that the budget is from. culling: 0 in the pass means that every item of a
+// run that is drawn at all needs room.
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
                                  std::span<const DrawRun> runs, bool culling, uint64_t budget,
-                                 std::string_view knob = "sun.draws");
+                                 std::string_view knob = "sun.draws", bool see_through = false);
 
 bool casts_shadows(const DrawRun& run);
 

@@ -179,7 +179,8 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.light_grid = f.light_grid.shape;
   s.sun_image = f.suns.image;
   s.sun_absence = f.suns.absence;
-  if (context.kept && (s.sun_image || f.lamps.image))
+  // With coloured shadows all views are culled anew anyway, and what is kept tells nothing of see-through surfaces.
+  if (context.kept && !f.shadow_colors && (s.sun_image || f.lamps.image))
     if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures)) {
       if (s.sun_image) s.sun_key = depth_views_key(*casters, *s.sun_image);
       if (f.lamps.image) s.lamp_key = depth_views_key(*casters, *f.lamps.image);
@@ -329,7 +330,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
-  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling, f.upload);
+  f.shadow_colors = draws_shadow_colors(f.facts, f.request, *knobs);
+  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling, f.shadow_colors,
+                        f.upload);
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
   if (f.request.draws_fog()) {
@@ -339,7 +342,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
                   fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
   }
   auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),
-                          f.request.height_px * std::max(knobs->get<Supersample::Knobs>().n, 1), culling, f.upload);
+                          f.request.height_px * std::max(knobs->get<Supersample::Knobs>().n, 1), culling,
+                          f.shadow_colors, f.upload);
   if (!lamps) return std::unexpected(lamps.error());
   f.lamps = std::move(*lamps);
   for (const auto* notes : {&f.suns.notes, &f.lamps.notes}) f.notes.insert(f.notes.end(), notes->begin(), notes->end());

@@ -40,6 +40,7 @@ struct PlannedFrame {
   FrameRequest request;
   FrameUpload upload;
   LightGrid light_grid;
+  bool shadow_colors = false;  // see-through surfaces are drawn into the views of shadow maps
   FrameSuns suns;
   FrameLamps lamps;
   std::shared_ptr<const FrameRays> rays;          // null: nothing is traced

@@ -102,7 +102,8 @@ const Buffer& CommandListImpl::buffer(int resource) const {
 }
 
 uint32_t CommandListImpl::sampled(ImageHandle image, ImageRange range, View view) {
-  return images_.sampled.at(view_key(use_of(image, {Access::sampled_fragment, Access::sampled_compute}, range, view)));
+  return images_.sampled.at(view_key(
+      use_of(image, {Access::sampled_fragment, Access::sampled_compute, Access::sampled_graphics}, range, view)));
 }
 
 uint32_t CommandListImpl::storage(ImageHandle image, ImageRange range, View view) {

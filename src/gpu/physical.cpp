@@ -103,7 +103,7 @@ void Physical::write_step_set(const FramePlan& plan, const PlanPass& pass, uint3
   VK_CHECK(vkAllocateDescriptorSets(device_.handle(), &info, &images.set));
   device_.set_name(VK_OBJECT_TYPE_DESCRIPTOR_SET, uint64_t(images.set), pass.name);
   for (const PlanUse& use : pass.uses) {
-    const bool sampled = use.access == Access::sampled_fragment || use.access == Access::sampled_compute;
+    const bool sampled = is_sampled(use.access);
     const bool storage = use.access == Access::storage_image_write || use.access == Access::storage_image_read_write ||
                          use.access == Access::storage_image_read;
     if ((!sampled && !storage) || !use.in_step(step)) continue;

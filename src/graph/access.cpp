@@ -57,6 +57,8 @@ constexpr std::array<AccessInfo, access_count> table{{
     {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, none, 0, 0, false, "host_read"},
     {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, storage_read, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_USAGE_STORAGE_BIT, 0,
      false, "storage_image_read"},
+    {vertex_and_fragment, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+     VK_IMAGE_USAGE_SAMPLED_BIT, 0, false, "sampled_graphics"},
 }};
 
 }  // namespace
@@ -66,6 +68,10 @@ const AccessInfo& access_info(Access access) {
   return table[size_t(access)];
 }
 
+bool is_sampled(Access access) {
+  return access == Access::sampled_fragment || access == Access::sampled_compute || access == Access::sampled_graphics;
+}
+
 bool is_depth_format(VkFormat format) {
   return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
 }
@@ -73,8 +79,7 @@ bool is_depth_format(VkFormat format) {
 bool has_stencil(VkFormat format) { return format >= VK_FORMAT_S8_UINT && format <= VK_FORMAT_D32_SFLOAT_S8_UINT; }
 
 VkImageLayout image_layout(Access access, VkFormat format) {
-  const bool sampled = access == Access::sampled_fragment || access == Access::sampled_compute;
-  if (sampled && is_depth_format(format)) return VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
+  if (is_sampled(access) && is_depth_format(format)) return VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
   return access_info(access).layout;
 }
 

@@ -32,8 +32,9 @@ enum class Access : uint8_t {
   indirect_read,
   host_read,           // after the frame, by the CPU
   storage_image_read,  // images, compute: texels without a sampler, in the layout that a write in the same step has
+  sampled_graphics,    // images, vertex and fragment shader
 };
-constexpr int access_count = int(Access::storage_image_read) + 1;
+constexpr int access_count = int(Access::sampled_graphics) + 1;
 
 struct AccessInfo {
   VkPipelineStageFlags2 stages;
@@ -50,6 +51,7 @@ const AccessInfo& access_info(Access access);
 // As in the table, except that a depth image is sampled in the layout that depth_test uses, so one pass can test and
 // sample it.
 VkImageLayout image_layout(Access access, VkFormat format);
+bool is_sampled(Access access);
 bool is_depth_format(VkFormat format);
 bool has_stencil(VkFormat format);
 

@@ -37,6 +37,7 @@
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
+#include "passes/transparency/colored_shadows.h"
 #include "passes/transparency/fragments.h"
 #include "passes/transparency/moments.h"
 #include "passes/transparency/phenomenological.h"
@@ -61,11 +62,11 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses =
     PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, TraceKeys, KeyDepth, DepthPrepass, DepthViews,
-             TileDepth, LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible,
-             PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
-             Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
-             LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
-             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             ColoredShadows, TileDepth, LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid,
+             FogMarch, ShadeVisible, PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
+             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms,
+             FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks,
+             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

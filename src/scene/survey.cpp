@@ -73,6 +73,7 @@ void count_item(SceneFacts& facts, const DrawItem& item, const MeshSection& sect
   const bool blend = material.alpha_mode == AlphaMode::blend;
   if (refraction && refracts(section, material)) {
     add(facts.refracting_items, 1);
+    add(facts.refracting_bodies, material.thickness_m > 0);
   } else if (blend) {
     add(facts.blend_items, 1);
     add(unlit ? facts.blend_unlit_items : facts.blend_lit_items, 1);
@@ -169,6 +170,7 @@ std::string facts_json(const SceneFacts& f) {
       {"blend_lit_items", f.blend_lit_items},
       {"blend_unlit_items", f.blend_unlit_items},
       {"refracting_items", f.refracting_items},
+      {"refracting_bodies", f.refracting_bodies},
       {"deformed_items", f.deformed_items},
       {"skinned_items", f.skinned_items},
       {"morphed_items", f.morphed_items},

@@ -18,6 +18,7 @@ struct SceneFacts {
   uint32_t blend_lit_items = 0, blend_unlit_items = 0;
   uint32_t refracting_items =
       0;  // where refraction is drawn: lit, let light through, and are not among the opaque ones
+  uint32_t refracting_bodies = 0;  // of these, those that bend light: with a thickness
   bool takes_light() const { return lit_items + blend_lit_items + refracting_items > 0; }
   uint32_t deformed_items = 0, skinned_items = 0, morphed_items = 0;
   uint32_t deformed_vertices = 0;

@@ -33,6 +33,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     lit.lists.rays = lighting.lists.rays;
     if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, n * n);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
+    lit.shadow_colors = lighting.shadow_colors;
     const Shaded shaded = technique.shade(frame, sample, seen, lit, instance);
     const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(seen_all.radiance, sum, instance);
@@ -63,8 +64,7 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
   if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.rays = scene.rays;
   lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
-  lighting.lists.sun_maps = sun_maps(frame, scene, surfaces);
-  lighting.lists.lamp_maps = lamp_maps(frame, scene, surfaces);
+  shadow_maps(frame, scene, surfaces, lighting);
   lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);
   ImageHandle radiance;
   bool resolved = false;

@@ -14,39 +14,61 @@ CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth,
 }
 
 // What the views of an image show, drawn into it or kept from before; without the image the reason why it is not there.
-ImageHandle depth_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
-                       const std::shared_ptr<const ViewImage>& image, const std::optional<Hash128>& key,
-                       ViewRange views, const std::string& absence, std::string_view instance) {
+// And what see-through surfaces leave of the light (ColoredShadows), where maps are drawn.
+struct LightMaps {
+  ImageHandle depth, colors;
+};
+LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
+                     const std::shared_ptr<const ViewImage>& image, const std::optional<Hash128>& key, ViewRange views,
+                     const std::string& absence, std::string_view instance) {
+  LightMaps out;
   if (!image) {
-    ImageHandle none;
-    none.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
-    return none;
+    out.depth.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
+    frame.builder.leave_out(fmt::format("{}.{}", ColoredShadows::name, instance), absence);
+    return out;
   }
   const Frame::Kept maps = frame.keep(image_desc(*image, depth_format), key);
   if (maps.filled) {
     for (const std::string_view pass : {Cull::name, CullCompact::name, DepthViews::name})
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), "kept from before: nothing that casts has moved");
-    return maps.image;
+    frame.add(ColoredShadows{}, {}, instance);
+    out.depth = maps.image;
+    return out;
   }
   views.count = uint32_t(image->views.size());
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
-  if (scene.batch_count > 0)
-    return frame.add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image}, instance)
-        .depth;
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
-  return frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
+  if (scene.batch_count > 0)
+    out.depth =
+        frame.add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image}, instance).depth;
+  else
+    out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
+  const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};
+  out.colors = frame.add(ColoredShadows{}, in, instance).colors;
+  return out;
 }
 
 }  // namespace
 
-ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
-  const ViewRange views{scene.views, scene.view_regions, 0, 0, scene.view_first_command};
-  return depth_maps(frame, scene, surfaces, scene.sun_image, scene.sun_key, views, scene.sun_absence, "sun");
+bool draws_shadow_colors(const SceneFacts& facts, const FrameRequest& request, const KnobValues& knobs) {
+  return bool(ColoredShadows{knobs.get<ColoredShadows::Knobs>()}.needed(facts, request));
 }
 
-ImageHandle lamp_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
-  const ViewRange views{scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command};
-  return depth_maps(frame, scene, surfaces, scene.lamp_image, scene.lamp_key, views, scene.lamp_absence, "lamps");
+void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, Lighting& lighting) {
+  const auto maps = [&](auto image, auto key, const ViewRange& views, auto absence, std::string_view instance) {
+    return light_maps(frame, scene, surfaces, image, key, views, absence, instance);
+  };
+  const LightMaps suns =
+      maps(scene.sun_image, scene.sun_key, {scene.views, scene.view_regions, 0, 0, scene.view_first_command},
+           scene.sun_absence, "sun");
+  const LightMaps lamps =
+      maps(scene.lamp_image, scene.lamp_key,
+           {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command}, scene.lamp_absence, "lamps");
+  lighting.lists.sun_maps = suns.depth, lighting.lists.lamp_maps = lamps.depth;
+  // Rays tell themselves what is left of a light.
+  if (!scene.rays.suns) lighting.shadow_colors.suns = suns.colors;
+  if (!scene.rays.lamps) lighting.shadow_colors.lamps = lamps.colors;
+  lighting.shadow_colors.bent = frame.facts.refracting_bodies > 0 && frame.knobs.get<ColoredShadows::Knobs>().steps > 0;
 }
 
 OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const SampledDepth& depth,

@@ -22,11 +22,13 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
 // What surfaces are lit by, beside what the scene's buffers hold.
 struct Lighting {
   CellLists lists;
-  OcclusionTexels occlusion;  // empty: nothing hides the sky
+  OcclusionTexels occlusion;   // empty: nothing hides the sky
+  ShadowColors shadow_colors;  // empty: see-through surfaces let all light through
   // As opaque and masked surfaces take it.
   CellLists of_opaque() const {
     CellLists with = lists;
     with.occlusion = occlusion;
+    with.shadow_colors = shadow_colors;
     return with;
   }
 };
@@ -35,9 +37,11 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
 // For passes that walk no lights unless the fog does.
 CellLists fog_alone(const CellLists& lists);
 CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
-// The depth maps of directional lights' cascades, and of point and spot lights; empty: none casts a shadow.
-ImageHandle sun_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
-ImageHandle lamp_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces);
+// The depth maps of directional lights' cascades, and of point and spot lights, and what see-through surfaces leave of
+// that light; empty: none casts a shadow.
+void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, Lighting& lighting);
+// Whether they are drawn: the views of maps have room for see-through surfaces too.
+bool draws_shadow_colors(const SceneFacts& facts, const FrameRequest& request, const KnobValues& knobs);
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                         std::string_view instance = {});
 

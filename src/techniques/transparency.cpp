@@ -12,9 +12,17 @@ ImageHandle draw_by(Frame& frame, const BlendedIn& in, std::string_view instance
 ImageHandle draw_phenomenologically(Frame& frame, const BlendedIn& in, std::string_view instance) {
   Phenomenological::In all{in, {}};
   if (Phenomenological{}.needed(frame.facts, frame.request) && frame.facts.refracting_items > 0) {
-    const std::string name = instance.empty() ? "phenomenological" : fmt::format("{}.phenomenological", instance);
+    const auto name = [&](std::string_view of) {
+      return instance.empty() ? std::string(of) : fmt::format("{}.{}", instance, of);
+    };
     const SceneInputs& s = in.scene;
-    all.picture = newest(frame.add(Resolve{}, {in.color, s.width_px, s.height_px, s.samples}, name).resolved, in.color);
+    ImageHandle color = in.color;
+    if (frame.facts.blend_items > 0) {
+      all.blended.glass = frame.add(DepthPrepass{true}, {s, in.draws, in.deformed}, name(Phenomenological::name)).depth;
+      color = newest(frame.add(Phenomenological{.behind = true}, {all.blended, {}}, name("behind")).color, color);
+    }
+    const Resolve::In resolve{color, s.width_px, s.height_px, s.samples};
+    all.picture = newest(frame.add(Resolve{}, resolve, name(Phenomenological::name)).resolved, color);
   }
   return frame.add(Phenomenological{}, all, instance).color;
 }

@@ -96,4 +96,47 @@ void make_panes(GlbWriter& out, SceneOptions&) {
   out.camera_node({0, 0, 4.2}, {0, 0, 0}, 0.5);
 }
 
+// A sun and a lamp through coloured sheets onto a floor and a wall: glass over each other, one blended sheet, and a
+// post before and one behind them.
+void make_stained(GlbWriter& out, SceneOptions&) {
+  const int plaster = out.material("plaster", pbr({0.75, 0.75, 0.72, 1}, 0, 1));
+  const auto put = [&](std::string_view name, const json& shape, int material, glm::dvec3 at) {
+    out.node(name, {{"mesh", out.mesh(name, shape, material)}, {"translation", vector_json(at)}});
+  };
+  put("floor", out.primitive(ground(6, 1, 1)), plaster, {0, 0, 0});
+  put("wall", out.primitive(quad(6, 3)), plaster, {0, 1.5, -2});
+  const json post = out.primitive(box({0.1, 0.9, 0.1}));
+  const int wood = out.material("wood", pbr({0.5, 0.35, 0.2, 1}, 0, 1));
+  put("post before", post, wood, {-0.7, 0.45, 1.1});
+  put("post behind", post, wood, {0.6, 0.45, -0.5});
+  const glm::dvec3 colors[] = {{1, 0.25, 0.2}, {0.3, 0.85, 0.35}, {0.3, 0.45, 1}};
+  const json sheet = out.primitive(quad(0.9, 0.9));
+  for (int i = 0; i < 3; ++i)
+    put("sheet", sheet, glass(out, "sheet", {.color = colors[i]}), {-0.7 + 0.6 * i, 0.75 + 0.15 * i, 0.5 - 0.25 * i});
+  json haze = pbr({0.4, 0.4, 0.45, 0.5}, 0, 1);
+  haze["alphaMode"] = "BLEND";
+  haze["doubleSided"] = true;
+  put("haze", sheet, out.material("haze", haze), {1.35, 0.6, 0.2});
+  add_sun(out, {0.25, 1.6, 1.7}, {1, 0.97, 0.9}, 3);
+  add_point_light(out, {1.6, 1.2, 2.2}, {0.7, 0.85, 1}, 4);
+  out.camera_node({0.3, 1.7, 4.2}, {0.1, 0.45, -0.5}, 0.65);
+}
+
+// Light that a ball, a lens and a slab of glass bend onto a floor.
+void make_caustics(GlbWriter& out, SceneOptions&) {
+  const auto put = [&](std::string_view name, const json& shape, int material, glm::dvec3 at) {
+    out.node(name, {{"mesh", out.mesh(name, shape, material)}, {"translation", vector_json(at)}});
+  };
+  put("floor", out.primitive(ground(6, 1, 1)), out.material("plaster", pbr({0.7, 0.7, 0.68, 1}, 0, 1)), {0, 0, 0});
+  put("ball", out.primitive(sphere(0.3, 96, 64)), glass(out, "ball", {.thickness_m = 0.6}), {-0.75, 0.32, 0});
+  Shape lens = sphere(0.35, 96, 64);
+  for (auto& p : lens.position) p.y *= 0.3;
+  for (auto& n : lens.normal) n = glm::normalize(n / glm::dvec3(1, 0.3, 1));
+  put("lens", out.primitive(lens), glass(out, "lens", {.color = {1, 0.8, 0.5}, .thickness_m = 0.2}), {0.1, 0.6, 0.1});
+  put("slab", out.primitive(box({0.5, 0.12, 0.5})),
+      glass(out, "slab", {.thickness_m = 0.12, .attenuation = {0.3, 0.75, 0.6}, .distance_m = 0.1}), {0.95, 0.25, 0});
+  add_sun(out, {0.3, 2, 0.5}, {1, 0.97, 0.9}, 3);
+  out.camera_node({0, 2.2, 2.4}, {0, 0.15, 0}, 0.6);
+}
+
 }  // namespace candela

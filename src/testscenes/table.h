@@ -16,6 +16,8 @@ void make_lobes(GlbWriter& out, SceneOptions& options);
 void make_alpha(GlbWriter& out, SceneOptions& options);
 void make_glass(GlbWriter& out, SceneOptions& options);
 void make_panes(GlbWriter& out, SceneOptions& options);
+void make_stained(GlbWriter& out, SceneOptions& options);
+void make_caustics(GlbWriter& out, SceneOptions& options);
 void make_normal_mapped(GlbWriter& out, SceneOptions& options);
 void make_texture_transform(GlbWriter& out, SceneOptions& options);
 void make_emissive_strength(GlbWriter& out, SceneOptions& options);

@@ -54,6 +54,8 @@ const Row rows[] = {
     {Access::indirect_read, "indirect_read", indirect, indirect_read, VK_IMAGE_LAYOUT_UNDEFINED, 0, 0x100, false},
     {Access::host_read, "host_read", host, host_r, VK_IMAGE_LAYOUT_UNDEFINED, 0, 0, false},
     {Access::storage_image_read, "storage_image_read", compute, storage_r, VK_IMAGE_LAYOUT_GENERAL, 0x8, 0, false},
+    {Access::sampled_graphics, "sampled_graphics", vertex | fragment, sampled_r,
+     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, 0x4, 0, false},
 };
 
 TEST(GraphAccess, TableAgainstAWrittenOne) {
@@ -74,7 +76,7 @@ TEST(GraphAccess, TableAgainstAWrittenOne) {
 }
 
 TEST(GraphAccess, DepthIsSampledInTheLayoutItIsTestedIn) {
-  for (const Access sampled : {Access::sampled_fragment, Access::sampled_compute}) {
+  for (const Access sampled : {Access::sampled_fragment, Access::sampled_compute, Access::sampled_graphics}) {
     EXPECT_EQ(image_layout(sampled, VK_FORMAT_D32_SFLOAT), image_layout(Access::depth_test, VK_FORMAT_D32_SFLOAT));
     EXPECT_EQ(image_layout(sampled, VK_FORMAT_R8_UNORM), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }

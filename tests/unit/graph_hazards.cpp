@@ -129,6 +129,7 @@ VkImageLayout expected_layout(Access access, VkFormat format) {
       return VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
     case Access::sampled_fragment:
     case Access::sampled_compute:
+    case Access::sampled_graphics:
       return depth ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     case Access::storage_image_write:
     case Access::storage_image_read:

@@ -35,7 +35,7 @@ void DepthViews::record(CommandList& commands, const In& in, const Out& out) con
       commands.set_viewport(view.origin_px, view.size_px);
       commands.set_scissor(view.origin_px, view.size_px);
     }
-    record_view_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, v, view);
+    record_view_depth(commands, in.scene, in.draws, in.deformed, out.pipelines, v, view);
     if (v + 1 == views.size() || views[v + 1].layer != view.layer) commands.end_rendering();
   }
 }

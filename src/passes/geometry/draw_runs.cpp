@@ -4,7 +4,6 @@
 
 #include "passes/geometry/features.h"
 #include "passes/lights/push_lights.h"
-#include "shared/cull.h"
 #include "shared/draw.h"
 
 namespace candela {
@@ -65,6 +64,8 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellL
     builder.read(lists.lamp_maps, by.image, "the lamps' maps");
     builder.read(scene.lamps, by.buffer, "the lamps' tiles");
   }
+  for (const ImageHandle colors : {lists.shadow_colors.suns, lists.shadow_colors.lamps})
+    builder.read_optional(colors, by.image);
   const TracedRays& rays = lists.rays;
   if (traces(lists)) builder.read(rays.trees, by.buffer, "the trees for rays");
   if (takes_settings(lists)) builder.read(rays.settings, by.buffer, "how rays are sent");
@@ -74,6 +75,12 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellL
   count(lists.occlusion.traced, "occlusion.rays", rays.occlusion_rays);
   count(rays.soft_suns, "sun.samples", rays.sun_samples);
   count(rays.soft_lamps, "shadows.samples", rays.lamp_samples);
+}
+
+std::string with_shadow_colors(std::string shader, const ShadowColors& colors) {
+  if (!colors.suns && !colors.lamps) return shader;
+  return shader +
+         fmt::format("#COLORED_SHADOWS={}", (colors.suns ? 1 : 0) + (colors.lamps ? 2 : 0) + (colors.bent ? 4 : 0));
 }
 
 std::vector<SpecConstant> light_constants(const CellLists& lists) {
@@ -147,6 +154,8 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
   push_lights(commands, scene, lists, fog, push);
+  if (lists && lists->shadow_colors.suns) push.shadow_colors = commands.sampled(lists->shadow_colors.suns);
+  if (lists && lists->shadow_colors.lamps) push.shadow_colors |= commands.sampled(lists->shadow_colors.lamps) << 16;
   if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   if (lists && traces(*lists)) push.trees = commands.address(lists->rays.trees);
   if (lists && takes_settings(*lists)) {
@@ -171,23 +180,13 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
   }
 }
 
-void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                      const RunPipelines& pipelines, uint32_t number, const shared::View& view) {
-  commands.bind_index_buffer(scene.indices);
+void record_view_depth(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                       const RunPipelines& pipelines, uint32_t number, const shared::View& view) {
   shared::DepthViewPush push{};
   push.deformed = deformed ? commands.address(deformed) : 0;
   push.clip_from_relative = view.clip_from_relative;
   push.flattens = view.flags & shared::view_is_perspective ? 0 : 1;
-  for (size_t r = 0; r < scene.runs->size(); ++r) {
-    const size_t region = number * scene.runs->size() + r;
-    const uint32_t first = (*draws.first_command)[region], room = (*draws.first_command)[region + 1] - first;
-    if (!pipelines.by_run[r] || room == 0) continue;
-    commands.bind(pipelines.by_run[r]);
-    commands.push(push);
-    commands.set_cull(false, false);
-    commands.draw_indexed_indirect_count(draws.commands, uint64_t(first) * sizeof(shared::DrawCommand), draws.counts,
-                                         region * sizeof(uint32_t), room);
-  }
+  record_view_runs(commands, scene, draws, pipelines, number, push);
 }
 
 }  // namespace candela

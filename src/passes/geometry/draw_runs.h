@@ -5,6 +5,7 @@
 
 #include "gpu/command_list.h"
 #include "passes/scene_inputs.h"
+#include "shared/cull.h"
 #include "shared/draw.h"
 
 namespace candela {
@@ -59,13 +60,31 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
 // The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists);
 
-// The same for what casts shadows in a view of the range that the draws are of, by its number there: depth alone,
-// surfaces from both sides.
-void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                      const RunPipelines& pipelines, uint32_t number, const shared::View& view);
+// The same for a view of the range that the draws are of, by its number there: surfaces from both sides.
+template <class Push>
+void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws,
+                      const RunPipelines& pipelines, uint32_t number, const Push& push) {
+  commands.bind_index_buffer(scene.indices);
+  for (size_t r = 0; r < scene.runs->size(); ++r) {
+    const size_t region = number * scene.runs->size() + r;
+    const uint32_t first = (*draws.first_command)[region], room = (*draws.first_command)[region + 1] - first;
+    if (!pipelines.by_run[r] || room == 0) continue;
+    commands.bind(pipelines.by_run[r]);
+    commands.push(push);
+    commands.set_cull(false, false);
+    commands.draw_indexed_indirect_count(draws.commands, uint64_t(first) * sizeof(shared::DrawCommand), draws.counts,
+                                         region * sizeof(uint32_t), room);
+  }
+}
+// The depth of what casts shadows in it.
+void record_view_depth(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                       const RunPipelines& pipelines, uint32_t number, const shared::View& view);
 
 // The specialization constants that say what such a pass finds.
 std::vector<SpecConstant> light_constants(const CellLists& lists);
+
+// A shader's name with the definition that has it take coloured shadows, where there are any.
+std::string with_shadow_colors(std::string shader, const ShadowColors& colors);
 
 // What a pass that shades under lights reads besides.
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, const ReadBy& by = {});

@@ -41,6 +41,13 @@ struct TracedRays {
   uint32_t occlusion_rays = 0, sun_samples = 0, lamp_samples = 0;
 };
 
+// What see-through surfaces leave of lights (passes/transparency/colored_shadows.h), beside their shadow maps; empty:
+// they let all through.
+struct ShadowColors {
+  ImageHandle suns, lamps;
+  bool bent = false;  // with the light that bodies bend
+};
+
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
 // that all is seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
@@ -51,7 +58,8 @@ struct CellLists {
   ImageHandle lamp_maps;  // tiles (shaders/lib/lamp_shadow.glsl)
   TracedRays rays;
   FogView fog;
-  OcclusionTexels occlusion;  // for opaque and masked surfaces alone
+  OcclusionTexels occlusion;   // for opaque and masked surfaces alone
+  ShadowColors shadow_colors;  // the same
 };
 
 }  // namespace candela

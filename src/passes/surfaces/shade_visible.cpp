@@ -20,7 +20,8 @@ ShadeVisible::Out ShadeVisible::declare(GraphBuilder& builder, const In& in) con
   builder.read_optional(in.deformed, Access::compute_read);
   declare_lights(builder, s, in.lists, ReadBy::compute());
   declare_fog(builder, s, in.lists, true, ReadBy::compute());
-  ComputePipelineDesc desc{with_fog("shade_visible.comp", in.lists), light_constants(in.lists)};
+  ComputePipelineDesc desc{with_shadow_colors(with_fog("shade_visible.comp", in.lists), in.lists.shadow_colors),
+                           light_constants(in.lists)};
   desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
   desc.constants.push_back({30, "SAMPLES", s.samples});
   desc.shader += surface_definitions(desc.constants);

@@ -16,6 +16,7 @@ typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, 
   RunPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = with_fog(lit ? "shade_forward.frag" : "shade_unlit.frag", in.lists);
+  if (lit) choice.desc.fragment_shader = with_shadow_colors(choice.desc.fragment_shader, in.lists.shadow_colors);
   choice.desc.color_formats = {color_format};
   choice.desc.depth_format = depth_format;
   choice.desc.samples = in.scene.samples;

@@ -23,7 +23,7 @@ void Transparent::record(CommandList& commands, const In& in, const Out& out) co
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
   OwnInputs own;
-  if (in.glass) own.word = commands.sampled(in.glass);
+  if (in.glass) own.number = commands.sampled(in.glass);
   record_runs(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
   commands.end_rendering();
 }

@@ -1,5 +1,7 @@
 #include "passes/transparency/blended.h"
 
+#include "shared/transparency.h"
+
 namespace candela {
 
 Need needs_method(const SceneFacts& facts, const FrameRequest& request, std::string_view method) {
@@ -37,6 +39,28 @@ RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, Graphic
   for (size_t r = 0; r < all.by_run.size(); ++r)
     if (unlit.by_run[r]) all.by_run[r] = unlit.by_run[r];
   return all;
+}
+
+PipelineHandle declare_sums_over(GraphBuilder& builder, const SceneInputs& scene, ImageHandle sum,
+                                 ImageHandle absorbed) {
+  builder.read(sum, Access::sampled_fragment, "sums");
+  builder.read(absorbed, Access::sampled_fragment, "absorbance");
+  GraphicsPipelineDesc over;
+  over.vertex_shader = "background.vert", over.fragment_shader = "weighted_over.frag";
+  over.constants = {{0, "SAMPLES", scene.samples}};
+  over.color_formats = {color_format};
+  over.samples = scene.samples;
+  over.blend = Blend::premultiplied_over;
+  return builder.pipeline(over);
+}
+
+void record_sums_over(CommandList& commands, const SceneInputs& scene, PipelineHandle over, ImageHandle sum,
+                      ImageHandle absorbed, ImageHandle color) {
+  const CommandList::Attachment drawn{color};
+  commands.begin_rendering({&drawn, 1}, {});
+  commands.bind(over);
+  draw_samples(commands, scene.samples, shared::SumsPush{commands.sampled(sum), commands.sampled(absorbed), 0});
+  commands.end_rendering();
 }
 
 }  // namespace candela

@@ -31,6 +31,13 @@ RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, Graphic
 // The depth test that draws blended surfaces behind nothing opaque.
 void test_depth(GraphicsPipelineDesc& desc, bool tested);
 
+// The last step of methods that sum surfaces: the mean of their own light (`sum`), over what all hide together of the
+// picture (`absorbed`, an absorbance in red).
+PipelineHandle declare_sums_over(GraphBuilder& builder, const SceneInputs& scene, ImageHandle sum,
+                                 ImageHandle absorbed);
+void record_sums_over(CommandList& commands, const SceneInputs& scene, PipelineHandle over, ImageHandle sum,
+                      ImageHandle absorbed, ImageHandle color);
+
 // Draws a triangle over the whole picture, sample by sample, with `push` and the sample's number in
 // `push.sample_number`: a shader that reads a sample of an image and covers that one alone needs no feature of the
 // device.

@@ -3,8 +3,6 @@
 #include <array>
 #include <bit>
 
-#include "shared/transparency.h"
-
 namespace candela {
 std::span<const Knob<Moments::Knobs>> Moments::Knobs::table() {
   static const Knob<Knobs> table[] = {
@@ -67,20 +65,13 @@ Moments::Out Moments::declare(GraphBuilder& builder, const In& in) const {
   write(out.sum);
 
   builder.begin_step();
-  builder.read(out.moments[1], Access::sampled_fragment, "absorbance");
-  builder.read(out.sum, Access::sampled_fragment, "sums");
-  GraphicsPipelineDesc over;
-  over.vertex_shader = "background.vert", over.fragment_shader = "weighted_over.frag";
-  over.constants = {{0, "SAMPLES", s.samples}};
-  over.color_formats = {color_format};
-  over.samples = s.samples;
-  over.blend = Blend::premultiplied_over;
-  out.over = builder.pipeline(over);
+  out.over = declare_sums_over(builder, s, out.sum, out.moments[1]);
   out.color = builder.write(in.color, Access::color_attachment);
   return out;
 }
 
 void Moments::record(CommandList& commands, const In& in, const Out& out) const {
+  if (commands.step() == 2) return record_sums_over(commands, in.scene, out.over, out.sum, out.moments[1], out.color);
   OwnInputs own;
   own.word = std::bit_cast<uint64_t>(std::array{in.scene.blended_near_m, in.scene.blended_far_m});
   if (commands.step() == 0) {
@@ -88,17 +79,11 @@ void Moments::record(CommandList& commands, const In& in, const Out& out) const 
     for (const ImageHandle image : out.moments) moments.push_back({image});
     commands.begin_rendering(moments, in.depth);
     record_runs(commands, in.scene, in.draws, in.deformed, out.absorbed, nullptr, nullptr, own);
-  } else if (commands.step() == 1) {
+  } else {
     for (size_t i = 0; i < out.moments.size(); ++i) own.number |= commands.sampled(out.moments[i]) << (8 * i);
     const CommandList::Attachment sum{out.sum};
     commands.begin_rendering({&sum, 1}, in.depth);
     record_runs(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
-  } else {
-    const CommandList::Attachment color{out.color};
-    commands.begin_rendering({&color, 1}, {});
-    commands.bind(out.over);
-    draw_samples(commands, in.scene.samples,
-                 shared::SumsPush{commands.sampled(out.sum), commands.sampled(out.moments[1]), 0});
   }
   commands.end_rendering();
 }

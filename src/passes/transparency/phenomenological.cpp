@@ -22,7 +22,7 @@ std::span<const Knob<Phenomenological::Knobs>> Phenomenological::Knobs::table() 
        .member = &Knobs::search,
        .lowest = 0,
        .highest = 16,
-       .ladder = {1, 2, 2, 8},
+       .ladder = {1, 2, 4, 8},
        .trades = "steps of the search for what a bent ray meets in the picture; 0: nothing is moved",
        .walk = {0, 1, 2, 4, 8}},
       {.name = "backs",
@@ -86,7 +86,12 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
     drawn.color_formats.insert(drawn.color_formats.end(), 2, color_format);
   }
   const std::string define = fmt::format("#SUMMED={}", knobs.falloff);
-  out.drawn = declare_blended(builder, in, drawn, define + (glass ? "#BESIDE_GLASS=1" : ""));
+  std::string part;
+  if (builder.read_optional(in.glass, Access::sampled_fragment)) {
+    part = fmt::format("#{}={}", behind ? "BEHIND" : "BEFORE", s.samples);
+    if (behind) part += builder.read_optional(in.depth, Access::sampled_fragment) ? "#BESIDE=1" : "#BESIDE=0";
+  }
+  out.drawn = declare_blended(builder, in, drawn, define + part + (glass ? "#BESIDE_GLASS=1" : ""));
   if (glass) {
     builder.read_optional(out.backs.faces, Access::sampled_fragment);
     drawn.vertex_shader = "draw.vert#GLASS=1";
@@ -123,7 +128,8 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
     builder.read(s.constants, Access::uniform_read, "the frame's constants");
     for (const ImageHandle sum : {out.sums.widths, out.sums.moved})
       builder.read(sum, Access::sampled_fragment, "how glass moves and blurs");
-    if (s.samples > 1) builder.read(all.picture, Access::sampled_fragment, "the picture behind");
+    if (all.picture.resource != in.color.resource)
+      builder.read(all.picture, Access::sampled_fragment, "the picture behind");
     builder.read(out.backs.pyramid, Access::sampled_fragment, "the picture's levels");
     const bool opaque = builder.read_optional(in.depth, Access::sampled_fragment);
     over.fragment_shader += fmt::format("#REFRACTION={}", opaque ? 2 : 1);
@@ -159,7 +165,9 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
     if (glass) sums.insert(sums.end(), {{out.sums.widths}, {out.sums.moved}});
     commands.begin_rendering(sums, in.depth);
     own.word = std::bit_cast<uint64_t>(std::array{s.blended_near_m, s.blended_far_m});
-    if (out.backs.faces) own.number = commands.sampled(out.backs.faces);
+    if (in.glass) own.number = commands.sampled(in.glass);
+    if (in.glass && behind && in.depth) own.number |= commands.sampled(in.depth) << 8;
+    if (out.backs.faces) own.number |= commands.sampled(out.backs.faces) << 16;
     record_runs(commands, s, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
   } else {
     shared::PhenomenologicalPush push{};

@@ -14,22 +14,24 @@ namespace candela {
 // Unlike the papers: widths and ways are those of the file's roughness, index and body in metres, not of constants,
 // and sums hold them as polynomials of the depth behind, which the last step knows; light crosses bodies between their
 // faces (Wyman, "An Approximate Image-Space Approach for Interactive Refraction", 2005). Drawn by runs and lit as
-// others are. 32-bit sums in the order of drawing, which one device keeps.
+// others are. Blended surfaces that lie behind glass are first drawn alone, into the picture that it moves and blurs.
+// 32-bit sums in the order of drawing, which one device keeps.
 //
 // Exact for one blended surface, and for how clear sheets and blended surfaces tint what is behind. Leaves wrong: whose
-// own light lies before whose, as `weighted` does; blended surfaces are neither moved nor blurred by glass before them;
-// what the picture of opaque surfaces does not hold; total reflection, and what is reflected within bodies; the far
-// sides of bodies behind other bodies (slabs of the file's thickness); shadows, which are those of other methods.
+// own light lies before whose, as `weighted` does; blended surfaces between two of glass, which the farther one blurs
+// too; what the picture of opaque surfaces does not hold; total reflection, and what is reflected within bodies; the
+// far sides of bodies behind other bodies (slabs of the file's thickness). What they leave of lights:
+// colored_shadows.h.
 struct Phenomenological {
   static constexpr std::string_view name = "phenomenological", method = method_with_glass;
   struct Knobs {
     static constexpr std::string_view name = "phenomenological";
-    int taps = 16, search = 2, backs = 3, falloff = 4;
+    int taps = 16, search = 4, backs = 3, falloff = 4;
     static std::span<const Knob<Knobs>> table();
   };
   using SharedKnobs = BlendedKnobs;
   struct In {
-    BlendedIn blended;
+    BlendedIn blended;    // glass: where there is some, the depth of what lets light through and of what is opaque
     ImageHandle picture;  // what is behind, of one sample; only where something lets light through
   };
   struct Out {
@@ -47,6 +49,8 @@ struct Phenomenological {
       PipelineHandle down, over;
     } pipelines;
   };
+  // For the picture behind glass: blended surfaces alone, without those that lie before some.
+  bool behind = false;
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

@@ -1,7 +1,5 @@
 #include "passes/transparency/weighted.h"
 
-#include "shared/transparency.h"
-
 namespace candela {
 
 Need Weighted::needed(const SceneFacts& facts, const FrameRequest& request) const {
@@ -24,31 +22,16 @@ Weighted::Out Weighted::declare(GraphBuilder& builder, const In& in) const {
   out.absorbed = builder.write(out.absorbed, Access::color_attachment);
 
   builder.begin_step();
-  builder.read(out.sum, Access::sampled_fragment, "sums");
-  builder.read(out.absorbed, Access::sampled_fragment, "absorbance");
-  GraphicsPipelineDesc over;
-  over.vertex_shader = "background.vert", over.fragment_shader = "weighted_over.frag";
-  over.constants = {{0, "SAMPLES", s.samples}};
-  over.color_formats = {color_format};
-  over.samples = s.samples;
-  over.blend = Blend::premultiplied_over;
-  out.over = builder.pipeline(over);
+  out.over = declare_sums_over(builder, s, out.sum, out.absorbed);
   out.color = builder.write(in.color, Access::color_attachment);
   return out;
 }
 
 void Weighted::record(CommandList& commands, const In& in, const Out& out) const {
-  if (commands.step() == 0) {
-    const CommandList::Attachment sums[] = {{out.sum}, {out.absorbed}};
-    commands.begin_rendering(sums, in.depth);
-    record_runs(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
-  } else {
-    const CommandList::Attachment color{out.color};
-    commands.begin_rendering({&color, 1}, {});
-    commands.bind(out.over);
-    draw_samples(commands, in.scene.samples,
-                 shared::SumsPush{commands.sampled(out.sum), commands.sampled(out.absorbed), 0});
-  }
+  if (commands.step() == 1) return record_sums_over(commands, in.scene, out.over, out.sum, out.absorbed, out.color);
+  const CommandList::Attachment sums[] = {{out.sum}, {out.absorbed}};
+  commands.begin_rendering(sums, in.depth);
+  record_runs(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
   commands.end_rendering();
 }
 

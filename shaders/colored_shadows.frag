@@ -1,0 +1,61 @@
+#version 460
+// What a see-through surface takes of a light's rays; with BENDS what a body of glass sends to where this fragment is,
+// over the light of the place itself.
+#include "shared/draw.h"
+layout(push_constant, scalar) uniform Push { ColoredShadowPush pc; };
+#include "lib/features.glsl"
+#include "lib/scene.glsl"
+#include "lib/surface.glsl"
+#include "lib/brdf.glsl"
+#include "lib/ambient.glsl"
+#include "lib/draw.frag.glsl"
+#include "lib/colored_shadows.glsl"
+#ifdef GLASS
+#include "lib/glass.glsl"
+layout(location = 8) in flat float in_scale;
+#endif
+#ifdef BENDS
+layout(location = 9) in vec2 in_from;
+layout(location = 10) in vec4 in_bends;
+const float most_gathered = 4096.0;  // times the light of the place: sums of many stay halves
+#endif
+
+layout(location = 0) out vec4 out_taken;
+
+void main() {
+  const Material m = load_material(in_ids.x);
+  const Varyings v = load_varyings();
+#ifndef GLASS
+  const float covered = surface_coverage(m, surface_base_color(m, v).a);
+  if (!is_lit(gl_FragCoord.xy / float(pc.size_px), gl_FragCoord.z)) discard;
+  out_taken = vec4(vec3(covered), 0.0);
+#else
+  const vec3 to_light = direction_to_light(v.relative_position);
+  const float facing = dot(v.normal, to_light) < 0.0 ? -1.0 : 1.0;
+  const Surface s = load_surface(m, v, facing, to_light);
+  const float covered = surface_coverage(m, s.alpha);
+  const BrdfTerms brdf = brdf_terms(s, to_light);
+  const Glass glass = load_glass(in_ids.x);
+  float share;
+  const GlassPoint g = glass_point(glass, s, brdf, v, in_scale, share);
+  const bool is_body = g.thickness_m > 0.0;
+  const float x = 1.0 - clamp(dot(s.normal, to_light), 0.0, 1.0), x2 = x * x;
+  const vec3 reflected =
+      clamp(s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * (x2 * x2 * x), vec3(0.0), vec3(1.0));
+#ifdef BENDS
+  const float gathered = min(abs(determinant(mat2(dFdx(in_from), dFdy(in_from)))), most_gathered);
+  const vec3 tint = glass_tint(glass, s, reflected, share, is_body, in_bends.z);
+  const bool lands = in_bends.x > 0.0 && in_bends.y > 0.999 && is_body;
+  if (!lands || !is_lit(in_from / float(pc.size_px), in_bends.w)) discard;
+  out_taken = vec4(tint * (gathered * covered), 0.0);
+#else
+  const vec3 tint = glass_tint(glass, s, reflected, share, is_body, g.thickness_m);
+  // The far side of a body is counted by the near one.
+  if ((is_body && facing < 0.0) || !is_lit(gl_FragCoord.xy / float(pc.size_px), gl_FragCoord.z)) discard;
+  out_taken = vec4((1.0 - tint) * covered, 0.0);
+#ifdef BODIES_BLOCK
+  if (is_body) out_taken = vec4(0.0, 0.0, 0.0, covered);
+#endif
+#endif
+#endif
+}

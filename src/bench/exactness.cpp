@@ -188,6 +188,8 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"shadows", "draws", {"2097152", "4194304"}},
       {"fragments", "memory_mib", {"128", "256"}},
       {"fragments", "rounds", {"16", "32"}},
+      {"rasterize", "small_px", {"1", "8", "64"}},
+      {"rasterize", "list", {"1", "262144"}},
   };
   return table;
 }

@@ -9,6 +9,9 @@ namespace candela {
 // every pixel walks every light.
 Shaded forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                std::string_view instance) {
+  if (is_first_picture(instance))
+    for (const std::string_view pass : {ShadeVisible::name, PutSamples::name})
+      frame.builder.leave_out(std::string(pass), "surfaces are shaded as the hardware draws them");
   return {draw_forward(frame, scene, surfaces, lighting, {}, false, instance)};
 }
 

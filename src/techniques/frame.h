@@ -32,6 +32,9 @@ struct FrameReport {
   std::function<std::string(std::span<const std::byte>)> refusal = {};
 };
 
+// Of the pictures that a frame is made of, the one that reasons are given with.
+inline bool is_first_picture(std::string_view instance) { return instance.empty() || instance == "s00"; }
+
 // A graph under construction, with what passes ask to know whether they are needed, and what the frame gives.
 struct Frame {
   GraphBuilder& builder;

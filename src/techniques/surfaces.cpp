@@ -8,7 +8,17 @@ namespace {
 // Depths of the surfaces, and, where compute rasterizes triangles, which are seen.
 void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, std::string_view instance = {}) {
   surfaces.keys = {}, surfaces.depth = {};
-  if (scene.batch_count > 0) {
+  const auto leave_out = [&](std::string_view pass, std::string_view reason) {
+    if (is_first_picture(instance)) frame.builder.leave_out(std::string(pass), std::string(reason));
+  };
+  if (scene.batch_count == 0) {
+    for (const std::string_view pass : {Rasterize::name, TraceKeys::name, KeyDepth::name})
+      leave_out(pass, "the hardware draws what the camera sees (--technique visibility, hybrid, ray)");
+  } else {
+    if (scene.triangle_numbers)
+      leave_out(Rasterize::name, "rays find what the camera sees (trace_keys)");
+    else
+      leave_out(TraceKeys::name, "triangles are rasterized in compute (rasterize)");
     const bool by_sample = frame.knobs.get<DepthPrepass::Knobs>().by_sample != 0;
     surfaces.keys =
         scene.triangle_numbers

@@ -19,7 +19,16 @@ Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
   in.whole = !drawn_over(frame, scene);
   in.draws_sky = frame.facts.environment && frame.request.draw_background;
   const ShadeVisible::Out shaded = frame.add(ShadeVisible{}, in, instance);
-  if (in.whole) return {shaded.color, true};
+  const auto leave_out = [&](std::string_view pass, std::string_view reason) {
+    if (is_first_picture(instance)) frame.builder.leave_out(std::string(pass), std::string(reason));
+  };
+  if (!draws_lines(scene))
+    for (const std::string_view pass : {ShadeForward::name, ShadeUnlit::name})
+      leave_out(pass, "surfaces are shaded in compute (shade_visible)");
+  if (in.whole) {
+    leave_out(PutSamples::name, "nothing is drawn over the surfaces: their samples are resolved as they are shaded");
+    return {shaded.color, true};
+  }
   const ImageHandle color = frame.add(PutSamples{}, {scene, shaded.samples}, instance).color;
   return {draws_lines(scene) ? draw_forward(frame, scene, surfaces, lighting, color, true, instance) : color};
 }

@@ -20,7 +20,7 @@ std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
        .ladder = {8},
        .trades = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
        .kind = Trades::time,
-       .walk = {1, 8, 64},
+       .walk = {1, 64, 8},
        .passes = {"rasterize", "rasterize_views"}},
       {.name = "list",
        .member = &RasterKnobs::list,

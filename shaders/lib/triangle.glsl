@@ -5,6 +5,7 @@
 // lib/scene.glsl, lib/vertex_position.glsl, lib/vertex_attributes.glsl, lib/surface.glsl with TRIANGLES defined, and
 // the push constants of DrawPush that these need.
 #include "shared/visibility.h"
+#include "lib/view_ray.glsl"
 
 struct Corners {
   vec3 p[3];  // relative space
@@ -17,24 +18,6 @@ Corners load_corners(uint64_t indices, Item item, Geometry g, uint triangle) {
   c.v = uvec3(words.w[first], words.w[first + 1u], words.w[first + 2u]);
   for (int i = 0; i < 3; ++i) c.p[i] = relative_position(item, g, c.v[i]);
   return c;
-}
-
-// Through a place of the picture, in pixels from its upper left corner; with what one pixel to the right and one down
-// change of it. Its length along the view axis is 1.
-struct ViewRay {
-  vec3 origin, direction, across, down;
-};
-ViewRay view_ray(vec2 place) {
-  vec2 ndc = 2.0 * place / vec2(frame.size_px) - 1.0;
-  if (IS_SUBSAMPLE != 0) ndc += pc.subsample_ndc;
-  const vec3 right = frame.tan_half.x * frame.camera_right, up = frame.tan_half.y * frame.camera_up;
-  const vec3 off = ndc.x * right - ndc.y * up;
-  ViewRay r;
-  r.across = right * (2.0 / float(frame.size_px.x));
-  r.down = -up * (2.0 / float(frame.size_px.y));
-  r.origin = frame.perspective != 0u ? vec3(0.0) : off;
-  r.direction = (frame.perspective != 0u ? off : vec3(0.0)) - frame.camera_back;
-  return r;
 }
 
 // Where the ray meets the triangle's plane. weights: of the corners, and what they gain a pixel to the right and a

@@ -31,7 +31,9 @@
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
+#include "passes/surfaces/gbuffer.h"
 #include "passes/surfaces/refraction.h"
+#include "passes/surfaces/shade_gbuffer.h"
 #include "passes/surfaces/shade_visible.h"
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
@@ -60,10 +62,10 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses =
     PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, KeyDepth, DepthPrepass, DepthViews, TileDepth,
-             LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible,
-             PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
-             Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
-             LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
+             LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer,
+             ShadeGBuffer, PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver,
+             Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers,
+             SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
              VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {

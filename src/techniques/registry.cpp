@@ -12,6 +12,10 @@ std::span<const Technique> techniques() {
        LightGridKind::none},
       {"visibility", "triangles rasterized in compute, each visible one of a pixel shaded once; lights as clustered",
        visibility, LightGridKind::clusters, true},
+      {"deferred-clustered", "surfaces into a G-buffer, shaded in compute; lights as clustered", deferred,
+       LightGridKind::clusters},
+      {"deferred-tiled", "surfaces into a G-buffer, shaded in compute; lights as forward-plus", deferred,
+       LightGridKind::tiles},
   };
   return table;
 }

@@ -5,8 +5,8 @@ namespace candela {
 bool LampKnobs::matter(const SceneFacts& facts) { return facts.point_lights + facts.spot_lights > 0; }
 
 std::span<const Knob<LampKnobs>> LampKnobs::table() {
-  static const std::vector<std::string_view> drawing = {"cull", "cull_compact", "depth_views", "rasterize_views", "shade_forward",
-                                                        "transparent"};
+  static const std::vector<std::string_view> drawing = {
+      "cull", "cull_compact", "depth_views", "rasterize_views", "shade_forward", "shade_gbuffer", "transparent"};
   constexpr std::string_view from_maps = "shadows.method=maps";
   static const Knob<LampKnobs> rows[] = {
       {.name = "method",

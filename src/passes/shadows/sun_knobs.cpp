@@ -3,8 +3,8 @@
 namespace candela {
 
 std::span<const Knob<SunKnobs>> SunKnobs::table() {
-  static const std::vector<std::string_view> drawing = {"cull", "cull_compact", "depth_views", "rasterize_views", "shade_forward",
-                                                        "transparent"};
+  static const std::vector<std::string_view> drawing = {
+      "cull", "cull_compact", "depth_views", "rasterize_views", "shade_forward", "shade_gbuffer", "transparent"};
   static const Knob<SunKnobs> rows[] = {
       {.name = "mode",
        .member = &SunKnobs::mode,

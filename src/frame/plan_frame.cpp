@@ -197,7 +197,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
     s.features.insert(s.features.end(), more.begin(), more.end());
   }
-  s.item_count = uint32_t(u.items.size());
+  s.item_count = uint32_t(u.items.size()), s.light_count = uint32_t(u.lights.size());
   s.cull_group_count = uint32_t(u.groups.size());
   s.batch_count = uint32_t(u.batches.size());
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);

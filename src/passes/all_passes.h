@@ -16,6 +16,7 @@
 #include "passes/lights/light_fill.h"
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
+#include "passes/lights/light_volumes.h"
 #include "passes/lights/tile_depth.h"
 #include "passes/occlusion/occlusion.h"
 #include "passes/occlusion/occlusion_layer.h"
@@ -35,6 +36,7 @@
 #include "passes/surfaces/refraction.h"
 #include "passes/surfaces/shade_gbuffer.h"
 #include "passes/surfaces/shade_visible.h"
+#include "passes/surfaces/shade_volumes.h"
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
@@ -63,10 +65,10 @@ struct PassList {
 using AllPasses =
     PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, KeyDepth, DepthPrepass, DepthViews, TileDepth,
              LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer,
-             ShadeGBuffer, PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver,
-             Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers,
-             SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
-             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward, ShadeUnlit, Sky, Background,
+             Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological,
+             Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds,
+             MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -19,4 +19,14 @@ Shaded deferred(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces
   return {frame.add(PutSamples{}, {scene, samples}, instance).color};
 }
 
+// The same, light by light (Hargreaves and Harris, "Deferred Shading", 2004).
+Shaded deferred_volumes(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                        std::string_view instance) {
+  const CellLists lists = lighting.of_opaque();
+  const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
+  const LightVolumes volumes =
+      frame.add(LightVolumeLists{}, {scene, frame.knobs.get<ShadeVolumes::Knobs>().depth_test == 0}, instance).volumes;
+  return {frame.add(ShadeVolumes{}, {scene, gbuffer, lists, volumes, surfaces.depth}, instance).color};
+}
+
 }  // namespace candela

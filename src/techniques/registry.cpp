@@ -16,6 +16,8 @@ std::span<const Technique> techniques() {
        LightGridKind::clusters},
       {"deferred-tiled", "surfaces into a G-buffer, shaded in compute; lights as forward-plus", deferred,
        LightGridKind::tiles},
+      {"deferred-volumes", "surfaces into a G-buffer, each light drawn as the volume that it reaches", deferred_volumes,
+       LightGridKind::none},
   };
   return table;
 }

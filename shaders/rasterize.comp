@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 void rasterize_small(Triangle t, Piece piece, PixelBounds at) {
   const ivec2 corner = at.low << 8;
   const Edges e = piece_edges(piece, corner);
-  const ivec3 c = ivec3(e.c);  // bounds are small: all fits
+  const ivec3 c = ivec3(e.c);  // edges are short: all fits
   for (int y = at.low.y; y <= at.high.y; ++y)
     for (int x = at.low.x; x <= at.high.x; ++x) {
       uint covered = 0u;
@@ -59,7 +59,7 @@ void main() {
   const Triangle t = load_triangle(b, item, batch * triangle_batch_size + gl_LocalInvocationIndex);
   if (outside_picture(t.a, t.b, t.c)) return;
   const bool clipped = needs_clipping(t.a, t.b, t.c);
-  vec4 polygon[3 + raster_planes];
+  vec4 polygon[most_corners];
   int corners = 3;
   if (clipped) corners = clip_polygon(t.a, t.b, t.c, polygon);
   for (int i = 2; i < corners; ++i) {
@@ -71,7 +71,7 @@ void main() {
     const PixelBounds at = piece_bounds(piece);
     const ivec2 size = at.high - at.low + 1;
     if (any(lessThanEqual(size, ivec2(0)))) continue;
-    if (!clipped && all(lessThanEqual(size, ivec2(pc.small_px))))
+    if (!clipped && all(lessThanEqual(piece_size(piece), ivec2(pc.small_px))))
       rasterize_small(t, piece, at);
     else if (!put_large(t, piece, at))
       rasterize_alone(t, piece, at);

@@ -21,12 +21,4 @@ Varyings load_varyings() {
   v.color = HAS_VERTEX_COLOR != 0 ? in_color : vec4(1.0);
   return v;
 }
-// Through the middle of the pixel. Interpolated positions would tell it less exactly: over a large triangle some
-// devices keep 20 bits.
-vec3 direction_to_viewer() {
-  if (frame.perspective == 0u) return frame.camera_back;
-  vec2 ndc = 2.0 * gl_FragCoord.xy / vec2(frame.size_px) - 1.0;
-  if (IS_SUBSAMPLE != 0) ndc += pc.subsample_ndc;
-  return normalize(frame.camera_back - ndc.x * frame.tan_half.x * frame.camera_right +
-      ndc.y * frame.tan_half.y * frame.camera_up);
-}
+#include "lib/view_ray.glsl"

@@ -6,6 +6,7 @@
 const int raster_one = 256;               // pixel
 const float raster_guard_px = 8192.0;     // farther from the picture's middle than this, triangles are clipped
 const int raster_planes = 7;
+const int most_corners = 3 + raster_planes;  // a plane adds one; where rounding would add more, they are left out
 uvec2 raster_size_px;                     // of the viewport
 
 // A triangle in front of the camera, with positive area where y points down.
@@ -63,8 +64,8 @@ bool needs_clipping(vec4 a, vec4 b, vec4 c) {
 
 // The polygon that is left of the triangle (Sutherland and Hodgman, "Reentrant Polygon Clipping", 1974): how many
 // corners it has.
-int clip_polygon(vec4 a, vec4 b, vec4 c, out vec4 polygon[3 + raster_planes]) {
-  vec4 before[3 + raster_planes];
+int clip_polygon(vec4 a, vec4 b, vec4 c, out vec4 polygon[most_corners]) {
+  vec4 before[most_corners];
   int count = 3;
   polygon[0] = a;
   polygon[1] = b;
@@ -80,9 +81,9 @@ int clip_polygon(vec4 a, vec4 b, vec4 c, out vec4 polygon[3 + raster_planes]) {
     for (int i = 0; i < of; ++i) {
       const vec4 from = before[i], to = before[i + 1 < of ? i + 1 : 0];
       const float f = inside_of(from, plane), t = inside_of(to, plane);
-      if (f >= 0.0) polygon[count++] = from;
+      if (f >= 0.0 && count < most_corners) polygon[count++] = from;
       // From the same end for both triangles of an edge.
-      if ((f >= 0.0) != (t >= 0.0))
+      if ((f >= 0.0) != (t >= 0.0) && count < most_corners)
         polygon[count++] = f >= 0.0 ? mix(from, to, f / (f - t)) : mix(to, from, t / (t - f));
     }
   }
@@ -96,6 +97,11 @@ struct PixelBounds {
 PixelBounds piece_bounds(Piece t) {
   const ivec2 low = min(t.p[0], min(t.p[1], t.p[2])), high = max(t.p[0], max(t.p[1], t.p[2]));
   return PixelBounds(max(low >> 8, ivec2(0)), min(high >> 8, ivec2(raster_size_px) - 1));
+}
+
+// In pixels, also of what lies beside the picture.
+ivec2 piece_size(Piece t) {
+  return ((max(t.p[0], max(t.p[1], t.p[2])) - min(t.p[0], min(t.p[1], t.p[2]))) >> 8) + 1;
 }
 
 // E(x, y) = a x + b y + c, above 0 inside and on edges that the triangle owns, x and y in 1/256 pixel from `corner`.

@@ -15,8 +15,8 @@
 #include "lib/fog_lamps.glsl"
 #endif
 
-// surface_point, plane_normal: where its triangle is.
-vec3 surface_radiance(Surface s, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
+// What it sends without the lights: emission, and ambient light. surface_point, plane_normal: where its triangle is.
+vec3 radiance_without_lights(Surface s, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
   precise vec3 radiance = s.emission;
   if (HAS_AMBIENT != 0) {
     shade_probes(s, brdf, position);
@@ -29,15 +29,23 @@ vec3 surface_radiance(Surface s, BrdfTerms brdf, vec3 position, vec3 surface_poi
     if (PROBE_COUNT != 0) ambient += probes.specular * s.occlusion;
     radiance += ambient;
   }
-  if (HAS_LIGHTS != 0) {
-    for (LightWalk w = begin_lights(position); next_light(w);) {
-      LightRef light = light_at(pc.lights, w.light);
-      vec3 reaching = light_reaching(light, w.light, brdf, position, surface_point, plane_normal);
+  return radiance;
+}
+
+// What it sends of one light.
+vec3 radiance_of_light(uint number, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
+  LightRef light = light_at(pc.lights, number);
+  vec3 reaching = light_reaching(light, number, brdf, position, surface_point, plane_normal);
 #ifdef FOG
-      if (reaching != vec3(0.0)) reaching *= fog_light_through(light, position);
+  if (reaching != vec3(0.0)) reaching *= fog_light_through(light, position);
 #endif
-      radiance += reaching;
-    }
-  }
+  return reaching;
+}
+
+vec3 surface_radiance(Surface s, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
+  precise vec3 radiance = radiance_without_lights(s, brdf, position, surface_point, plane_normal);
+  if (HAS_LIGHTS != 0)
+    for (LightWalk w = begin_lights(position); next_light(w);)
+      radiance += radiance_of_light(w.light, brdf, position, surface_point, plane_normal);
   return radiance;
 }

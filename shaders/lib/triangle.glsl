@@ -6,6 +6,7 @@
 // the push constants of DrawPush that these need.
 #include "lib/view_ray.glsl"
 #include "shared/visibility.h"
+#include "lib/view_ray.glsl"
 
 struct Corners {
   vec3 p[3];  // relative space

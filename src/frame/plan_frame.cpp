@@ -199,7 +199,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
     s.features.insert(s.features.end(), more.begin(), more.end());
   }
-  s.item_count = uint32_t(u.items.size());
+  s.item_count = uint32_t(u.items.size()), s.light_count = uint32_t(u.lights.size());
   s.cull_group_count = uint32_t(u.groups.size());
   s.batch_count = uint32_t(u.batches.size());
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);
@@ -256,6 +256,20 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   if (!missing.empty()) f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
   if (f.facts.draw_items == 0)
     f.notes.push_back("nothing is visible at this time: the image holds the background alone");
+}
+
+// Passes of which there is nothing and no reason yet are other techniques'.
+void leave_out_others(GraphBuilder& builder, std::string_view technique) {
+  const auto is_of = [](std::string_view name, std::string_view pass) {
+    return name.substr(0, name.find('.')) == pass;
+  };
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    for (const GraphBuilder::Pass& pass : builder.passes())
+      if (is_of(pass.name, P::name)) return;
+    for (const LeftOut& pass : builder.left_out())
+      if (is_of(pass.pass, P::name)) return;
+    builder.leave_out(std::string(P::name), fmt::format("the technique {} does without it (--technique)", technique));
+  });
 }
 
 }  // namespace
@@ -371,6 +385,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     build_frame(frame, inputs, *technique);
     if (requests.empty())
       builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump, --view debug.PASS.IMAGE)");
+    leave_out_others(builder, technique->name);
     f.outputs = std::move(frame.outputs);
     f.counts = frame.counts;
     f.reports = std::move(frame.reports);

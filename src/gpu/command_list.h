@@ -57,6 +57,9 @@ class CommandList {
   virtual void set_cull(bool cull_back, bool mirrored) = 0;
   virtual void draw(uint32_t vertices, uint32_t instances = 1) = 0;
   virtual void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) = 0;
+  // A list that may be empty. On lavapipe 25.0.7 the count of an earlier draw limits draw_indirect, which has none.
+  virtual void draw_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
+                                   uint64_t counts_offset, uint32_t max_draws) = 0;
   virtual void bind_index_buffer(BufferHandle indices) = 0;  // 32-bit
   virtual void draw_indexed(uint32_t indices, uint32_t instances = 1, uint32_t first_index = 0,
                             int32_t vertex_offset = 0) = 0;

@@ -265,6 +265,15 @@ void CommandListImpl::draw_indirect(BufferHandle commands, uint64_t offset, uint
   vkCmdDrawIndirect(commands_, buffer(commands.resource).handle(), offset, draws, sizeof(VkDrawIndirectCommand));
 }
 
+void CommandListImpl::draw_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
+                                          uint64_t counts_offset, uint32_t max_draws) {
+  check_drawing();
+  use_of(commands, {Access::indirect_read});
+  use_of(counts, {Access::indirect_read});
+  vkCmdDrawIndirectCount(commands_, buffer(commands.resource).handle(), commands_offset,
+                         buffer(counts.resource).handle(), counts_offset, max_draws, sizeof(VkDrawIndirectCommand));
+}
+
 void CommandListImpl::draw_indexed(uint32_t indices, uint32_t instances, uint32_t first_index, int32_t vertex_offset) {
   check_drawing();
   vkCmdDrawIndexed(commands_, indices, instances, first_index, vertex_offset, 0);

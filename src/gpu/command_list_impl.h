@@ -61,6 +61,8 @@ class CommandListImpl final : public CommandList {
   void set_cull(bool cull_back, bool mirrored) override;
   void draw(uint32_t vertices, uint32_t instances) override;
   void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) override;
+  void draw_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts, uint64_t counts_offset,
+                           uint32_t max_draws) override;
   void bind_index_buffer(BufferHandle indices) override;
   void draw_indexed(uint32_t indices, uint32_t instances, uint32_t first_index, int32_t vertex_offset) override;
   void draw_indexed_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) override;

@@ -17,6 +17,7 @@
 #include "passes/lights/light_fill.h"
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
+#include "passes/lights/light_volumes.h"
 #include "passes/lights/tile_depth.h"
 #include "passes/occlusion/occlusion.h"
 #include "passes/occlusion/occlusion_layer.h"
@@ -32,8 +33,11 @@
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
+#include "passes/surfaces/gbuffer.h"
 #include "passes/surfaces/refraction.h"
+#include "passes/surfaces/shade_gbuffer.h"
 #include "passes/surfaces/shade_visible.h"
+#include "passes/surfaces/shade_volumes.h"
 #include "passes/surfaces/surface_pass.h"
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
@@ -63,10 +67,11 @@ struct PassList {
 using AllPasses =
     PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, TraceKeys, KeyDepth, DepthPrepass, DepthViews,
              ColoredShadows, TileDepth, LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid,
-             FogMarch, ShadeVisible, PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
-             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms,
-             FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks,
-             Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward,
+             ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments,
+             Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+             MotionLayer, MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap,
+             Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -33,7 +33,7 @@ struct SceneInputs {
   BufferHandle motion, joints_before, weights_before;
   std::shared_ptr<const std::vector<DrawRun>> runs;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials
-  uint32_t item_count = 0, cull_group_count = 0, batch_count = 0;
+  uint32_t item_count = 0, cull_group_count = 0, batch_count = 0, light_count = 0;
   std::vector<uint32_t> deform_vertices;  // vertex count of each deform job
   uint32_t deformed_words = 0;            // size of the deformed buffer
   uint32_t width_px = 0, height_px = 0, samples = 1;

@@ -18,6 +18,12 @@ std::span<const Technique> techniques() {
        Technique::Keys::rasterized, rays},
       {"ray", "what the camera sees, shadows and ambient occlusion by rays, shaded as in visibility", visibility,
        LightGridKind::clusters, Technique::Keys::traced, rays},
+      {"deferred-clustered", "surfaces into a G-buffer, shaded in compute; lights as clustered", deferred,
+       LightGridKind::clusters},
+      {"deferred-tiled", "surfaces into a G-buffer, shaded in compute; lights as forward-plus", deferred,
+       LightGridKind::tiles},
+      {"deferred-volumes", "surfaces into a G-buffer, each light drawn as the volume that it reaches", deferred_volumes,
+       LightGridKind::none},
   };
   return table;
 }

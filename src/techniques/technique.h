@@ -137,6 +137,10 @@ void build_frame(Frame& frame, const SceneInputs& scene, const Technique& techni
 
 Shaded forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                std::string_view instance);
+Shaded deferred(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                std::string_view instance);
+Shaded deferred_volumes(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                        std::string_view instance);
 Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   std::string_view instance);
 // Draws surfaces over the colour, which may be empty, by the hardware; lines_alone: and points, without triangles.

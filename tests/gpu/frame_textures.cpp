@@ -18,7 +18,7 @@ int add_texture(GltfBuilder& b, const std::vector<std::byte>& png, bool nearest)
 }
 
 // The square with texture coordinates, (0, 0) at the top left, and tangents along +X.
-int add_textured_square(GltfBuilder& b, int material) {
+int add_unit_square(GltfBuilder& b, int material) {
   const int square = add_square_mesh(b, 1, material);
   Json& attributes = b.json["meshes"][size_t(square)]["primitives"][0]["attributes"];
   attributes["TEXCOORD_0"] = b.accessor<float>("VEC2", {0, 1, 1, 1, 1, 0, 0, 0});
@@ -48,7 +48,7 @@ TEST_F(FrameTextures, TexelsLieWhereTheirCoordinatesSay) {
     if (transformed)
       material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
           {"offset", {0.25, 0.5}}, {"scale", {0.5, 1}}, {"rotation", std::numbers::pi / 2}};
-    const int square = add_textured_square(b, add_material(b, material));
+    const int square = add_unit_square(b, add_material(b, material));
     if (moved)
       b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TEXCOORD_0"] =
           b.accessor<float>("VEC2", {0.25, 1.5, 1.25, 1.5, 1.25, 0.5, 0.25, 0.5});
@@ -92,7 +92,7 @@ TEST_F(FrameTextures, NormalMapsFollowMirroredTransforms) {
     material["normalTexture"] = {
         {"index",
          add_texture(b, png_from(1, 1, 3, [&](double, double) { return glm::dvec4(codes / 255.0, 1); }), true)}};
-    add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))},
+    add_node(b, {{"mesh", add_unit_square(b, add_material(b, material))},
                  {"scale", {t.scale.x, t.scale.y, t.scale.z}},
                  {"rotation", {0, 0, std::sin(t.turn_rad / 2), std::cos(t.turn_rad / 2)}}});
     Job job = with_layers(job_for(write(b), 16, 16));
@@ -118,7 +118,7 @@ TEST_F(FrameTextures, NormalMapsFollowTheirTangents) {
     material["normalTexture"] = {
         {"index",
          add_texture(b, png_from(1, 1, 3, [&](double, double) { return glm::dvec4(codes / 255.0, 1); }), true)}};
-    const int square = add_textured_square(b, add_material(b, material));
+    const int square = add_unit_square(b, add_material(b, material));
     std::vector<float> tangents;
     for (int i = 0; i < 4; ++i) tangents.insert(tangents.end(), {0.6f, 0.8f, 0, handedness});
     b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TANGENT"] = b.accessor<float>("VEC4", tangents);
@@ -147,7 +147,7 @@ TEST_F(FrameTextures, NoSampleThatAMaskKeepsIsLost) {
     sheet["alphaMode"] = "MASK";
     sheet["doubleSided"] = true;
     sheet["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", add_texture(b, png_from(16, 16, 4, holes), false)}};
-    const int square = add_textured_square(b, add_material(b, sheet));
+    const int square = add_unit_square(b, add_material(b, sheet));
     for (int i = 0; i < 16; ++i) {
       const double a = 0.37 * i, c = std::cos(a / 2), s = std::sin(a / 2), tilt = 0.3 * std::sin(1.7 * i);
       add_node(b, {{"mesh", square},
@@ -174,7 +174,7 @@ TEST_F(FrameTextures, OnePlaceForAllCornersIsItsTexel) {
   const auto code = [](double u, double) { return glm::dvec4(u < 0.5 ? 0.0 : 1.0, 0.2, 0.4, 1); };
   material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", add_texture(b, png_from(16, 16, 3, code), false)}};
   b.json["samplers"].back()["minFilter"] = 9987;  // trilinear
-  const int square = add_textured_square(b, add_material(b, material));
+  const int square = add_unit_square(b, add_material(b, material));
   b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TEXCOORD_0"] =
       b.accessor<float>("VEC2", {0.75, 0.3, 0.75, 0.3, 0.75, 0.3, 0.75, 0.3});
   add_node(b, {{"mesh", square}, {"rotation", {-0.6, 0, 0, 0.8}}});
@@ -205,7 +205,7 @@ TEST_F(FrameTextures, AnisotropyKeepsStripesOnAFloor) {
   Json material = unlit_material(1, 1, 1);
   material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", texture}};
   const double half = std::sqrt(0.5);
-  add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))}, {"rotation", {-half, 0, 0, half}}});
+  add_node(b, {{"mesh", add_unit_square(b, add_material(b, material))}, {"rotation", {-half, 0, 0, half}}});
   constexpr int width = 48, height = 12, side = 8;
   Job job = job_for(write(b), width, height);
   job.background = "0,0,0";

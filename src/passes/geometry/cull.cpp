@@ -16,7 +16,7 @@ std::span<const Knob<Cull::Knobs>> Cull::Knobs::table() {
        {},
        Trades::time,
        {0, 1},
-       {"cull", "cull_compact", "depth_prepass", "shade_forward", "shade_unlit"}},
+       {"cull", "cull_compact", "depth_prepass", "shade_forward", "gbuffer", "shade_unlit"}},
   };
   return table;
 }

@@ -4,8 +4,9 @@ namespace candela {
 
 namespace {
 // What makes lists and what walks them.
-const std::vector<std::string_view> list_passes = {"tile_depth", "light_assign",  "light_scan", "light_fill",
-                                                   "light_sort", "shade_forward", "transparent"};
+const std::vector<std::string_view> list_passes = {"tile_depth",    "light_assign",  "light_scan",
+                                                   "light_fill",    "light_sort",    "shade_forward",
+                                                   "shade_gbuffer", "shade_volumes", "transparent"};
 }  // namespace
 
 std::span<const Knob<LightKnobs>> LightKnobs::table() {
@@ -116,7 +117,7 @@ std::span<const Knob<LightRangeKnobs>> LightRangeKnobs::table() {
        {},
        Trades::error,
        {},
-       {"shade_forward", "transparent"}},
+       {"shade_forward", "shade_gbuffer", "shade_volumes", "transparent"}},
   };
   return table;
 }

@@ -19,7 +19,8 @@ uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in)
 }  // namespace
 
 std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() {
-  static const std::vector<std::string_view> passes = {"occlusion", "shade_forward", "occlusion_layer", "terms"};
+  static const std::vector<std::string_view> passes = {"occlusion",     "shade_forward",   "shade_gbuffer",
+                                                       "shade_volumes", "occlusion_layer", "terms"};
   constexpr std::string_view on_screen = "occlusion.method=screen";
   static const Knob<Knobs> table[] = {
       {.name = "method",
@@ -38,7 +39,7 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .ladder = {16, 64, 64, 256},
        .trades = "method traced: rays of a pixel; fewer leave noise",
        .walk = {4, 16, 64, 256},
-       .passes = {"shade_forward", "occlusion_layer", "terms"},
+       .passes = {"shade_forward", "shade_gbuffer", "shade_volumes", "occlusion_layer", "terms"},
        .beside = "occlusion.method=traced"},
       {.name = "texel_px",
        .member = &Knobs::texel_px,
@@ -86,7 +87,7 @@ std::span<const Knob<AmbientOcclusion::Knobs>> AmbientOcclusion::Knobs::table() 
        .ladder = {0, 0, 0, 1},
        .trades = "1: the sky's light comes from about the mean open direction, not from about the normal",
        .walk = {0, 1},
-       .passes = {"occlusion", "shade_forward", "terms"}},
+       .passes = {"occlusion", "shade_forward", "shade_gbuffer", "shade_volumes", "terms"}},
   };
   return table;
 }

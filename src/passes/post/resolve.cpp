@@ -16,7 +16,8 @@ std::span<const Knob<Resolve::Knobs>> Resolve::Knobs::table() {
        {},
        Trades::error,
        {},
-       {"resolve", "depth_prepass", "shade_forward", "shade_unlit", "sky", "background", "transparent", "terms"},
+       {"resolve", "depth_prepass", "shade_forward", "gbuffer", "shade_gbuffer", "shade_volumes", "shade_unlit", "sky",
+        "background", "transparent", "terms"},
        {1, 2, 4, 8},
        "supersample.n=1"},
   };

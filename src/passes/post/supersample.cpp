@@ -16,8 +16,8 @@ std::span<const Knob<Supersample::Knobs>> Supersample::Knobs::table() {
        {},
        Trades::error,
        {1, 2, 4},
-       {"depth_prepass", "shade_forward", "shade_unlit", "sky", "background", "transparent", "terms", "supersample",
-        "resolve"}},
+       {"depth_prepass", "shade_forward", "gbuffer", "shade_gbuffer", "shade_volumes", "shade_unlit", "sky",
+        "background", "transparent", "terms", "supersample", "resolve"}},
   };
   return table;
 }

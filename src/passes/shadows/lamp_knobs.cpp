@@ -6,7 +6,8 @@ bool LampKnobs::matter(const SceneFacts& facts) { return facts.point_lights + fa
 
 std::span<const Knob<LampKnobs>> LampKnobs::table() {
   static const std::vector<std::string_view> drawing = {
-      "cull", "cull_compact", "depth_views", "rasterize_views", "shade_forward", "transparent"};
+      "cull",          "cull_compact",  "depth_views",   "rasterize_views",
+      "shade_forward", "shade_gbuffer", "shade_volumes", "transparent"};
   constexpr std::string_view from_maps = "shadows.method=maps";
   static const Knob<LampKnobs> rows[] = {
       {.name = "method",

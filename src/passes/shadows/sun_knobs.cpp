@@ -4,7 +4,8 @@ namespace candela {
 
 std::span<const Knob<SunKnobs>> SunKnobs::table() {
   static const std::vector<std::string_view> drawing = {
-      "cull", "cull_compact", "depth_views", "rasterize_views", "shade_forward", "transparent"};
+      "cull",          "cull_compact",  "depth_views",   "rasterize_views",
+      "shade_forward", "shade_gbuffer", "shade_volumes", "transparent"};
   static const Knob<SunKnobs> rows[] = {
       {.name = "mode",
        .member = &SunKnobs::mode,

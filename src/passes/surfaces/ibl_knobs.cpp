@@ -3,7 +3,8 @@
 namespace candela {
 
 std::span<const Knob<IblKnobs>> IblKnobs::table() {
-  static const std::vector<std::string_view> shading = {"shade_forward", "transparent", "terms"};
+  static const std::vector<std::string_view> shading = {"shade_forward", "shade_gbuffer", "shade_volumes",
+                                                        "transparent", "terms"};
   static constexpr std::string_view filtered = "ibl.method=lobe";
   static const Knob<IblKnobs> rows[] = {
       {.name = "method",

@@ -14,7 +14,7 @@ std::span<const Knob<SurfaceKnobs>> SurfaceKnobs::table() {
                  "(maps); off: they sparkle and shift, and more samples a pixel (supersample.n) are the exact end",
        .choices = {"off", "normals", "maps"},
        .walk = {1, 2, 0},
-       .passes = {"shade_forward", "transparent", "terms"}},
+       .passes = {"shade_forward", "gbuffer", "transparent", "terms"}},
   };
   return rows;
 }

@@ -16,7 +16,7 @@ std::span<const Knob<TextureKnobs>> TextureKnobs::table() {
        {},
        Trades::error,
        {},
-       {"depth_prepass", "shade_forward", "shade_unlit", "transparent", "layers"}},
+       {"depth_prepass", "shade_forward", "gbuffer", "shade_unlit", "transparent", "layers"}},
   };
   return table;
 }

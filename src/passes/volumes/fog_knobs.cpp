@@ -12,8 +12,9 @@ constexpr GridSize fog_grids[] = {{"32x18x24", {32, 18, 24}},     {"64x36x32", {
                                   {"96x54x48", {96, 54, 48}},     {"128x72x64", {128, 72, 64}},
                                   {"160x90x128", {160, 90, 128}}, {"256x144x256", {256, 144, 256}}};
 
-const std::vector<std::string_view> seen_by = {"fog", "fog_march",  "shade_forward", "shade_unlit",
-                                               "sky", "background", "transparent",   "fog_layers"};
+const std::vector<std::string_view> seen_by = {"fog",           "fog_march",   "shade_forward", "shade_gbuffer",
+                                               "shade_volumes", "shade_unlit", "sky",           "background",
+                                               "transparent",   "fog_layers"};
 
 }  // namespace
 

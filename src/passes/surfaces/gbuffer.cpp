@@ -1,0 +1,72 @@
+#include "passes/surfaces/gbuffer.h"
+
+#include "passes/geometry/features.h"
+
+namespace candela {
+namespace {
+constexpr uint32_t lobe_images = 5;  // shaders/lib/gbuffer.glsl
+constexpr VkFormat words = VK_FORMAT_R32G32B32A32_UINT;
+}  // namespace
+
+std::span<const Knob<GBuffer::Knobs>> GBuffer::Knobs::table() {
+  static const Knob<Knobs> table[] = {
+      {.name = "format",
+       .member = &Knobs::format,
+       .lowest = 0,
+       .highest = 2,
+       .ladder = {},
+       .trades = "what a sample holds: 16 bytes, 32 bytes, or every value as shading makes it",
+       .choices = {"bits128", "packed", "float"},
+       .walk = {0, 1, 2},
+       .passes = {"gbuffer"}},
+  };
+  return table;
+}
+
+Need GBuffer::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+}
+
+GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
+  const SceneInputs& s = in.scene;
+  builder.read(in.depth, Access::depth_test, "depth");
+  RunPipelineChoice choice;
+  choice.desc.vertex_shader = "draw.vert";
+  choice.desc.depth_format = depth_format;
+  choice.desc.samples = s.samples;
+  choice.desc.depth_test = true;
+  choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
+  choice.desc.constants = light_constants(in.lists);
+  const bool in_plane = !choice.desc.constants.empty();
+  Out out;
+  GBufferImages& g = out.gbuffer;
+  const uint32_t own = knobs.format == Knobs::floats ? (in_plane ? 7 : 5) : uint32_t(knobs.format) + 1;
+  g.definitions = fmt::format("#GBUFFER={}", own);
+  if (knobs.format != Knobs::floats) g.definitions += fmt::format("#PACKED={}", own);
+  const auto declare_step = [&](uint32_t count, std::string_view what, const std::string& defined) {
+    builder.begin_step();
+    choice.desc.color_formats.assign(count, words);
+    choice.desc.fragment_shader = "gbuffer.frag" + g.definitions + defined;
+    for (uint32_t i = 0; i < count; ++i) {
+      const ImageDesc desc{fmt::format("gbuffer.{}{}", what, i), words, s.width_px, s.height_px, s.samples};
+      g.images[g.count++] = builder.write(builder.create(desc), Access::color_attachment);
+    }
+    return declare_runs(
+        builder, s, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
+  };
+  out.own = declare_step(own, "", "");
+  if (shades_lobes(s.features)) out.lobes = declare_step(lobe_images, "lobes", "#LOBES_APART=1");
+  return out;
+}
+
+void GBuffer::record(CommandList& commands, const In& in, const Out& out) const {
+  const uint32_t own = out.gbuffer.count - (out.lobes.by_run.empty() ? 0 : lobe_images);
+  const uint32_t first = commands.step() == 0 ? 0 : own, last = commands.step() == 0 ? own : out.gbuffer.count;
+  std::vector<CommandList::Attachment> colors;
+  for (uint32_t i = first; i < last; ++i) colors.push_back({out.gbuffer.images[i]});
+  commands.begin_rendering(colors, in.depth);
+  record_runs(commands, in.scene, in.draws, in.deformed, commands.step() == 0 ? out.own : out.lobes);
+  commands.end_rendering();
+}
+
+}  // namespace candela

@@ -1,0 +1,51 @@
+#pragma once
+#include "passes/geometry/draw_runs.h"
+#include "passes/pass.h"
+#include "passes/surfaces/gbuffer_images.h"
+#include "passes/surfaces/surface_knobs.h"
+#include "passes/surfaces/texture_knobs.h"
+
+namespace candela {
+
+// The nearest opaque and masked surfaces as shading takes them, at every sample: deferred shading (Saito and Takahashi,
+// "Comprehensible Rendering of 3-D Shapes", 1990). Textures, normal maps and what derivatives give are evaluated here,
+// once a fragment; so its samples hold the same bits. Positions are relative to the camera, in metres; emission in
+// cd/m2.
+//
+// Knob `gbuffer.format`, of a sample and without lobes:
+//   float: 80 bytes, 112 where shadows or occlusion take the triangle's plane: every value as the forward techniques
+//     shade it;
+//   packed: 32 bytes: normals 2x16 octahedral, albedo sRGB8, roughness, metallic and others 8 bits, emission half
+//   floats,
+//     positions from the depth along the view axis and the place in the pixel;
+//   bits128: 16 bytes: normals 2x11 octahedral, roughness 6 bits, metallic and occlusion 4, reflectance without colour,
+//     emission 3x7 with a common exponent; the triangle's plane is the shading normal's.
+// Lobes are 80 bytes more in each, as floats, where visible materials have some. Leaves wrong: in packed formats
+// albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
+struct GBuffer {
+  static constexpr std::string_view name = "gbuffer";
+  struct Knobs {
+    static constexpr std::string_view name = "gbuffer";
+    enum : int { bits128, packed, floats };
+    int format = floats;
+    static std::span<const Knob<Knobs>> table();
+  };
+  using SharedKnobs = std::tuple<TextureKnobs, SurfaceKnobs>;
+  struct In {
+    SceneInputs scene;
+    Draws draws;
+    BufferHandle deformed;  // optional
+    CellLists lists;        // of those that shade: whether they take the triangle's plane
+    ImageHandle depth;      // of the pre-pass
+  };
+  struct Out {
+    GBufferImages gbuffer;
+    RunPipelines own, lobes;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+}  // namespace candela

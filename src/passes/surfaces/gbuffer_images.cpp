@@ -1,0 +1,16 @@
+#include "passes/surfaces/gbuffer_images.h"
+
+namespace candela {
+
+void read_gbuffer(GraphBuilder& builder, const GBufferImages& gbuffer, Access access) {
+  builder.read(gbuffer.images[0], access, "the G-buffer");
+  for (uint32_t i = 1; i < gbuffer.count; ++i) builder.read(gbuffer.images[i], access, "the G-buffer");
+}
+
+uint64_t gbuffer_places(CommandList& commands, const GBufferImages& gbuffer) {
+  uint64_t places = 0;
+  for (uint32_t i = 0; i < gbuffer.count; ++i) places |= uint64_t(commands.sampled(gbuffer.images[i])) << (4 * i);
+  return places;
+}
+
+}  // namespace candela

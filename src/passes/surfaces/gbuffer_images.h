@@ -1,0 +1,29 @@
+#pragma once
+#include <array>
+#include <string>
+
+#include "gpu/command_list.h"
+#include "graph/builder.h"
+#include "passes/lights/light_knobs.h"
+#include "passes/surfaces/ibl_knobs.h"
+#include "passes/surfaces/probe_knobs.h"
+
+namespace candela {
+
+// What surfaces are shaded from in a G-buffer's images, each of four 32-bit words a texel and multisampled as the
+// frame.
+struct GBufferImages {
+  static constexpr size_t most = 12;
+  std::array<ImageHandle, most> images;  // empty behind the last; lobes last
+  uint32_t count = 0;
+  std::string definitions;  // of shaders that include lib/gbuffer.glsl
+};
+
+// What a pass reads of a G-buffer, and the places of its images among the pass's, 4 bits each.
+void read_gbuffer(GraphBuilder& builder, const GBufferImages& gbuffer, Access access);
+uint64_t gbuffer_places(CommandList& commands, const GBufferImages& gbuffer);
+
+// Knobs of passes that shade it.
+using GBufferShadingKnobs = std::tuple<LightRangeKnobs, IblKnobs, ProbeKnobs>;
+
+}  // namespace candela

@@ -1,0 +1,40 @@
+#include "passes/surfaces/shade_gbuffer.h"
+
+#include "passes/geometry/draw_runs.h"
+#include "passes/geometry/features.h"
+
+namespace candela {
+
+Need ShadeGBuffer::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+}
+
+ShadeGBuffer::Out ShadeGBuffer::declare(GraphBuilder& builder, const In& in) const {
+  const SceneInputs& s = in.scene;
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  read_gbuffer(builder, in.gbuffer, Access::sampled_compute);
+  declare_lights(builder, s, in.lists, ReadBy::compute());
+  declare_fog(builder, s, in.lists, true, ReadBy::compute());
+  ComputePipelineDesc desc{
+      with_shadow_colors(with_fog("shade_gbuffer.comp" + in.gbuffer.definitions, in.lists), in.lists.shadow_colors),
+      light_constants(in.lists)};
+  desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
+  desc.constants.push_back({30, "SAMPLES", s.samples});
+  desc.shader += surface_definitions(desc.constants);
+  Out out;
+  out.pipeline = builder.pipeline(desc);
+  const uint64_t samples = uint64_t(s.width_px) * s.height_px * s.samples;
+  out.samples = builder.write(builder.create(BufferDesc{"shade_gbuffer.samples", samples * 16}), Access::compute_write);
+  return out;
+}
+
+void ShadeGBuffer::record(CommandList& commands, const In& in, const Out& out) const {
+  OwnInputs own;
+  own.word = gbuffer_places(commands, in.gbuffer);
+  own.deformed_before = out.samples;
+  commands.bind(out.pipeline);
+  commands.push(draw_push(commands, in.scene, {}, &in.lists, &in.lists, own));
+  commands.dispatch(in.scene.width_px, in.scene.height_px);
+}
+
+}  // namespace candela

@@ -1,0 +1,29 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+#include "passes/surfaces/gbuffer_images.h"
+
+namespace candela {
+
+// Radiance of what a G-buffer holds, in compute, by the same functions as ShadeForward and ShadeUnlit: of a pixel's
+// samples those that hold the same bits once, each other one for itself. Units: cd/m2 times the pre-exposure. A colour
+// for each sample, which PutSamples makes an image of.
+struct ShadeGBuffer {
+  static constexpr std::string_view name = "shade_gbuffer";
+  using SharedKnobs = GBufferShadingKnobs;
+  static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};  // image-based light
+  struct In {
+    SceneInputs scene;
+    GBufferImages gbuffer;
+    CellLists lists;  // empty: every light for every pixel
+  };
+  struct Out {
+    BufferHandle samples;  // of vec4
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -1,0 +1,127 @@
+#include "passes/surfaces/shade_volumes.h"
+
+#include "passes/geometry/draw_runs.h"
+#include "passes/geometry/features.h"
+#include "shared/light_volumes.h"
+
+namespace candela {
+
+std::span<const Knob<ShadeVolumes::Knobs>> ShadeVolumes::Knobs::table() {
+  static const Knob<Knobs> table[] = {
+      {.name = "accumulator",
+       .member = &Knobs::accumulator,
+       .lowest = 0,
+       .highest = 2,
+       .ladder = {},
+       .trades =
+           "what the lights of a sample are summed in: 4, 8 or 16 bytes; small formats lose what a light adds to a "
+           "brighter sum",
+       .choices = {"r11g11b10", "half", "float"},
+       .walk = {0, 1, 2},
+       .passes = {"shade_volumes"}},
+      {.name = "depth_test",
+       .member = &Knobs::depth_test,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {},
+       .trades =
+           "1: a volume asks no sample before or behind it, which misses light where a pixel's surface is shaded far "
+           "from that sample; 0: it asks all that it covers",
+       .walk = {1, 0},
+       .passes = {"shade_volumes"}},
+  };
+  return table;
+}
+
+Need ShadeVolumes::needed(const SceneFacts& facts, const FrameRequest&) const {
+  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+}
+
+ShadeVolumes::Out ShadeVolumes::declare(GraphBuilder& builder, const In& in) const {
+  static constexpr VkFormat formats[] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, VK_FORMAT_R16G16B16A16_SFLOAT,
+                                         VK_FORMAT_R32G32B32A32_SFLOAT};
+  const SceneInputs& s = in.scene;
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  read_gbuffer(builder, in.gbuffer, Access::sampled_fragment);
+  std::string defined = in.gbuffer.definitions;
+  if (knobs.accumulator != Knobs::floats) defined += "#EXPOSED=1";
+  GraphicsPipelineDesc desc;
+  desc.constants = light_constants(in.lists);
+  desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
+  desc.constants.push_back({30, "SAMPLES", s.samples});
+  const std::string surfaces = surface_definitions(desc.constants);
+  desc.samples = s.samples;
+  Out out;
+  ImageDesc sum{"light_volumes.sum", formats[knobs.accumulator], s.width_px, s.height_px, s.samples};
+  out.sum = builder.create(sum);
+
+  builder.begin_step();
+  builder.read(in.depth, Access::depth_test, "depth");
+  declare_lights(builder, s, in.lists, {Access::graphics_read, Access::sampled_fragment});
+  declare_fog(builder, s, in.lists, true);
+  builder.read_optional(in.volumes.lists, Access::vertex_read);
+  builder.read_optional(in.volumes.draws, Access::indirect_read);
+  desc.color_formats = {sum.format};
+  desc.depth_format = depth_format;
+  desc.blend = Blend::additive;
+  desc.vertex_shader = "background.vert";
+  desc.fragment_shader =
+      with_shadow_colors(with_fog("light_volume.frag" + defined + "#BASE=1", in.lists), in.lists.shadow_colors) +
+      surfaces;
+  out.base = builder.pipeline(desc);
+  if (in.volumes.draws)
+    for (uint32_t list = 0; list < (knobs.depth_test != 0 ? shared::volume_lists : 1u); ++list) {
+      GraphicsPipelineDesc volume = desc;
+      volume.vertex_shader =
+          fmt::format("light_volume.vert#LIST={}{}", list, knobs.depth_test != 0 ? "" : "#ORDERED=1");
+      volume.fragment_shader =
+          with_shadow_colors(with_fog("light_volume.frag" + defined, in.lists), in.lists.shadow_colors) + surfaces;
+      volume.depth_test = knobs.depth_test != 0 && list != shared::volumes_everywhere;
+      // Reversed: front faces before the surface, back faces behind it.
+      volume.depth_compare =
+          list == shared::volumes_inside ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL;
+      out.by_list.push_back(builder.pipeline(volume));
+    }
+  out.sum = builder.write(out.sum, Access::color_attachment);
+
+  builder.begin_step();
+  builder.read(out.sum, Access::sampled_fragment, "sums of lights");
+  declare_fog(builder, s, in.lists);
+  desc.color_formats = {color_format};
+  desc.depth_format = VK_FORMAT_UNDEFINED;
+  desc.blend = Blend::none;
+  desc.fragment_shader = with_fog("light_volumes_over.frag" + defined, in.lists) + surfaces;
+  out.over = builder.pipeline(desc);
+  out.color = write_color(builder, s, {});
+  return out;
+}
+
+void ShadeVolumes::record(CommandList& commands, const In& in, const Out& out) const {
+  const bool sums = commands.step() == 0;
+  const CommandList::Attachment target{sums ? out.sum : out.color};
+  OwnInputs own;
+  own.word = gbuffer_places(commands, in.gbuffer);
+  if (sums && in.volumes.lists) own.deformed_before = in.volumes.lists;
+  if (!sums) own.word |= uint64_t(commands.sampled(out.sum)) << 48;
+  commands.begin_rendering({&target, 1}, sums ? in.depth : ImageHandle{});
+  shared::DrawPush push = draw_push(commands, in.scene, {}, sums ? &in.lists : nullptr, &in.lists, own);
+  const auto for_samples = [&](PipelineHandle pipeline, auto&& draw) {
+    commands.bind(pipeline);
+    for (push.own = 0; push.own < in.scene.samples; ++push.own) {
+      commands.push(push);
+      draw();
+    }
+  };
+  commands.set_cull(false, false);
+  for_samples(sums ? out.base : out.over, [&] { commands.draw(3); });
+  for (uint32_t list = 0; sums && list < out.by_list.size(); ++list) {
+    commands.set_cull(true, list == shared::volumes_inside);
+    for_samples(out.by_list[list], [&] {
+      commands.draw_indirect_count(in.volumes.draws, list * sizeof(shared::VolumeDraw), in.volumes.draws,
+                                   offsetof(shared::VolumeDraws, count) + list * sizeof(uint32_t), 1);
+    });
+  }
+  commands.end_rendering();
+}
+
+}  // namespace candela

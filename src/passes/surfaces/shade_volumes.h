@@ -1,0 +1,45 @@
+#pragma once
+#include "passes/lights/volume_lists.h"
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+#include "passes/surfaces/gbuffer_images.h"
+
+namespace candela {
+
+// Radiance of what a G-buffer holds, light by light: each is drawn as the volume that it reaches
+// (passes/lights/light_volumes.h) and adds its part to the pixels in it, shaded by the same functions as ShadeForward;
+// then exposed and seen through fog. Units: cd/m2 times the pre-exposure.
+// All lights in their order, into floats, give the bits of the forward techniques. With the test of depth lights that
+// reach everywhere, volumes from outside and volumes from inside are drawn one after another, so that sums differ by
+// rounding.
+struct ShadeVolumes {
+  static constexpr std::string_view name = "shade_volumes";
+  struct Knobs {
+    static constexpr std::string_view name = "light_volumes";
+    enum : int { r11g11b10, half, floats };
+    int accumulator = floats;
+    int depth_test = 0;
+    static std::span<const Knob<Knobs>> table();
+  };
+  using SharedKnobs = GBufferShadingKnobs;
+  static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};  // image-based light
+  struct In {
+    SceneInputs scene;
+    GBufferImages gbuffer;
+    CellLists lists;       // of shadows, occlusion and fog
+    LightVolumes volumes;  // optional: no light
+    ImageHandle depth;
+  };
+  struct Out {
+    ImageHandle color;
+    ImageHandle sum;
+    PipelineHandle base, over;
+    std::vector<PipelineHandle> by_list;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+}  // namespace candela

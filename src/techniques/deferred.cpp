@@ -1,0 +1,32 @@
+#include "techniques/technique.h"
+
+namespace candela {
+namespace {
+GBufferImages gbuffer_of(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists,
+                         std::string_view instance) {
+  return frame.add(GBuffer{}, {scene, surfaces.draws, surfaces.deformed, lists, surfaces.depth}, instance).gbuffer;
+}
+}  // namespace
+
+// Deferred shading: what surfaces are, and then their light, in compute, by the lists of lights that the forward
+// techniques walk (Lauritzen, "Deferred Rendering for Current and Future Rendering Pipelines", 2010; clusters: Olsson,
+// Billeter, Assarsson 2012).
+Shaded deferred(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                std::string_view instance) {
+  const CellLists lists = lighting.of_opaque();
+  const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
+  const BufferHandle samples = frame.add(ShadeGBuffer{}, {scene, gbuffer, lists}, instance).samples;
+  return {frame.add(PutSamples{}, {scene, samples}, instance).color};
+}
+
+// The same, light by light (Hargreaves and Harris, "Deferred Shading", 2004).
+Shaded deferred_volumes(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+                        std::string_view instance) {
+  const CellLists lists = lighting.of_opaque();
+  const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
+  const LightVolumes volumes =
+      frame.add(LightVolumeLists{}, {scene, frame.knobs.get<ShadeVolumes::Knobs>().depth_test == 0}, instance).volumes;
+  return {frame.add(ShadeVolumes{}, {scene, gbuffer, lists, volumes, surfaces.depth}, instance).color};
+}
+
+}  // namespace candela

@@ -1,0 +1,240 @@
+#include "base/rng.h"
+#include "frame_fixture.h"
+#include "gpu_fixture.h"
+
+// The deferred techniques against brute-force: the same bits from a G-buffer of floats, stated errors from packed ones.
+namespace candela::test {
+namespace {
+
+class FrameDeferred : public FrameTest {
+ protected:
+  static Json at(glm::dvec3 p) { return {{"translation", {p.x, p.y, p.z}}}; }
+  // Slanted squares of several roughness, metals and dielectrics, one emissive, one unlit, one masked to nothing but an
+  // edge, under a sun, points and a spot, all with ends among them.
+  static GltfBuilder stage() {
+    GltfBuilder b = empty_scene();
+    Rng rng(11);
+    for (int i = 0; i < 12; ++i) {
+      Json pbr = base_color(rng.uniform(0.02, 1), rng.uniform(0.02, 1), rng.uniform(0.02, 1));
+      pbr["roughnessFactor"] = rng.uniform(0.15, 1), pbr["metallicFactor"] = i % 3 == 0 ? rng.uniform(0, 1) : 0.0;
+      Json material = {{"pbrMetallicRoughness", pbr}, {"doubleSided", true}};
+      if (i == 4) material["emissiveFactor"] = {0.4, 0.2, 0.05};
+      if (i == 7) material["extensions"]["KHR_materials_unlit"] = Json::object();
+      const double turn = rng.uniform(-1, 1), x = -1.5 + 0.5 * (i % 6), y = -0.6 + 1.1 * (i / 6);
+      add_node(b, {{"mesh", add_square_mesh(b, 0.45f, add_material(b, material))},
+                   {"translation", {x, y, rng.uniform(-0.6, 0.2)}},
+                   {"rotation", {std::sin(turn / 2) * 0.6, std::sin(turn / 2) * 0.8, 0, std::cos(turn / 2)}}});
+    }
+    add_light(b, {{"type", "directional"}, {"intensity", 1.5}}, {{"rotation", {-0.3, 0.2, 0, 0.93}}});
+    for (int i = 0; i < 24; ++i)
+      add_light(b, {{"type", "point"}, {"intensity", 0.4}, {"range", rng.uniform(0.3, 1.5)}},
+                at({rng.uniform(-2, 2), rng.uniform(-1.2, 1.2), rng.uniform(-0.4, 0.9)}));
+    for (int i = 0; i < 6; ++i) {
+      Json node = at({rng.uniform(-1.5, 1.5), rng.uniform(-1, 1), 1.2});
+      node["rotation"] = rotation_between({0, 0, -1}, {rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), -1});
+      add_light(b,
+                {{"type", "spot"},
+                 {"intensity", 3},
+                 {"range", 2.5},
+                 {"spot", {{"outerConeAngle", i < 3 ? 0.3 : 1.3}, {"innerConeAngle", 0.1}}}},
+                node);
+    }
+    return b;
+  }
+  static Job job_of(const std::filesystem::path& path, const std::string& technique, int samples) {
+    Job job = job_for(path, 96, 64, samples);
+    job.technique = technique;
+    job.settings = {{"lights", "few", "0"}};
+    return job;
+  }
+  static Job staged(const std::string& technique, int samples) {
+    Job job = job_of(write(stage()), technique, samples);
+    look(job, {0.2, 0.3, 2.6}, {0, 0, 0});
+    return job;
+  }
+  static size_t differing(const Image& a, const Image& b) {
+    const auto x = a.values<glm::uvec4>(), y = b.values<glm::uvec4>();
+    size_t count = x.size() != y.size();
+    for (size_t i = 0; i < std::min(x.size(), y.size()); ++i) count += x[i] != y[i];
+    return count;
+  }
+  // Of all channels: the root of the mean square over the mean, and the largest over it.
+  struct Error {
+    double rmse = 0, most = 0;
+  };
+  static Error error(const Image& truth, const Image& image) {
+    const auto t = truth.values<glm::vec4>(), i = image.values<glm::vec4>();
+    double squares = 0, most = 0, sum = 0;
+    for (size_t p = 0; p < t.size(); ++p)
+      for (int c = 0; c < 3; ++c) {
+        const double off = double(i[p][c]) - double(t[p][c]);
+        squares += off * off, most = std::max(most, std::abs(off)), sum += double(t[p][c]);
+      }
+    const double n = double(3 * t.size());
+    return {std::sqrt(squares / n) / (sum / n), most / (sum / n)};
+  }
+  static void expect_same(Job job, std::initializer_list<const char*> techniques = {"deferred-clustered"}) {
+    job.technique = "brute-force";
+    const Images expected = images_of(job);
+    for (const char* technique : techniques) {
+      job.technique = technique;
+      EXPECT_EQ(differing(expected["beauty"], images_of(job)["beauty"]), 0u) << technique << ", " << job.samples;
+    }
+  }
+};
+
+TEST_F(FrameDeferred, FloatsAreBruteForceBitForBit) {
+  for (const int samples : {1, 4}) expect_same(staged("", samples), {"deferred-clustered", "deferred-tiled"});
+}
+
+// Lines and points, masks, glass and blended surfaces, skins, lobes, all under their default effects.
+TEST_F(FrameDeferred, EverySceneIsBruteForces) {
+  for (const char* name : {"primitive-modes", "alpha", "skinned", "lobes"}) {
+    SCOPED_TRACE(name);
+    Job job = job_of(scene(name), "", 4);
+    job.width_px = 48, job.height_px = 32;
+    expect_same(job);
+  }
+}
+
+TEST_F(FrameDeferred, SupersampledFoggedAndShadowedItIsBruteForces) {
+  Job job = staged("", 1);
+  job.look = look_file(R"({"fog": {"extinction": 0.2, "albedo": 0.9}})");
+  job.settings.push_back({"supersample", "n", "2"});
+  expect_same(job);
+}
+
+// A scene whose only surface lets light through has no G-buffer.
+TEST_F(FrameDeferred, NothingOpaqueNeedsNoGBuffer) {
+  GltfBuilder b = empty_scene();
+  Json pane = {{"pbrMetallicRoughness", base_color(0.5, 0.7, 0.9, 0.4)}, {"alphaMode", "BLEND"}};
+  add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, pane))}});
+  add_light(b, {{"type", "point"}, {"intensity", 5}}, at({0, 0, 1}));
+  Job job = job_of(write(b), "", 4);
+  look(job, {0.2, 0.3, 2.6}, {0, 0, 0});
+  expect_same(job, {"deferred-clustered", "deferred-volumes"});
+}
+
+// Root of the mean square over the mean, with light at grazing angles and shadows; measured on lavapipe, with a quarter
+// on top. Edges of a multisampled picture are shaded at other places by less exact positions.
+TEST_F(FrameDeferred, PackedFormatsAreWrongByNoMoreThanStated) {
+  struct Stated {
+    const char* format;
+    int samples;
+    double rmse;
+  };
+  for (const Stated& s : {Stated{"packed", 1, 0.0117}, Stated{"bits128", 1, 0.0382}, Stated{"packed", 4, 0.091},
+                          Stated{"bits128", 4, 0.163}}) {
+    const Images truth = images_of(staged("brute-force", s.samples));
+    Job job = staged("deferred-clustered", s.samples);
+    job.settings.push_back({"gbuffer", "format", s.format});
+    const double rmse = error(truth["beauty"], images_of(job)["beauty"]).rmse;
+    fmt::print("{}, {} samples: {:.2e}\n", s.format, s.samples, rmse);
+    EXPECT_LE(rmse, s.rmse) << s.format;
+    EXPECT_GT(rmse, 1e-3) << s.format << " is not in use";
+  }
+}
+
+// From outside of most volumes and from inside; with lists apart and the test of depth but for roundings.
+TEST_F(FrameDeferred, VolumesAreBruteForceBitForBit) {
+  const glm::dvec3 far(0.2, 0.3, 2.6), near(-0.6, 0.2, 0.7);
+  for (const auto& [samples, eye] : {std::pair(1, near), {4, near}, {4, far}}) {
+    Job job = staged("", samples);
+    look(job, eye, {0, 0, 0});
+    expect_same(job, {"deferred-volumes"});
+  }
+  Job job = staged("brute-force", 1);
+  look(job, near, {0, 0, 0});
+  const Images truth = images_of(job);
+  job.technique = "deferred-volumes";
+  job.settings.push_back({"light_volumes", "depth_test", "1"});
+  const Error e = error(truth["beauty"], images_of(job)["beauty"]);
+  fmt::print("tested: rmse {:.2e}, most {:.2e}\n", e.rmse, e.most);
+  EXPECT_LE(e.most, 1e-4);
+}
+
+// Root of the mean square over the mean; measured on lavapipe, with a quarter on top.
+TEST_F(FrameDeferred, SumsOfLightsAreAsExactAsTheirFormat) {
+  struct Stated {
+    const char* format;
+    double rmse, least;
+  };
+  const Images truth = images_of(staged("brute-force", 1));
+  for (const Stated& s : {Stated{"r11g11b10", 0.104, 1e-3}, Stated{"half", 0.0072, 1e-5}}) {
+    Job job = staged("deferred-volumes", 1);
+    job.settings.push_back({"light_volumes", "accumulator", s.format});
+    const Error e = error(truth["beauty"], images_of(job)["beauty"]);
+    fmt::print("{}: rmse {:.2e}, most {:.2e}\n", s.format, e.rmse, e.most);
+    EXPECT_LE(e.rmse, s.rmse) << s.format;
+    EXPECT_GE(e.rmse, s.least) << s.format;
+  }
+}
+
+TEST_F(FrameDeferred, EachFrameIsTheSameBytes) {
+  for (const char* technique : {"deferred-tiled", "deferred-volumes"}) {
+    const auto session = open(staged(technique, 4));
+    ASSERT_TRUE(session);
+    const Images first = images(render(*session));
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(differing(first["beauty"], images(render(*session))["beauty"]), 0u);
+  }
+}
+
+// Angles between random directions and what comes back of their bits (Cigolle et al. 2014).
+class Octahedral : public gpu::test::GpuTest {};
+
+TEST_F(Octahedral, AnglesAreThoseOfThePaper) {
+  struct Stated {
+    uint32_t bits;
+    double mean_deg, most_deg;
+  };
+  Rng rng(5);
+  std::vector<glm::vec3> directions;
+  for (const float x : {-1.0f, 0.0f, 1.0f})
+    for (const float y : {-1.0f, 0.0f, 1.0f})
+      for (const float z : {-1.0f, 0.0f, 1.0f})
+        if (x != 0 || y != 0 || z != 0) directions.push_back(glm::normalize(glm::vec3(x, y, z)));
+  while (directions.size() < 100000) {
+    const glm::dvec3 d(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    if (glm::length(d) > 0.1 && glm::length(d) < 1) directions.emplace_back(glm::normalize(d));
+  }
+  const uint64_t bytes = directions.size() * sizeof(glm::vec3);
+  gpu::Buffer source(*device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                     gpu::Buffer::Memory::upload, gpu::Device::Purpose::scene, "directions");
+  std::memcpy(source.mapped(), directions.data(), bytes);
+  for (const Stated& s : {Stated{16, 0.0014, 0.0038}, Stated{11, 0.043, 0.12}}) {
+    GraphBuilder builder;
+    const BufferHandle in = builder.import_buffer(BufferDesc{.name = "directions", .size_bytes = bytes});
+    builder.begin_pass("octahedral");
+    builder.read(in, Access::compute_read, "directions");
+    BufferHandle out =
+        builder.create(BufferDesc{.name = "decoded", .size_bytes = bytes, .memory = BufferMemory::host_read});
+    out = builder.write(out, Access::compute_write);
+    const PipelineHandle pipeline =
+        builder.pipeline(ComputePipelineDesc{.shader = "octahedral.comp", .constants = {{0, "BITS", s.bits}}});
+    struct Push {
+      uint64_t from, to;
+      uint32_t count, unused;
+    };
+    builder.end_pass([=, count = uint32_t(directions.size())](CommandList& commands) {
+      commands.bind(pipeline);
+      commands.push(Push{commands.address(in), commands.address(out), count, 0});
+      commands.dispatch(count);
+    });
+    builder.sink(out);
+    const gpu::FrameRun result = run(compile_graph(builder), {}, {{in.resource, &source}});
+    ASSERT_TRUE(result.readbacks.contains(out.resource));
+    const auto decoded = gpu::test::values_of<glm::vec3>(*result.readbacks.at(out.resource));
+    double sum = 0, most = 0;
+    for (size_t i = 0; i < decoded.size(); ++i) {
+      const glm::dvec3 a(directions[i]), b(decoded[i]);
+      const double angle = glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+      sum += angle, most = std::max(most, angle);
+    }
+    fmt::print("2x{} bits: mean {:.5f}, most {:.5f} degrees\n", s.bits, sum / double(decoded.size()), most);
+    EXPECT_LE(sum / double(decoded.size()), s.mean_deg);
+    EXPECT_LE(most, s.most_deg);
+  }
+}
+
+}  // namespace
+}  // namespace candela::test

@@ -107,7 +107,7 @@ void SuiteRun::make_reference(const Item& item) {
       }
     reference_note_ = fmt::format("{} is limited to {} lights", item.suite->reference, most);
   }
-  const Configuration wanted = reference_of(item.configuration, *item.suite, reference_technique_);
+  const Configuration wanted = reference_of(item.configuration, reference_technique_);
   reference_technique_ = wanted.job.technique;
   for (size_t i = 0; i < items_.size(); ++i)
     if (items_[i].group == group_ && items_[i].configuration.left_out.empty() &&

@@ -1,5 +1,7 @@
 #include "bench/suite.h"
 
+#include <algorithm>
+
 #include "base/text.h"
 #include "frame/plan_frame.h"
 
@@ -128,19 +130,20 @@ Expected<std::vector<Configuration>> configurations(const Suite& suite) {
   return all;
 }
 
-Configuration reference_of(const Configuration& configuration, const Suite& suite, const std::string& technique) {
+Configuration reference_of(const Configuration& configuration, const std::string& technique) {
   Configuration reference = configuration;
   reference.left_out.clear();
+  const std::vector<KnobRow> knobs = knob_rows(reference.job.quality);
   std::erase_if(reference.job.settings, [&](const KnobSetting& s) {
-    const std::string name = s.pass + "." + s.knob;
-    return std::find(suite.picture_knobs.begin(), suite.picture_knobs.end(), name) == suite.picture_knobs.end();
+    return std::ranges::any_of(
+        knobs, [&](const KnobRow& k) { return k.pass == s.pass && k.knob == s.knob && k.kind == "time"; });
   });
   reference.job = with_every_light(std::move(reference.job), technique);
   return reference;
 }
 
 std::string picture_group(const Configuration& configuration, const Suite& suite) {
-  const Configuration c = reference_of(configuration, suite, suite.reference);
+  const Configuration c = reference_of(configuration, suite.reference);
   return fmt::format("{}\n{}\n{}\n{:a}\n{}\n{}", c.scene.label, c.seed, c.lights.value_or(-1), c.time_s,
                      job_json(c.job), settings_text(c.job));
 }

@@ -66,8 +66,6 @@ struct Suite {
   std::vector<BenchView> views;
   std::string output = "exr";             // what a timed frame leaves: exr (linear), png (tone-mapped) or both
   std::string reference = "brute-force";  // technique whose pixels the others must have
-  // Knobs that change the picture: the reference is rendered with them too. All others must not change a bit.
-  std::vector<std::string> picture_knobs = {"lights.floor_lux", "resolve.samples", "textures.anisotropy"};
   std::map<std::string, int> max_lights;  // by technique: configurations beyond are left out, with this as the reason
   int reference_max_lights = 0;  // the reference is rendered, though not measured, up to here; 0: as max_lights says
   SamplingRules sampling;
@@ -100,10 +98,10 @@ std::string settings_text(const Job& job);
 // What limits leave out stays in the list with its reason. Errors (usage): names and values that no job takes.
 Expected<std::vector<Configuration>> configurations(const Suite& suite);
 
-// Configurations of one group must show the same picture. Two of them are in one when all but technique and knobs that
-// do not change the picture agree.
+// Configurations of one group must show the same picture. Two of them are in one when all but technique and knobs of
+// time agree: every other knob changes the picture, and the reference is rendered with it too.
 std::string picture_group(const Configuration& configuration, const Suite& suite);
 // The configuration that renders the group's reference picture with `technique`.
-Configuration reference_of(const Configuration& configuration, const Suite& suite, const std::string& technique);
+Configuration reference_of(const Configuration& configuration, const std::string& technique);
 
 }  // namespace candela

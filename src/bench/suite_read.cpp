@@ -214,7 +214,6 @@ const Readers<Suite>& suite_readers() {
       {"views", [](const Json& j, const SuitePlace& at, Suite& s) { return read_views(j, at, s); }},
       {"output", text_into(&Suite::output)},
       {"reference", text_into(&Suite::reference)},
-      {"picture_knobs", list_into(&Suite::picture_knobs, text_of)},
       {"max_lights", read_max_lights},
       {"reference_max_lights",
        [](const Json& j, const SuitePlace& at, Suite& s) { return read_whole(j, at, 0, s.reference_max_lights); }},

@@ -33,7 +33,8 @@ Materials of_facets() {
 
 class ReferenceBlinnPhong : public ReferenceParity {
  protected:
-  static Pair seen(const Materials& materials, bool lamps, glm::dvec3 eye, const char* shading) {
+  static Pair seen(const Materials& materials, bool lamps, glm::dvec3 eye, const char* shading,
+                   glm::dvec3 target = glm::dvec3(0), double yfov_deg = 55) {
     GltfBuilder b = empty_scene();
     use_materials(b);
     int i = 0;
@@ -53,7 +54,7 @@ class ReferenceBlinnPhong : public ReferenceParity {
     }
     Job job = job_for(write(b), 96, 64);
     job.shading = shading;
-    look(job, eye, glm::dvec3(0, 0, 0), 55);
+    look(job, eye, target, yfov_deg);
     return rendered(job, 1);
   }
   // bound: relative, of every channel of every pixel that gets some light; fit: absolute, beside it.
@@ -91,6 +92,20 @@ class ReferenceBlinnPhong : public ReferenceParity {
 TEST_F(ReferenceBlinnPhong, UnderLamps) { expect_equal(stated({0, 1, 8, 32, 500}), 2e-5); }
 // A millionth power shows what 32 bits know of the half vector.
 TEST_F(ReferenceBlinnPhong, UnderLampsOfHighExponents) { expect_equal(stated({1e4, 1e5, 1e6}), 3e-3); }
+// The peaks alone fill the picture, where a half vector is so near the normal that its cosine is one by 32 bits.
+TEST_F(ReferenceBlinnPhong, ThePeakOfAHighExponent) {
+  for (const double exponent : {1e4, 1e5, 1e6}) {
+    const Pair pair = seen(stated({exponent}), true, {0.3, -0.5, 5}, "pbr", {-0.5, 1, 0}, 200 / std::sqrt(exponent));
+    double least = 1e30, most = 0, worst = 0;
+    for (size_t i = 0; i < pair.gpu.size(); ++i) {
+      const double expected = pair.reference[i].x;
+      least = std::min(least, expected), most = std::max(most, expected);
+      worst = std::max(worst, std::abs(pair.gpu[i].x - expected) / expected);
+    }
+    EXPECT_GT(most, 2 * least) << exponent;
+    EXPECT_LE(worst, 1e-3) << exponent;
+  }
+}
 TEST_F(ReferenceBlinnPhong, OfMaterialsWithFacets) { expect_equal(of_facets(), 3e-3, true, "blinn-phong"); }
 // The neutral light's harmonics: albedos by a fit within 0.002, and by a table.
 TEST_F(ReferenceBlinnPhong, AmbientLight) {

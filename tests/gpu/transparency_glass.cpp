@@ -137,6 +137,26 @@ TEST_F(TransparencyGlass, TapsTendToTheTruth) {
   EXPECT_GT(rms(images_of(job)["beauty"].values<glm::vec4>(), truth), 2 * model);
 }
 
+// Each direction is followed to the depth that it meets: a bright post that all but touches a frosted sheet stays
+// bright and does not bleed over the far wall beside it. Two steps of the search are one to the post and one back to
+// the wall.
+TEST_F(TransparencyGlass, WhatTouchesFrostedGlassStaysSharp) {
+  GltfBuilder b = dark();
+  add_wall(b, -2);
+  add_sheet(b, unlit_material(1, 1, 1), 0.3f, {0, 0, -0.02});
+  add_sheet(b, glass_material({.roughness = 0.4}), 1.2f);
+  Job job = seen(b);
+  job.settings = {{"phenomenological", "taps", "256"}, {"phenomenological", "search", "2"}};
+  const Images images = images_of(job);
+  for (int x = 0; x < glass_width; ++x) {
+    const double pixel_m = 8 * std::tan(glm::radians(20.0)) / glass_height,
+                 away_m = std::abs(x + 0.5 - 32) * pixel_m - 0.3;
+    const float red = images["beauty"].at<glm::vec4>(x, glass_height / 2).x;
+    if (away_m < -pixel_m) EXPECT_NEAR(red, 1, 1e-3) << x;
+    if (away_m > pixel_m) EXPECT_NEAR(red, wall_colour.x, 0.04) << x;
+  }
+}
+
 // Blended surfaces behind a frosted sheet are blurred with what is behind them, those before it are not, and what lies
 // before the sheet does not bleed: against the traced truth.
 TEST_F(TransparencyGlass, FrostedSheetsBlurWhatIsBlendedBehind) {

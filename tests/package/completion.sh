@@ -16,7 +16,7 @@ offers() {  # EXPECTED WORD...: as after the last word
 }
 offers "render reference" candela re
 offers "--technique" candela render --te
-offers "clustered forward-plus brute-force visibility deferred-clustered deferred-tiled deferred-volumes" candela render --technique ""
+offers "clustered forward-plus brute-force visibility hybrid ray deferred-clustered deferred-tiled deferred-volumes auto" candela render --technique ""
 offers "forward-plus" candela render --technique = f
 offers "check" candela golden ch
 offers "--root --report" candela golden check --r

@@ -196,7 +196,7 @@ TEST(Suite, ScenesOfMissingAssetsAreLeftOut) {
   EXPECT_NE(all->front().left_out.find("no/assets"), std::string::npos);
 }
 
-TEST(Suite, OnePictureIsOneGroupWhateverTheKnobs) {
+TEST(Suite, OnePictureIsOneGroupWhateverTheKnobsOfTime) {
   const auto suite = suite_of(R"({"scenes": ["animated"], "lights": [4, 16], "techniques": ["brute-force"],
       "set": {"cull.enabled": [0, 1]}})");
   ASSERT_TRUE(suite);
@@ -205,11 +205,27 @@ TEST(Suite, OnePictureIsOneGroupWhateverTheKnobs) {
   ASSERT_EQ(all->size(), 4u);
   EXPECT_EQ(picture_group((*all)[0], *suite), picture_group((*all)[1], *suite));
   EXPECT_NE(picture_group((*all)[0], *suite), picture_group((*all)[2], *suite));
-  EXPECT_TRUE(reference_of((*all)[0], *suite, "brute-force").job.settings.empty());
-  Suite with_picture_knob = *suite;
-  with_picture_knob.picture_knobs = {"cull.enabled"};
-  EXPECT_NE(picture_group((*all)[0], with_picture_knob), picture_group((*all)[1], with_picture_knob));
-  EXPECT_EQ(reference_of((*all)[0], with_picture_knob, "brute-force").job.settings.size(), 1u);
+  EXPECT_TRUE(reference_of((*all)[0], "brute-force").job.settings.empty());
+}
+
+// What trades error or is of the look changes the picture: every value is a group of its own, with a reference that has
+// the value too.
+TEST(Suite, EveryValueOfAKnobThatChangesThePictureIsAGroup) {
+  const std::vector<KnobRow> rows = knob_rows("high");
+  std::set<std::string> kinds;
+  for (const KnobRow& row : rows) {
+    kinds.insert(row.kind);
+    Configuration one;
+    one.job.technique = "clustered";
+    one.job.settings = {{row.pass, row.knob, row.value_now}, {"cull", "enabled", "0"}};
+    Configuration other = one;
+    other.job.settings[0].value += "0";
+    const bool is_of_time = row.kind == "time";
+    const std::string name = row.pass + "." + row.knob;
+    EXPECT_EQ(picture_group(one, {}) == picture_group(other, {}), is_of_time) << name;
+    EXPECT_EQ(settings_text(reference_of(one, "brute-force").job), is_of_time ? "" : name + "=" + row.value_now);
+  }
+  EXPECT_EQ(kinds, (std::set<std::string>{"error", "look", "time"}));
 }
 
 TEST(Sweep, IsAKnobWithValues) {

@@ -410,6 +410,23 @@ TEST(ThinFilm, InterferesAsWavesDo) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(film_reflectance(1, n, 1e-9, glm::dvec3(f0))[c], f0, 0.008);
 }
 
+// Inside an oblique film a wave's way is as long as its refracted angle says: half a wave of it is where green reflects
+// most, a quarter and three quarters are where it reflects least.
+TEST(ThinFilm, TheWayInsideIsOfTheRefractedAngle) {
+  const double n = 1.3, f0 = std::pow((n * n - 1) / (n * n + 1), 2);
+  for (const double cosine : {0.9, 0.6, 0.4}) {
+    const double inside = std::sqrt(1 - (1 - cosine * cosine) / (n * n));
+    const auto green = [&](double waves) {
+      return film_reflectance(cosine, n, waves * 550 / (n * inside), glm::dvec3(f0)).y;
+    };
+    for (const double off : {-0.25, 0.25}) {
+      EXPECT_LT(green(0.5 + off), 0.8 * green(0.5)) << cosine << " " << off;
+      EXPECT_LT(green(0.5 + off), green(0.5 + 0.75 * off)) << cosine << " " << off;
+      EXPECT_LT(green(0.5 + off), green(0.5 + 1.25 * off)) << cosine << " " << off;
+    }
+  }
+}
+
 // The phase turns where the film's index passes the base's: f0 of 0.04 rounded up or down is the index 1.5 either way.
 TEST(ThinFilm, ARoundedBaseHasItsIndex) {
   for (const double nm : {150.0, 400.0, 745.0})

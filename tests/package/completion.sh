@@ -20,7 +20,7 @@ offers "clustered forward-plus brute-force visibility hybrid ray deferred-cluste
 offers "forward-plus" candela render --technique = f
 offers "check" candela golden ch
 offers "--root --report" candela golden check --r
-offers "street street-dense street-dusk" candela make-scene st
+offers "stained street street-dense street-dusk" candela make-scene st
 offers "depth,normal" candela render --layers depth,nor
 offers "" candela render --exposure ""
 offers "auto on off" candela sequence --cache ""

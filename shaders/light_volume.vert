@@ -8,6 +8,9 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/frame.glsl"
 #include "lib/light_data.glsl"
 #include "lib/light_volume.glsl"
+#ifndef LIST  // which of the lists of volumes
+#define LIST 0
+#endif
 layout(location = 0) out flat uint out_light;
 
 void main() {

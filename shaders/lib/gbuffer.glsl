@@ -14,6 +14,9 @@ struct SurfacePoint {
   bool is_unlit;
 };
 
+#ifndef GBUFFER  // texels of a sample: 5 unless a pass says more
+#define GBUFFER 5
+#endif
 struct GBufferTexels {
   uvec4 texel[GBUFFER];
 };

@@ -29,8 +29,8 @@ vec4 shade_point(SurfacePoint p, vec3 to_viewer) {
 }
 
 void main() {
-  // Threads beside the picture shade its last pixels, for the walk through the lists takes all lanes.
-  const uvec2 pixel = min(gl_GlobalInvocationID.xy, frame.size_px - 1u);
+  const uvec2 pixel = gl_GlobalInvocationID.xy;
+  if (any(greaterThanEqual(pixel, frame.size_px))) return;
   pixel_middle = vec2(pixel) + 0.5;
   const ivec2 at = ivec2(pixel);
   const uint first = (pixel.y * frame.size_px.x + pixel.x) * uint(SAMPLES);

@@ -46,7 +46,7 @@ struct TraceKeysPush {
 };
 struct SamplesPush {  // of passes that put a buffer's samples into images
   uint64_t source;
-  uint width_px;
+  uvec2 size_px;
   uint sample_number;
 };
 SHARED_END

@@ -175,7 +175,7 @@ void KeyDepth::record(CommandList& commands, const In& in, const Out& out) const
   commands.bind(out.pipeline);
   commands.set_cull(false, false);
   for (uint32_t sample = 0; sample < in.samples; ++sample) {
-    commands.push(shared::SamplesPush{commands.address(in.keys), in.width_px, sample});
+    commands.push(shared::SamplesPush{commands.address(in.keys), {in.width_px, in.height_px}, sample});
     commands.draw(3);
   }
   commands.end_rendering();

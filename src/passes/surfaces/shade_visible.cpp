@@ -70,7 +70,7 @@ void PutSamples::record(CommandList& commands, const In& in, const Out& out) con
   commands.bind(out.pipeline);
   commands.set_cull(false, false);
   for (uint32_t sample = 0; sample < in.scene.samples; ++sample) {
-    commands.push(shared::SamplesPush{commands.address(in.samples), in.scene.width_px, sample});
+    commands.push(shared::SamplesPush{commands.address(in.samples), {in.scene.width_px, in.scene.height_px}, sample});
     commands.draw(3);
   }
   commands.end_rendering();

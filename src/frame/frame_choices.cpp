@@ -7,10 +7,12 @@
 // What a job may choose from: techniques, methods, layers, effects, by their names.
 namespace candela {
 
+bool has_own_pixels(const std::string& technique) {
+  return std::ranges::any_of(techniques(), [&](const Technique& t) { return t.name == technique && t.own_pixels(); });
+}
+
 Job with_every_light(Job job, const std::string& reference) {
-  const auto known =
-      std::ranges::find_if(techniques(), [&](const Technique& t) { return t.name == job.technique && t.own_pixels(); });
-  if (known == techniques().end()) {
+  if (!has_own_pixels(job.technique)) {
     job.technique = reference;
   } else {
     const std::span<const Knob<LightKnobs>> table = LightKnobs::table();

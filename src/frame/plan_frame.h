@@ -93,6 +93,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
 // `reference`, whose pixels the hardware shades as it does most techniques'; or, for a technique with pixels of its
 // own, by that one with every light at every pixel.
 Job with_every_light(Job job, const std::string& reference);
+// Whether a technique shades other points of surfaces than the hardware does (Technique::own_pixels).
+bool has_own_pixels(const std::string& technique);
 
 // The technique that a frame is made by where the job says `auto`, by what bench/results shows to be quickest: on a GPU
 // with 64-bit atomics `visibility`, else `clustered`. `why`: a sentence for the user.

@@ -345,7 +345,9 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     measure(scene, *made, traced ? &*traced : nullptr, *plain ? &**plain : nullptr, row);
     // Textures are loaded for the first technique alone.
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
-    if (first) row.differing = difference(first->beauty, made->beauty).differing;
+    // Pixels of its own are held to the truth alone.
+    if (first && !has_own_pixels(techniques_.front()) && !has_own_pixels(technique))
+      row.differing = difference(first->beauty, made->beauty).differing;
     judge(scene, *made, row);
     // What a sky shines on a surface from one side may be more than its mean, and what is seen through a surface more
     // than it reflects: such pictures are not compared.

@@ -18,7 +18,7 @@ std::span<const Knob<DepthPrepass::Knobs>> DepthPrepass::Knobs::table() {
 
 Need DepthPrepass::needed(const SceneFacts& facts, const FrameRequest&) const {
   if (refracting) return needed_if(facts.refracting_items > 0, "the scene has no surface that refracts");
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+  return needed_for_solid_surfaces(facts);
 }
 
 DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) const {

@@ -4,9 +4,7 @@
 
 namespace candela {
 
-Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const {
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
-}
+Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_for_solid_surfaces(facts); }
 
 DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   Out out;

@@ -5,6 +5,7 @@
 #include "passes/geometry/features.h"
 #include "passes/lights/push_lights.h"
 #include "shared/draw.h"
+#include "shared/visibility.h"
 
 namespace candela {
 namespace {
@@ -115,6 +116,25 @@ NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs&
       builder.write(builder.create(ImageDesc{std::string(pass) + ".z", depth_format, scene.width_px, scene.height_px}),
                     Access::depth_attachment);
   return out;
+}
+
+GraphicsPipelineDesc samples_pipeline(std::string fragment_shader, uint32_t samples) {
+  GraphicsPipelineDesc desc;
+  desc.vertex_shader = "background.vert";
+  desc.fragment_shader = std::move(fragment_shader);
+  if (samples > 1) desc.constants = {{0, "SAMPLES", samples}};
+  desc.samples = samples;
+  return desc;
+}
+
+void record_samples(CommandList& commands, PipelineHandle pipeline, BufferHandle source, glm::uvec2 size_px,
+                    uint32_t samples) {
+  commands.bind(pipeline);
+  commands.set_cull(false, false);
+  for (uint32_t sample = 0; sample < samples; ++sample) {
+    commands.push(shared::SamplesPush{commands.address(source), size_px, sample});
+    commands.draw(3);
+  }
 }
 
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {

@@ -36,6 +36,12 @@ NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs&
                                        std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants = {},
                                        std::string vertex_shader = "draw.vert");
 
+// Puts a buffer's samples, one for each of the image that is drawn into (shaders/lib/sample_of_buffer.glsl), into that
+// image: a pipeline without formats, and its draws, inside begin_rendering.
+GraphicsPipelineDesc samples_pipeline(std::string fragment_shader, uint32_t samples);
+void record_samples(CommandList& commands, PipelineHandle pipeline, BufferHandle source, glm::uvec2 size_px,
+                    uint32_t samples);
+
 // The colour image of a shading pass: `color` written again, or a new one where there is none yet. It is not cleared:
 // sky or background cover what no surface does.
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color);

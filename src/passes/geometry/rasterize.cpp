@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "passes/geometry/draw_runs.h"
 #include "passes/geometry/features.h"
 #include "shared/visibility.h"
 
@@ -101,9 +102,7 @@ void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks
 
 }  // namespace
 
-Need Rasterize::needed(const SceneFacts& facts, const FrameRequest&) const {
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
-}
+Need Rasterize::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_for_solid_surfaces(facts); }
 
 Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
@@ -155,12 +154,8 @@ void RasterizeViews::record(CommandList& commands, const In& in, const Out& out)
 
 KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.keys, Access::fragment_read, "keys");
-  GraphicsPipelineDesc desc;
-  desc.vertex_shader = "background.vert";
-  desc.fragment_shader = "key_depth.frag";
-  if (in.samples > 1) desc.constants = {{0, "SAMPLES", in.samples}};
+  GraphicsPipelineDesc desc = samples_pipeline("key_depth.frag", in.samples);
   desc.depth_format = depth_format;
-  desc.samples = in.samples;
   desc.depth_test = desc.depth_write = true;
   desc.depth_compare = VK_COMPARE_OP_ALWAYS;
   Out out;
@@ -172,12 +167,7 @@ KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {
 
 void KeyDepth::record(CommandList& commands, const In& in, const Out& out) const {
   commands.begin_rendering({}, out.depth);
-  commands.bind(out.pipeline);
-  commands.set_cull(false, false);
-  for (uint32_t sample = 0; sample < in.samples; ++sample) {
-    commands.push(shared::SamplesPush{commands.address(in.keys), {in.width_px, in.height_px}, sample});
-    commands.draw(3);
-  }
+  record_samples(commands, out.pipeline, in.keys, {in.width_px, in.height_px}, in.samples);
   commands.end_rendering();
 }
 

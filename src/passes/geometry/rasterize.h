@@ -7,13 +7,6 @@
 
 namespace candela {
 
-// A visibility buffer (Burns, Hunt, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading", 2013), made
-// in compute: for each sample of each pixel 64 bits, those of the depth of the nearest opaque or masked triangle over
-// 1 + its number in the order of drawing, or 0. The largest wins by an atomic maximum (Karis, Stubbe, Wihlidal, "A Deep
-// Dive into Nanite Virtualized Geometry", 2021): of equal depths what is drawn last, as in hardware, however threads
-// arrive. Triangles over few pixels are one thread's; others are listed, and their tiles dealt out to workgroups.
-// Coverage is the hardware's: corners snapped to 1/256 pixel, standard sample places. Lines and points are not in it.
-// Leaves wrong: depths may differ from the hardware's in their last bits. Needs shaderBufferInt64Atomics.
 struct RasterKnobs {
   static constexpr std::string_view name = "rasterize";
   int small_px = 8, list = 262144;
@@ -24,6 +17,13 @@ struct RasterSteps {
   BufferHandle large, groups;
   PipelineHandle batches, count, tiles;
 };
+// A visibility buffer (Burns, Hunt, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading", 2013), made
+// in compute: for each sample of each pixel 64 bits, those of the depth of the nearest opaque or masked triangle over
+// 1 + its number in the order of drawing, or 0. The largest wins by an atomic maximum (Karis, Stubbe, Wihlidal, "A Deep
+// Dive into Nanite Virtualized Geometry", 2021): of equal depths what is drawn last, as in hardware, however threads
+// arrive. Triangles over few pixels are one thread's; others are listed, and their tiles dealt out to workgroups.
+// Coverage is the hardware's: corners snapped to 1/256 pixel, standard sample places. Lines and points are not in it.
+// Leaves wrong: depths may differ from the hardware's in their last bits. Needs shaderBufferInt64Atomics.
 struct Rasterize {
   static constexpr std::string_view name = "rasterize";
   using Knobs = RasterKnobs;

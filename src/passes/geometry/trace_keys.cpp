@@ -5,9 +5,7 @@
 
 namespace candela {
 
-Need TraceKeys::needed(const SceneFacts& facts, const FrameRequest&) const {
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
-}
+Need TraceKeys::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_for_solid_surfaces(facts); }
 
 TraceKeys::Out TraceKeys::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;

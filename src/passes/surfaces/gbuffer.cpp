@@ -23,9 +23,7 @@ std::span<const Knob<GBuffer::Knobs>> GBuffer::Knobs::table() {
   return table;
 }
 
-Need GBuffer::needed(const SceneFacts& facts, const FrameRequest&) const {
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
-}
+Need GBuffer::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_for_solid_surfaces(facts); }
 
 GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;

@@ -6,7 +6,7 @@
 namespace candela {
 
 Need ShadeGBuffer::needed(const SceneFacts& facts, const FrameRequest&) const {
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+  return needed_for_solid_surfaces(facts);
 }
 
 ShadeGBuffer::Out ShadeGBuffer::declare(GraphBuilder& builder, const In& in) const {

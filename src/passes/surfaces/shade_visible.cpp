@@ -2,12 +2,11 @@
 
 #include "passes/geometry/draw_runs.h"
 #include "passes/geometry/features.h"
-#include "shared/visibility.h"
 
 namespace candela {
 
 Need ShadeVisible::needed(const SceneFacts& facts, const FrameRequest&) const {
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+  return needed_for_solid_surfaces(facts);
 }
 
 ShadeVisible::Out ShadeVisible::declare(GraphBuilder& builder, const In& in) const {
@@ -52,12 +51,8 @@ void ShadeVisible::record(CommandList& commands, const In& in, const Out& out) c
 
 PutSamples::Out PutSamples::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.samples, Access::fragment_read, "the shaded samples");
-  GraphicsPipelineDesc desc;
-  desc.vertex_shader = "background.vert";
-  desc.fragment_shader = "put_samples.frag";
-  if (in.scene.samples > 1) desc.constants = {{0, "SAMPLES", in.scene.samples}};
+  GraphicsPipelineDesc desc = samples_pipeline("put_samples.frag", in.scene.samples);
   desc.color_formats = {color_format};
-  desc.samples = in.scene.samples;
   Out out;
   out.pipeline = builder.pipeline(desc);
   out.color = write_color(builder, in.scene, {});
@@ -67,12 +62,7 @@ PutSamples::Out PutSamples::declare(GraphBuilder& builder, const In& in) const {
 void PutSamples::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, {});
-  commands.bind(out.pipeline);
-  commands.set_cull(false, false);
-  for (uint32_t sample = 0; sample < in.scene.samples; ++sample) {
-    commands.push(shared::SamplesPush{commands.address(in.samples), {in.scene.width_px, in.scene.height_px}, sample});
-    commands.draw(3);
-  }
+  record_samples(commands, out.pipeline, in.samples, {in.scene.width_px, in.scene.height_px}, in.scene.samples);
   commands.end_rendering();
 }
 

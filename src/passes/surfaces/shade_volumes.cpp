@@ -34,7 +34,7 @@ std::span<const Knob<ShadeVolumes::Knobs>> ShadeVolumes::Knobs::table() {
 }
 
 Need ShadeVolumes::needed(const SceneFacts& facts, const FrameRequest&) const {
-  return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
+  return needed_for_solid_surfaces(facts);
 }
 
 ShadeVolumes::Out ShadeVolumes::declare(GraphBuilder& builder, const In& in) const {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <map>
 
 #include "base/files.h"
 #include "base/hash.h"
@@ -63,7 +64,7 @@ class StabilityRun {
   Expected<void> check_every_effect(const StabilityScene& scene, Job job, StabilityRow& row);
   void count_faults(const char* with, const Expected<Shot>& made, const Shot* bare, double most,
                     StabilityRow& row) const;
-  Expected<std::optional<TruePicture>> plain_truth(const StabilityScene& scene);
+  Expected<std::map<std::string, TruePicture>> plain_truths(const StabilityScene& scene);
   void measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced, const TruePicture* plain,
                StabilityRow& row) const;
   void judge(const StabilityScene& scene, const Shot& shot, StabilityRow& row) const;
@@ -130,16 +131,28 @@ Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display, const st
   return made;
 }
 
-Expected<std::optional<TruePicture>> StabilityRun::plain_truth(const StabilityScene& scene) {
-  if (scene.plain.empty()) return std::nullopt;
+// The pixels of the plain scene by technique: those whose pixels are their own are held to their own.
+Expected<std::map<std::string, TruePicture>> StabilityRun::plain_truths(const StabilityScene& scene) {
+  std::map<std::string, TruePicture> truths;
+  if (scene.plain.empty()) return truths;
   Job job = scene.plain_job.value_or(scene.job);
   const std::string sky = scene.plain_sky ? path("plain-sky.exr") : scene.sky ? path("sky.exr") : "";
   job.sky = sky;
-  job.technique = techniques_.front();
   if (auto loaded = renderer_->load(path("plain.glb"), sky); !loaded) return std::unexpected(loaded.error());
-  const auto made = shot(job, scene.plain_time_s, false, scene.effects);
-  if (!made) return std::unexpected(made.error());
-  return picture_truth(made->beauty, made->pre_exposure);
+  const std::string* shared = nullptr;
+  for (const std::string& technique : techniques_) {
+    const bool own = has_own_pixels(technique);
+    if (!own && shared) {
+      truths[technique] = truths[*shared];
+      continue;
+    }
+    job.technique = technique;
+    const auto made = shot(job, scene.plain_time_s, false, scene.effects);
+    if (!made) return std::unexpected(made.error());
+    truths[technique] = picture_truth(made->beauty, made->pre_exposure);
+    if (!own) shared = &technique;
+  }
+  return truths;
 }
 
 void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const TruePicture* traced,
@@ -307,7 +320,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
   job.sky = scene.sky ? path("sky.exr") : "";
   job.settings.insert(job.settings.end(), options_.settings.begin(), options_.settings.end());
   if (!scene.look.empty()) return check_fog(recipe, scene, job);
-  const auto plain = plain_truth(scene);
+  const auto plain = plain_truths(scene);
   if (!plain)
     return std::unexpected(Error{plain.error().kind, "the plain scene: " + plain.error().text(), recipe.name});
   if (!scene.sky_look.empty()) job.look = path("look.json");
@@ -342,7 +355,8 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
       if (!bad || *bad > 0)
         row.faults.push_back("paths: " + (bad ? fmt::format("{} pixels are not finite", *bad) : bad.error().text()));
     }
-    measure(scene, *made, traced ? &*traced : nullptr, *plain ? &**plain : nullptr, row);
+    const auto own_plain = plain->find(technique);
+    measure(scene, *made, traced ? &*traced : nullptr, own_plain == plain->end() ? nullptr : &own_plain->second, row);
     // Textures are loaded for the first technique alone.
     if (first && made->warnings.size() < first->warnings.size()) made->warnings = first->warnings;
     // Pixels of its own are held to the truth alone.

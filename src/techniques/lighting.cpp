@@ -28,9 +28,14 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), absence);
     return out;
   }
+  const bool in_compute = scene.batch_count > 0;
+  frame.builder.leave_out(fmt::format("{}.{}", in_compute ? DepthViews::name : RasterizeViews::name, instance),
+                          in_compute ? "shadow maps are drawn in compute (rasterize_views)"
+                                     : "the hardware draws shadow maps (depth_views)");
   const Frame::Kept maps = frame.keep(image_desc(*image, depth_format), key);
   if (maps.filled) {
-    for (const std::string_view pass : {Cull::name, CullCompact::name, DepthViews::name, RasterizeViews::name})
+    for (const std::string_view pass :
+         {Cull::name, CullCompact::name, in_compute ? RasterizeViews::name : DepthViews::name})
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), "kept from before: nothing that casts has moved");
     frame.add(ColoredShadows{}, {}, instance);
     out.depth = maps.image;
@@ -39,10 +44,6 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   views.count = uint32_t(image->views.size());
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
-  const bool in_compute = scene.batch_count > 0;
-  frame.builder.leave_out(fmt::format("{}.{}", in_compute ? DepthViews::name : RasterizeViews::name, instance),
-                          in_compute ? "shadow maps are drawn in compute (rasterize_views)"
-                                     : "the hardware draws shadow maps (depth_views)");
   if (in_compute)
     out.depth =
         frame.add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image}, instance).depth;

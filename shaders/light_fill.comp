@@ -11,8 +11,10 @@ void main() {
   const uint thread = chunk_thread();
   if (thread / light_chunk_cells >= pc.chunk_count) return;
   if ((ConstUintsRef(pc.hits).u[thread / 32u] >> (thread & 31u) & 1u) == 0u) return;
+  const LightChunk chunk = LightChunksRef(pc.chunks).c[thread / light_chunk_cells];
+  const LightBounds b = LightBoundsRef(pc.bounds).b[chunk.bounds];
   ChunkCell c;
-  chunk_cell(thread, c);
+  chunk_cell(chunk, b, thread % light_chunk_cells, c);
   const uint place = ConstUintsRef(pc.offsets).u[c.cell] + atomicAdd(UintsRef(pc.cursors).u[c.cell], 1u);
-  UintsRef(pc.entries).u[place] = LightBoundsRef(pc.bounds).b[c.bounds].light;
+  UintsRef(pc.entries).u[place] = b.light;
 }

@@ -180,6 +180,7 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"lights", "mask", {"0", "1"}},
       {"lights", "list", {"auto", "bitmask", "compact"}},
       {"lights", "tile_px", {"8", "16", "24", "32", "64"}},
+      {"lights", "order", {"auto", "sorted", "segments"}},
       {"lights", "slices_per_octave", {"1", "2", "4", "8", "16"}},
       {"lights", "few", {"0", "0", "8"}},  // most often lists even of a single light
       {"lights", "memory_mb", {"1", "512"}},

@@ -77,12 +77,14 @@ Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs&
     if (auto read = read_sky(sky_file_, job.look); !read) return std::unexpected(read.error());
   if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine)
     return std::unexpected(fine.error());
-  auto planned = plan_frame(job, PlanContext{scene_, layout_, &sky_}, wanted, time_s);
+  PlanContext context{scene_, layout_, &sky_};
+  context.cpu = shades_on_cpu(*device_);
+  auto planned = plan_frame(job, context, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
     std::vector<std::string> of_probes;
     if (planned->facts.probes > 0)  // of each job its own
-      if (auto drawn = draw_probes(job, {scene_, layout_, &sky_}, *planned, *runner_, *gpu_scene_, of_probes); !drawn)
+      if (auto drawn = draw_probes(job, context, *planned, *runner_, *gpu_scene_, of_probes); !drawn)
         return std::unexpected(drawn.error());
     const GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
     if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());

@@ -4,11 +4,16 @@
 #include "frame/frame_knobs.h"
 #include "gpu/sample_counts.h"
 #include "passes/scene_inputs.h"
+#include "shared/lights.h"
 
 namespace candela {
 
 std::vector<int> device_samples(const gpu::Device& device) {
   return gpu::sample_counts(device, color_format, depth_format);
+}
+
+bool shades_on_cpu(const gpu::Device& device) {
+  return device.info().is_cpu && device.info().subgroup_size >= shared::light_chunk_cells;
 }
 
 Expected<void> check_samples(const Job& job, const std::vector<int>& possible, const std::string& device) {

@@ -10,6 +10,8 @@ namespace candela {
 // Samples a pixel that the device can draw the scene's colour and depth with, in ascending order. Vulkan promises 1
 // and 4.
 std::vector<int> device_samples(const gpu::Device& device);
+// Whether the device runs shaders on a CPU, by subgroups of eight or more (PlanContext::cpu).
+bool shades_on_cpu(const gpu::Device& device);
 
 // An error (device) where the job wants another number: drawn with a count that it lacks, a device may leave samples
 // out, and light with them, and say nothing.

@@ -83,6 +83,8 @@ struct PlanContext {
   std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
   const View* face = nullptr;  // of a reflection probe's image, which takes the place of the job's camera
   std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
+  // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
+  bool cpu = true;
 };
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);

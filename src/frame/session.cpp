@@ -125,8 +125,8 @@ Expected<void> DeviceSession::open() {
   if (!device) return std::unexpected(device.error());
   device_ = std::move(*device);
   if (job_.technique == auto_technique) {
-    const bool is_cpu = device_->info().type == "cpu";
-    const ChosenTechnique chosen = quickest_technique(is_cpu, gpu::has_int64_atomics(device_->physical()));
+    const ChosenTechnique chosen =
+        quickest_technique(device_->info().is_cpu, gpu::has_int64_atomics(device_->physical()));
     job_.technique = chosen.name;
     log::info("technique auto: {}, because {}", chosen.name, chosen.why);
   }
@@ -156,6 +156,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
   context.rays = rays_;
+  context.cpu = shades_on_cpu(*device_);
   auto planned = plan_frame(job_, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
@@ -165,7 +166,8 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     const uint64_t uploaded_before = device_->uploaded_bytes();
     if (planned->facts.probes > 0 && !gpu_scene_->probes().loaded()) {
       const StageTimer timer(result.timings, "probes");
-      const PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
+      PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
+      without_rays.cpu = context.cpu;
       if (auto drawn = draw_probes(job_, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
         return std::unexpected(drawn.error());
     }

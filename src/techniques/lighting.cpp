@@ -7,9 +7,11 @@ CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth,
   const LightGridShape& grid = scene.light_grid;
   const BufferHandle tiles = frame.add(TileDepth{grid}, {scene, depth}, instance).tiles;
   const LightAssign::Out assigned = frame.add(LightAssign{grid}, {scene, tiles}, instance);
-  const BufferHandle offsets = frame.add(LightScan{grid}, {assigned.lists, assigned.sums}, instance).offsets;
-  const BufferHandle unsorted = frame.add(LightFill{grid}, {scene, offsets, assigned.hits}, instance).unsorted;
-  const BufferHandle entries = frame.add(LightSort{grid}, {offsets, unsorted}, instance).entries;
+  const LightScan::Out scanned = frame.add(LightScan{grid}, {assigned.lists, assigned.sums}, instance);
+  const BufferHandle offsets = scanned.offsets;
+  const BufferHandle filled =
+      frame.add(LightFill{grid}, {scene, offsets, assigned.hits, scanned.rows}, instance).entries;
+  const BufferHandle entries = newest(frame.add(LightSort{grid}, {offsets, filled}, instance).entries, filled);
   return {grid.compact ? offsets : assigned.lists, entries, tiles};
 }
 

@@ -148,6 +148,9 @@ ImageHandle draw_forward(Frame& frame, const SceneInputs& scene, const Surfaces&
                          ImageHandle color, bool lines_alone, std::string_view instance);
 
 // A pass that draws over an image gives it a new version; one that was left out leaves the old.
-inline ImageHandle newest(ImageHandle made, ImageHandle before) { return made ? made : before; }
+template <class Handle>
+Handle newest(Handle made, Handle before) {
+  return made ? made : before;
+}
 
 }  // namespace candela

@@ -250,6 +250,7 @@ TEST_P(LightsExact, SameBytesAsBruteForce) {
       for (const char* list : {"bitmask", "compact"}) {
         Job job = job_of(c, width, height, samples, technique);
         job.settings.push_back({"lights", "list", list});
+        job.settings.push_back({"lights", "order", samples == 1 ? "sorted" : "segments"});
         job.layers = {"heatmap.lights", "heatmap.missed"};
         const Images got = images_of(job);
         EXPECT_EQ(differing(expected["beauty"], got["beauty"]), 0u) << technique << " " << list << " " << samples;
@@ -274,7 +275,8 @@ TEST_F(LightsExact, NoKnobOfTheListsChangesAByte) {
       {{"lights", "test", "aabb"}},           {{"lights", "test", "cone-sphere"}},
       {{"lights", "test", "capsule"}},        {{"lights", "mask", "0"}},
       {{"lights", "tile_px", "8"}},           {{"lights", "tile_px", "256"}},
-      {{"lights", "slices_per_octave", "1"}}, {{"lights", "slices_per_octave", "16"}}};
+      {{"lights", "slices_per_octave", "1"}}, {{"lights", "slices_per_octave", "16"}},
+      {{"lights", "order", "sorted"}},        {{"lights", "order", "segments"}}};
   for (const char* technique : {"clustered", "forward-plus"})
     for (const auto& settings : variants) {
       Job job = job_of(cases[0], 101, 67, 4, technique);

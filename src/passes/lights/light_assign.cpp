@@ -9,6 +9,7 @@ Need LightAssign::needed(const SceneFacts&, const FrameRequest&) const {
 }
 
 bool LightAssign::ignores(std::string_view knob) const {
+  if (knob == "order") return !grid.compact;
   return grid.tiled ? knob == "tile_px" || knob == "slices_per_octave" : knob == "mask";
 }
 
@@ -22,15 +23,18 @@ LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const
                          Access::compute_write);
   };
   Out out;
+  const uint64_t rows = grid.segments ? shared::light_segments : 1;
   if (grid.compact) {
-    out.lists = zeroed("light.counts", grid.cells);
-    out.sums = zeroed("light.sums", grid.cells / shared::light_scan_cells + 1);
-    out.hits = zeroed("light.hits", grid.most_chunks * uint64_t(shared::light_chunk_cells) / 32 + 1);
+    out.lists = zeroed("light.counts", rows * grid.cells);
+    if (!grid.segments) out.sums = zeroed("light.sums", grid.cells / shared::light_scan_cells + 1);
+    out.hits =
+        zeroed("light.hits", grid.most_chunks * uint64_t(shared::light_chunk_cells) / 32 + shared::light_chunk_cells);
   } else {
     out.lists = zeroed("light.masks", uint64_t(grid.cells) * grid.words);
   }
-  ComputePipelineDesc desc{"light_assign.comp", {{0, "TEST", uint32_t(grid.knobs.test)}}};
-  if (grid.compact) desc.constants.push_back({1, "COMPACT", 1});
+  ComputePipelineDesc desc{grid.segments ? "light_assign_segments.comp" : "light_assign.comp",
+                           {{0, "TEST", uint32_t(grid.knobs.test)}}};
+  if (grid.compact && !grid.segments) desc.constants.push_back({1, "COMPACT", 1});
   if (grid.tiled) desc.constants.push_back({2, "TILED", 1});
   if (grid.tiled && grid.knobs.mask) desc.constants.push_back({3, "MASK", 1});
   out.pipeline = builder.pipeline(desc);
@@ -39,6 +43,19 @@ LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const
 
 void LightAssign::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
+  if (grid.segments) {
+    shared::LightSegmentsPush push{};
+    push.bounds = commands.address(in.scene.light_bounds);
+    push.chunks = commands.address(in.scene.light_chunks);
+    push.tiles = grid.tiled ? commands.address(in.tiles) : 0;
+    push.rows = commands.address(out.lists);
+    push.hits = commands.address(out.hits);
+    push.chunk_count = grid.chunks, push.segment_chunks = shared::light_segment_chunks(grid.chunks);
+    push.cells = grid.cells;
+    commands.push(push);
+    commands.dispatch(shared::light_segments * shared::light_chunk_cells);
+    return;
+  }
   shared::LightAssignPush push{};
   push.bounds = commands.address(in.scene.light_bounds);
   push.chunks = commands.address(in.scene.light_chunks);

@@ -15,7 +15,15 @@ LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.offsets, Access::compute_read, "where lists begin");
   builder.read(in.hits, Access::compute_read, "lights of cells");
   Out out;
-  out.unsorted = builder.write(
+  if (grid.segments) {
+    builder.read(in.rows, Access::compute_read, "where segments begin in lists");
+    out.entries =
+        builder.write(builder.create(BufferDesc{"light.entries", grid.most_entries * 4}), Access::compute_write);
+    out.cursors = builder.write(in.rows, Access::compute_write);
+    out.pipeline = builder.pipeline(ComputePipelineDesc{"light_fill_segments.comp", {}});
+    return out;
+  }
+  out.entries = builder.write(
       builder.create(BufferDesc{.name = "light.unsorted", .size_bytes = grid.most_entries * 4, .unordered = true}),
       Access::compute_write);
   out.cursors = builder.write(
@@ -27,13 +35,27 @@ LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
 
 void LightFill::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
+  if (grid.segments) {
+    shared::LightSegmentsPush push{};
+    push.bounds = commands.address(in.scene.light_bounds);
+    push.chunks = commands.address(in.scene.light_chunks);
+    push.rows = commands.address(out.cursors);
+    push.hits = commands.address(in.hits);
+    push.offsets = commands.address(in.offsets);
+    push.entries = commands.address(out.entries);
+    push.chunk_count = grid.chunks, push.segment_chunks = shared::light_segment_chunks(grid.chunks);
+    push.cells = grid.cells;
+    commands.push(push);
+    commands.dispatch(shared::light_segments * shared::light_chunk_cells);
+    return;
+  }
   shared::LightFillPush push{};
   push.bounds = commands.address(in.scene.light_bounds);
   push.chunks = commands.address(in.scene.light_chunks);
   push.hits = commands.address(in.hits);
   push.offsets = commands.address(in.offsets);
   push.cursors = commands.address(out.cursors);
-  push.entries = commands.address(out.unsorted);
+  push.entries = commands.address(out.entries);
   push.chunk_count = grid.chunks;
   commands.push(push);
   const glm::uvec2 threads = shared::light_threads(uint64_t(grid.chunks) * shared::light_chunk_cells);

@@ -5,15 +5,16 @@
 namespace candela {
 
 // Writes every light that light_assign found into its cells' lists. The order inside a list is that of the threads'
-// arrival; light_sort mends it.
+// arrival; light_sort mends it. By segments it is the lights'.
 struct LightFill {
   static constexpr std::string_view name = "light_fill";
   struct In {
     SceneInputs scene;
     BufferHandle offsets, hits;
+    BufferHandle rows;  // by segments (LightScan), which this pass uses up; else empty
   };
   struct Out {
-    BufferHandle unsorted, cursors;
+    BufferHandle entries, cursors;
     PipelineHandle pipeline;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

@@ -291,6 +291,7 @@ LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& ligh
     LightGridShape& s = out.shape;
     s.tiled = g.tiled != 0;
     s.compact = use_compact;
+    s.segments = use_compact && knobs.cap == 0 && knobs.order == int(LightOrder::segments);
     s.tile_px = g.tile_px, s.tiles_x = g.tiles.x, s.tiles_y = g.tiles.y;
     s.cells = uint32_t(grid.cells());
     s.words = g.words;

@@ -10,11 +10,13 @@ namespace candela {
 // change time and memory, never a bit of the picture.
 enum class LightTest : int { aabb, cone_sphere, capsule, capsule_joint };
 enum class LightList : int { automatic, bitmask, compact };
+enum class LightOrder : int { automatic, sorted, segments };
 struct LightKnobs {
   static constexpr std::string_view name = "lights";
   int test = int(LightTest::capsule_joint);
   int mask = 1;
   int list = int(LightList::automatic);
+  int order = int(LightOrder::automatic);  // automatic: sorted, unless the device is a CPU (PlanContext::cpu)
   int tile_px = 32;
   int slices_per_octave = 4;
   int few = 8;

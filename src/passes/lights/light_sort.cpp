@@ -5,6 +5,7 @@
 namespace candela {
 
 Need LightSort::needed(const SceneFacts&, const FrameRequest&) const {
+  if (grid.segments) return {false, "light_fill writes lists in light order (lights.order)"};
   return needed_if(grid.compact, grid.reason.empty() ? "the light lists are bitmasks" : grid.reason);
 }
 

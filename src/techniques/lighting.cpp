@@ -16,13 +16,14 @@ CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth,
 }
 
 // What the views of an image show, drawn into it or kept from before; without the image the reason why it is not there.
-// And what see-through surfaces leave of the light (ColoredShadows), where maps are drawn.
+// And what see-through surfaces leave of the light (ColoredShadows), where maps are drawn. as_depth: samplers compare
+// with the image or passes draw over it; otherwise depths from compute are plain floats, which a GPU copies faster.
 struct LightMaps {
   ImageHandle depth, colors;
 };
 LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                      const std::shared_ptr<const ViewImage>& image, const std::optional<Hash128>& key, ViewRange views,
-                     const std::string& absence, std::string_view instance) {
+                     bool as_depth, const std::string& absence, std::string_view instance) {
   LightMaps out;
   if (!image) {
     out.depth.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
@@ -34,7 +35,8 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   frame.builder.leave_out(fmt::format("{}.{}", in_compute ? DepthViews::name : RasterizeViews::name, instance),
                           in_compute ? "shadow maps are drawn in compute (rasterize_views)"
                                      : "the hardware draws shadow maps (depth_views)");
-  const Frame::Kept maps = frame.keep(image_desc(*image, depth_format), key);
+  const VkFormat format = as_depth || !in_compute ? depth_format : VK_FORMAT_R32_SFLOAT;
+  const Frame::Kept maps = frame.keep(image_desc(*image, format), key);
   if (maps.filled) {
     for (const std::string_view pass :
          {Cull::name, CullCompact::name, in_compute ? RasterizeViews::name : DepthViews::name})
@@ -63,15 +65,16 @@ bool draws_shadow_colors(const SceneFacts& facts, const FrameRequest& request, c
 }
 
 void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, Lighting& lighting) {
-  const auto maps = [&](auto image, auto key, const ViewRange& views, auto absence, std::string_view instance) {
-    return light_maps(frame, scene, surfaces, image, key, views, absence, instance);
+  const auto maps = [&](auto image, auto key, const ViewRange& views, bool as_depth, auto absence,
+                        std::string_view instance) {
+    return light_maps(frame, scene, surfaces, image, key, views, as_depth, absence, instance);
   };
   const LightMaps suns =
-      maps(scene.sun_image, scene.sun_key, {scene.views, scene.view_regions, 0, 0, scene.view_first_command},
+      maps(scene.sun_image, scene.sun_key, {scene.views, scene.view_regions, 0, 0, scene.view_first_command}, true,
            scene.sun_absence, "sun");
-  const LightMaps lamps =
-      maps(scene.lamp_image, scene.lamp_key,
-           {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command}, scene.lamp_absence, "lamps");
+  const LightMaps lamps = maps(
+      scene.lamp_image, scene.lamp_key, {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command},
+      draws_shadow_colors(frame.facts, frame.request, frame.knobs), scene.lamp_absence, "lamps");
   lighting.lists.sun_maps = suns.depth, lighting.lists.lamp_maps = lamps.depth;
   // Rays tell themselves what is left of a light.
   if (!scene.rays.suns) lighting.shadow_colors.suns = suns.colors;

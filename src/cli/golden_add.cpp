@@ -111,6 +111,7 @@ Expected<int> run_add(CLI::App& command, AddOptions& o) {
 
 void add_golden_add(CLI::App& golden, Action& action) {
   auto o = std::make_shared<AddOptions>();
+  o->job.technique = Job().technique;  // a golden is of one technique, whatever is quickest on a device
   CLI::App* add = golden.add_subcommand("add", "Keep a new picture of a scene, made by the same options as render's");
   add_job_options(*add, o->job);
   add_moment_options(*add, o->moment);

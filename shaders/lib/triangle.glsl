@@ -44,9 +44,12 @@ TrianglePoint meet_triangle(Corners c, ViewRay r) {
   const vec3 down = moved * (r.down - r.direction * (dot(n, r.down) * inverse));
   const float area = dot(n, n), by_area = area > 0.0 ? 1.0 / area : 0.0;
   const vec3 u = cross(e2, n) * by_area, v = cross(n, e1) * by_area;
-  const vec3 q = (p.position - c.p[0]) * scale;
+  // By the ray's moments about the edges (Moeller and Trumbore, 1997), not by the point, whose rounding along the ray
+  // is a share of its distance and reaches over small triangles that slope.
+  const vec3 q = (r.origin - c.p[0]) * scale;
   // No attribute is taken from beside the triangle.
-  float w1 = clamp(dot(q, u), 0.0, 1.0), w2 = clamp(dot(q, v), 0.0, 1.0);
+  float w1 = clamp(dot(q, cross(e2, r.direction)) * inverse, 0.0, 1.0);
+  float w2 = clamp(dot(q, cross(r.direction, e1)) * inverse, 0.0, 1.0);
   const float over = max(w1 + w2, 1.0);
   w1 /= over;
   w2 /= over;

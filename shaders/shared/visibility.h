@@ -39,6 +39,10 @@ struct RasterizePush {
   uint view_masks;  // bits of culling's masks for each view
   uint image_px;    // side of the views' image
 };
+struct ViewTexelsPush {
+  uint64_t texels;
+  uint image_px, image;
+};
 struct TraceKeysPush {
   uint64_t trees, keys;
   uint64_t numbers;  // of the first triangle of each item of the trees, or absent: not drawn opaque

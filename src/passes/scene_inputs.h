@@ -50,5 +50,6 @@ struct SceneInputs {
 
 inline constexpr VkFormat color_format = VK_FORMAT_R32G32B32A32_SFLOAT;
 inline constexpr VkFormat depth_format = VK_FORMAT_D32_SFLOAT;
+inline constexpr VkFormat float_format = VK_FORMAT_R32_SFLOAT;
 
 }  // namespace candela

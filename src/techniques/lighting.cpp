@@ -35,8 +35,8 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   frame.builder.leave_out(fmt::format("{}.{}", in_compute ? DepthViews::name : RasterizeViews::name, instance),
                           in_compute ? "shadow maps are drawn in compute (rasterize_views)"
                                      : "the hardware draws shadow maps (depth_views)");
-  const VkFormat format = as_depth || !in_compute ? depth_format : VK_FORMAT_R32_SFLOAT;
-  const Frame::Kept maps = frame.keep(image_desc(*image, format), key);
+  const bool floats = in_compute && !as_depth;
+  const Frame::Kept maps = frame.keep(image_desc(*image, floats ? float_format : depth_format), key);
   if (maps.filled) {
     for (const std::string_view pass :
          {Cull::name, CullCompact::name, in_compute ? RasterizeViews::name : DepthViews::name})
@@ -50,7 +50,9 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
   if (in_compute)
     out.depth =
-        frame.add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image}, instance).depth;
+        frame
+            .add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image, floats}, instance)
+            .depth;
   else
     out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
   const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};

@@ -21,7 +21,8 @@ TEST(Stability, ExtremeScenesAreAsTheyShouldBe) {
   const TestFolder folder;
   const Ended ended = stability(
       {"--only",
-       "near 1e-4,1 mm at 1 km,inside a ball,1e6 m along,cancelling,a million times,1e9 cd,range 1e-3,farther than "
+       "near 1e-4,1 mm at 1 km,orthographic to 1e7,inside a ball,1e6 m along,cancelling,a million times,1e9 cd,range "
+       "1e-3,farther than "
        "floats,on a surface,at the camera,"
        "cone of 0.01 degrees,cone of 90,dark ones,metal mirror,albedo above,emissive,normal map of zero,NaN,infinity "
        "in the sky,"

@@ -136,14 +136,20 @@ RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in)
   out.texels = builder.create(texels);
   out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, knobs, "#VIEWS=1", {});
   builder.begin_step();
-  builder.read(out.texels, Access::transfer_source, "the views' depths");
-  out.depth = builder.write(in.target ? in.target : builder.create(image_desc(image, depth_format)),
-                            Access::transfer_destination);
+  builder.read(out.texels, in.floats ? Access::compute_read : Access::transfer_source, "the views' depths");
+  out.depth = in.target ? in.target : builder.create(image_desc(image, in.floats ? float_format : depth_format));
+  if (in.floats) out.store = builder.pipeline(ComputePipelineDesc{"view_texels.comp", {}});
+  out.depth = builder.write(out.depth, in.floats ? Access::storage_image_write : Access::transfer_destination);
   return out;
 }
 
 void RasterizeViews::record(CommandList& commands, const In& in, const Out& out) const {
-  if (commands.step() == 3) return commands.copy_to_image(out.texels, out.depth);
+  if (commands.step() == 3) {
+    if (!in.floats) return commands.copy_to_image(out.texels, out.depth);
+    commands.bind(out.store);
+    commands.push(shared::ViewTexelsPush{commands.address(out.texels), in.image->size_px, commands.storage(out.depth)});
+    return commands.dispatch(in.image->size_px / 4, in.image->size_px, in.image->layers);
+  }
   shared::RasterizePush push{};
   push.subsample_footprint = 1;
   push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);

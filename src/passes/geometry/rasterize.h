@@ -57,11 +57,15 @@ struct RasterizeViews {
     BufferHandle deformed;  // optional
     std::shared_ptr<const ViewImage> image;
     ImageHandle target;  // optional: written instead of an image of this frame alone
+    // The image holds plain floats instead of depths: written in compute, where a GPU's copy of a buffer to an image
+    // takes several times as long.
+    bool floats = false;
   };
   struct Out {
     ImageHandle depth;
     BufferHandle texels;
     RasterSteps steps;
+    PipelineHandle store;  // of floats
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -1,4 +1,5 @@
-// From a thread to a light and one cell of its box. Needs the push constants chunks, bounds and chunk_count.
+// From a thread to a light and one cell of its box. Needs the push constants chunks, bounds and
+// dispatch.
 struct ChunkCell {
   uint bounds;      // whose
   uint cell;
@@ -9,7 +10,7 @@ struct ChunkCell {
 uint chunk_thread() { return (gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x) * light_group + gl_LocalInvocationIndex; }
 
 bool chunk_cell(uint thread, out ChunkCell c) {
-  if (thread / light_chunk_cells >= pc.chunk_count) return false;
+  if (thread / light_chunk_cells >= LightDispatchRef(pc.dispatch).d.chunks) return false;
   const LightChunk chunk = LightChunksRef(pc.chunks).c[thread / light_chunk_cells];
   const LightBounds b = LightBoundsRef(pc.bounds).b[chunk.bounds];
   c.bounds = chunk.bounds;

@@ -42,6 +42,12 @@ struct LightChunk {
   uint column;  // 1: of the columns instead of the tiles
 };
 
+// How many chunks there are, and the groups of threads for their cells: arguments of an indirect dispatch.
+struct LightDispatch {
+  uint chunks;
+  uvec3 groups;
+};
+
 // A tile's depths, from all samples of its pixels.
 struct TileDepth {
   float z_near, z_far;  // widened
@@ -52,19 +58,22 @@ struct TileDepthPush {
   uint64_t tiles;
   uint depth;  // place in the pass's images
 };
+struct LightBoundsPush {
+  uint64_t lights, bounds, chunks, dispatch;
+  uint64_t bounds_count;
+  uint light_count;
+};
 struct LightAssignPush {
-  uint64_t bounds, chunks, tiles;
+  uint64_t bounds, chunks, dispatch, tiles;
   uint64_t lists;       // bitmasks, or counts of cells
   uint64_t sums, hits;  // compact lists: counts of light_scan_cells cells, and a bit a thread
-  uint chunk_count;
 };
 struct LightScanPush {
   uint64_t counts, sums, offsets;
   uint cells;
 };
 struct LightFillPush {
-  uint64_t bounds, chunks, hits, offsets, cursors, entries;
-  uint chunk_count;
+  uint64_t bounds, chunks, dispatch, hits, offsets, cursors, entries;
 };
 struct LightSortPush {
   uint64_t offsets, unsorted, entries, report;
@@ -80,6 +89,7 @@ inline constexpr uint light_sort_cells = 32, light_sort_threads = 256;
 enum : uint { light_mode_all = 0, light_mode_bitmask = 1, light_mode_compact = 2 };
 static_assert(sizeof(LightGrid) == 80 && offsetof(LightGrid, globals) == 72);
 static_assert(sizeof(LightBounds) == 72 && sizeof(LightChunk) == 12 && sizeof(TileDepth) == 12);
+static_assert(sizeof(LightDispatch) == 16 && sizeof(LightBoundsPush) == 48);
 static_assert(sizeof(LightAssignPush) == 56 && sizeof(LightFillPush) == 56);
 // Groups beyond what one dimension of a dispatch takes on every device (65535) go to the second.
 inline uvec2 light_threads(uint64_t threads, uint group = light_group) {
@@ -94,6 +104,7 @@ const uint most_ranked_lights = 256u;  // of a list whose threads find their ent
 const uint light_mode_all = 0u, light_mode_bitmask = 1u, light_mode_compact = 2u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightBoundsRef { LightBounds b[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightChunksRef { LightChunk c[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightDispatchRef { LightDispatch d; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileDepthsRef { TileDepth t[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer UintsRef { uint u[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ConstUintsRef { uint u[]; };

@@ -6,6 +6,7 @@
 #include "frame/job_look.h"
 #include "glsl/built_in_spirv.h"
 #include "gltf/gltf.h"
+#include "gpu/device_select.h"
 
 namespace candela {
 namespace {
@@ -54,7 +55,9 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
     return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {
-    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
+    lights_.reset();
+    if (gpu::has_float64(device_->physical())) lights_ = layout_lights(scene_);
+    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, lights_ ? &*lights_ : nullptr);
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
@@ -77,7 +80,9 @@ Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs&
     if (auto read = read_sky(sky_file_, job.look); !read) return std::unexpected(read.error());
   if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine)
     return std::unexpected(fine.error());
-  auto planned = plan_frame(job, PlanContext{scene_, layout_, &sky_}, wanted, time_s);
+  PlanContext context{scene_, layout_, &sky_};
+  context.lights = lights_ ? &*lights_ : nullptr;
+  auto planned = plan_frame(job, context, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {
     std::vector<std::string> of_probes;

@@ -6,9 +6,12 @@ namespace {
 CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance) {
   const LightGridShape& grid = scene.light_grid;
   const BufferHandle tiles = frame.add(TileDepth{grid}, {scene, depth}, instance).tiles;
-  const LightAssign::Out assigned = frame.add(LightAssign{grid}, {scene, tiles}, instance);
+  LightBoxes boxes{scene.light_bounds, scene.light_chunks, scene.light_dispatch};
+  const LightBoxes found = frame.add(LightBoundsPass{grid}, {scene}, instance).boxes;
+  if (grid.most_bounds > 0) boxes = found;
+  const LightAssign::Out assigned = frame.add(LightAssign{grid}, {scene, boxes, tiles}, instance);
   const BufferHandle offsets = frame.add(LightScan{grid}, {assigned.lists, assigned.sums}, instance).offsets;
-  const BufferHandle unsorted = frame.add(LightFill{grid}, {scene, offsets, assigned.hits}, instance).unsorted;
+  const BufferHandle unsorted = frame.add(LightFill{grid}, {scene, boxes, offsets, assigned.hits}, instance).unsorted;
   const BufferHandle entries = frame.add(LightSort{grid}, {offsets, unsorted}, instance).entries;
   return {grid.compact ? offsets : assigned.lists, entries, tiles};
 }

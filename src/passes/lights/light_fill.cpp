@@ -10,8 +10,9 @@ Need LightFill::needed(const SceneFacts&, const FrameRequest&) const {
 
 LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})
-    builder.read(b, Access::compute_read, "the scene's lights");
+  for (const BufferHandle b : {in.boxes.bounds, in.boxes.chunks, in.boxes.dispatch})
+    builder.read(b, Access::compute_read, "the lights' cells");
+  builder.read(in.boxes.dispatch, Access::indirect_read, "how many these are");
   builder.read(in.offsets, Access::compute_read, "where lists begin");
   builder.read(in.hits, Access::compute_read, "lights of cells");
   Out out;
@@ -28,16 +29,15 @@ LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
 void LightFill::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::LightFillPush push{};
-  push.bounds = commands.address(in.scene.light_bounds);
-  push.chunks = commands.address(in.scene.light_chunks);
+  push.bounds = commands.address(in.boxes.bounds);
+  push.chunks = commands.address(in.boxes.chunks);
+  push.dispatch = commands.address(in.boxes.dispatch);
   push.hits = commands.address(in.hits);
   push.offsets = commands.address(in.offsets);
   push.cursors = commands.address(out.cursors);
   push.entries = commands.address(out.unsorted);
-  push.chunk_count = grid.chunks;
   commands.push(push);
-  const glm::uvec2 threads = shared::light_threads(uint64_t(grid.chunks) * shared::light_chunk_cells);
-  commands.dispatch(threads.x, threads.y);
+  commands.dispatch_indirect(in.boxes.dispatch, offsetof(shared::LightDispatch, groups));
 }
 
 }  // namespace candela

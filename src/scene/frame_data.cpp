@@ -94,9 +94,10 @@ class FrameBuilder {
                  first_item = frame_.items.size();
     frame_.relative_from_local.resize(first_transform + count);
     frame_.items.resize(first_item + count * rigid.size());
+    const glm::dmat4 target_from_node = drawn_.target_from_node(n);
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 512), [&](const auto& range) {
       for (size_t i = range.begin(); i < range.end(); ++i) {
-        const glm::dmat4 m = drawn_.target_from_instance(n, i);
+        const glm::dmat4 m = drawn_.target_from_instance(target_from_node, n, i);
         const size_t transform = first_transform + i;
         frame_.relative_from_local[transform] = glm::mat4(m);
         const bool mirrored = glm::determinant(glm::dmat3(m)) < 0;
@@ -272,8 +273,9 @@ DAabb world_bounds(const Scene& scene, const Pose& pose) {
       if (!DrawnSections::can_be_drawn(section)) continue;
       const SectionDeformation deformation = drawn.deformation_of(section, n);
       const size_t instances = deformation.skinned ? 1 : drawn.instance_count(n);
+      const glm::dmat4 target_from_node = drawn.target_from_node(n);
       for (size_t i = 0; i < instances; ++i)
-        add(drawn.bounds_of(section, n, deformation, drawn.target_from_instance(n, i)));
+        add(drawn.bounds_of(section, n, deformation, drawn.target_from_instance(target_from_node, n, i)));
     }
   }
   return result;

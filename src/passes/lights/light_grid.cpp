@@ -1,6 +1,7 @@
 #include "passes/lights/light_grid.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <bit>
 #include <cmath>
@@ -233,65 +234,82 @@ Boxes boxes_of(const Grid& grid, const std::vector<LightItem>& lights) {
   return boxes;
 }
 
-// Lights whose places are not known, but for a ball about them.
-struct Cloud {
-  glm::dvec3 centre;  // relative space
-  double radius, range;
-  uint32_t count;
+// Lights of which the host knows the clusters alone, in relative space.
+class GroupPlaces {
+ public:
+  explicit GroupPlaces(const LightGroup& group) : group_(group) {
+    // A matrix lengthens a vector by no more than the root of the largest eigenvalue of its square, nor than that of
+    // the square's largest sum of a row.
+    const glm::dmat3 square = glm::transpose(group.linear) * group.linear;
+    double largest = 0;
+    for (int row = 0; row < 3; ++row) largest = std::max(largest, glm::dot(glm::abs(square[row]), glm::dvec3(1)));
+    stretch_ = std::sqrt(largest) * (1 + 1e-6);
+  }
+  // A ball about lights; the GPU has their places as floats.
+  Ball ball(glm::vec3 centre, float radius_m) const {
+    const glm::dvec3 at = group_.origin + group_.linear * glm::dvec3(centre);
+    const double radius = stretch_ * double(radius_m);
+    return {at, radius + 1e-6 * (glm::length(at) + radius)};
+  }
+  double range(float own_m) const { return double(own_m > 0 ? own_m : group_.light.range_m) * (1 + 1e-6); }
+
+ private:
+  const LightGroup& group_;
+  double stretch_;
 };
 
-// Clusters, and nearer to the camera, where a ball of lights says little of each, the lights themselves.
-void add_clouds(const LightGroup& group, std::vector<Cloud>& clouds) {
-  // A matrix lengthens a vector by no more than the root of the largest eigenvalue of its square, nor than that of the
-  // square's largest sum of a row.
-  const glm::dmat3 square = glm::transpose(group.linear) * group.linear;
-  double largest = 0;
-  for (int row = 0; row < 3; ++row) largest = std::max(largest, glm::dot(glm::abs(square[row]), glm::dvec3(1)));
-  const double stretch = std::sqrt(largest) * (1 + 1e-6);
-  const auto add = [&](glm::dvec3 centre, double radius, float range_m, uint32_t count) {
-    // The GPU has places as floats.
-    radius += 1e-6 * (glm::length(centre) + radius);
-    clouds.push_back({centre, radius, double(range_m > 0 ? range_m : group.light.range_m) * (1 + 1e-6), count});
-  };
-  const auto place = [&](glm::vec3 p) { return group.origin + group.linear * glm::dvec3(p); };
-  for (const LightCluster& cluster : group.set->clusters) {
-    const glm::dvec3 centre = place(cluster.centre);
-    const double radius = stretch * double(cluster.radius_m);
-    if (glm::length(centre) > 3 * radius) {
-      add(centre, radius, cluster.range_m, cluster.count);
-      continue;
-    }
-    for (const glm::vec4& p : std::span(group.set->places).subspan(cluster.first, cluster.count))
-      add(place(glm::vec3(p)), 0, p.w, 1);
+// What boxes of lights have at most.
+struct MostBoxes {
+  uint64_t lights = 0, cells = 0, chunks = 0;
+  void add(const Grid& grid, uint64_t count, glm::uvec3 n) {
+    if (n.x == 0) return;
+    lights += count;
+    add_cells(count, n);
+    if (grid.constants().tiled) add_cells(count, Grid::most_columns(n));
   }
+  MostBoxes operator+(const MostBoxes& o) const { return {lights + o.lights, cells + o.cells, chunks + o.chunks}; }
+
+ private:
+  void add_cells(uint64_t count, glm::uvec3 n) {
+    const uint64_t each = uint64_t(n.x) * n.y * n.z;
+    cells += count * each;
+    chunks += count * ((each + shared::light_chunk_cells - 1) / shared::light_chunk_cells);
+  }
+};
+
+// Of a cluster, and near the camera, where a ball of lights says little of each, of the lights themselves.
+MostBoxes most_of(const Grid& grid, const LightGroup& group, const GroupPlaces& places, const LightCluster& cluster) {
+  MostBoxes most;
+  const Ball ball = places.ball(cluster.centre, cluster.radius_m);
+  const glm::uvec3 n = grid.most_cells({grid.in_view(ball.centre), ball.radius}, places.range(cluster.range_m));
+  if (n.x == 0 || glm::length(ball.centre) > 3 * ball.radius) {
+    most.add(grid, cluster.count, n);
+    return most;
+  }
+  for (const glm::vec4& p : std::span(group.set->places).subspan(cluster.first, cluster.count)) {
+    const Ball light = places.ball(glm::vec3(p), 0);
+    most.add(grid, 1, grid.most_cells({grid.in_view(light.centre), light.radius}, places.range(p.w)));
+  }
+  return most;
 }
-std::vector<Cloud> clouds_of(const FrameData& data) {
-  std::vector<Cloud> clouds;
-  if (data.light_groups.empty()) return clouds;
+
+// Of all lights, where the host knows clusters of some.
+MostBoxes most_of(const Grid& grid, const FrameData& data) {
+  MostBoxes most;
   for (const LightItem& l : data.lights)
     if (l.type != LightType::directional && std::isfinite(l.range_m))
-      clouds.push_back({glm::dvec3(l.position), 0, double(l.range_m), 1});
-  for (const LightGroup& group : data.light_groups) add_clouds(group, clouds);
-  return clouds;
-}
-
-// What the boxes of lights in clouds have at most.
-struct CloudBoxes {
-  uint64_t lights = 0, cells = 0, chunks = 0;
-};
-CloudBoxes boxes_of(const Grid& grid, const std::vector<Cloud>& clouds) {
-  CloudBoxes most;
-  const auto add = [&](uint64_t count, glm::uvec3 n) {
-    const uint64_t cells = uint64_t(n.x) * n.y * n.z;
-    most.cells += count * cells;
-    most.chunks += count * ((cells + shared::light_chunk_cells - 1) / shared::light_chunk_cells);
-  };
-  for (const Cloud& cloud : clouds) {
-    const glm::uvec3 n = grid.most_cells({grid.in_view(cloud.centre), cloud.radius}, cloud.range);
-    if (n.x == 0) continue;
-    most.lights += cloud.count;
-    add(cloud.count, n);
-    if (grid.constants().tiled) add(cloud.count, Grid::most_columns(n));
+      most.add(grid, 1, grid.most_cells({grid.in_view(glm::dvec3(l.position)), 0}, double(l.range_m)));
+  for (const LightGroup& group : data.light_groups) {
+    const GroupPlaces places(group);
+    const std::vector<LightCluster>& clusters = group.set->clusters;
+    most = most + tbb::parallel_reduce(
+                      tbb::blocked_range<size_t>(0, clusters.size(), 256), MostBoxes{},
+                      [&](const auto& range, MostBoxes sum) {
+                        for (size_t i = range.begin(); i < range.end(); ++i)
+                          sum = sum + most_of(grid, group, places, clusters[i]);
+                        return sum;
+                      },
+                      std::plus<>());
   }
   return most;
 }
@@ -310,13 +328,20 @@ std::vector<uint32_t> unbounded_lights(const FrameData& data) {
   return unbounded;
 }
 
-double deepest(const FrameData& data, const std::vector<Cloud>& clouds, const shared::FrameConstants& constants) {
+double deepest(const FrameData& data, const shared::FrameConstants& constants) {
   const glm::dvec3 back(constants.camera_back);
   double depth = 0;
   for (const LightItem& l : data.lights)
     if (l.type != LightType::directional && std::isfinite(l.range_m))
       depth = std::max(depth, double(l.range_m) * inflated_range - glm::dot(glm::dvec3(l.position), back));
-  for (const Cloud& c : clouds) depth = std::max(depth, c.range * inflated_range + c.radius - glm::dot(c.centre, back));
+  for (const LightGroup& group : data.light_groups) {
+    const GroupPlaces places(group);
+    for (const LightCluster& cluster : group.set->clusters) {
+      const Ball ball = places.ball(cluster.centre, cluster.radius_m);
+      depth =
+          std::max(depth, places.range(cluster.range_m) * inflated_range + ball.radius - glm::dot(ball.centre, back));
+    }
+  }
   return depth;
 }
 
@@ -360,14 +385,13 @@ LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const share
   out.shape.reason = refusal(kind, lights, knobs, reach_m, constants.perspective != 0);
   if (!out.shape.reason.empty()) return out;
   const bool on_device = !data.light_groups.empty();
-  const std::vector<Cloud> clouds = clouds_of(data);
-  const double far_m = std::min(farthest_m, deepest(data, clouds, constants));
+  const double far_m = std::min(farthest_m, deepest(data, constants));
   const uint64_t words = (lights + 31) / 32, budget = uint64_t(knobs.memory_mb) << 20;
   uint32_t tile_px = kind == LightGridKind::tiles ? 16 : uint32_t(knobs.tile_px);
   for (;; tile_px *= 2) {
     const Grid grid(kind, constants, knobs, tile_px, far_m, reach_m);
     Boxes boxes = on_device ? Boxes{{}, unbounded_lights(data)} : boxes_of(grid, data.lights);
-    const CloudBoxes most = boxes_of(grid, clouds);
+    const MostBoxes most = on_device ? most_of(grid, data) : MostBoxes{};
     const uint64_t covered = on_device ? most.cells : boxes.covered;
     if (covered == 0) {
       out.shape.reason = boxes.everywhere.empty() ? "no light reaches what the camera sees"

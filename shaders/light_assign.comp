@@ -19,7 +19,7 @@ void main() {
   ChunkCell c;
   bool hit = false;
   const uint chunk = thread / light_chunk_cells;
-  if (chunk < pc.chunk_count) {
+  if (chunk < LightDispatchRef(pc.dispatch).d.chunks) {
     const LightChunk whose = LightChunksRef(pc.chunks).c[chunk];
     const LightBounds b = LightBoundsRef(pc.bounds).b[whose.bounds];
     hit = chunk_cell(whose, b, thread % light_chunk_cells, c) && touches(b, c);

@@ -13,11 +13,13 @@ layout(constant_id = 0) const int TEST = 3;
 layout(constant_id = 2) const int TILED = 0;
 layout(constant_id = 3) const int MASK = 0;
 #include "lib/light_chunk.glsl"
+#include "lib/light_segment.glsl"
 #include "lib/light_touches.glsl"
 
 void main() {
   const uint row = gl_WorkGroupID.x * pc.cells, thread = gl_LocalInvocationIndex;
-  const uint first = gl_WorkGroupID.x * pc.segment_chunks, last = min(first + pc.segment_chunks, pc.chunk_count);
+  uint first, last;
+  segment_chunks(first, last);
   uint light = ~0u;
   LightBounds b;
   for (uint block = first; block < last; block += light_block_chunks) {

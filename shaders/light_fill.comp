@@ -9,7 +9,7 @@ layout(local_size_x = 64) in;
 
 void main() {
   const uint thread = chunk_thread();
-  if (thread / light_chunk_cells >= pc.chunk_count) return;
+  if (thread / light_chunk_cells >= LightDispatchRef(pc.dispatch).d.chunks) return;
   if ((ConstUintsRef(pc.hits).u[thread / 32u] >> (thread & 31u) & 1u) == 0u) return;
   const LightChunk chunk = LightChunksRef(pc.chunks).c[thread / light_chunk_cells];
   const LightBounds b = LightBoundsRef(pc.bounds).b[chunk.bounds];

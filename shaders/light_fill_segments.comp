@@ -8,10 +8,12 @@ layout(push_constant, scalar) uniform Push { LightSegmentsPush pc; };
 #include "lib/frame.glsl"
 layout(local_size_x = light_chunk_cells) in;
 #include "lib/light_chunk.glsl"
+#include "lib/light_segment.glsl"
 
 void main() {
   const uint row = gl_WorkGroupID.x * pc.cells, thread = gl_LocalInvocationIndex;
-  const uint first = gl_WorkGroupID.x * pc.segment_chunks, last = min(first + pc.segment_chunks, pc.chunk_count);
+  uint first, last;
+  segment_chunks(first, last);
   uint light = ~0u;
   LightBounds b;
   for (uint block = first; block < last; block += light_block_chunks) {

@@ -1,4 +1,4 @@
-// From a thread of a chunk to a light and one cell of its box. Needs the push constants chunks and bounds.
+// From a thread of a chunk to one cell of its light's box.
 struct ChunkCell {
   uint cell;
   uvec3 place;      // tile and slice, or column

@@ -42,6 +42,12 @@ struct LightChunk {
   uint column;  // 1: of the columns instead of the tiles
 };
 
+// How many chunks there are, and the groups of threads for their cells: arguments of an indirect dispatch.
+struct LightDispatch {
+  uint chunks;
+  uvec3 groups;
+};
+
 // A tile's depths, from all samples of its pixels.
 struct TileDepth {
   float z_near, z_far;  // widened
@@ -52,17 +58,21 @@ struct TileDepthPush {
   uint64_t tiles;
   uint depth;  // place in the pass's images
 };
+struct LightBoundsPush {
+  uint64_t lights, bounds, chunks, dispatch;
+  uint64_t bounds_count;
+  uint light_count;
+};
 struct LightAssignPush {
-  uint64_t bounds, chunks, tiles;
+  uint64_t bounds, chunks, dispatch, tiles;
   uint64_t lists;       // bitmasks, or counts of cells
   uint64_t sums, hits;  // compact lists: counts of light_scan_cells cells, and a bit a thread
-  uint chunk_count;
 };
 // Segments of lists in light order (passes/lights/light_assign.h): rows of counts, one for each segment.
 struct LightSegmentsPush {
-  uint64_t bounds, chunks, tiles;
+  uint64_t bounds, chunks, dispatch, tiles;
   uint64_t rows, hits, offsets, entries;
-  uint chunk_count, segment_chunks, cells;
+  uint cells;
 };
 struct LightRowsPush {
   uint64_t rows, counts, sums;
@@ -73,8 +83,7 @@ struct LightScanPush {
   uint cells;
 };
 struct LightFillPush {
-  uint64_t bounds, chunks, hits, offsets, cursors, entries;
-  uint chunk_count;
+  uint64_t bounds, chunks, dispatch, hits, offsets, cursors, entries;
 };
 struct LightSortPush {
   uint64_t offsets, unsorted, entries, report;
@@ -87,15 +96,11 @@ SHARED_END
 namespace candela::shared {
 inline constexpr uint light_chunk_cells = 8, light_group = 64, light_scan_cells = 256, column_tiles = 4;
 inline constexpr uint light_sort_cells = 32, light_sort_threads = 256;
-// A segment is whole blocks of chunks, whose hits are a word of each thread.
-inline constexpr uint light_segments = 16, light_block_chunks = 32;
-inline uint light_segment_chunks(uint chunks) {
-  const uint blocks = (chunks + light_block_chunks - 1) / light_block_chunks;
-  return (blocks + light_segments - 1) / light_segments * light_block_chunks;
-}
+inline constexpr uint light_segments = 16;
 enum : uint { light_mode_all = 0, light_mode_bitmask = 1, light_mode_compact = 2 };
 static_assert(sizeof(LightGrid) == 80 && offsetof(LightGrid, globals) == 72);
 static_assert(sizeof(LightBounds) == 72 && sizeof(LightChunk) == 12 && sizeof(TileDepth) == 12);
+static_assert(sizeof(LightDispatch) == 16 && sizeof(LightBoundsPush) == 48);
 static_assert(sizeof(LightAssignPush) == 56 && sizeof(LightFillPush) == 56);
 static_assert(sizeof(LightSegmentsPush) == 72 && sizeof(LightRowsPush) == 32);
 // Groups beyond what one dimension of a dispatch takes on every device (65535) go to the second.
@@ -106,12 +111,13 @@ inline uvec2 light_threads(uint64_t threads, uint group = light_group) {
 }  // namespace candela::shared
 #else
 const uint light_chunk_cells = 8u, light_group = 64u, light_scan_cells = 256u, column_tiles = 4u;
-const uint light_segments = 16u, light_block_chunks = 32u;
+const uint light_segments = 16u;
 const uint light_sort_cells = 32u;     // that a group of light_sort looks through
 const uint most_ranked_lights = 256u;  // of a list whose threads find their entries' places on their own
 const uint light_mode_all = 0u, light_mode_bitmask = 1u, light_mode_compact = 2u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightBoundsRef { LightBounds b[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightChunksRef { LightChunk c[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightDispatchRef { LightDispatch d; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileDepthsRef { TileDepth t[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer UintsRef { uint u[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ConstUintsRef { uint u[]; };

@@ -6,6 +6,7 @@
 #include "frame/job_look.h"
 #include "glsl/built_in_spirv.h"
 #include "gltf/gltf.h"
+#include "gpu/device_select.h"
 
 namespace candela {
 namespace {
@@ -54,7 +55,9 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
     return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {
-    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_);
+    lights_.reset();
+    if (gpu::has_float64(device_->physical())) lights_ = layout_lights(scene_);
+    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, lights_ ? &*lights_ : nullptr);
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
@@ -79,6 +82,7 @@ Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs&
     return std::unexpected(fine.error());
   PlanContext context{scene_, layout_, &sky_};
   context.cpu = shades_on_cpu(*device_);
+  context.lights = lights_ ? &*lights_ : nullptr;
   auto planned = plan_frame(job, context, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {

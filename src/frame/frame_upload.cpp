@@ -56,6 +56,10 @@ LightItem brought_nearer(LightItem l) {
 
 double one_minus_cosine(double angle) { return 2 * std::pow(std::sin(angle / 2), 2); }
 
+float inverse_range(float range_m) {
+  return std::isfinite(range_m) ? std::min(1.0f / range_m, std::numeric_limits<float>::max()) : 0.0f;
+}
+
 shared::Light shared_light(const LightItem& given) {
   const LightItem l = brought_nearer(given);
   shared::Light out{};
@@ -65,7 +69,7 @@ shared::Light shared_light(const LightItem& given) {
   out.type = l.type == LightType::directional ? shared::light_directional
              : l.type == LightType::point     ? shared::light_point
                                               : shared::light_spot;
-  out.inverse_range = std::isfinite(l.range_m) ? std::min(1.0f / l.range_m, std::numeric_limits<float>::max()) : 0.0f;
+  out.inverse_range = inverse_range(l.range_m);
   // KHR_lights_punctual's recommended spot angle attenuation, (cos - cos outer) / (cos inner - cos outer), with 1 - cos
   // for each cosine: those of a narrow cone are all 1 as floats.
   const double inner = one_minus_cosine(double(l.inner_cone_rad)), outer = one_minus_cosine(double(l.outer_cone_rad));
@@ -74,6 +78,33 @@ shared::Light shared_light(const LightItem& given) {
   out.spot_offset = float(outer * scale);
   out.radius_m = l.radius_m;
   return out;
+}
+
+// Of all lights, where a pass poses some.
+std::vector<shared::LightGroup> light_groups(const FrameData& data) {
+  std::vector<shared::LightGroup> groups;
+  uint32_t first = 0, posed = 0;
+  const auto add_posed = [&](uint32_t end) {
+    if (end == posed) return;
+    shared::LightGroup out{};
+    out.first = first, out.count = end - posed, out.source = posed, out.posed = 1;
+    groups.push_back(out);
+    first += out.count, posed = end;
+  };
+  for (const LightGroup& group : data.light_groups) {
+    add_posed(group.before);
+    shared::LightGroup out{};
+    out.origin = group.origin;
+    out.x_axis = group.linear[0], out.y_axis = group.linear[1], out.z_axis = group.linear[2];
+    out.candela = group.candela;
+    out.light = shared_light(group.light);
+    out.light.intensity = group.color;
+    out.first = first, out.count = group.set->count, out.source = group.set->first;
+    groups.push_back(out);
+    first += out.count;
+  }
+  if (!groups.empty()) add_posed(uint32_t(data.lights.size()));
+  return groups;
 }
 
 void add_items(const FrameData& data, const DrawList& draws, const GeometryLayout& layout, uint32_t default_material,
@@ -247,9 +278,30 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
   for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
   if (request.has_layer("crypto_object")) upload.object_mattes = matte_ids(node_names(scene));
   if (request.has_layer("crypto_material")) upload.material_mattes = matte_ids(material_names(scene));
-  upload.constants.light_count = uint32_t(upload.lights.size());
+  upload.light_groups = light_groups(data);
+  upload.constants.light_count = uint32_t(data.light_count());
   upload.constants.item_count = uint32_t(upload.items.size());
   return upload;
+}
+
+std::vector<shared::LightInstance> pack_light_instances(const Scene& scene, const LightLayout& layout) {
+  std::vector<shared::LightInstance> out;
+  out.reserve(layout.instance_count);
+  for (const LightSet& set : layout.sets) {
+    const LightInstances& from = *scene.nodes[set.node].light_instances;
+    for (size_t i = 0; i < from.count(); ++i) {
+      shared::LightInstance to{};
+      to.translation = from.translation[i];
+      if (!from.direction.empty()) to.direction = from.direction[i];
+      to.color = from.color.empty() ? glm::vec3(1) : from.color[i];
+      to.intensity = from.intensity.empty() ? 1.0f : from.intensity[i];
+      if (!from.range_m.empty()) to.inverse_range = inverse_range(from.range_m[i]);
+      const LightModulation modulation = from.modulation.empty() ? LightModulation{} : from.modulation[i];
+      to.depth = modulation.depth, to.period = modulation.period_s, to.phase = modulation.phase;
+      out.push_back(to);
+    }
+  }
+  return out;
 }
 
 void add_batches(const DrawList& draws, FrameUpload& upload) {

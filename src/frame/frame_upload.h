@@ -10,6 +10,7 @@
 #include "shared/cull.h"
 #include "shared/deform.h"
 #include "shared/lobes.h"
+#include "shared/pose_lights.h"
 #include "shared/scene.h"
 #include "shared/visibility.h"
 
@@ -24,7 +25,8 @@ struct FrameUpload {
   std::vector<shared::Item> items;           // in draw order
   std::vector<shared::Material> materials;   // the pose's, and the default one; GpuScene fills in their textures
   std::vector<uint32_t> lobes;               // words of shared/lobes.h; empty: no material has any. Textures likewise
-  std::vector<shared::Light> lights;
+  std::vector<shared::Light> lights;         // posed here; among those of groups, in the order of nodes
+  std::vector<shared::LightGroup> light_groups;  // of all lights, where a pass poses some; else none
   std::vector<shared::CullGroup> groups;
   std::vector<shared::TriangleBatch> batches;  // empty unless add_batches made them
   std::vector<uint32_t> triangle_numbers;      // empty unless add_triangle_numbers did
@@ -41,6 +43,8 @@ struct FrameUpload {
 FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
                               const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
                               const AmbientSh& ambient);
+// The instances as a pass poses them, in the order of the layout.
+std::vector<shared::LightInstance> pack_light_instances(const Scene& scene, const LightLayout& layout);
 // Adds the batches in which compute rasterizes opaque and masked triangles.
 void add_batches(const DrawList& draws, FrameUpload& upload);
 // Of each item of the frame's data the number of its first triangle among those batches; shared::absent: it has none.

@@ -46,7 +46,8 @@ VkSamplerCreateInfo sampler_info(const Sampler& s, int anisotropy = 1) {
 
 }  // namespace
 
-GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout)
+GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout,
+                   const LightLayout* lights)
     : device_(device),
       bindless_(bindless),
       scene_(scene),
@@ -57,21 +58,21 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
     for_each_slot(m, [&](const TextureSlot& slot, bool srgb) {
       if (slot) mipmapped_[{slot.image, srgb}] |= scene.samplers[size_t(slot.sampler)].mipmaps;
     });
-  if (layout.vertex_words == 0) return;
-  std::vector<uint32_t> words(layout.vertex_words), indices(layout.index_count);
-  pack_geometry(scene, layout, words, indices);
-  using Memory = gpu::Buffer::Memory;
-  using Purpose = gpu::Device::Purpose;
-  gpu::Buffer& vertex_buffer = scene_buffers_["scene.vertices"];
-  gpu::Buffer& index_buffer = scene_buffers_["scene.indices"];
-  vertex_buffer = gpu::Buffer(device, words.size() * 4, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                              Memory::device, Purpose::scene, "scene.vertices");
-  index_buffer = gpu::Buffer(device, indices.size() * 4,
-                             storage_usage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                             Memory::device, Purpose::scene, "scene.indices");
   gpu::Uploader uploader(device);
-  uploader.to_buffer(vertex_buffer, 0, std::as_bytes(std::span(words)));
-  uploader.to_buffer(index_buffer, 0, std::as_bytes(std::span(indices)));
+  const auto load = [&](const char* name, const auto& values, VkBufferUsageFlags usage = 0) {
+    const auto bytes = std::as_bytes(std::span(values));
+    gpu::Buffer& buffer = scene_buffers_[name];
+    buffer = gpu::Buffer(device, bytes.size(), storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT | usage,
+                         gpu::Buffer::Memory::device, gpu::Device::Purpose::scene, name);
+    uploader.to_buffer(buffer, 0, bytes);
+  };
+  if (layout.vertex_words > 0) {
+    std::vector<uint32_t> words(layout.vertex_words), indices(layout.index_count);
+    pack_geometry(scene, layout, words, indices);
+    load("scene.vertices", words);
+    load("scene.indices", indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+  }
+  if (lights && lights->instance_count > 0) load("scene.light_instances", pack_light_instances(scene, *lights));
   uploader.flush();
 }
 
@@ -229,8 +230,8 @@ void GpuScene::fill(FrameBuffer& target, const UploadRow& row) {
   if (!buffer || buffer.size() < least) {
     target.held.clear();
     buffer = gpu::Buffer(device_, std::max(least, buffer ? buffer.size() * 2 : least),
-                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Buffer::Memory::upload,
-                         gpu::Device::Purpose::frame, row.name);
+                         storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
+                         gpu::Buffer::Memory::upload, gpu::Device::Purpose::frame, row.name);
   }
   const std::vector<ByteRange> changed = changed_ranges(target.held, row.bytes);
   target.held.resize(std::max(target.held.size(), row.bytes.size()));
@@ -296,7 +297,8 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
     if (frame.imports[i] < 0) continue;
     // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must
     // be valid.
-    if (c.grid.globals == 0 && &row == &rows.back()) c.grid.globals = address_in(*own, "frame.lights");
+    if (c.grid.globals == 0 && &row == &rows.back())
+      c.grid.globals = address_in(*own, frame.upload.light_groups.empty() ? "frame.lights" : "frame.light_groups");
     if (row.key) {
       uploaded.imports[frame.imports[i]] = &shared_buffer(row, uploaded)->buffer;
       continue;

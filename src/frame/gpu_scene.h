@@ -21,7 +21,9 @@ namespace candela {
 // flight at once.
 class GpuScene {
  public:
-  GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout);
+  // lights: the instances that the device poses; null: none.
+  GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout,
+           const LightLayout* lights);
   ~GpuScene();
 
   struct Uploaded {

@@ -123,8 +123,15 @@ bool soft_suns(const PlannedFrame& f, const SunKnobs& knobs) {
   return sized && (f.suns.traced || (f.suns.image && knobs.soft == SunKnobs::pcss));
 }
 bool soft_lamps(const PlannedFrame& f, const LampKnobs& knobs) {
-  const bool sized = std::ranges::any_of(f.upload.lights, [](const shared::Light& l) { return l.radius_m > 0; });
-  return sized && (f.lamps.traced || (f.lamps.image && knobs.soft == LampKnobs::pcss));
+  return f.facts.sized_lights > 0 && (f.lamps.traced || (f.lamps.image && knobs.soft == LampKnobs::pcss));
+}
+
+// The host looks at each light where it chooses lamps for shadow maps, and where it measures the air that lights reach.
+bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs) {
+  const LampKnobs& lamps = knobs.get<LampKnobs>();
+  const bool maps =
+      request.wants_true(DepthViews::effect) && lamps.method != LampKnobs::by_rays && lamps.lights != LampKnobs::none;
+  return knobs.get<PoseLights::Knobs>().enabled != 0 && !maps && !request.draws_fog() && !request.draws_volumetric();
 }
 
 // Trees, where shading sends rays, and how it does.
@@ -199,7 +206,9 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
     s.features.insert(s.features.end(), more.begin(), more.end());
   }
-  s.item_count = uint32_t(u.items.size()), s.light_count = uint32_t(u.lights.size());
+  s.item_count = uint32_t(u.items.size()), s.light_count = u.constants.light_count;
+  s.light_group_count = uint32_t(u.light_groups.size());
+  s.time_s = f.pose.time_s;
   s.cull_group_count = uint32_t(u.groups.size());
   s.batch_count = uint32_t(u.batches.size());
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);
@@ -292,11 +301,13 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
   if (context.face) look = seen_by_probe(std::move(*look));
-  auto posed = pose_scene(context.scene, job, time_s, look->lights.radius_m, context.face);
-  if (!posed) return std::unexpected(posed.error());
-  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
+  const LightLayout* const lights = poses_lights_on_device(f.request, *knobs) ? context.lights : nullptr;
+  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, lights);
+  if (!posed) return std::unexpected(posed.error());
+  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
+  f.light_instances = lights ? lights->instance_count : 0;
   f.textures = knobs->get<TextureKnobs>();
   f.surfaces = knobs->get<SurfaceKnobs>();
   f.image_light = knobs->get<IblKnobs>();
@@ -342,8 +353,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   LightKnobs lists = knobs->get<LightKnobs>();
   if (LightOrder(lists.order) == LightOrder::automatic)
     lists.order = int(context.cpu ? LightOrder::segments : LightOrder::sorted);
-  f.light_grid = make_light_grid(technique->light_grid, f.data.lights, f.upload.constants, extent.farthest_m,
-                                 extent.reach_m, lists);
+  f.light_grid = make_light_grid(technique->light_grid, f.data, f.upload.constants, extent.farthest_m, extent.reach_m,
+                                 lists);
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;

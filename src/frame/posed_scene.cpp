@@ -15,7 +15,7 @@ Expected<Scene> load_scene(const Job& job, LoadFor use) {
 }
 
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m,
-                                const View* given) {
+                                const View* given, const LightLayout* lights) {
   const auto animations = choose_animations(scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   PosedScene out;
@@ -23,13 +23,13 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
   if (given) {
     out.view = *given;
   } else {
-    const DAabb bounds = world_bounds(scene, out.pose);
+    const DrawnBounds bounds([&] { return world_bounds(scene, out.pose); });
     auto view = make_view(scene, out.pose, camera_at(job.camera, time_s), job.width_px, job.height_px, bounds);
     if (!view) return std::unexpected(view.error());
     out.view = std::move(*view);
     place_probe(scene, out.pose, out.view, bounds);
   }
-  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m);
+  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m, lights);
   return out;
 }
 

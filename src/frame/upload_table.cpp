@@ -22,9 +22,18 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     if (!values.empty()) add(name, input, values, UploadRow::no_address, std::bit_ceil(values.size()));
   };
   const auto add_lights = [&] {
-    add("frame.lights", &Inputs::lights, u.lights);
+    add("frame.lights", u.light_groups.empty() ? &Inputs::lights : &Inputs::posed_lights, u.lights);
+    if (!u.light_groups.empty()) {
+      add("frame.light_groups", &Inputs::light_groups, u.light_groups);
+      rows.push_back({"scene.light_instances",
+                      &Inputs::light_instances,
+                      frame.light_instances * sizeof(shared::LightInstance),
+                      {},
+                      UploadRow::no_address});
+    }
     add_rounded("frame.light_bounds", &Inputs::light_bounds, grid.bounds);
     add_rounded("frame.light_chunks", &Inputs::light_chunks, grid.chunks);
+    if (!grid.chunks.empty()) add("frame.light_dispatch", &Inputs::light_dispatch, std::span(&grid.dispatch, 1));
     add("frame.light_globals", &Inputs::light_globals, grid.globals,
         offsetof(Constants, grid) + offsetof(shared::LightGrid, globals));
   };

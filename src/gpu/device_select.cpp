@@ -35,6 +35,7 @@ constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
     {"depthClamp", &VkPhysicalDeviceFeatures::depthClamp},
     {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics},
     {"textureCompressionBC", &VkPhysicalDeviceFeatures::textureCompressionBC},
+    {"shaderFloat64", &VkPhysicalDeviceFeatures::shaderFloat64},
     {"shaderInt16", &VkPhysicalDeviceFeatures::shaderInt16},
     {"imageCubeArray", &VkPhysicalDeviceFeatures::imageCubeArray},
 };
@@ -277,6 +278,12 @@ bool has_int64_atomics(VkPhysicalDevice physical) {
   DeviceFeatures present;
   vkGetPhysicalDeviceFeatures2(physical, &present.core);
   return present.v12.shaderBufferInt64Atomics;
+}
+
+bool has_float64(VkPhysicalDevice physical) {
+  VkPhysicalDeviceFeatures present;
+  vkGetPhysicalDeviceFeatures(physical, &present);
+  return present.shaderFloat64;
 }
 
 Error start_error(VkResult result, std::string message) {

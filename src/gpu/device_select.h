@@ -29,6 +29,8 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted);
 bool has_post_depth_coverage(VkPhysicalDevice physical);
 // shaderBufferInt64Atomics, which is on where it is present.
 bool has_int64_atomics(VkPhysicalDevice physical);
+// Whether shaders can compute in double.
+bool has_float64(VkPhysicalDevice physical);
 
 struct Candidate {
   VkPhysicalDevice physical = VK_NULL_HANDLE;

@@ -14,10 +14,12 @@
 #include "passes/geometry/rasterize.h"
 #include "passes/geometry/trace_keys.h"
 #include "passes/lights/light_assign.h"
+#include "passes/lights/light_bounds.h"
 #include "passes/lights/light_fill.h"
 #include "passes/lights/light_scan.h"
 #include "passes/lights/light_sort.h"
 #include "passes/lights/light_volumes.h"
+#include "passes/lights/pose_lights.h"
 #include "passes/lights/tile_depth.h"
 #include "passes/occlusion/occlusion.h"
 #include "passes/occlusion/occlusion_layer.h"
@@ -66,12 +68,12 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses =
     PassList<Cull, CullCompact, Deform, Rasterize, RasterizeViews, TraceKeys, KeyDepth, DepthPrepass, DepthViews,
-             ColoredShadows, TileDepth, LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid,
-             FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward,
-             ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments,
-             Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
-             MotionLayer, MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap,
-             Pack, Readback, Dump>;
+             ColoredShadows, TileDepth, PoseLights, LightBoundsPass, LightAssign, LightScan, LightFill, LightSort,
+             AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes,
+             PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
+             Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
+             LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
+             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

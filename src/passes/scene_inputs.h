@@ -13,10 +13,16 @@ namespace candela {
 // What every pass that touches the scene takes: the uploaded buffers, the frame's shape, and the draw runs.
 struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
-  BufferHandle lobes;                                      // of materials; empty without
-  BufferHandle triangle_numbers;                           // empty unless rays find what the camera sees
-  BufferHandle batches;                                    // empty unless triangles are rasterized in compute
-  BufferHandle light_bounds, light_chunks, light_globals;  // empty without light lists
+  BufferHandle lobes;             // of materials; empty without
+  BufferHandle triangle_numbers;  // empty unless rays find what the camera sees
+  BufferHandle batches;           // empty unless triangles are rasterized in compute
+  // What a pass poses lights from (passes/lights/pose_lights.h); `lights` is then empty until it has. Empty: the host
+  // has posed all.
+  BufferHandle light_groups, light_instances, posed_lights;
+  uint32_t light_group_count = 0;
+  double time_s = 0;
+  BufferHandle light_globals;                               // empty without light lists
+  BufferHandle light_bounds, light_chunks, light_dispatch;  // the same, and where a pass finds them
   LightGridShape light_grid;
   BufferHandle views, view_regions, suns;             // of shadow maps; empty without
   BufferHandle lamp_views, lamp_view_regions, lamps;  // the same of point and spot lights

@@ -58,9 +58,7 @@ size_t DrawnSections::instance_count(size_t node) const {
   return instances ? instances->count : 1;
 }
 
-// The camera is subtracted first, while all numbers are double; what follows is near the camera and small.
-glm::dmat4 DrawnSections::target_from_instance(size_t node, size_t instance) const {
-  const glm::dmat4 target_from_node = target_from_world_ * pose_.world_from_node[node];
+glm::dmat4 DrawnSections::target_from_instance(const glm::dmat4& target_from_node, size_t node, size_t instance) const {
   const auto& instances = scene_.nodes[node].instances;
   return instances ? target_from_node * instance_transform(*instances, instance) : target_from_node;
 }

@@ -31,7 +31,9 @@ class DrawnSections {
   static bool can_be_drawn(const MeshSection& section) { return !section.index.empty() && !section.bounds.empty(); }
   bool has_visible_mesh(size_t node) const { return scene_.nodes[node].mesh >= 0 && pose_.node_visible[node]; }
   size_t instance_count(size_t node) const;
-  glm::dmat4 target_from_instance(size_t node, size_t instance) const;
+  // The camera is subtracted first, while all numbers are double; what follows is near the camera and small.
+  glm::dmat4 target_from_node(size_t node) const { return target_from_world_ * pose_.world_from_node[node]; }
+  glm::dmat4 target_from_instance(const glm::dmat4& target_from_node, size_t node, size_t instance) const;
   SkinMatrices& skin(int skin);
 
   // A section whose joints lie outside the skin cannot be skinned; it is drawn where its node stands.

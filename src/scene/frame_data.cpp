@@ -1,5 +1,7 @@
 #include "scene/frame_data.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -20,12 +22,13 @@ Aabb to_float(const DAabb& box) {
 
 class FrameBuilder {
  public:
-  FrameBuilder(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m)
+  FrameBuilder(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m, const LightLayout* layout)
       : scene_(scene),
         pose_(pose),
         view_(view),
         drawn_(scene, pose, relative_from_world(view.position)),
-        lamp_radius_m_(float(lamp_radius_m)) {
+        lamp_radius_m_(float(lamp_radius_m)),
+        layout_(layout) {
     frame_.perspective = view.perspective;
     reserve();
   }
@@ -41,7 +44,7 @@ class FrameBuilder {
     for (int n : scene_.order) {
       const size_t node = size_t(n);
       lights += scene_.nodes[node].light >= 0;
-      if (scene_.nodes[node].light_instances) lights += scene_.nodes[node].light_instances->count();
+      if (scene_.nodes[node].light_instances && !layout_) lights += scene_.nodes[node].light_instances->count();
       if (!drawn_.has_visible_mesh(node)) continue;
       transforms += drawn_.instance_count(node) + 1;
       items += drawn_.instance_count(node) * scene_.meshes[size_t(scene_.nodes[node].mesh)].sections.size();
@@ -79,18 +82,29 @@ class FrameBuilder {
     const bool mirrored = drawn_.skin(node.skin).mirrored;
     for (size_t s = 0; s < sections.size(); ++s)
       if (DrawnSections::can_be_drawn(sections[s]) && deformations_[s].skinned)
-        add_item(n, s, 0, transform, glm::dmat4(1.0), mirrored);
+        frame_.items.push_back(item_of(n, s, 0, transform, glm::dmat4(1.0), mirrored));
   }
 
+  // Instances are many: each thread takes some, to their places.
   void add_rigid(size_t n, const std::vector<MeshSection>& sections) {
-    for (size_t i = 0; i < drawn_.instance_count(n); ++i) {
-      const glm::dmat4 m = drawn_.target_from_instance(n, i);
-      const uint32_t transform = add_transform(m);
-      const bool mirrored = glm::determinant(glm::dmat3(m)) < 0;
-      for (size_t s = 0; s < sections.size(); ++s)
-        if (DrawnSections::can_be_drawn(sections[s]) && !deformations_[s].skinned)
-          add_item(n, s, i, transform, m, mirrored);
-    }
+    std::vector<size_t> rigid;
+    for (size_t s = 0; s < sections.size(); ++s)
+      if (DrawnSections::can_be_drawn(sections[s]) && !deformations_[s].skinned) rigid.push_back(s);
+    const size_t count = drawn_.instance_count(n), first_transform = frame_.relative_from_local.size(),
+                 first_item = frame_.items.size();
+    frame_.relative_from_local.resize(first_transform + count);
+    frame_.items.resize(first_item + count * rigid.size());
+    const glm::dmat4 target_from_node = drawn_.target_from_node(n);
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 512), [&](const auto& range) {
+      for (size_t i = range.begin(); i < range.end(); ++i) {
+        const glm::dmat4 m = drawn_.target_from_instance(target_from_node, n, i);
+        const size_t transform = first_transform + i;
+        frame_.relative_from_local[transform] = glm::mat4(m);
+        const bool mirrored = glm::determinant(glm::dmat3(m)) < 0;
+        for (size_t r = 0; r < rigid.size(); ++r)
+          frame_.items[first_item + i * rigid.size() + r] = item_of(n, rigid[r], i, uint32_t(transform), m, mirrored);
+      }
+    });
   }
 
   uint32_t add_transform(const glm::dmat4& m) {
@@ -98,8 +112,8 @@ class FrameBuilder {
     return uint32_t(frame_.relative_from_local.size() - 1);
   }
 
-  void add_item(size_t n, size_t s, size_t instance, uint32_t transform, const glm::dmat4& relative_from_local,
-                bool mirrored) {
+  DrawItem item_of(size_t n, size_t s, size_t instance, uint32_t transform, const glm::dmat4& relative_from_local,
+                   bool mirrored) {
     const uint32_t mesh = uint32_t(scene_.nodes[n].mesh);
     const MeshSection& section = scene_.meshes[mesh].sections[s];
     const DAabb bounds = drawn_.bounds_of(section, n, deformations_[s], relative_from_local);
@@ -114,7 +128,7 @@ class FrameBuilder {
     item.deformed = indices_[s];
     item.bounds_relative = to_float(bounds);
     if (is_finite(bounds)) item.view_depth_m = -(view_.view_from_relative * glm::dvec4(bounds.centre(), 1.0)).z;
-    frame_.items.push_back(item);
+    return item;
   }
 
   int add_deformation(const Node& node, size_t n, uint32_t section, const SectionDeformation& how) {
@@ -179,6 +193,16 @@ class FrameBuilder {
     const glm::dvec3 origin = glm::dvec3(world[3]) - view_.position;
     LightItem item = light_item(light, n);
     const glm::vec3 direction = shining_direction(world);
+    if (layout_ && layout_->set_of_node[n] >= 0) {
+      item.direction = direction;
+      const LightSet& set = layout_->sets[size_t(layout_->set_of_node[n])];
+      const LightGroup group{&set,  uint32_t(frame_.lights.size()), item, light.color, double(light.intensity), origin,
+                             linear};
+      if (all_shine(group, instances)) {
+        frame_.light_groups.push_back(group);
+        return;
+      }
+    }
     for (size_t i = 0; i < instances.count(); ++i) {
       item.position = glm::vec3(origin + linear * glm::dvec3(instances.translation[i]));
       item.direction = instances.direction.empty() ? direction : turned(linear, instances.direction[i], direction);
@@ -189,6 +213,21 @@ class FrameBuilder {
       if (!instances.range_m.empty()) item.range_m = instances.range_m[i];
       add_light_item(item);
     }
+  }
+
+  // Whether each instance is a light of the frame for sure, has a range, and is no farther off than floats can square.
+  static bool all_shine(const LightGroup& group, const LightInstances& instances) {
+    const LightSet& set = *group.set;
+    const double farthest = glm::length(group.origin) + frobenius(group.linear) * double(set.farthest_m);
+    const double least = double(std::min({group.color.x, group.color.y, group.color.z})) * group.candela,
+                 most = double(std::max({group.color.x, group.color.y, group.color.z})) * group.candela;
+    return farthest < 1e15 && least * set.darkest > 1e-30 && most * set.brightest < 1e30 &&
+           (!instances.range_m.empty() || std::isfinite(group.light.range_m));
+  }
+
+  // No less than what the matrix lengthens a vector by.
+  static double frobenius(const glm::dmat3& m) {
+    return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
   }
 
   // A direction of the node's space in relative space; where a scale of nothing swallows it, the node's own.
@@ -211,6 +250,7 @@ class FrameBuilder {
   const View& view_;
   DrawnSections drawn_;
   float lamp_radius_m_;
+  const LightLayout* layout_;
   FrameData frame_;
   // Of the node at hand, kept to save allocations.
   std::vector<SectionDeformation> deformations_;
@@ -233,15 +273,23 @@ DAabb world_bounds(const Scene& scene, const Pose& pose) {
       if (!DrawnSections::can_be_drawn(section)) continue;
       const SectionDeformation deformation = drawn.deformation_of(section, n);
       const size_t instances = deformation.skinned ? 1 : drawn.instance_count(n);
+      const glm::dmat4 target_from_node = drawn.target_from_node(n);
       for (size_t i = 0; i < instances; ++i)
-        add(drawn.bounds_of(section, n, deformation, drawn.target_from_instance(n, i)));
+        add(drawn.bounds_of(section, n, deformation, drawn.target_from_instance(target_from_node, n, i)));
     }
   }
   return result;
 }
 
-FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m) {
-  return FrameBuilder(scene, pose, view, lamp_radius_m).build();
+size_t FrameData::light_count() const {
+  size_t count = lights.size();
+  for (const LightGroup& group : light_groups) count += group.set->count;
+  return count;
+}
+
+FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
+                          const LightLayout* layout) {
+  return FrameBuilder(scene, pose, view, lamp_radius_m, layout).build();
 }
 
 }  // namespace candela

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "scene/light_layout.h"
 #include "scene/pose.h"
 #include "scene/scene.h"
 #include "scene/view.h"
@@ -39,23 +40,38 @@ struct LightItem {  // a light in relative space
   float radius_m = 0;  // of a point or spot light's sphere; 0: a point
 };
 
+// The light instances of a node, which a compute pass poses; in the frame's list they stand together.
+struct LightGroup {
+  const LightSet* set;
+  uint32_t before = 0;  // of FrameData::lights, those that come first
+  LightItem light;      // the template: without place, its direction that of an instance without one
+  glm::vec3 color{0};
+  double candela = 0;  // of the template
+  // Relative space from the node's: position = origin + linear * translation.
+  glm::dvec3 origin{0};
+  glm::dmat3 linear{1.0};
+};
+
 struct FrameData {
   std::vector<glm::mat4> relative_from_local;  // composed in double, cast once
   std::vector<DrawItem> items;                 // node order; blended ones not yet sorted
   std::vector<Deformation> deformations;
   std::vector<glm::mat4> joint_matrices;  // relative_from_bind
   std::vector<float> morph_weights;
-  std::vector<LightItem> lights;  // in node order; zero intensity ones left out
+  std::vector<LightItem> lights;         // in node order; zero intensity ones left out
+  std::vector<LightGroup> light_groups;  // in node order; instances that are not among `lights`
   // The first directional light in node order, of zero intensity too: skies follow it when its light has faded.
   std::optional<LightItem> first_sun;
   bool perspective = true;  // of the view
+  size_t light_count() const;
 };
 
 // World bounds of everything visible at this pose.
 DAabb world_bounds(const Scene& scene, const Pose& pose);
 
 // Flattens a posed scene for one view. Pure; the same input gives the same bytes. lamp_radius_m: of point and spot
-// lights that say nothing of it.
-FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m = 0);
+// lights that say nothing of it. layout: the light instances that may become groups; null: all become lights.
+FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m = 0,
+                          const LightLayout* layout = nullptr);
 
 }  // namespace candela

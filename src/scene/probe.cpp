@@ -67,9 +67,10 @@ void add_probe(Scene& scene, Probe probe) {
   scene.order.push_back(scene.probe_node);
 }
 
-void place_probe(const Scene& scene, Pose& pose, const View& view, const DAabb& bounds) {
+void place_probe(const Scene& scene, Pose& pose, const View& view, const DrawnBounds& bounds) {
   if (scene.probe_node < 0) return;
-  const double size = bounds.empty() ? 0 : 2 * glm::length(bounds.extent());
+  const DAabb& box = bounds.box();
+  const double size = box.empty() ? 0 : 2 * glm::length(box.extent());
   double distance = size > 0 && std::isfinite(size) ? std::min(distance_m, share_of_scene * size) : distance_m;
   // The sphere's near side is at three quarters of the distance or more while its half angle is below 45 degrees.
   distance = std::max(distance, 4 * view.near_m);

@@ -20,6 +20,6 @@ void add_probe(Scene& scene, Probe probe);
 // Puts the sphere into the middle of the view, a quarter of the picture's height across and half a metre away, or,
 // where what is drawn is small, at a tenth of its size; never nearer than the near plane asks for. bounds: world bounds
 // of what is drawn without it.
-void place_probe(const Scene& scene, Pose& pose, const View& view, const DAabb& bounds);
+void place_probe(const Scene& scene, Pose& pose, const View& view, const DrawnBounds& bounds);
 
 }  // namespace candela

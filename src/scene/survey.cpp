@@ -65,57 +65,60 @@ void use_material(SceneFacts& facts, const Material& m, bool refraction) {
   use_texture(facts, m.emissive_texture, facts.any_emissive_texture);
 }
 
-void count_item(SceneFacts& facts, const DrawItem& item, const MeshSection& section, const Material& material,
-                const FrameData& frame, bool refraction) {
-  add(facts.draw_items, 1);
+// times: as often as it is drawn.
+void count_item(SceneFacts& facts, const DrawItem& item, uint64_t times, const MeshSection& section,
+                const Material& material, const FrameData& frame, bool refraction) {
+  add(facts.draw_items, times);
   const bool unlit =
       material.unlit || section.normal.empty();  // no normal: lines and points, which the specification leaves unlit
   const bool blend = material.alpha_mode == AlphaMode::blend;
   if (refraction && refracts(section, material)) {
-    add(facts.refracting_items, 1);
-    add(facts.refracting_bodies, material.thickness_m > 0);
+    add(facts.refracting_items, times);
+    if (material.thickness_m > 0) add(facts.refracting_bodies, times);
   } else if (blend) {
-    add(facts.blend_items, 1);
-    add(unlit ? facts.blend_unlit_items : facts.blend_lit_items, 1);
+    add(facts.blend_items, times);
+    add(unlit ? facts.blend_unlit_items : facts.blend_lit_items, times);
   } else {
-    add(material.alpha_mode == AlphaMode::mask ? facts.mask_items : facts.opaque_items, 1);
-    add(unlit ? facts.unlit_items : facts.lit_items, 1);
+    add(material.alpha_mode == AlphaMode::mask ? facts.mask_items : facts.opaque_items, times);
+    add(unlit ? facts.unlit_items : facts.lit_items, times);
   }
   if (item.deformed >= 0) {
     const Deformation& deformation = frame.deformations[size_t(item.deformed)];
-    add(facts.deformed_items, 1);
-    add(facts.skinned_items, deformation.joint_count > 0);
-    add(facts.morphed_items, deformation.weight_count > 0);
+    add(facts.deformed_items, times);
+    if (deformation.joint_count > 0) add(facts.skinned_items, times);
+    if (deformation.weight_count > 0) add(facts.morphed_items, times);
   }
   switch (section.topology) {
     case Topology::triangles:
-      add(facts.triangles, section.index.size() / 3);
+      add(facts.triangles, times * (section.index.size() / 3));
       break;
     case Topology::lines:
-      add(facts.lines, section.index.size() / 2);
+      add(facts.lines, times * (section.index.size() / 2));
       break;
     case Topology::points:
-      add(facts.points, section.index.size());
+      add(facts.points, times * section.index.size());
       break;
   }
   if (!section.color.empty()) facts.any_vertex_color = true;
 }
 
 void count_lights(SceneFacts& facts, const FrameData& frame) {
-  for (const LightItem& light : frame.lights) {
-    add(facts.sized_lights, light.radius_m > 0);
+  const auto count = [&](const LightItem& light, uint32_t times) {
+    if (light.radius_m > 0) add(facts.sized_lights, times);
     switch (light.type) {
       case LightType::point:
-        add(facts.point_lights, 1);
+        add(facts.point_lights, times);
         break;
       case LightType::spot:
-        add(facts.spot_lights, 1);
+        add(facts.spot_lights, times);
         break;
       case LightType::directional:
-        add(facts.directional_lights, 1);
+        add(facts.directional_lights, times);
         break;
     }
-  }
+  };
+  for (const LightItem& light : frame.lights) count(light, 1);
+  for (const LightGroup& group : frame.light_groups) count(group.light, group.set->count);
 }
 
 nlohmann::ordered_json names_of_lobes(uint32_t lobes) {
@@ -142,11 +145,16 @@ SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, 
   facts.perspective = frame.perspective;
   facts.material_used.assign(pose.materials.size(), false);
   facts.image_used.assign(scene.images.size(), false);
-  for (const DrawItem& item : frame.items) {
+  const auto alike = [](const DrawItem& a, const DrawItem& b) {
+    return a.mesh == b.mesh && a.section == b.section && a.material == b.material && a.deformed == b.deformed;
+  };
+  for (size_t i = 0, end = 0; i < frame.items.size(); i = end) {
+    const DrawItem& item = frame.items[i];
+    while (end < frame.items.size() && alike(item, frame.items[end])) ++end;
     const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
     const bool has_material = item.material >= 0;
     const Material& material = has_material ? pose.materials[size_t(item.material)] : scene.default_material;
-    count_item(facts, item, section, material, frame, refraction);
+    count_item(facts, item, end - i, section, material, frame, refraction);
     if (has_material && !facts.material_used[size_t(item.material)]) {
       facts.material_used[size_t(item.material)] = true;
       use_material(facts, material, refraction);

@@ -101,9 +101,9 @@ bool from_direction(const CameraRequest& request) {
 
 // From where a viewer shows a model: its front is +Z (glTF 3.4), seen from slightly right and above. The bounding
 // sphere fits into the narrower field of view, with a margin of 5 %.
-View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const DAabb& bounds) {
+View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const DrawnBounds& bounds) {
   View view;
-  const DAabb box = box_to_frame(bounds, view.notes);
+  const DAabb box = box_to_frame(bounds.box(), view.notes);
   const glm::dvec3 target = request.target.value_or(box.centre());
   const double radius = glm::length(box.extent()) + glm::length(box.centre() - target);
   const double tan_y = std::tan(yfov_rad / 2), narrow = std::atan(tan_y * std::min(1.0, size.aspect()));
@@ -119,8 +119,8 @@ View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const
 }
 
 // The same camera where the bounds fill its picture.
-View fitted(View view, const CameraRequest& request, ImageSize size, const DAabb& bounds) {
-  const DAabb box = box_to_frame(bounds, view.notes);
+View fitted(View view, const CameraRequest& request, ImageSize size, const DrawnBounds& bounds) {
+  const DAabb box = box_to_frame(bounds.box(), view.notes);
   const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));
   const std::vector<glm::dvec3> points = request.turn_s > 0 ? turned_once(box, axes[0]) : corners_of(box);
   if (view.perspective) {
@@ -133,19 +133,19 @@ View fitted(View view, const CameraRequest& request, ImageSize size, const DAabb
     view.position = fit.position;
     view.tan_y = fit.half_height, view.tan_x = fit.half_height * size.aspect();
     view.near_m = 0;
-    view.far_m = far_from_bounds(view, bounds);
+    view.far_m = far_from_bounds(view, bounds.box());
     view.clip_from_view = orthographic_reversed(view.tan_x, view.tan_y, view.near_m, view.far_m);
   }
   view.name = "fitted bounds";
   return finished(std::move(view));
 }
 
-Expected<View> from_eye(const CameraRequest& request, double yfov_rad, ImageSize size, const DAabb& bounds) {
+Expected<View> from_eye(const CameraRequest& request, double yfov_rad, ImageSize size, const DrawnBounds& bounds) {
   View view;
   const glm::dvec3 eye = *request.eye;
   glm::dvec3 target = request.target.value_or(eye - glm::dvec3(0, 0, 1));
   if (!request.target) {
-    const DAabb box = box_to_frame(bounds, view.notes);
+    const DAabb box = box_to_frame(bounds.box(), view.notes);
     if (box.centre() != eye) target = box.centre();
   }
   if (eye == target)
@@ -225,7 +225,7 @@ Expected<void> set_file_perspective(View& view, const Camera& camera, const Came
 }
 
 Expected<void> set_file_orthographic(View& view, const Camera& camera, const CameraRequest& request, ImageSize size,
-                                     const DAabb& bounds, const std::string& place_of) {
+                                     const DrawnBounds& bounds, const std::string& place_of) {
   const double xmag = std::abs(camera.xmag), ymag = std::abs(camera.ymag);
   if (!(xmag > 0 && ymag > 0 && std::isfinite(xmag) && std::isfinite(ymag)))
     return fail(ErrorKind::input, place_of, "xmag {} and ymag {} must not be 0", camera.xmag, camera.ymag);
@@ -233,7 +233,7 @@ Expected<void> set_file_orthographic(View& view, const Camera& camera, const Cam
     return fail(ErrorKind::input, place_of, "znear is {} m; it must not be negative", camera.near_m);
   view.perspective = false;
   view.near_m = camera.near_m;
-  view.far_m = std::isfinite(camera.far_m) ? camera.far_m : far_from_bounds(view, bounds);
+  view.far_m = std::isfinite(camera.far_m) ? camera.far_m : far_from_bounds(view, bounds.box());
   if (!(view.far_m > view.near_m))
     return fail(ErrorKind::input, place_of, "zfar {} m must be greater than znear {} m", camera.far_m, camera.near_m);
   view.tan_y = ymag;
@@ -248,7 +248,7 @@ Expected<void> set_file_orthographic(View& view, const Camera& camera, const Cam
 }
 
 Expected<View> from_file(const Scene& scene, const Pose& pose, int node, const CameraRequest& request, ImageSize size,
-                         const DAabb& bounds) {
+                         const DrawnBounds& bounds) {
   const int index = scene.nodes[size_t(node)].camera;
   const Camera& camera = pose.cameras[size_t(index)];
   const std::string place_of = fmt::format("{}: /cameras/{} '{}'", scene.path, index, camera.name);
@@ -281,7 +281,7 @@ Expected<void> check_request(const CameraRequest& request, ImageSize size) {
 }
 
 Expected<View> seen_from(const Scene& scene, const Pose& pose, const CameraRequest& request, ImageSize size,
-                         const DAabb& bounds) {
+                         const DrawnBounds& bounds) {
   const double yfov_rad = request.yfov_deg ? radians(*request.yfov_deg) : default_yfov_rad;
   if (request.eye) return from_eye(request, yfov_rad, size, bounds);
   if (!request.camera.empty()) {
@@ -310,7 +310,7 @@ View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m)
 }
 
 Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
-                         int height_px, const DAabb& bounds) {
+                         int height_px, const DrawnBounds& bounds) {
   const ImageSize size{width_px, height_px};
   if (const Expected<void> checked = check_request(request, size); !checked) return std::unexpected(checked.error());
   auto view = seen_from(scene, pose, request, size, bounds);

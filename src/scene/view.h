@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -35,10 +36,25 @@ struct View {
   std::vector<std::string> notes;   // for example zfar ignored
 };
 
+// World bounds of what is drawn, measured when something asks: most views do not.
+class DrawnBounds {
+ public:
+  DrawnBounds(const DAabb& known) : box_(known) {}
+  DrawnBounds(std::function<DAabb()> measure) : measure_(std::move(measure)) {}
+  const DAabb& box() const {
+    if (!box_) box_ = measure_();
+    return *box_;
+  }
+
+ private:
+  std::function<DAabb()> measure_;
+  mutable std::optional<DAabb> box_;
+};
+
 // Errors (usage): unknown camera; eye equals target; (input): a camera with unusable values.
-// bounds: world bounds of what is drawn, for framing and for an orthographic far plane.
+// bounds: for framing and for an orthographic far plane.
 Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
-                         int height_px, const DAabb& bounds);
+                         int height_px, const DrawnBounds& bounds);
 
 // One of the six square views about a point: along +X, -X, +Y, -Y, +Z, -Z. tan_half: tangent of the half angle.
 View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m);

@@ -53,7 +53,10 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
 
 }  // namespace
 
-void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique) {
+void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& technique) {
+  SceneInputs scene = inputs;
+  const BufferHandle posed = frame.add(PoseLights{.on_device = scene.light_group_count > 0}, {scene}).lights;
+  if (scene.light_group_count > 0) scene.lights = posed;
   const uint32_t n = uint32_t(frame.knobs.get<Supersample::Knobs>().n);
   const Surfaces surfaces = visible_surfaces(frame, scene);
   Lighting lighting = light_surfaces(frame, scene, surfaces);

@@ -6,11 +6,14 @@ namespace {
 CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance) {
   const LightGridShape& grid = scene.light_grid;
   const BufferHandle tiles = frame.add(TileDepth{grid}, {scene, depth}, instance).tiles;
-  const LightAssign::Out assigned = frame.add(LightAssign{grid}, {scene, tiles}, instance);
+  LightBoxes boxes{scene.light_bounds, scene.light_chunks, scene.light_dispatch};
+  const LightBoxes found = frame.add(LightBoundsPass{grid}, {scene}, instance).boxes;
+  if (grid.most_bounds > 0) boxes = found;
+  const LightAssign::Out assigned = frame.add(LightAssign{grid}, {scene, boxes, tiles}, instance);
   const LightScan::Out scanned = frame.add(LightScan{grid}, {assigned.lists, assigned.sums}, instance);
   const BufferHandle offsets = scanned.offsets;
   const BufferHandle filled =
-      frame.add(LightFill{grid}, {scene, offsets, assigned.hits, scanned.rows}, instance).entries;
+      frame.add(LightFill{grid}, {scene, boxes, offsets, assigned.hits, scanned.rows}, instance).entries;
   const BufferHandle entries = newest(frame.add(LightSort{grid}, {offsets, filled}, instance).entries, filled);
   return {grid.compact ? offsets : assigned.lists, entries, tiles};
 }

@@ -45,6 +45,11 @@ std::optional<glm::uvec3> cell_of(const shared::LightGrid& g, const shared::Fram
   return glm::uvec3(tile, uint32_t(std::clamp(s, 0, int(g.slices) - 1)));
 }
 
+FrameData frame_of(std::vector<LightItem> lights) {
+  FrameData data;
+  data.lights = std::move(lights);
+  return data;
+}
 LightKnobs all_lights() {
   LightKnobs knobs;
   knobs.few = 0;
@@ -71,7 +76,7 @@ TEST(LightGrid, BoxesHoldEveryPointThatALightReaches) {
         }
         lights.push_back(l);
       }
-      const LightGrid grid = make_light_grid(kind, lights, c, infinity, 100, all_lights());
+      const LightGrid grid = make_light_grid(kind, frame_of(lights), c, infinity, 100, all_lights());
       ASSERT_EQ(grid.shape.reason, "");
       std::vector<const shared::LightBounds*> of(lights.size(), nullptr);
       std::vector<bool> everywhere(lights.size(), false);
@@ -106,7 +111,7 @@ TEST(LightGrid, SaysWhyThereAreNoLists) {
   const std::vector<LightItem> few(8, point(ahead, 1)), behind(20, point(-ahead, 1)),
       sun(20, LightItem{LightType::directional});
   const auto reason = [&](LightGridKind kind, const std::vector<LightItem>& lights) {
-    return make_light_grid(kind, lights, c, infinity, infinity, {}).shape.reason;
+    return make_light_grid(kind, frame_of(lights), c, infinity, infinity, {}).shape.reason;
   };
   EXPECT_NE(reason(LightGridKind::none, few).find("technique"), std::string::npos);
   EXPECT_NE(reason(LightGridKind::clusters, {}).find("no lights"), std::string::npos);
@@ -120,7 +125,8 @@ TEST(LightGrid, ListsAreMasksForFewLightsAndCompactForMany) {
   const shared::FrameConstants c = camera(true, 0.6f, 640, 360);
   const glm::vec3 ahead = -c.camera_back * 5.0f;
   const auto grid = [&](size_t count) {
-    return make_light_grid(LightGridKind::clusters, std::vector<LightItem>(count, point(ahead, 0.5f)), c, 100, 100, {});
+    return make_light_grid(LightGridKind::clusters, frame_of(std::vector<LightItem>(count, point(ahead, 0.5f))), c, 100,
+                           100, {});
   };
   EXPECT_FALSE(grid(64).shape.compact);
   EXPECT_TRUE(grid(65).shape.compact);
@@ -132,6 +138,53 @@ TEST(LightGrid, ListsAreMasksForFewLightsAndCompactForMany) {
     cells += (uint64_t(n.x) * n.y * n.z + shared::light_chunk_cells - 1) / shared::light_chunk_cells;
   }
   EXPECT_EQ(g.chunks.size(), cells);
+}
+
+// Where the GPU finds the boxes, there is room for them whatever the places of the lights in their clusters.
+TEST(LightGrid, HasRoomForLightsThatTheGpuPoses) {
+  Rng rng(5);
+  size_t grids = 0;
+  for (int round = 0; round < 60; ++round) {
+    const bool perspective = round % 5 != 0;
+    const shared::FrameConstants c = camera(perspective, perspective ? 0.6f : 8.0f, 640, 360);
+    const LightGridKind kind = round % 2 ? LightGridKind::tiles : LightGridKind::clusters;
+    LightSet set;
+    LightGroup group{&set};
+    group.light = point({}, float(std::exp(rng.uniform(-2, 2))));
+    const glm::dvec3 axis = direction(rng), side = glm::normalize(glm::cross(axis, glm::dvec3(0.3, 0.5, -0.2)));
+    group.linear = rng.uniform(0.5, 2) * glm::dmat3(axis, side, glm::cross(axis, side));
+    group.linear[1] *= rng.uniform(0.2, 1);
+    group.origin = -10.0 * glm::dvec3(c.camera_back);
+    FrameData posed, clustered;
+    const double spread = std::exp(rng.uniform(-5, 0.5)), reach = rng.uniform(2, 30);
+    for (int k = 0; k < 30; ++k) {
+      const glm::dvec3 centre = reach * rng.uniform() * direction(rng);
+      LightCluster cluster{glm::vec3(centre), float(spread), 0, uint32_t(set.places.size()), 20};
+      for (uint32_t i = 0; i < cluster.count; ++i) {
+        const glm::dvec3 p = glm::dvec3(cluster.centre) + spread * std::cbrt(rng.uniform()) * direction(rng);
+        set.places.emplace_back(glm::vec3(p), 0);
+        LightItem light = group.light;
+        light.position = glm::vec3(group.origin + group.linear * p);
+        posed.lights.push_back(light);
+      }
+      set.clusters.push_back(cluster);
+      set.count += cluster.count;
+    }
+    clustered.light_groups.push_back(group);
+    const LightGrid all = make_light_grid(kind, posed, c, 8, 60, all_lights()),
+                    most = make_light_grid(kind, clustered, c, 8, 60, all_lights());
+    ASSERT_EQ(most.shape.reason, "");
+    if (!all.shape.reason.empty()) continue;
+    ++grids;
+    ASSERT_EQ(all.shape.cells, most.shape.cells);
+    // Lights of every cell have no box of their own on the CPU.
+    const auto everywhere = uint32_t(all.globals.size());
+    EXPECT_LE(uint64_t(all.bounds.size()) + everywhere, most.shape.most_bounds) << round;
+    EXPECT_LE(all.chunks.size(), most.shape.most_chunks) << round;
+    EXPECT_LE(all.shape.most_entries, most.shape.most_entries) << round;
+    EXPECT_LE(most.shape.most_entries, 32 * all.shape.most_entries) << round;
+  }
+  EXPECT_GT(grids, 40u);
 }
 
 TEST(LightFloor, GivesALightTheRangeAtWhichItFallsToTheFloor) {

@@ -194,7 +194,8 @@ TEST(View, FramedBoundsLieInsideTheImage) {
                             glm::dvec3(1e-4, 2e-4, 1e-4), glm::dvec3(1e5, 0, 1e5)}) {
       for (double yfov : {10.0, 45.0, 150.0}) {
         const glm::dvec3 centre(1e6, -20, 3);
-        const View view = *make_view(scene, pose, {.yfov_deg = yfov}, size.x, size.y, {centre - half, centre + half});
+        const View view =
+            *make_view(scene, pose, {.yfov_deg = yfov}, size.x, size.y, DAabb{centre - half, centre + half});
         EXPECT_EQ(view.name, "framed bounds");
         double farthest = 0;
         for (int c = 0; c < 8; ++c) {

@@ -15,8 +15,9 @@ bool LightAssign::ignores(std::string_view knob) const {
 
 LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})
-    builder.read(b, Access::compute_read, "the scene's lights");
+  for (const BufferHandle b : {in.boxes.bounds, in.boxes.chunks, in.boxes.dispatch})
+    builder.read(b, Access::compute_read, "the lights' cells");
+  builder.read(in.boxes.dispatch, Access::indirect_read, "how many these are");
   if (grid.tiled) builder.read(in.tiles, Access::compute_read, "tile depths");
   const auto zeroed = [&](const char* buffer, uint64_t words) {
     return builder.write(builder.create(BufferDesc{.name = buffer, .size_bytes = words * 4, .zeroed = true}),
@@ -27,8 +28,11 @@ LightAssign::Out LightAssign::declare(GraphBuilder& builder, const In& in) const
   if (grid.compact) {
     out.lists = zeroed("light.counts", rows * grid.cells);
     if (!grid.segments) out.sums = zeroed("light.sums", grid.cells / shared::light_scan_cells + 1);
-    out.hits =
-        zeroed("light.hits", grid.most_chunks * uint64_t(shared::light_chunk_cells) / 32 + shared::light_chunk_cells);
+    const uint64_t hit_words = grid.most_chunks * uint64_t(shared::light_chunk_cells) / 32;
+    BufferDesc hits{"light.hits", (hit_words + shared::light_chunk_cells) * 4};
+    hits.zeroed = true;
+    hits.unordered = grid.most_bounds > 0;  // as its chunks
+    out.hits = builder.write(builder.create(hits), Access::compute_write);
   } else {
     out.lists = zeroed("light.masks", uint64_t(grid.cells) * grid.words);
   }
@@ -45,28 +49,27 @@ void LightAssign::record(CommandList& commands, const In& in, const Out& out) co
   commands.bind(out.pipeline);
   if (grid.segments) {
     shared::LightSegmentsPush push{};
-    push.bounds = commands.address(in.scene.light_bounds);
-    push.chunks = commands.address(in.scene.light_chunks);
+    push.bounds = commands.address(in.boxes.bounds);
+    push.chunks = commands.address(in.boxes.chunks);
+    push.dispatch = commands.address(in.boxes.dispatch);
     push.tiles = grid.tiled ? commands.address(in.tiles) : 0;
     push.rows = commands.address(out.lists);
     push.hits = commands.address(out.hits);
-    push.chunk_count = grid.chunks, push.segment_chunks = shared::light_segment_chunks(grid.chunks);
     push.cells = grid.cells;
     commands.push(push);
     commands.dispatch(shared::light_segments * shared::light_chunk_cells);
     return;
   }
   shared::LightAssignPush push{};
-  push.bounds = commands.address(in.scene.light_bounds);
-  push.chunks = commands.address(in.scene.light_chunks);
+  push.bounds = commands.address(in.boxes.bounds);
+  push.chunks = commands.address(in.boxes.chunks);
+  push.dispatch = commands.address(in.boxes.dispatch);
   push.tiles = grid.tiled ? commands.address(in.tiles) : 0;
   push.lists = commands.address(out.lists);
   push.sums = grid.compact ? commands.address(out.sums) : 0;
   push.hits = grid.compact ? commands.address(out.hits) : 0;
-  push.chunk_count = grid.chunks;
   commands.push(push);
-  const glm::uvec2 threads = shared::light_threads(uint64_t(grid.chunks) * shared::light_chunk_cells);
-  commands.dispatch(threads.x, threads.y);
+  commands.dispatch_indirect(in.boxes.dispatch, offsetof(shared::LightDispatch, groups));
 }
 
 }  // namespace candela

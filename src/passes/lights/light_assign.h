@@ -14,6 +14,7 @@ struct LightAssign {
   using SharedKnobs = std::tuple<LightKnobs>;
   struct In {
     SceneInputs scene;
+    LightBoxes boxes;
     BufferHandle tiles;  // of tile_depth; optional, empty for clusters
   };
   struct Out {

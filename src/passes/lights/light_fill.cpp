@@ -10,8 +10,9 @@ Need LightFill::needed(const SceneFacts&, const FrameRequest&) const {
 
 LightFill::Out LightFill::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b : {in.scene.light_bounds, in.scene.light_chunks})
-    builder.read(b, Access::compute_read, "the scene's lights");
+  for (const BufferHandle b : {in.boxes.bounds, in.boxes.chunks, in.boxes.dispatch})
+    builder.read(b, Access::compute_read, "the lights' cells");
+  builder.read(in.boxes.dispatch, Access::indirect_read, "how many these are");
   builder.read(in.offsets, Access::compute_read, "where lists begin");
   builder.read(in.hits, Access::compute_read, "lights of cells");
   Out out;
@@ -37,29 +38,28 @@ void LightFill::record(CommandList& commands, const In& in, const Out& out) cons
   commands.bind(out.pipeline);
   if (grid.segments) {
     shared::LightSegmentsPush push{};
-    push.bounds = commands.address(in.scene.light_bounds);
-    push.chunks = commands.address(in.scene.light_chunks);
+    push.bounds = commands.address(in.boxes.bounds);
+    push.chunks = commands.address(in.boxes.chunks);
+    push.dispatch = commands.address(in.boxes.dispatch);
     push.rows = commands.address(out.cursors);
     push.hits = commands.address(in.hits);
     push.offsets = commands.address(in.offsets);
     push.entries = commands.address(out.entries);
-    push.chunk_count = grid.chunks, push.segment_chunks = shared::light_segment_chunks(grid.chunks);
     push.cells = grid.cells;
     commands.push(push);
     commands.dispatch(shared::light_segments * shared::light_chunk_cells);
     return;
   }
   shared::LightFillPush push{};
-  push.bounds = commands.address(in.scene.light_bounds);
-  push.chunks = commands.address(in.scene.light_chunks);
+  push.bounds = commands.address(in.boxes.bounds);
+  push.chunks = commands.address(in.boxes.chunks);
+  push.dispatch = commands.address(in.boxes.dispatch);
   push.hits = commands.address(in.hits);
   push.offsets = commands.address(in.offsets);
   push.cursors = commands.address(out.cursors);
   push.entries = commands.address(out.entries);
-  push.chunk_count = grid.chunks;
   commands.push(push);
-  const glm::uvec2 threads = shared::light_threads(uint64_t(grid.chunks) * shared::light_chunk_cells);
-  commands.dispatch(threads.x, threads.y);
+  commands.dispatch_indirect(in.boxes.dispatch, offsetof(shared::LightDispatch, groups));
 }
 
 }  // namespace candela

@@ -10,6 +10,7 @@ struct LightFill {
   static constexpr std::string_view name = "light_fill";
   struct In {
     SceneInputs scene;
+    LightBoxes boxes;
     BufferHandle offsets, hits;
     BufferHandle rows;  // by segments (LightScan), which this pass uses up; else empty
   };

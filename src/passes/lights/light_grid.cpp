@@ -1,6 +1,7 @@
 #include "passes/lights/light_grid.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <bit>
 #include <cmath>
@@ -89,9 +90,7 @@ class Grid {
   enum class Reach { nothing, some, everything };
   Reach bounds_of(const LightItem& light, shared::LightBounds& b) const {
     if (light.type == LightType::directional || !std::isfinite(light.range_m)) return Reach::everything;
-    const glm::dvec3 at(light.position), towards(light.direction);
-    const glm::dvec3 position(glm::dot(at, right_), glm::dot(at, up_), -glm::dot(at, back_));
-    const glm::dvec3 direction(glm::dot(towards, right_), glm::dot(towards, up_), -glm::dot(towards, back_));
+    const glm::dvec3 position = in_view(glm::dvec3(light.position)), direction = in_view(glm::dvec3(light.direction));
     const double range = double(light.range_m) * inflated_range;
     const double half_angle = double(light.outer_cone_rad) + inflated_angle_rad;
     const bool cone = light.type == LightType::spot && half_angle < half_pi;
@@ -120,19 +119,59 @@ class Grid {
       x = cut(x, projected(smaller.centre.x, smaller.centre.z, smaller.radius, frame_.perspective != 0));
       y = cut(y, projected(smaller.centre.y, smaller.centre.z, smaller.radius, frame_.perspective != 0));
     }
+    return find_cells(x, y, z, b.first, b.last) ? Reach::some : Reach::nothing;
+  }
+
+  glm::dvec3 in_view(glm::dvec3 v) const { return {glm::dot(v, right_), glm::dot(v, up_), -glm::dot(v, back_)}; }
+
+  // No fewer than the cells of any light of this range that lies in the ball, in view space.
+  glm::uvec3 most_cells(const Ball& ball, double range) const {
+    range *= inflated_range;
+    const bool perspective = frame_.perspective != 0;
+    const double reach = (ball.radius + range) * (1 + 1e-6), nearest = ball.centre.z - ball.radius;
+    const double slack = 2e-6 * (std::abs(ball.centre.z) + reach);
+    glm::uvec3 first, last;
+    if (!find_cells(projected(ball.centre.x, ball.centre.z, reach, perspective),
+                    projected(ball.centre.y, ball.centre.z, reach, perspective),
+                    {ball.centre.z - reach - slack, ball.centre.z + reach + slack}, first, last))
+      return glm::uvec3(0);
+    glm::uvec3 most = last - first + 1u;
+    // The nearest and most sidewards one is the widest, and has the most slices.
+    if (perspective && !(nearest > range * 1.25)) return most;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double aside = std::abs(ball.centre[axis]) + ball.radius;
+      const double square = nearest * nearest - range * range;
+      const double width = perspective ? 2 * range * std::sqrt(aside * aside + square) / square : 2 * range;
+      const double px = width * double(g_.px_scale[axis]) * (1 + 1e-5) + 2 * double(g_.margin_px);
+      most[axis] = uint32_t(std::min(double(most[axis]), std::floor(px / g_.tile_px) + 2));
+    }
+    // Twice the margins of a light's own box: slices are of another width in the middle of an octave.
+    const double margin = 2 * (1e-5 + double(g_.margin_z));
+    const uint32_t low = slice((nearest - range) * (1 - margin)), high = slice((nearest + range) * (1 + margin));
+    if (!g_.tiled && low > 0) most.z = std::min(most.z, high - low + 2);
+    return most;
+  }
+  // The same of columns.
+  static glm::uvec3 most_columns(glm::uvec3 cells) {
+    const auto columns = [](uint32_t tiles) { return (tiles + shared::column_tiles - 2) / shared::column_tiles + 1; };
+    return {columns(cells.x), columns(cells.y), 1};
+  }
+
+ private:
+  // From what x/z, y/z (or x and y) and depth can be.
+  bool find_cells(Range x, Range y, Range z, glm::uvec3& first, glm::uvec3& last) const {
     const glm::dvec2 size(frame_.size_px), scale(g_.px_scale);
     const Range px{size.x / 2 + scale.x * x.low, size.x / 2 + scale.x * x.high};
     const Range py{size.y / 2 - scale.y * y.high, size.y / 2 - scale.y * y.low};
     const bool behind = frame_.perspective != 0 && z.high <= 0;
-    if (behind || z.empty() || !tiles_of(px, size.x, g_.tiles.x, b.first.x, b.last.x) ||
-        !tiles_of(py, size.y, g_.tiles.y, b.first.y, b.last.y))
-      return Reach::nothing;
-    b.first.z = g_.tiled ? 0 : slice(z.low - std::abs(z.low) * double(g_.margin_z));
-    b.last.z = g_.tiled ? 0 : slice(z.high + std::abs(z.high) * double(g_.margin_z));
-    return Reach::some;
+    if (behind || z.empty() || !tiles_of(px, size.x, g_.tiles.x, first.x, last.x) ||
+        !tiles_of(py, size.y, g_.tiles.y, first.y, last.y))
+      return false;
+    first.z = g_.tiled ? 0 : slice(z.low - std::abs(z.low) * double(g_.margin_z));
+    last.z = g_.tiled ? 0 : slice(z.high + std::abs(z.high) * double(g_.margin_z));
+    return true;
   }
 
- private:
   static glm::uvec3 place(glm::uvec3 tile, bool column) {
     return column ? glm::uvec3(tile.x / shared::column_tiles, tile.y / shared::column_tiles, 0) : tile;
   }
@@ -195,21 +234,122 @@ Boxes boxes_of(const Grid& grid, const std::vector<LightItem>& lights) {
   return boxes;
 }
 
-double deepest(const std::vector<LightItem>& lights, const shared::FrameConstants& constants) {
+// Lights of which the host knows the clusters alone, in relative space.
+class GroupPlaces {
+ public:
+  explicit GroupPlaces(const LightGroup& group) : group_(group) {
+    // A matrix lengthens a vector by no more than the root of the largest eigenvalue of its square, nor than that of
+    // the square's largest sum of a row.
+    const glm::dmat3 square = glm::transpose(group.linear) * group.linear;
+    double largest = 0;
+    for (int row = 0; row < 3; ++row) largest = std::max(largest, glm::dot(glm::abs(square[row]), glm::dvec3(1)));
+    stretch_ = std::sqrt(largest) * (1 + 1e-6);
+  }
+  // A ball about lights; the GPU has their places as floats.
+  Ball ball(glm::vec3 centre, float radius_m) const {
+    const glm::dvec3 at = group_.origin + group_.linear * glm::dvec3(centre);
+    const double radius = stretch_ * double(radius_m);
+    return {at, radius + 1e-6 * (glm::length(at) + radius)};
+  }
+  double range(float own_m) const { return double(own_m > 0 ? own_m : group_.light.range_m) * (1 + 1e-6); }
+
+ private:
+  const LightGroup& group_;
+  double stretch_;
+};
+
+// What boxes of lights have at most.
+struct MostBoxes {
+  uint64_t lights = 0, cells = 0, chunks = 0;
+  void add(const Grid& grid, uint64_t count, glm::uvec3 n) {
+    if (n.x == 0) return;
+    lights += count;
+    add_cells(count, n);
+    if (grid.constants().tiled) add_cells(count, Grid::most_columns(n));
+  }
+  MostBoxes operator+(const MostBoxes& o) const { return {lights + o.lights, cells + o.cells, chunks + o.chunks}; }
+
+ private:
+  void add_cells(uint64_t count, glm::uvec3 n) {
+    const uint64_t each = uint64_t(n.x) * n.y * n.z;
+    cells += count * each;
+    chunks += count * ((each + shared::light_chunk_cells - 1) / shared::light_chunk_cells);
+  }
+};
+
+// Of a cluster, and near the camera, where a ball of lights says little of each, of the lights themselves.
+MostBoxes most_of(const Grid& grid, const LightGroup& group, const GroupPlaces& places, const LightCluster& cluster) {
+  MostBoxes most;
+  const Ball ball = places.ball(cluster.centre, cluster.radius_m);
+  const glm::uvec3 n = grid.most_cells({grid.in_view(ball.centre), ball.radius}, places.range(cluster.range_m));
+  if (n.x == 0 || glm::length(ball.centre) > 3 * ball.radius) {
+    most.add(grid, cluster.count, n);
+    return most;
+  }
+  for (const glm::vec4& p : std::span(group.set->places).subspan(cluster.first, cluster.count)) {
+    const Ball light = places.ball(glm::vec3(p), 0);
+    most.add(grid, 1, grid.most_cells({grid.in_view(light.centre), light.radius}, places.range(p.w)));
+  }
+  return most;
+}
+
+// Of all lights, where the host knows clusters of some.
+MostBoxes most_of(const Grid& grid, const FrameData& data) {
+  MostBoxes most;
+  for (const LightItem& l : data.lights)
+    if (l.type != LightType::directional && std::isfinite(l.range_m))
+      most.add(grid, 1, grid.most_cells({grid.in_view(glm::dvec3(l.position)), 0}, double(l.range_m)));
+  for (const LightGroup& group : data.light_groups) {
+    const GroupPlaces places(group);
+    const std::vector<LightCluster>& clusters = group.set->clusters;
+    most = most + tbb::parallel_reduce(
+                      tbb::blocked_range<size_t>(0, clusters.size(), 256), MostBoxes{},
+                      [&](const auto& range, MostBoxes sum) {
+                        for (size_t i = range.begin(); i < range.end(); ++i)
+                          sum = sum + most_of(grid, group, places, clusters[i]);
+                        return sum;
+                      },
+                      std::plus<>());
+  }
+  return most;
+}
+
+// Lights of every cell, by their places in the frame's list.
+std::vector<uint32_t> unbounded_lights(const FrameData& data) {
+  std::vector<uint32_t> unbounded;
+  size_t group = 0;
+  uint32_t first = 0;
+  for (uint32_t i = 0; i < data.lights.size(); ++i) {
+    for (; group < data.light_groups.size() && data.light_groups[group].before <= i; ++group)
+      first += data.light_groups[group].set->count;
+    const LightItem& l = data.lights[i];
+    if (l.type == LightType::directional || !std::isfinite(l.range_m)) unbounded.push_back(first + i);
+  }
+  return unbounded;
+}
+
+double deepest(const FrameData& data, const shared::FrameConstants& constants) {
   const glm::dvec3 back(constants.camera_back);
   double depth = 0;
-  for (const LightItem& l : lights)
+  for (const LightItem& l : data.lights)
     if (l.type != LightType::directional && std::isfinite(l.range_m))
       depth = std::max(depth, double(l.range_m) * inflated_range - glm::dot(glm::dvec3(l.position), back));
+  for (const LightGroup& group : data.light_groups) {
+    const GroupPlaces places(group);
+    for (const LightCluster& cluster : group.set->clusters) {
+      const Ball ball = places.ball(cluster.centre, cluster.radius_m);
+      depth =
+          std::max(depth, places.range(cluster.range_m) * inflated_range + ball.radius - glm::dot(ball.centre, back));
+    }
+  }
   return depth;
 }
 
-std::string refusal(LightGridKind kind, const std::vector<LightItem>& lights, const LightKnobs& knobs, double reach_m,
-                    bool perspective) {
+std::string refusal(LightGridKind kind, size_t lights, const LightKnobs& knobs, double reach_m, bool perspective) {
   if (kind == LightGridKind::none) return "the technique walks every light for every pixel";
-  if (lights.empty()) return "the scene has no lights";
-  if (lights.size() <= size_t(knobs.few))
-    return fmt::format("{} light{}: each pixel walks all (lights.few)", lights.size(), lights.size() == 1 ? "" : "s");
+  if (lights == 0) return "the scene has no lights";
+  if (lights <= size_t(knobs.few))
+    return fmt::format("{} light{}: each pixel walks all (lights.few)", lights, lights == 1 ? "" : "s");
   if (!perspective && !std::isfinite(reach_m)) return "an orthographic view of things without bounds";
   return "";
 }
@@ -237,34 +377,37 @@ shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameC
   return bounds;
 }
 
-LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights,
-                          const shared::FrameConstants& constants, double farthest_m, double reach_m,
-                          const LightKnobs& knobs) {
+LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const shared::FrameConstants& constants,
+                          double farthest_m, double reach_m, const LightKnobs& knobs) {
   LightGrid out;
+  const size_t lights = data.light_count();
   out.shape.knobs = knobs;
   out.shape.reason = refusal(kind, lights, knobs, reach_m, constants.perspective != 0);
   if (!out.shape.reason.empty()) return out;
-  const double far_m = std::min(farthest_m, deepest(lights, constants));
-  const uint64_t words = (lights.size() + 31) / 32, budget = uint64_t(knobs.memory_mb) << 20;
+  const bool on_device = !data.light_groups.empty();
+  const double far_m = std::min(farthest_m, deepest(data, constants));
+  const uint64_t words = (lights + 31) / 32, budget = uint64_t(knobs.memory_mb) << 20;
   uint32_t tile_px = kind == LightGridKind::tiles ? 16 : uint32_t(knobs.tile_px);
   for (;; tile_px *= 2) {
     const Grid grid(kind, constants, knobs, tile_px, far_m, reach_m);
-    Boxes boxes = boxes_of(grid, lights);
-    if (boxes.bounds.empty()) {
+    Boxes boxes = on_device ? Boxes{{}, unbounded_lights(data)} : boxes_of(grid, data.lights);
+    const MostBoxes most = on_device ? most_of(grid, data) : MostBoxes{};
+    const uint64_t covered = on_device ? most.cells : boxes.covered;
+    if (covered == 0) {
       out.shape.reason = boxes.everywhere.empty() ? "no light reaches what the camera sees"
                                                   : "every light that reaches the view covers all of it";
       return out;
     }
-    const uint64_t bitmask = grid.cells() * words * 4, compact = boxes.covered * 8;
+    const uint64_t bitmask = grid.cells() * words * 4, compact = covered * 8;
     const auto asked = LightList(knobs.list);
     bool use_compact = asked == LightList::compact || knobs.cap > 0;
     if (asked == LightList::automatic && knobs.cap == 0)
-      use_compact = lights.size() > most_bitmask_lights ? compact <= std::max(bitmask, budget)
-                                                        : bitmask > compact && bitmask > budget;
+      use_compact =
+          lights > most_bitmask_lights ? compact <= std::max(bitmask, budget) : bitmask > compact && bitmask > budget;
     const uint64_t bytes = use_compact ? compact : bitmask;
     const bool coarsest = grid.constants().tiles == glm::uvec2(1);
     if (bytes > budget && !coarsest && kind == LightGridKind::clusters) continue;
-    if (boxes.covered > 0xf0000000u || grid.cells() * words > 0xf0000000u) {
+    if (covered > 0xf0000000u || most.chunks > 0x80000000u || grid.cells() * words > 0xf0000000u) {
       out.shape.reason = "light lists would take more than 16 GiB: each pixel walks all lights";
       out.note = out.shape.reason;
       return out;
@@ -288,16 +431,19 @@ LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& ligh
              first += shared::light_chunk_cells)
           out.chunks.push_back({b, uint32_t(first), column});
     out.bounds = std::move(boxes.bounds);
+    const glm::uvec2 threads = shared::light_threads(out.chunks.size() * shared::light_chunk_cells);
+    out.dispatch = {uint32_t(out.chunks.size()), {threads.x / shared::light_group, threads.y, 1}};
     LightGridShape& s = out.shape;
     s.tiled = g.tiled != 0;
     s.compact = use_compact;
-    s.segments = use_compact && knobs.cap == 0 && knobs.order == int(LightOrder::segments);
+    s.segments = use_compact && knobs.cap == 0 && !on_device && knobs.order == int(LightOrder::segments);
     s.tile_px = g.tile_px, s.tiles_x = g.tiles.x, s.tiles_y = g.tiles.y;
     s.cells = uint32_t(grid.cells());
     s.words = g.words;
-    s.chunks = uint32_t(out.chunks.size());
-    s.most_chunks = std::bit_ceil(s.chunks);
-    s.most_entries = std::bit_ceil(boxes.covered);  // so that the plan seldom changes from frame to frame
+    // In powers of two, so that the plan seldom changes from frame to frame.
+    s.most_chunks = std::bit_ceil(on_device ? uint32_t(most.chunks) : out.dispatch.chunks);
+    s.most_bounds = on_device ? std::bit_ceil(uint32_t(most.lights)) : 0;
+    s.most_entries = std::bit_ceil(covered);
     return out;
   }
 }

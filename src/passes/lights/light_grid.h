@@ -16,17 +16,19 @@ struct LightGrid {
   shared::LightGrid constants{};
   std::vector<shared::LightBounds> bounds;  // lights that reach some cells but not all, in light order
   std::vector<shared::LightChunk> chunks;
-  std::vector<uint32_t> globals;  // lights of every cell: words of a mask, or ascending indices
+  shared::LightDispatch dispatch{};  // of the chunks
+  std::vector<uint32_t> globals;     // lights of every cell: words of a mask, or ascending indices
   LightGridShape shape;
   std::string note;  // for the user; empty mostly
 };
 
-// lights: as they are uploaded. constants: the frame's, for the camera's axes as the GPU has them. farthest_m: depth
+// data: its lights as they are uploaded; of those in groups no place is known, but where clusters of them are: then the
+// boxes of all lights are the GPU's work (passes/lights/light_bounds.h), and the shape has room for the most that there
+// can be. constants: the frame's, for the camera's axes as the GPU has them. farthest_m: depth
 // beyond which nothing is drawn, infinity when unknown. reach_m: the largest distance of anything drawn from the
 // camera, likewise.
-LightGrid make_light_grid(LightGridKind kind, const std::vector<LightItem>& lights,
-                          const shared::FrameConstants& constants, double farthest_m, double reach_m,
-                          const LightKnobs& knobs);
+LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const shared::FrameConstants& constants,
+                          double farthest_m, double reach_m, const LightKnobs& knobs);
 
 // What the GPU's tests get for one light with a range, whatever the grid. For tests.
 shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameConstants& constants);

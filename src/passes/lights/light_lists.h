@@ -11,6 +11,11 @@ namespace candela {
 // How a technique wants the frame's light lists laid out (passes/lights/light_grid.h).
 enum class LightGridKind { none, clusters, tiles };
 
+// Each light's box of cells (shared/lights.h), and their chunks.
+struct LightBoxes {
+  BufferHandle bounds, chunks, dispatch;
+};
+
 // The shape of a frame's light lists, decided before the graph is built (passes/lights/light_grid.h).
 struct LightGridShape {
   std::string reason;     // why there are no lists: every pixel walks every light. Empty: there are
@@ -18,7 +23,8 @@ struct LightGridShape {
   bool compact = false;   // otherwise bitmasks
   bool segments = false;  // compact ones are filled in light order, by segments of chunks; otherwise filled and sorted
   uint32_t tile_px = 0, tiles_x = 0, tiles_y = 0;
-  uint32_t cells = 0, words = 0, chunks = 0, most_chunks = 0;
+  uint32_t cells = 0, words = 0, most_chunks = 0;
+  uint32_t most_bounds = 0;   // where a pass finds the boxes: room for them, else 0
   uint64_t most_entries = 0;  // sum over lights of the cells that each can touch: compact lists never need more
   LightKnobs knobs;
 };

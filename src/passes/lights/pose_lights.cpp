@@ -1,0 +1,53 @@
+#include "passes/lights/pose_lights.h"
+
+#include "shared/pose_lights.h"
+
+namespace candela {
+
+std::span<const Knob<PoseLights::Knobs>> PoseLights::Knobs::table() {
+  static const Knob<Knobs> table[] = {
+      {"enabled",
+       &Knobs::enabled,
+       "",
+       0,
+       1,
+       {1},
+       "pose light instances on the device; 0: on the host",
+       {},
+       Trades::time},
+  };
+  return table;
+}
+
+Need PoseLights::needed(const SceneFacts&, const FrameRequest&) const {
+  return needed_if(on_device, "the host poses all lights");
+}
+
+PoseLights::Out PoseLights::declare(GraphBuilder& builder, const In& in) const {
+  const SceneInputs& s = in.scene;
+  builder.read(s.light_groups, Access::compute_read, "groups of lights");
+  builder.read(s.light_instances, Access::compute_read, "light instances");
+  builder.read_optional(s.posed_lights, Access::compute_read);
+  Out out;
+  out.lights = builder.create(BufferDesc{"lights", uint64_t(s.light_count) * sizeof(shared::Light)});
+  out.lights = builder.write(out.lights, Access::compute_write);
+  out.pipeline = builder.pipeline(ComputePipelineDesc{"pose_lights.comp", {}});
+  return out;
+}
+
+void PoseLights::record(CommandList& commands, const In& in, const Out& out) const {
+  const SceneInputs& s = in.scene;
+  shared::PoseLightsPush push{};
+  push.time_s = s.time_s;
+  push.groups = commands.address(s.light_groups);
+  push.instances = commands.address(s.light_instances);
+  push.posed = commands.address(s.posed_lights ? s.posed_lights : s.light_groups);  // never read where there are none
+  push.lights = commands.address(out.lights);
+  push.group_count = s.light_group_count, push.light_count = s.light_count;
+  commands.bind(out.pipeline);
+  commands.push(push);
+  const glm::uvec2 threads = shared::light_threads(s.light_count);
+  commands.dispatch(threads.x, threads.y);
+}
+
+}  // namespace candela

@@ -1,0 +1,32 @@
+#pragma once
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// The frame's lights where instances of a node stand among them (CANDELA_light_instances): position = origin + linear
+// translation, direction likewise, intensity by its modulation at the frame's time, all in double, as
+// scene/frame_data.cpp has it; rounded once to the floats of shared/scene.h, relative space. Lights that the host has
+// posed are copied to their places. The knob moves the work between the host and the device.
+struct PoseLights {
+  static constexpr std::string_view name = "pose_lights";
+  struct Knobs {
+    static constexpr std::string_view name = "pose_lights";
+    int enabled = 1;
+    static std::span<const Knob<Knobs>> table();
+  };
+  Knobs knobs;
+  struct In {
+    SceneInputs scene;
+  };
+  struct Out {
+    BufferHandle lights;
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  bool on_device = false;  // there are groups of instances
+};
+
+}  // namespace candela

@@ -10,6 +10,7 @@ struct SurfacePoint {
   Surface surface;     // of an unlit surface the emission alone, which is all its light
   vec3 position;       // relative space
   vec3 on_triangle;    // the same place in its triangle's plane
+  vec3 at_middle;      // that plane at the pixel's middle, which may lie beyond the triangle; or the position
   vec3 plane_normal;   // unit, on the viewer's side; zero where nobody asks
   bool is_unlit;
 };
@@ -35,7 +36,7 @@ SurfacePoint no_point() {
   p.surface.occlusion = 1.0;
   p.surface.normal = vec3(0.0);
   p.surface.has_facets = true;
-  p.position = p.on_triangle = p.plane_normal = vec3(0.0);
+  p.position = p.on_triangle = p.at_middle = p.plane_normal = vec3(0.0);
   p.is_unlit = false;
 #ifdef LOBED
   SurfaceLobes l;
@@ -65,6 +66,12 @@ vec3 linear_of_srgb(vec3 c) {
 
 // Depth along the view axis, in metres, of a point and where it lies off the pixel's middle, in pixels.
 float depth_of_point(vec3 position) { return -dot(position, frame.camera_back); }
+// At the pixel's middle, for formats that do not hold where in it the point is: with the point's own depth it would lie
+// off its triangle, in the triangle's own shadow. Where the plane is seen edge-on it is the point's own.
+float depth_at_middle(SurfacePoint p) {
+  const float own = depth_of_point(p.position), middle = depth_of_point(p.at_middle);
+  return middle > 0.5 * own && middle < 2.0 * own ? middle : own;
+}
 vec2 place_in_pixel(vec3 position) {
   const float by = frame.perspective != 0u ? depth_of_point(position) : 1.0;
   vec2 ndc = vec2(dot(position, frame.camera_right), -dot(position, frame.camera_up)) / (frame.tan_half * by);
@@ -198,7 +205,7 @@ GBufferTexels gbuffer_of(SurfacePoint p) {
   const uvec3 normal = uvec3((s.normal * 0.5 + 0.5) * 1023.0 + 0.5);
   const uint normal_flags = normal.x | normal.y << 10u | normal.z << 20u | flags_of(p) >> 1u << 30u;
   GBufferTexels g;
-  g.texel[0] = uvec4(floatBitsToUint(p.position), normal_flags);
+  g.texel[0] = uvec4(floatBitsToUint(p.on_triangle), normal_flags);
   g.texel[1].x = packUnorm4x8(vec4(srgb_of_linear(s.base_color), s.occlusion));
   g.texel[1].y = packUnorm4x8(vec4(s.roughness, s.metallic, s.dielectric_f90, 0.0));
   g.texel[1].z = shared_exponent_bits(s.emission * frame.pre_exposure, 9u);
@@ -229,37 +236,27 @@ SurfacePoint point_of(GBufferTexels g) {
 
 #elif PACKED == PACKED_SPECULAR
 
-// Depth 24 bits of reversed depth; normal 2x12 octahedral; diffuse and specular reflectance sRGB8; a whole exponent,
-// alpha^2 = 2 / (exponent + 2) (Walter et al. 2007), 16 bits; occlusion 6, two flags. The triangle's plane is the
-// shading normal's. Emission only of unlit surfaces, as their diffuse colour.
+// Depth at the pixel's middle, 24 bits of a positive float; normal 2x12 octahedral; diffuse and specular reflectance
+// sRGB8; a whole exponent, alpha^2 = 2 / (exponent + 2) (Walter et al. 2007), 16 bits; occlusion 6, two flags. The
+// triangle's plane is the shading normal's. Emission only of unlit surfaces, as their diffuse colour.
 const int texels_of_position = 1;
 
-// Reversed depth of a point whose depth along the view axis is d: (z.x + z.y d) / (w.x + w.y d).
-void depth_terms(out vec2 z, out vec2 w) {
-  const vec4 z_row = vec4(frame.clip_from_relative[0].z, frame.clip_from_relative[1].z, frame.clip_from_relative[2].z,
-                          frame.clip_from_relative[3].z);
-  z = vec2(z_row.w, -dot(z_row.xyz, frame.camera_back));
-  w = frame.perspective != 0u ? vec2(0.0, 1.0) : vec2(1.0, 0.0);
-}
 vec3 position_of(GBufferTexels g) {
-  vec2 z, w;
-  depth_terms(z, w);
-  const float stored = float(g.texel[0].x & 0xffffffu) / 16777215.0;
-  return position_at((z.x - stored * w.x) / (stored * w.y - z.y), vec2(0.0));
+  return position_at(uintBitsToFloat((g.texel[0].x & 0xffffffu) << 7u), vec2(0.0));
 }
 
 GBufferTexels gbuffer_of(SurfacePoint p) {
   const Surface s = p.surface;
-  vec2 z, w;
-  depth_terms(z, w);
-  const float d = depth_of_point(p.position), reversed = (z.x + z.y * d) / (w.x + w.y * d);
-  const vec3 diffuse = p.is_unlit ? s.emission : s.base_color * (1.0 - s.metallic);
-  const uvec3 specular = uvec3(srgb_of_linear(mix(s.dielectric_f0, s.base_color, s.metallic)) * 255.0 + 0.5);
+  const uint depth = floatBitsToUint(depth_at_middle(p)) + 64u;
+  // Shading takes the specular part from the diffuse one, that of metals too: it gets that back here.
+  const vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic), d = s.dielectric_f0;
+  const float kept = (1.0 - max(d.r, max(d.g, d.b))) / max(1.0 - max(f0.r, max(f0.g, f0.b)), 1e-3);
+  const vec3 diffuse = p.is_unlit ? s.emission : s.base_color * ((1.0 - s.metallic) * kept);
+  const uvec3 specular = uvec3(srgb_of_linear(f0) * 255.0 + 0.5);
   const float alpha = s.roughness * s.roughness;
   const uint exponent = uint(clamp(2.0 / max(alpha * alpha, 1e-9) - 2.0, 0.0, 65535.0) + 0.5);
   GBufferTexels g;
-  g.texel[0].x = uint(clamp(reversed, 0.0, 1.0) * 16777215.0 + 0.5) | steps(s.occlusion, 63.0) << 24u |
-      flags_of(p) >> 1u << 30u;
+  g.texel[0].x = depth >> 7u | steps(s.occlusion, 63.0) << 24u | flags_of(p) >> 1u << 30u;
   g.texel[0].y = octahedral_bits(s.normal, 12u) | specular.r << 24u;
   g.texel[0].z = packUnorm4x8(vec4(srgb_of_linear(diffuse), 0.0)) | specular.g << 24u;
   g.texel[0].w = exponent | specular.b << 16u | point_is_seen << 24u;
@@ -287,9 +284,9 @@ SurfacePoint point_of(GBufferTexels g) {
 
 #else  // PACKED_BITS128
 
-// Depth 32 bits float; normal 2x11 octahedral, roughness 6, occlusion 4; albedo sRGB8, reflectance 8 without colour;
-// emission, pre-exposed, 3x7 bits with a common exponent of 5, metallic 4, two flags. The triangle's plane is the
-// shading normal's.
+// Depth at the pixel's middle, 32 bits float; normal 2x11 octahedral, roughness 6, occlusion 4; albedo sRGB8,
+// reflectance 8 without colour; emission, pre-exposed, 3x7 bits with a common exponent of 5, metallic 4, two flags. The
+// triangle's plane is the shading normal's.
 const int texels_of_position = 1;
 
 vec3 position_of(GBufferTexels g) { return position_at(uintBitsToFloat(g.texel[0].x), vec2(0.0)); }
@@ -298,7 +295,7 @@ GBufferTexels gbuffer_of(SurfacePoint p) {
   const Surface s = p.surface;
   const vec3 root = stored_f0(s.dielectric_f0);
   GBufferTexels g;
-  g.texel[0].x = floatBitsToUint(depth_of_point(p.position));
+  g.texel[0].x = floatBitsToUint(depth_at_middle(p));
   g.texel[0].y = octahedral_bits(s.normal, 11u) | steps(s.roughness, 63.0) << 22u | steps(s.occlusion, 15.0) << 28u;
   g.texel[0].z = packUnorm4x8(vec4(srgb_of_linear(s.base_color), max(root.r, max(root.g, root.b))));
   g.texel[0].w = shared_exponent_bits(s.emission * frame.pre_exposure, 7u) | steps(s.metallic, 15.0) << 26u |

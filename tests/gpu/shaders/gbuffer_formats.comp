@@ -26,7 +26,7 @@ void main() {
   if (gl_GlobalInvocationID.x >= pc.count) return;
   const uint i = 20u * gl_GlobalInvocationID.x;
   SurfacePoint p = no_point();
-  p.position = p.on_triangle = three(i);
+  p.position = p.on_triangle = p.at_middle = three(i);
   p.surface.normal = three(i + 3u);
   p.surface.base_color = three(i + 6u);
   p.surface.dielectric_f0 = three(i + 9u);

@@ -173,6 +173,33 @@ TEST_F(FrameDeferred, PackedFormatsAreWrongByNoMoreThanTheirSteps) {
   }
 }
 
+// Along the edges of triangles surfaces are shaded off the middle of the pixel: what is lit from there must not lie
+// below its own plane. A sheet seen at a slant, of many triangles, that nothing else throws a shadow on.
+TEST_F(FrameDeferred, PackedSurfacesDoNotShadowTheirOwnEdges) {
+  GltfBuilder b = empty_scene();
+  Json pbr = base_color(0.5, 0.5, 0.5);
+  pbr["roughnessFactor"] = 1, pbr["metallicFactor"] = 0;
+  const int mesh = add_square_mesh(b, 0.125f, add_material(b, {{"pbrMetallicRoughness", pbr}}));
+  for (int i = 0; i < 256; ++i)
+    add_node(b, {{"mesh", mesh}, {"translation", {0.25 * (i % 16) - 1.875, 0.25 * (i / 16) - 1.875, 0}}});
+  add_light(b, {{"type", "directional"}, {"intensity", 3}},
+            {{"rotation", rotation_between({0, 0, -1}, {0.5, 0.3, -1})}});
+  Job job = job_of(write(b), "deferred-clustered", 4);
+  look(job, {0, -1.2, 0.6}, {0, 0, 0});
+  const auto expected = images_of(job)["beauty"].values<glm::vec4>();
+  for (const char* format : {"specular", "bits128"}) {
+    Job packed = job;
+    packed.settings.push_back({"gbuffer", "format", format});
+    const auto got = images_of(packed)["beauty"].values<glm::vec4>();
+    ASSERT_EQ(got.size(), expected.size());
+    double most = 0;
+    for (size_t p = 0; p < got.size(); ++p)
+      if (expected[p].w == 1) most = std::max(most, std::abs(double(got[p].x) / double(expected[p].x) - 1));
+    fmt::print("{}: most {:.4f}\n", format, most);
+    EXPECT_LE(most, 0.1) << format;
+  }
+}
+
 // From outside of most volumes and from inside; with lists apart and the test of depth but for roundings.
 TEST_F(FrameDeferred, VolumesAreBruteForceBitForBit) {
   const glm::dvec3 far(0.2, 0.3, 2.6), near(-0.6, 0.2, 0.7);

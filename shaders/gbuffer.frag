@@ -18,7 +18,7 @@ void main() {
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   SurfacePoint p = no_point();
-  p.position = p.on_triangle = v.relative_position;
+  p.position = p.on_triangle = p.at_middle = v.relative_position;
   p.is_unlit = IS_UNLIT != 0;
   if (IS_UNLIT != 0) {
     p.surface.emission = max(surface_base_color(m, v).rgb, vec3(0.0));
@@ -28,6 +28,7 @@ void main() {
     if (HAS_SHADOWS || HAS_OCCLUSION != 0) {
       p.plane_normal = triangle_normal(in_plane_position, to_viewer);
       p.on_triangle = onto_triangle(v.relative_position, p.plane_normal, in_plane_position);
+      p.at_middle = in_plane_position;
     }
   }
 #ifdef LOBES_APART

@@ -1,6 +1,8 @@
 #version 460
 // Adds a light's part to the radiance of what the G-buffer holds, for one sample and all later ones of the pixel that
-// hold the same bits. BASE: what surfaces send without the lights. EXPOSED: times the pre-exposure.
+// hold the same bits. MARKED: the stencil test has left these alone. REACHED: surfaces that the light does not reach
+// are left before the rest of them is read. BASE: what surfaces send without the lights. EXPOSED: times the
+// pre-exposure.
 #define TRIANGLES
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
@@ -20,14 +22,21 @@ void main() {
   pixel_middle = floor(gl_FragCoord.xy) + 0.5;
   const ivec2 at = ivec2(gl_FragCoord.xy);
   const int s = int(pc.own);
-  const GBufferSample g = load_gbuffer(at, s);
+  GBufferSample g;
+  int loaded = 0;
+#if defined(REACHED) && !defined(BASE)
+  loaded = texels_of_position;
+  load_texels(g, at, s, 0, loaded);
   if (!is_seen(g)) discard;
-  for (int before = 0; before < s; ++before)
-    if (gbuffer_holds(g, at, before)) discard;
-  int same = 1 << s;
-  for (int other = s + 1; other < SAMPLES; ++other)
-    if (gbuffer_holds(g, at, other)) same |= 1 << other;
+  vec3 l;
+  if (light_arriving(light_at(pc.lights, in_light), position_of(own_texels(g)), l) == 0.0) discard;
+#endif
+  load_texels(g, at, s, loaded, gbuffer_images);
+#ifndef MARKED
+  const int same = samples_first_held(g, at, s);
+  if (same == 0) discard;
   gl_SampleMask[0] = same;
+#endif
   const vec3 to_viewer = direction_to_viewer();
   const SurfacePoint p = surface_point_of(g, to_viewer);
 #ifdef BASE

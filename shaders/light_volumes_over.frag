@@ -20,7 +20,8 @@ void main() {
   const int s = int(pc.own);
   gl_SampleMask[0] = 1 << s;
   out_radiance = vec4(0.0);
-  const GBufferSample g = load_gbuffer(at, s);
+  GBufferSample g;
+  load_texels(g, at, s, 0, texels_of_position);
   if (!is_seen(g)) return;
   const uint sum = uint(pc.table >> 48) & 15u;
   vec3 radiance =
@@ -29,7 +30,7 @@ void main() {
   radiance *= frame.pre_exposure;
 #endif
 #ifdef FOG
-  const FogSeen fog = fog_before(surface_point_of(g, direction_to_viewer()).position);
+  const FogSeen fog = fog_before(position_of(own_texels(g)));
   radiance = radiance * fog.through + fog.light;
 #endif
   out_radiance = vec4(radiance, 1.0);

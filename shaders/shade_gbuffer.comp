@@ -28,25 +28,51 @@ vec4 shade_point(SurfacePoint p, vec3 to_viewer) {
 #endif
 }
 
-void main() {
-  const uvec2 pixel = gl_GlobalInvocationID.xy;
-  if (any(greaterThanEqual(pixel, frame.size_px))) return;
-  pixel_middle = vec2(pixel) + 0.5;
-  const ivec2 at = ivec2(pixel);
-  const uint first = (pixel.y * frame.size_px.x + pixel.x) * uint(SAMPLES);
-  const vec3 to_viewer = direction_to_viewer();
+void put_samples(ivec2 pixel, uint which, vec4 radiance) {
   SamplesRef samples = SamplesRef(pc.deformed_before);
-  uint left = (1u << SAMPLES) - 1u;
+  const uint first = (uint(pixel.y) * frame.size_px.x + uint(pixel.x)) * uint(SAMPLES);
+  for (int s = 0; s < SAMPLES; ++s)
+    if ((which >> s & 1u) != 0u) samples.s[first + uint(s)] = radiance;
+}
+
+// What a workgroup's tile of 8x8 pixels shades: a place in the tile, 3 bits x and 3 bits y; a sample of it, 3 bits; the
+// samples that hold the same bits, from bit 9 on. 0: nothing. First what the first seen sample of each pixel holds,
+// then, in a list of them, what other samples hold: so all threads share the work at edges (Lauritzen 2010).
+const uint tile_pixels = 64u;
+shared uint items[tile_pixels * uint(SAMPLES)];
+shared uint item_count;
+
+void main() {
+  const uint t = gl_LocalInvocationIndex;
+  const ivec2 corner = 8 * ivec2(gl_WorkGroupID.xy), own = corner + ivec2(gl_LocalInvocationID.xy);
+  items[t] = 0u;
+  if (t == 0u) item_count = tile_pixels;
+  barrier();
+  const bool in_picture = all(lessThan(own, ivec2(frame.size_px)));
+  uint left = in_picture ? (1u << SAMPLES) - 1u : 0u;
+  bool is_first = true;
   while (left != 0u) {
     const int s = findLSB(left);
-    const GBufferSample g = load_gbuffer(at, s);
+    const GBufferSample g = load_gbuffer(own, s);
     uint same = 1u << s;
     for (int other = s + 1; other < SAMPLES; ++other)
-      if ((left >> other & 1u) != 0u && gbuffer_holds(g, at, other)) same |= 1u << other;
+      if ((left >> other & 1u) != 0u && gbuffer_holds(g, own, other)) same |= 1u << other;
     left &= ~same;
-    vec4 radiance = vec4(0.0);
-    if (is_seen(g)) radiance = shade_point(surface_point_of(g, to_viewer), to_viewer);
-    for (int other = s; other < SAMPLES; ++other)
-      if ((same >> other & 1u) != 0u) samples.s[first + uint(other)] = radiance;
+    if (is_seen(g)) {
+      items[is_first ? t : atomicAdd(item_count, 1u)] = t | uint(s) << 6u | same << 9u;
+      is_first = false;
+    } else {
+      put_samples(own, same, vec4(0.0));
+    }
+  }
+  barrier();
+  for (uint i = t; i < item_count; i += tile_pixels) {
+    const uint item = items[i];
+    if (item == 0u) continue;
+    const ivec2 at = corner + ivec2(item & 7u, item >> 3u & 7u);
+    pixel_middle = vec2(at) + 0.5;
+    const vec3 to_viewer = direction_to_viewer();
+    const GBufferSample g = load_gbuffer(at, int(item >> 6u & 7u));
+    put_samples(at, item >> 9u, shade_point(surface_point_of(g, to_viewer), to_viewer));
   }
 }

@@ -19,9 +19,12 @@ const int gbuffer_images = GBUFFER;
 struct GBufferSample {
   uvec4 texel[gbuffer_images];
 };
+void load_texels(inout GBufferSample g, ivec2 pixel, int s, int first, int end) {
+  for (int i = first; i < end; ++i) g.texel[i] = gbuffer_texel(i, pixel, s);
+}
 GBufferSample load_gbuffer(ivec2 pixel, int s) {
   GBufferSample g;
-  for (int i = 0; i < gbuffer_images; ++i) g.texel[i] = gbuffer_texel(i, pixel, s);
+  load_texels(g, pixel, s, 0, gbuffer_images);
   return g;
 }
 bool is_seen(GBufferSample g) { return g.texel[0] != uvec4(0u); }
@@ -30,11 +33,24 @@ bool gbuffer_holds(GBufferSample g, ivec2 pixel, int s) {
     if (gbuffer_texel(i, pixel, s) != g.texel[i]) return false;
   return true;
 }
+// The samples from s on that hold what it holds; 0 where nothing is seen or an earlier sample of the pixel holds it.
+int samples_first_held(GBufferSample g, ivec2 pixel, int s) {
+  if (!is_seen(g)) return 0;
+  for (int before = 0; before < s; ++before)
+    if (gbuffer_holds(g, pixel, before)) return 0;
+  int same = 1 << s;
+  for (int other = s + 1; other < SAMPLES; ++other)
+    if (gbuffer_holds(g, pixel, other)) same |= 1 << other;
+  return same;
+}
 
-SurfacePoint surface_point_of(GBufferSample g, vec3 to_viewer) {
+GBufferTexels own_texels(GBufferSample g) {
   GBufferTexels own;
   for (int i = 0; i < GBUFFER; ++i) own.texel[i] = g.texel[i];
-  SurfacePoint p = point_of(own);
+  return own;
+}
+SurfacePoint surface_point_of(GBufferSample g, vec3 to_viewer) {
+  SurfacePoint p = point_of(own_texels(g));
 #ifdef LOBED
   uvec4 lobes[gbuffer_lobe_texels];
   for (int i = 0; i < gbuffer_lobe_texels; ++i) lobes[i] = g.texel[GBUFFER + i];

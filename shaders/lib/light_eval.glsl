@@ -2,15 +2,17 @@
 
 #define LIGHT_EVAL
 #include "lib/light_data.glsl"
+#include "lib/unfused_dot.glsl"
 
 // What of the light's intensity arrives at the position, per square metre perpendicular to its direction l. Exactly
-// zero outside the range and the cone.
+// zero outside the range and the cone. Both ends are differences of nearly equal numbers; precise, so that all shaders
+// round them alike.
 float light_arriving(LightRef light, vec3 position, out vec3 l) {
   const vec2 xy = light_word(light, 0u), z_range = light_word(light, 1u);
-  const vec3 to_light = vec3(xy, z_range.x) - position;
-  const float d2 = dot(to_light, to_light);
+  precise vec3 to_light = vec3(xy, z_range.x) - position;
+  const float d2 = unfused_dot(to_light, to_light);
   l = vec3(0.0, 1.0, 0.0);
-  const float x2 = d2 * z_range.y * z_range.y;
+  precise float x2 = d2 * z_range.y * z_range.y;
   if (x2 >= 1.0) return 0.0;
   const vec2 z_type = light_word(light, 3u);
   const uint type = floatBitsToUint(z_type.y);
@@ -19,12 +21,14 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
     return 1.0;
   }
   if (!(d2 < 3.0e38)) return 0.0;  // farther than floats can say
-  if (d2 > 0.0) l = to_light * inversesqrt(d2);
-  float factor = max(1.0 - x2 * x2, 0.0) / max(d2, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M);
+  precise vec3 along = l;
+  if (d2 > 0.0) along = to_light * inversesqrt(d2);
+  l = along;
+  precise float factor = max(1.0 - x2 * x2, 0.0) / max(d2, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M);
   if (type == light_spot) {
     const vec2 angle = light_word(light, 4u);
-    const vec3 e = l + vec3(light_word(light, 2u), z_type.x);
-    const float a = clamp(angle.y - dot(e, e) * angle.x, 0.0, 1.0);
+    precise vec3 e = along + vec3(light_word(light, 2u), z_type.x);
+    precise float a = clamp(angle.y - unfused_dot(e, e) * angle.x, 0.0, 1.0);
     factor *= a * a;
   }
   return factor;

@@ -8,7 +8,8 @@
 float shadow_turn() {
   vec2 pixel = floor(PIXEL_MIDDLE);
   if (IS_SUBSAMPLE != 0) pixel += 37.0 * pc.subsample_ndc * vec2(frame.size_px);  // each sample has its own turn
-  return 6.2831853 * fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+  precise float noise = 52.9829189 * fract(pixel.x * 0.06711056 + pixel.y * 0.00583715);
+  return 6.2831853 * fract(noise);
 }
 
 #include "lib/traced_light.glsl"

@@ -78,10 +78,11 @@ float soft_sun_visibility(uint sun, vec3 position, vec3 normal, float n_l, Casca
   return lit / float(count);
 }
 
-// 1: lit, 0: in shadow. position: relative; normal: of the triangle.
+// 1: lit, 0: in shadow. position: relative; normal: of the triangle. Where it looks is precise: filters take places of
+// texels in steps, so that a last bit would be one of them.
 float sun_visibility(uint sun, vec3 position, vec3 normal) {
   SunShadowsRef suns = SunShadowsRef(pc.suns);
-  const float n_l = dot(normal, suns.s[sun].to_light);
+  const float n_l = unfused_dot(normal, suns.s[sun].to_light);
   if (!(n_l > 0.0)) return 0.0;
   const CascadePlace place = find_cascade(sun, position);
   if (place.number == max_sun_cascades) return 1.0;
@@ -91,18 +92,20 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
   // The lookup reads texels up to radius + sqrt(2) away, whose depth on a plane differs by that times the tangent of
   // the angle; moving by d along the normal gains d divided by the cosine.
   const float sine = sqrt(max(1.0 - n_l * n_l, 0.0));
-  const vec3 moved = position + normal * ((radius + 1.4142136) * cascade.texel_m * sine);
-  const vec2 across = vec2(dot(suns.s[sun].right, moved), dot(suns.s[sun].up, moved)) - cascade.centre_m;
-  const float depth = dot(suns.s[sun].depth, vec4(moved, 1.0)) + suns.s[sun].bias;
+  precise vec3 moved = position + normal * ((radius + 1.4142136) * cascade.texel_m * sine);
+  precise vec2 across =
+      vec2(unfused_dot(suns.s[sun].right, moved), unfused_dot(suns.s[sun].up, moved)) - cascade.centre_m;
+  const vec4 depth_row = suns.s[sun].depth;
+  precise float depth = unfused_dot(depth_row.xyz, moved) + depth_row.w + suns.s[sun].bias;
   const float per_metre = 0.5 / cascade.half_m;
-  const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * per_metre;
+  precise vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * per_metre;
   const float layer = float(suns.s[sun].first_layer + place.number);
   const float turn = shadow_turn();
-  const vec2 cos_sin = vec2(cos(turn), sin(turn)) * (radius * cascade.texel_m * per_metre);
+  precise vec2 cos_sin = vec2(cos(turn), sin(turn)) * (radius * cascade.texel_m * per_metre);
   float lit = 0.0;
   for (int i = 0; i < 9; ++i) {
     const vec2 p = POISSON_DISC[i];
-    const vec2 at = uv + vec2(p.x * cos_sin.x - p.y * cos_sin.y, p.x * cos_sin.y + p.y * cos_sin.x);
+    precise vec2 at = uv + vec2(p.x * cos_sin.x - p.y * cos_sin.y, p.x * cos_sin.y + p.y * cos_sin.x);
     lit += textureGrad(
         sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
         vec4(at, layer, depth), vec2(0.0), vec2(0.0));

@@ -55,6 +55,8 @@ class CommandList {
   virtual void set_scissor(glm::uvec2 corner_px, glm::uvec2 size_px) = 0;
   // cull: none, or back faces; mirrored: front faces are clockwise (negative determinant).
   virtual void set_cull(bool cull_back, bool mirrored) = 0;
+  // What pipelines with a stencil test compare with and write; 0 from begin_rendering on.
+  virtual void set_stencil_reference(uint8_t reference) = 0;
   virtual void draw(uint32_t vertices, uint32_t instances = 1) = 0;
   virtual void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) = 0;
   // A list that may be empty. On lavapipe 25.0.7 the count of an earlier draw limits draw_indirect, which has none.

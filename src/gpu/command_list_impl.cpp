@@ -225,6 +225,7 @@ void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageH
   vkCmdSetViewport(commands_, 0, 1, &viewport);
   vkCmdSetScissor(commands_, 0, 1, &area);
   set_cull(false, false);
+  set_stencil_reference(0);
 }
 
 void CommandListImpl::end_rendering() {
@@ -236,6 +237,10 @@ void CommandListImpl::end_rendering() {
 void CommandListImpl::set_cull(bool cull_back, bool mirrored) {
   vkCmdSetCullMode(commands_, cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE);
   vkCmdSetFrontFace(commands_, mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+}
+
+void CommandListImpl::set_stencil_reference(uint8_t reference) {
+  vkCmdSetStencilReference(commands_, VK_STENCIL_FACE_FRONT_AND_BACK, reference);
 }
 
 void CommandListImpl::set_viewport(glm::vec2 corner_px, glm::vec2 size_px) {

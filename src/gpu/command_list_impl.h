@@ -59,6 +59,7 @@ class CommandListImpl final : public CommandList {
   void set_viewport(glm::vec2 corner_px, glm::vec2 size_px) override;
   void set_scissor(glm::uvec2 corner_px, glm::uvec2 size_px) override;
   void set_cull(bool cull_back, bool mirrored) override;
+  void set_stencil_reference(uint8_t reference) override;
   void draw(uint32_t vertices, uint32_t instances) override;
   void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) override;
   void draw_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts, uint64_t counts_offset,

@@ -32,8 +32,8 @@ std::string key_of(const GraphicsPipelineDesc& d) {
   for (const AttachmentState& a : d.attachments) key += fmt::format("|{} {}", int(a.blend), a.write_mask);
   const StencilState& s = d.stencil;
   if (d.stencil_test)
-    key += fmt::format("|stencil {} {} {} {} {} {} {}", int(s.compare), int(s.fail), int(s.depth_fail), int(s.pass),
-                       s.reference, s.read_mask, s.write_mask);
+    key += fmt::format("|stencil {} {} {} {} {} {}", int(s.compare), int(s.fail), int(s.depth_fail), int(s.pass),
+                       s.read_mask, s.write_mask);
   return key + fmt::format("|{} {} {}", d.depth_bias_constant, d.depth_bias_slope, d.depth_clamp);
 }
 std::string key_of(const PipelineDesc& desc) {
@@ -286,7 +286,7 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   depth.depthCompareOp = desc.depth_compare;
   depth.stencilTestEnable = desc.stencil_test;
   const StencilState& s = desc.stencil;
-  depth.front = depth.back = {s.fail, s.pass, s.depth_fail, s.compare, s.read_mask, s.write_mask, s.reference};
+  depth.front = depth.back = {s.fail, s.pass, s.depth_fail, s.compare, s.read_mask, s.write_mask, 0};
   CHECK_MSG(desc.attachments.empty() || desc.attachments.size() == desc.color_formats.size(), desc.fragment_shader);
   std::vector<VkPipelineColorBlendAttachmentState> attachments;
   for (size_t i = 0; i < desc.color_formats.size(); ++i)
@@ -295,7 +295,8 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   blend.attachmentCount = uint32_t(attachments.size());
   blend.pAttachments = attachments.data();
   const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
-                                           VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE};
+                                           VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE,
+                                           VK_DYNAMIC_STATE_STENCIL_REFERENCE};
   VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
   dynamic.dynamicStateCount = uint32_t(std::size(dynamic_states));
   dynamic.pDynamicStates = dynamic_states;

@@ -34,11 +34,12 @@ struct AttachmentState {
   bool operator==(const AttachmentState&) const = default;
 };
 
-// Both faces alike. What the test does with the stored value: it compares (reference & mask) with (stored & mask).
+// Both faces alike. What the test does with the stored value: it compares (reference & mask) with (stored & mask). The
+// reference is dynamic state: CommandList::set_stencil_reference.
 struct StencilState {
   VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
   VkStencilOp fail = VK_STENCIL_OP_KEEP, depth_fail = VK_STENCIL_OP_KEEP, pass = VK_STENCIL_OP_KEEP;
-  uint8_t reference = 0, read_mask = 0xff, write_mask = 0xff;
+  uint8_t read_mask = 0xff, write_mask = 0xff;
   bool operator==(const StencilState&) const = default;
 };
 

@@ -44,7 +44,7 @@ void add(Text& out, const GraphicsPipelineDesc& desc) {
     out.word("stencil");
     const StencilState& s = desc.stencil;
     for (const uint64_t field : {uint64_t(s.compare), uint64_t(s.fail), uint64_t(s.depth_fail), uint64_t(s.pass),
-                                 uint64_t(s.reference), uint64_t(s.read_mask), uint64_t(s.write_mask)})
+                                 uint64_t(s.read_mask), uint64_t(s.write_mask)})
       out.number(field);
   }
   if (desc.depth_bias_constant != 0 || desc.depth_bias_slope != 0 || desc.depth_clamp) {

@@ -4,6 +4,7 @@
 #include "passes/debug/dump.h"
 #include "passes/debug/layers.h"
 #include "passes/debug/light_heat.h"
+#include "passes/debug/light_volume_layer.h"
 #include "passes/debug/mattes.h"
 #include "passes/debug/motion.h"
 #include "passes/geometry/cull.h"
@@ -72,8 +73,8 @@ using AllPasses =
              AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes,
              PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
              Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
-             LampLayers, OcclusionLayer, LightHeat, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
-             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             LampLayers, OcclusionLayer, LightHeat, LightVolumeLayer, MotionLayer, MatteIds, MatteRanks, Supersample,
+             Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

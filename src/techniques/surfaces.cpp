@@ -74,6 +74,10 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.lists.rays});
   frame.add(MotionLayer{}, {scene, surfaces.draws, surfaces.deformed, deformed_before(frame, scene, surfaces)});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
+  LightVolumes volumes;
+  if (LightVolumeLayer{}.needed(frame.facts, frame.request))
+    volumes = frame.add(LightVolumeLists{}, {scene, true}, "layer").volumes;
+  frame.add(LightVolumeLayer{}, {scene, volumes});
 }
 
 }  // namespace candela

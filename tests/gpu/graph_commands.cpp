@@ -109,14 +109,15 @@ TEST_F(Commands, StencilKeepsWhatItMarked) {
   mark.depth_format = VK_FORMAT_D32_SFLOAT_S8_UINT;
   mark.stencil_test = true;
   mark.attachments = {{Blend::none, 0}};
-  mark.stencil = {.pass = VK_STENCIL_OP_REPLACE, .reference = 3};
+  mark.stencil = {.pass = VK_STENCIL_OP_REPLACE};
   GraphicsPipelineDesc draw = mark;
   draw.attachments.clear();
-  draw.stencil = {.compare = VK_COMPARE_OP_EQUAL, .reference = 3};
+  draw.stencil = {.compare = VK_COMPARE_OP_EQUAL};
   const auto values = drawn(
       [](CommandList& commands, std::span<const PipelineHandle> pipelines) {
         commands.push(DrawPush{});
         commands.set_scissor({2, 1}, {5, 3});
+        commands.set_stencil_reference(3);
         commands.bind(pipelines[0]);
         commands.draw(3);
         commands.set_scissor({0, 0}, {width, height});

@@ -13,11 +13,12 @@ std::span<const Knob<GBuffer::Knobs>> GBuffer::Knobs::table() {
       {.name = "format",
        .member = &Knobs::format,
        .lowest = 0,
-       .highest = 2,
+       .highest = 4,
        .ladder = {},
-       .trades = "what a sample holds: 16 bytes, 32 bytes, or every value as shading makes it",
-       .choices = {"bits128", "packed", "float"},
-       .walk = {0, 1, 2},
+       .trades = "what a sample holds: 16 bytes, with an exponent or a roughness, 32 bytes, with positions or depths, "
+                 "or every value as shading makes it",
+       .choices = {"specular", "bits128", "position", "packed", "float"},
+       .walk = {0, 1, 2, 3, 4},
        .passes = {"gbuffer"}},
   };
   return table;
@@ -38,9 +39,9 @@ GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
   const bool in_plane = !choice.desc.constants.empty();
   Out out;
   GBufferImages& g = out.gbuffer;
-  const uint32_t own = knobs.format == Knobs::floats ? (in_plane ? 7 : 5) : uint32_t(knobs.format) + 1;
+  const uint32_t own = knobs.format == Knobs::floats ? (in_plane ? 7 : 5) : knobs.format >= Knobs::position ? 2 : 1;
   g.definitions = fmt::format("#GBUFFER={}", own);
-  if (knobs.format != Knobs::floats) g.definitions += fmt::format("#PACKED={}", own);
+  if (knobs.format != Knobs::floats) g.definitions += fmt::format("#PACKED={}", knobs.format + 1);
   const auto declare_step = [&](uint32_t count, std::string_view what, const std::string& defined) {
     builder.begin_step();
     choice.desc.color_formats.assign(count, words);

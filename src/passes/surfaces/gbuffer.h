@@ -18,15 +18,20 @@ namespace candela {
 //   packed: 32 bytes: normals 2x16 octahedral, albedo sRGB8, roughness, metallic and others 8 bits, emission half
 //   floats,
 //     positions from the depth along the view axis and the place in the pixel;
+//   position: 32 bytes: positions as floats, normals 3x10 coordinates, emission 3x9 with a common exponent, the rest as
+//     in packed; the triangle's plane is the shading normal's;
 //   bits128: 16 bytes: normals 2x11 octahedral, roughness 6 bits, metallic and occlusion 4, reflectance without colour,
-//     emission 3x7 with a common exponent; the triangle's plane is the shading normal's.
+//     emission 3x7 with a common exponent; the triangle's plane is the shading normal's;
+//   specular: 16 bytes: normals 2x12 octahedral, diffuse and specular reflectance sRGB8, a Phong exponent of 16 bits,
+//     depth 24 bits; metals and dielectrics are one, and surfaces that emit and take light emit nothing; the triangle's
+//     plane is the shading normal's.
 // Lobes are 80 bytes more in each, as floats, where visible materials have some. Leaves wrong: in packed formats
 // albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
 struct GBuffer {
   static constexpr std::string_view name = "gbuffer";
   struct Knobs {
     static constexpr std::string_view name = "gbuffer";
-    enum : int { bits128, packed, floats };
+    enum : int { specular, bits128, position, packed, floats };
     int format = floats;
     static std::span<const Knob<Knobs>> table();
   };

@@ -6,8 +6,9 @@
 namespace candela {
 
 // Radiance of what a G-buffer holds, in compute, by the same functions as ShadeForward and ShadeUnlit: of a pixel's
-// samples those that hold the same bits once, each other one for itself. Units: cd/m2 times the pre-exposure. A colour
-// for each sample, which PutSamples makes an image of.
+// samples those that hold the same bits once; what pixels with edges have more of is put into a list of their tile,
+// which all its threads share. Units: cd/m2 times the pre-exposure. A colour for each sample, which PutSamples makes an
+// image of.
 struct ShadeGBuffer {
   static constexpr std::string_view name = "shade_gbuffer";
   using SharedKnobs = GBufferShadingKnobs;

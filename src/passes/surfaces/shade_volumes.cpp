@@ -19,6 +19,16 @@ std::span<const Knob<ShadeVolumes::Knobs>> ShadeVolumes::Knobs::table() {
        .choices = {"r11g11b10", "half", "float"},
        .walk = {0, 1, 2},
        .passes = {"shade_volumes"}},
+      {.name = "guard",
+       .member = &Knobs::guard,
+       .lowest = 0,
+       .highest = 2,
+       .ladder = {},
+       .trades = "what keeps volumes from what their lights do not change: nothing, the light's reach, or that and a "
+                 "stencil; the picture is the same",
+       .choices = {"none", "reach", "stencil"},
+       .walk = {0, 1, 2},
+       .passes = {"shade_volumes"}},
       {.name = "depth_test",
        .member = &Knobs::depth_test,
        .lowest = 0,
@@ -45,6 +55,9 @@ ShadeVolumes::Out ShadeVolumes::declare(GraphBuilder& builder, const In& in) con
   read_gbuffer(builder, in.gbuffer, Access::sampled_fragment);
   std::string defined = in.gbuffer.definitions;
   if (knobs.accumulator != Knobs::floats) defined += "#EXPOSED=1";
+  const std::string exposed = defined;
+  if (marks()) defined += "#MARKED=1";
+  const std::string by_light = defined + (knobs.guard != Knobs::unguarded ? "#REACHED=1" : "");
   GraphicsPipelineDesc desc;
   desc.constants = light_constants(in.lists);
   desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
@@ -55,14 +68,32 @@ ShadeVolumes::Out ShadeVolumes::declare(GraphBuilder& builder, const In& in) con
   ImageDesc sum{"light_volumes.sum", formats[knobs.accumulator], s.width_px, s.height_px, s.samples};
   out.sum = builder.create(sum);
 
+  if (marks()) {
+    builder.begin_step();
+    GraphicsPipelineDesc mark = desc;
+    mark.vertex_shader = "background.vert";
+    mark.fragment_shader = "light_volume_mark.frag" + in.gbuffer.definitions + surfaces;
+    mark.depth_format = VK_FORMAT_D32_SFLOAT_S8_UINT;
+    mark.stencil_test = true;
+    mark.stencil = {.pass = VK_STENCIL_OP_REPLACE};
+    out.mark = builder.pipeline(mark);
+    const ImageDesc marks{"light_volumes.marks", mark.depth_format, s.width_px, s.height_px, s.samples};
+    out.tested = builder.write(builder.create(marks), Access::depth_attachment);
+    desc.depth_format = mark.depth_format;
+    desc.stencil_test = true;
+    desc.stencil = {.compare = VK_COMPARE_OP_EQUAL};
+  } else if (knobs.depth_test != 0) {
+    out.tested = in.depth;
+    desc.depth_format = depth_format;
+  }
+
   builder.begin_step();
-  builder.read(in.depth, Access::depth_test, "depth");
+  builder.read_optional(out.tested, Access::depth_test);
   declare_lights(builder, s, in.lists, {Access::graphics_read, Access::sampled_fragment});
   declare_fog(builder, s, in.lists, true);
   builder.read_optional(in.volumes.lists, Access::vertex_read);
   builder.read_optional(in.volumes.draws, Access::indirect_read);
   desc.color_formats = {sum.format};
-  desc.depth_format = depth_format;
   desc.blend = Blend::additive;
   desc.vertex_shader = "background.vert";
   desc.fragment_shader =
@@ -75,7 +106,7 @@ ShadeVolumes::Out ShadeVolumes::declare(GraphBuilder& builder, const In& in) con
       volume.vertex_shader =
           fmt::format("light_volume.vert#LIST={}{}", list, knobs.depth_test != 0 ? "" : "#ORDERED=1");
       volume.fragment_shader =
-          with_shadow_colors(with_fog("light_volume.frag" + defined, in.lists), in.lists.shadow_colors) + surfaces;
+          with_shadow_colors(with_fog("light_volume.frag" + by_light, in.lists), in.lists.shadow_colors) + surfaces;
       volume.depth_test = knobs.depth_test != 0 && list != shared::volumes_everywhere;
       // Reversed: front faces before the surface, back faces behind it.
       volume.depth_compare =
@@ -89,32 +120,38 @@ ShadeVolumes::Out ShadeVolumes::declare(GraphBuilder& builder, const In& in) con
   declare_fog(builder, s, in.lists);
   desc.color_formats = {color_format};
   desc.depth_format = VK_FORMAT_UNDEFINED;
+  desc.stencil_test = false;
   desc.blend = Blend::none;
-  desc.fragment_shader = with_fog("light_volumes_over.frag" + defined, in.lists) + surfaces;
+  desc.fragment_shader = with_fog("light_volumes_over.frag" + exposed, in.lists) + surfaces;
   out.over = builder.pipeline(desc);
   out.color = write_color(builder, s, {});
   return out;
 }
 
 void ShadeVolumes::record(CommandList& commands, const In& in, const Out& out) const {
-  const bool sums = commands.step() == 0;
-  const CommandList::Attachment target{sums ? out.sum : out.color};
+  enum { mark, sum, over };
+  const uint32_t step = commands.step() + (marks() ? 0 : 1);
   OwnInputs own;
   own.word = gbuffer_places(commands, in.gbuffer);
-  if (sums && in.volumes.lists) own.deformed_before = in.volumes.lists;
-  if (!sums) own.word |= uint64_t(commands.sampled(out.sum)) << 48;
-  commands.begin_rendering({&target, 1}, sums ? in.depth : ImageHandle{});
-  shared::DrawPush push = draw_push(commands, in.scene, {}, sums ? &in.lists : nullptr, &in.lists, own);
+  if (step == sum && in.volumes.lists) own.deformed_before = in.volumes.lists;
+  if (step == over) own.word |= uint64_t(commands.sampled(out.sum)) << 48;
+  shared::DrawPush push =
+      draw_push(commands, in.scene, {}, step == sum ? &in.lists : nullptr, step == mark ? nullptr : &in.lists, own);
+  const CommandList::Attachment target{step == sum ? out.sum : out.color};
+  if (step == mark)
+    commands.begin_rendering({}, out.tested);
+  else
+    commands.begin_rendering({&target, 1}, step == sum ? out.tested : ImageHandle{});
   const auto for_samples = [&](PipelineHandle pipeline, auto&& draw) {
     commands.bind(pipeline);
     for (push.own = 0; push.own < in.scene.samples; ++push.own) {
+      commands.set_stencil_reference(uint8_t(push.own + 1));  // 0: nothing is seen
       commands.push(push);
       draw();
     }
   };
-  commands.set_cull(false, false);
-  for_samples(sums ? out.base : out.over, [&] { commands.draw(3); });
-  for (uint32_t list = 0; sums && list < out.by_list.size(); ++list) {
+  for_samples(step == mark ? out.mark : step == sum ? out.base : out.over, [&] { commands.draw(3); });
+  for (uint32_t list = 0; step == sum && list < out.by_list.size(); ++list) {
     commands.set_cull(true, list == shared::volumes_inside);
     for_samples(out.by_list[list], [&] {
       commands.draw_indirect_count(in.volumes.draws, list * sizeof(shared::VolumeDraw), in.volumes.draws,

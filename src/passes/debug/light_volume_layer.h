@@ -1,0 +1,28 @@
+#pragma once
+#include "passes/lights/volume_lists.h"
+#include "passes/pass.h"
+#include "passes/scene_inputs.h"
+
+namespace candela {
+
+// `debug.light_volumes`: how many lights' volumes (passes/lights/light_volumes.h) cover a pixel's centre, whatever lies
+// before or behind: what deferred-volumes asks a pixel for. The bodies are drawn on top of each other and counted;
+// lights that reach everywhere cover every pixel. 0 where the scene has none.
+struct LightVolumeLayer {
+  static constexpr std::string_view name = "light_volume_layer";
+  static constexpr LayerName layers[1] = {
+      {"debug.light_volumes", "how many lights' volumes cover the pixel", LayerForm::count}};
+  struct In {
+    SceneInputs scene;
+    LightVolumes volumes;  // optional: in one list; empty: no light
+  };
+  struct Out {
+    ImageHandle count;
+    PipelineHandle pipeline;
+  };
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+};
+
+}  // namespace candela

@@ -6,6 +6,7 @@
 #include "passes/debug/light_heat.h"
 #include "passes/debug/mattes.h"
 #include "passes/debug/motion.h"
+#include "passes/debug/tree_views.h"
 #include "passes/geometry/cull.h"
 #include "passes/geometry/cull_compact.h"
 #include "passes/geometry/deform.h"
@@ -70,8 +71,8 @@ using AllPasses =
              FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward,
              ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments,
              Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
-             MotionLayer, MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap,
-             Pack, Readback, Dump>;
+             TraversalHeat, TreeBoxes, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight,
+             Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

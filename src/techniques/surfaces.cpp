@@ -74,6 +74,8 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.lists.rays});
   frame.add(MotionLayer{}, {scene, surfaces.draws, surfaces.deformed, deformed_before(frame, scene, surfaces)});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
+  frame.add(TraversalHeat{}, {scene});
+  frame.add(TreeBoxes{}, {scene});
 }
 
 }  // namespace candela

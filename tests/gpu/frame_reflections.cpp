@@ -306,7 +306,7 @@ TEST_F(FrameReflections, RaysTendToTheTracedLayer) {
     ASSERT_TRUE(frame);
     reference::TraceSettings settings;
     reference::Film film(job.width_px, job.height_px, {.terms = true});
-    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), 64,
+    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), 256,
              [](double) { return true; });
     const auto error = [&](const std::vector<KnobSetting>& knobs) {
       Job with = job;

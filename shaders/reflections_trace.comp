@@ -7,14 +7,13 @@ layout(push_constant, scalar) uniform Push { ReflectionsTracePush pc; };
 #include "lib/reflections.glsl"
 #include "lib/ambient_sh.glsl"
 #include "lib/axes.glsl"
-#include "shared/split_sum.h"
 #ifdef FOG
 #include "lib/fog_medium.glsl"
 #endif
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(constant_id = 0) const int SIDE = 1;  // of a texel, in pixels
 layout(constant_id = 1) const int HAS_SKY = 0;
-const float PI = 3.14159265358979323846;
+#include "lib/reflections_lobe.glsl"
 const float FAR = 1e15;  // metres; its square is a number
 
 float depth_at(ivec2 p) { return texelFetch(pass_images[pc.at.z], p, 0).r; }
@@ -123,8 +122,7 @@ void main() {
   const ivec2 pixel = min(ivec2(texel) * SIDE, ivec2(frame.size_px) - 1);
   const float depth = depth_at(pixel);
   const vec4 reflectance = unpack_reflectance(texelFetch(pass_uint_images[pc.at.reflectance], pixel, 0).xy);
-  const float wanted = pc.roughest >= 1.0 ? 1.0
-      : 1.0 - smoothstep(0.75 * pc.roughest, max(pc.roughest, 1e-6), reflectance.a);
+  const float wanted = reflects_scene(reflectance.a, pc.roughest);
   if (!(depth > 0.0) || reflectance.rgb == vec3(0.0) || !(wanted > 0.0)) {
     imageStore(storage_images[pc.light], ivec2(texel), vec4(0.0));
     return;
@@ -133,76 +131,41 @@ void main() {
   const vec3 p = point_at(pixel, depth);
   const bool perspective = frame.perspective != 0u;
   const vec3 v = perspective ? normalize(-p) : vec3(0.0, 0.0, 1.0);
-  const float roughness = max(reflectance.a, least_roughness), alpha = roughness * roughness, alpha2 = alpha * alpha;
-  // Axes about the normal; what is sampled are the normals that the viewer sees (Heitz, "Sampling the GGX Distribution
-  // of Visible Normals", 2018).
-  const mat3 axes = axes_about(r.normal);
-  vec3 view = v * axes;
-  view = normalize(vec3(view.xy, max(view.z, 1e-4)));
-  const vec3 stretched = normalize(vec3(alpha * view.xy, view.z));
-  const float across2 = dot(stretched.xy, stretched.xy);
-  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
-  const vec3 t2 = cross(stretched, t1);
-  const float smith_v = sqrt(view.z * view.z * (1.0 - alpha2) + alpha2), g1 = 2.0 * view.z / (view.z + smith_v);
-  const uint order = pattern_of(texel + pc.pattern);
+  const ReflectedLobe lobe = reflected_lobe(r, v, reflectance.a);
+  const uint order = pattern_of(texel + pc.pattern), parts = uint(pc.samples) * pc.of;
   const float pixel_at_1m = 2.0 * frame.tan_half.y / float(frame.size_px.y);
-  vec3 light = vec3(0.0), all = vec3(0.0);
-  float sky_all = 0.0, sky_hit = 0.0;
-  const int count = pc.samples;
-  for (int i = 0; i < count; ++i) {
-    // Strata of the first number by sample, of the second by the pattern, over all parts of a supersampled frame.
+  LobeLight sum = LobeLight(vec3(0.0), vec3(0.0), 0.0, 0.0);
+  for (int i = 0; i < pc.samples; ++i) {
     const uint part = uint(i) * pc.of + pc.first;
-    const float u = (float(part) + (float(order) + 0.5) / 16.0) / float(uint(count) * pc.of);
-    const float turn = fract(float(bitfieldReverse(part)) * (1.0 / 4294967296.0) +
-        float(bitfieldReverse(order) >> 28) / 16.0);
-    const float radius = sqrt(u), phi = 2.0 * PI * turn;
-    const vec2 disc = radius * vec2(cos(phi), sin(phi));
-    const float s = 0.5 * (1.0 + stretched.z);
-    const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
-    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
-    const vec3 h = normalize(vec3(alpha * nh.xy, max(nh.z, 1e-6)));
-    const float v_h = dot(view, h);
-    const vec3 local = 2.0 * v_h * h - view;
-    if (local.z <= 0.0 || v_h <= 0.0) continue;
-    const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x;
-    const float g2 = 2.0 * local.z * view.z /
-        (local.z * smith_v + view.z * sqrt(local.z * local.z * (1.0 - alpha2) + alpha2));
-    const vec3 weight = (r.f0 + (r.f90 - r.f0) * (x2 * x2 * x)) * (g2 / g1);
-    const vec3 l = axes * local;
-    const vec3 l_out = from_camera_space(l);
-    all += weight;
-    float sky = 1.0;
-    if (HAS_SKY != 0) sky = max(dot(ambient_radiance(l_out, vec3(1.0)), vec3(0.2126, 0.7152, 0.0722)), 0.0);
-    sky *= max(weight.r, max(weight.g, weight.b));
-    sky_all += sky;
+    LobeSample sampled;
+    if (!lobe_sample(lobe, part, parts, order, sampled)) continue;
+    const vec3 l = sampled.l;
+    sum.all += sampled.weight;
+    sum.sky_all += sampled.sky;
     if (dot(l, r.plane) <= 0.0) continue;  // into the surface: nobody knows
     const float jitter = fract(float(order) * 0.6180339887 + float(part) * 0.7548776662);
     const Met met = march(p, r.plane, l, jitter);
     if (!met.hit) continue;
-    // A cone as wide as the sample's share of the lobe (Krivanek and Colbert, "Real-time Shading with Filtered
-    // Importance Sampling", 2008), as wide on the picture as at the same distance facing it.
-    const float d = dot(h.xy, h.xy) + h.z * h.z * alpha2;
-    const float pdf = g1 * alpha2 / (4.0 * PI * d * d * view.z);
-    const float cone = sqrt(min(1.0 / (PI * float(uint(count) * pc.of) * pdf), 1.0));
+    // As wide on the picture as at the same distance facing it.
     const float seen_m = metres_of(met.depth);
-    vec3 seen = light_at(met.place_px, 0.5 * cone * met.metres / (pixel_at_1m * (perspective ? seen_m : 1.0)));
+    vec3 seen =
+        light_at(met.place_px, 0.5 * sampled.cone * met.metres / (pixel_at_1m * (perspective ? seen_m : 1.0)));
 #ifdef FOG
     // The picture has it as far as fog lets it through to the camera.
     const vec3 at = occlusion_position(met.place_px, seen_m, pc.subsample_ndc), world = from_camera_space(at);
     const float away_m = perspective ? length(at) : seen_m;
     const vec3 from = perspective ? vec3(0.0) : world + frame.camera_back * seen_m;
     const vec3 to_camera = fog_through(from, perspective ? normalize(world) : -frame.camera_back, away_m);
-    seen *= min(fog_through(from_camera_space(p), l_out, met.metres) / max(to_camera, vec3(1e-6)), vec3(1e3));
+    seen *= min(fog_through(from_camera_space(p), from_camera_space(l), met.metres) / max(to_camera, vec3(1e-6)),
+        vec3(1e3));
 #endif
     float kept = wanted;
     if (pc.fade > 0.0) {
       const vec2 edge = min(met.place_px, vec2(frame.size_px) - met.place_px) / (pc.fade * vec2(frame.size_px));
       kept *= smoothstep(0.0, 1.0, edge.x) * smoothstep(0.0, 1.0, edge.y);
     }
-    light += weight * seen * kept;
-    sky_hit += sky * kept;
+    sum.light += sampled.weight * seen * kept;
+    sum.sky_hit += sampled.sky * kept;
   }
-  const vec3 mean = light / max(all, vec3(1e-20));
-  const float hidden = sky_all > 0.0 ? clamp(sky_hit / sky_all, 0.0, 1.0) : 0.0;
-  imageStore(storage_images[pc.light], ivec2(texel), vec4(mean, hidden));
+  imageStore(storage_images[pc.light], ivec2(texel), mean_of(sum));
 }

@@ -39,6 +39,10 @@ const float TRACE_SMALLEST = 1e-20, TRACE_LARGEST = 1e30;  // edge functions in 
 // A direction's component below this is none: what lies in the slab's plane is in the slab.
 const float TRACE_NONE = 1e-30, TRACE_SLAB_SCALE = 1e36, TRACE_SLAB_MARGIN = 1e30;
 
+#ifdef TRACE_COUNTS
+uint trace_nodes = 0u, trace_triangles = 0u;  // entered and tested so far
+#endif
+
 // A ray as a tree's boxes and triangles take it.
 struct TraceFrame {
   vec3 origin, inverse, inverse_far;  // far: widened
@@ -208,6 +212,10 @@ bool trace_exactly(vec2 a, vec2 b, vec2 c, vec3 z, TraceState state, inout Trace
 bool trace_block(TraceScene s, uint block, uint instance, TraceFrame f, uint mode, TraceHit passed,
                  inout TraceState state) {
   const uint64_t at = trace_block_of(s, block);
+#ifdef TRACE_COUNTS
+  const uvec4 ids = TraceUvec4Ref(at + 144ul).v;
+  for (uint lane = 0u; lane < 4u; ++lane) trace_triangles += ids[lane] != no_trace ? 1u : 0u;
+#endif
   vec4 x[3], y[3], z[3];
   for (int k = 0; k < 3; ++k) {
     const uint64_t corner = at + uint64_t(48 * k);
@@ -310,6 +318,9 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
   while (true) {
     if ((child & trace_leaf_bit) == 0u) {
       const uint64_t node = trace_node(s, child);
+#ifdef TRACE_COUNTS
+      ++trace_nodes;
+#endif
       vec4 near0, near1;
       const bvec4 met0 = trace_boxes(node, 0u, f, state.t_min, state.t_max, near0);
       const bvec4 met1 = trace_boxes(node, 1u, f, state.t_min, state.t_max, near1);

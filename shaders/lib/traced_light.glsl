@@ -44,6 +44,17 @@ void begin_rays(vec3 position, vec3 normal) {
   rays_side = dot(rays_from.normal, normal) < 0.0 ? -rays_from.normal : rays_from.normal;
 }
 
+// The same of what a ray has met.
+void begin_rays_at(TraceHit hit, vec3 to_viewer) {
+  rays_from = trace_point(hit);
+  if (rays_from.normal == vec3(0.0)) rays_from.normal = to_viewer;
+  rays_side = dot(rays_from.normal, to_viewer) < 0.0 ? -rays_from.normal : rays_from.normal;
+}
+// Which of how many points share what the pixel has of rays.
+uint rays_part = 0u, rays_parts = 1u;
+uint rays_first(uint count) { return (pc.subsample * rays_parts + rays_part) * count; }
+uint rays_share(uint count) { return max((count + rays_parts - 1u) / rays_parts, 1u); }
+
 // Of the light along a ray, what comes through: nothing behind opaque surfaces, what blended ones leave. A surface at
 // distance t hides saturate((radius - t) / fade) of what is behind it.
 float rays_through(TraceRay ray, uint mode, float radius, float fade) {
@@ -156,7 +167,7 @@ float ray_seen(TraceRay ray, vec3 l, bool is_lamp) {
 uint light_samples(LightCap cap) {
   if (!(cap.height > 0.0)) return 1u;
   const RaySettings s = RaySettingsRef(pc.rays).s;
-  return max(cap.centre_m < TRACE_FAR ? s.lamp_samples : s.sun_samples, 1u);
+  return rays_share(cap.centre_m < TRACE_FAR ? s.lamp_samples : s.sun_samples);
 }
 
 // 1: lit, 0: in shadow; of lights with a size the part of the directions to it that are open. number: the light's.
@@ -167,7 +178,7 @@ float traced_visibility(LightRef light, uint number) {
   float seen = 0.0;
   for (uint i = 0u; i < count; ++i) {
     vec3 l;
-    const TraceRay ray = ray_to_light(cap, pc.subsample * count + i, own, l);
+    const TraceRay ray = ray_to_light(cap, rays_first(count) + i, own, l);
     seen += ray_seen(ray, l, cap.centre_m < TRACE_FAR);
   }
   return seen / float(count);
@@ -192,7 +203,7 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < count; ++i) {
     vec3 l;
-    const TraceRay ray = ray_to_light(cap, pc.subsample * count + i, own, l);
+    const TraceRay ray = ray_to_light(cap, rays_first(count) + i, own, l);
     const vec3 offered = light_along(light, brdf, l, arriving);
     if (offered != vec3(0.0)) sum += offered * ray_seen(ray, l, cap.centre_m < TRACE_FAR);
   }
@@ -205,10 +216,11 @@ Openness traced_open() {
   const RaySettings s = RaySettingsRef(pc.rays).s;
   const mat3 axes = axes_about(rays_side);
   const uvec2 own = rays_own(0u);
+  const uint count = rays_share(s.occlusion_rays), first = rays_first(count);
   float open = 0.0;
   vec3 bent = vec3(0.0);
-  for (uint i = 0u; i < s.occlusion_rays; ++i) {
-    const vec2 u = rays_place(pc.subsample * s.occlusion_rays + i, own);
+  for (uint i = 0u; i < count; ++i) {
+    const vec2 u = rays_place(first + i, own);
     const float across = sqrt(u.x), phi = 6.2831853 * u.y;
     const vec3 d = axes * vec3(across * cos(phi), across * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
     const float through = rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
@@ -216,7 +228,7 @@ Openness traced_open() {
     open += through;
     if (OCCLUSION_IS_BENT) bent += through * d;
   }
-  return Openness(1.0 - s.occlusion_strength * (1.0 - open / float(max(s.occlusion_rays, 1u))),
+  return Openness(1.0 - s.occlusion_strength * (1.0 - open / float(count)),
       dot(bent, bent) > 1e-12 ? normalize(bent) : rays_side);
 }
 #endif

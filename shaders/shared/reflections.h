@@ -44,4 +44,9 @@ struct ReflectionsOverPush {
 };
 SHARED_END
 
+// What reflections_rays.comp finds in DrawPush::table: places of images among those of the step, a byte each; samples
+// of this picture, how many pictures a supersampled frame has, and by how much the pattern of 4 by 4 texels is moved.
+#define REFLECTIONS_IMAGES(z, surface, reflectance, light) ((z) | (surface) << 8 | (reflectance) << 16 | (light) << 24)
+#define REFLECTIONS_SAMPLES(samples, pictures, pattern) ((samples) << 32 | (pictures) << 44 | (pattern) << 60)
+
 #endif

@@ -48,6 +48,18 @@ struct TraceKeysPush {
   uint64_t numbers;  // of the first triangle of each item of the trees, or absent: not drawn opaque
   vec2 subsample_ndc;
 };
+struct TraversalHeatPush {
+  uint64_t trees;
+  vec2 subsample_ndc;  // as in TraceKeysPush; 0
+  uint target;
+};
+struct TreeBoxesPush {
+  uint64_t trees;
+  uint first_node, nodes;  // of the tree that is drawn
+  uint instance;           // that shows it; no_trace: none, it is of relative space
+  uint holds_instances;    // its leaves hold those
+  uint leaves;             // 1: these are drawn, 0: inner nodes
+};
 struct SamplesPush {  // of passes that put a buffer's samples into images
   uint64_t source;
   uvec2 size_px;

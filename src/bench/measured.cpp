@@ -125,6 +125,12 @@ void Measured::describe(const FrameResult& frame) {
     row.opening_ms.emplace_back(std::string("first ") + stage, frame.timings.total(stage));
   row.remarks = frame.notes;
   row.remarks.insert(row.remarks.end(), frame.warnings.begin(), frame.warnings.end());
+  row.trees.clear();
+  if (frame.rays) {
+    const AccelStatistics& t = frame.rays->statistics;
+    row.trees = {{"triangles", t.triangles}, {"references", t.references}, {"binary_nodes", t.binary_nodes},
+                 {"nodes", t.nodes},         {"bytes", t.bytes},           {"instances", t.instances}};
+  }
   row.memory.clear();
   const nlohmann::ordered_json memory = memory_json(*session_, frame.plan);
   for (const auto& [name, bytes] : memory.items())

@@ -95,6 +95,7 @@ struct BenchRow {
   std::vector<Series> passes, cpu;
   std::vector<std::pair<std::string, double>> opening_ms;  // load and upload, once
   std::vector<std::pair<std::string, uint64_t>> memory;    // bytes, as in --timings
+  std::vector<std::pair<std::string, uint64_t>> trees;     // for rays: how many of what; empty: none are sent
   PictureCheck picture;
   std::vector<PictureError> errors;  // of sweeps of error against time
   std::vector<KnobPoint> knobs;      // the same: one, or at the exact end of all knobs many

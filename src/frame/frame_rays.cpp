@@ -106,6 +106,19 @@ shared::TraceInstance shared_instance(const AccelInstance& from, const glm::mat4
   return out;
 }
 
+BvhBuilder builder_of(int choice) {
+  switch (choice) {
+    case BvhKnobs::equal_counts:
+      return BvhBuilder::equal_counts;
+    case BvhKnobs::sbvh:
+      return BvhBuilder::sbvh;
+    case BvhKnobs::spatial_only:
+      return BvhBuilder::spatial_only;
+    default:
+      return BvhBuilder::sah;
+  }
+}
+
 class LayOut {
  public:
   LayOut(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction)
@@ -126,7 +139,8 @@ class LayOut {
     for (const AccelPart& part : trees_.parts) below = std::max(below, part.tree.depth);
     // One entry a level; a leaf of instances takes one too.
     rays_.stack = std::max({trees_.world.depth, trees_.top.nodes.empty() ? 0 : trees_.top.depth + 1 + below, 1u});
-    rays_.triangles = trees_.statistics.triangles;
+    rays_.statistics = trees_.statistics;
+    rays_.ranges = std::make_shared<const std::vector<TreeRange>>(std::move(ranges_));
     return std::move(rays_);
   }
 
@@ -202,6 +216,8 @@ class LayOut {
     TriangleBlock* const blocks = table<TriangleBlock>(rays_, head_.blocks);
     copy_nodes(trees_.world, 0, 0, nodes);
     copy_nodes(trees_.top, trees_.world.nodes.size(), 0, nodes);
+    add_range(0, trees_.world, shared::no_trace, false);
+    add_range(trees_.world.nodes.size(), trees_.top, shared::no_trace, true);
     std::copy(trees_.world.blocks.begin(), trees_.world.blocks.end(), blocks);
     size_t node = trees_.world.nodes.size() + trees_.top.nodes.size(), block = trees_.world.blocks.size();
     for (const AccelPart& part : trees_.parts) {
@@ -219,7 +235,13 @@ class LayOut {
       const AccelInstance& instance = trees_.instances[trees_.top.indices[i]];
       out[i] = shared_instance(instance, data_.relative_from_local[data_.items[instance.item].transform],
                                roots_[instance.part]);
+      add_range(roots_[instance.part], trees_.parts[instance.part].tree, uint32_t(i), false);
     }
+  }
+
+  void add_range(size_t first_node, const WideTree& tree, uint32_t instance, bool holds_instances) {
+    if (!tree.nodes.empty())
+      ranges_.push_back({uint32_t(first_node), uint32_t(tree.nodes.size()), instance, holds_instances});
   }
 
   const Accel& accel_;
@@ -232,13 +254,15 @@ class LayOut {
   shared::TraceScene head_{};
   Tables tables_;
   std::vector<uint32_t> first_corner_, roots_;  // by item; by part
+  std::vector<TreeRange> ranges_;
   std::vector<std::tuple<const MeshSection*, const Material*, size_t>> corner_uses_;
 };
 
 }  // namespace
 
-Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction) {
+Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, const BvhKnobs& knobs) {
   Hashed out;
+  for (const Knob<BvhKnobs>& row : BvhKnobs::table()) out.add(row.value(knobs));
   for (const DrawItem& item : data.items) {
     for (const uint32_t n :
          {item.mesh, item.section, uint32_t(item.material), uint32_t(item.mirrored), uint32_t(item.deformed)})
@@ -271,9 +295,17 @@ FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose,
 }
 
 std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data,
-                                                 bool refraction) {
-  FrameRays rays = lay_out_rays(Accel(scene, pose, data), scene, pose, data, refraction);
-  rays.key = rays_key(scene, pose, data, refraction);
+                                                 bool refraction, const BvhKnobs& knobs) {
+  AccelOptions options;
+  options.tree = {.builder = builder_of(knobs.builder),
+                  .buckets = knobs.buckets,
+                  .split_budget = knobs.budget,
+                  .max_leaf = uint32_t(knobs.max_leaf),
+                  .depth = uint32_t(knobs.depth),
+                  .block_shift = uint32_t(knobs.block),
+                  .node_cost = knobs.node_cost};
+  FrameRays rays = lay_out_rays(Accel(scene, pose, data, options), scene, pose, data, refraction);
+  rays.key = rays_key(scene, pose, data, refraction, knobs);
   return std::make_shared<const FrameRays>(std::move(rays));
 }
 

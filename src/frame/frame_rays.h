@@ -5,11 +5,11 @@
 
 #include "base/hash.h"
 #include "bvh/raw_vector.h"
+#include "passes/scene_inputs.h"
+#include "reference/accel.h"
 #include "scene/frame_data.h"
 
 namespace candela {
-
-class Accel;
 
 // The trees of a frame's triangles as shaders/lib/trace.glsl takes them: those of reference/accel.h, for the CPU and
 // the device are to meet the same triangles.
@@ -18,13 +18,14 @@ struct FrameRays {
   RawVector<std::byte> bytes;  // a shared::TraceScene and its tables
   uint32_t stack = 1;          // entries that a ray's stack needs at most
   bool blended = false;        // something lets a part of the light through
-  size_t triangles = 0;
+  AccelStatistics statistics;
+  std::shared_ptr<const std::vector<TreeRange>> ranges;
 };
 
 // refraction: surfaces that let light through are drawn so, and rays of light pass them.
 
 // Of the posed geometry: equal keys mean equal trees, whatever frames they are of.
-Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction);
+Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, const BvhKnobs& knobs);
 
 // Lays out trees that are built.
 FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,
@@ -32,6 +33,6 @@ FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose,
 
 // Builds them for a frame.
 std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data,
-                                                 bool refraction);
+                                                 bool refraction, const BvhKnobs& knobs);
 
 }  // namespace candela

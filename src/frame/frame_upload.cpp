@@ -326,6 +326,11 @@ void add_triangle_numbers(const DrawList& draws, FrameUpload& upload) {
     upload.triangle_numbers[draws.order[upload.batches[b].item]] = uint32_t(b) * shared::triangle_batch_size;
 }
 
+void add_drawn_items(const DrawList& draws, FrameUpload& upload) {
+  upload.drawn_items.resize(draws.order.size());
+  for (size_t i = 0; i < draws.order.size(); ++i) upload.drawn_items[draws.order[i]] = uint32_t(i);
+}
+
 namespace {
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {

@@ -30,6 +30,7 @@ struct FrameUpload {
   std::vector<shared::CullGroup> groups;
   std::vector<shared::TriangleBatch> batches;  // empty unless add_batches made them
   std::vector<uint32_t> triangle_numbers;      // empty unless add_triangle_numbers did
+  std::vector<uint32_t> drawn_items;           // empty unless add_drawn_items did
   std::vector<shared::DeformJob> deform_jobs;
   uint32_t deformed_words = 0;
   // matte_id of each node's and material's name, the default material's last; empty unless their layers are wanted.
@@ -49,6 +50,8 @@ std::vector<shared::LightInstance> pack_light_instances(const Scene& scene, cons
 void add_batches(const DrawList& draws, FrameUpload& upload);
 // Of each item of the frame's data the number of its first triangle among those batches; shared::absent: it has none.
 void add_triangle_numbers(const DrawList& draws, FrameUpload& upload);
+// Of each item of the frame's data its place among those that are drawn.
+void add_drawn_items(const DrawList& draws, FrameUpload& upload);
 // Adds the time before, where anything moves in the picture: items of both are one for one.
 void add_motion(const FrameData& now, const View& view, const FrameData& before, const View& view_before,
                 FrameUpload& upload);

@@ -50,7 +50,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.width_px = job.width_px;
   request.height_px = job.height_px;
   // Supersampling takes the place of multisampling.
-  request.samples = knobs.get<Supersample::Knobs>().n > 1 ? 1 : knobs.get<Resolve::Knobs>().samples;
+  request.samples = knobs.get<Supersample::Knobs>().pictures() > 1 ? 1 : knobs.get<Resolve::Knobs>().samples;
   request.want_linear = wanted.linear;
   request.want_display = wanted.display;
   request.layers = wanted.linear ? job.layers : std::vector<std::string>{};
@@ -140,16 +140,20 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
   occlusion.knobs = knobs.get<AmbientOcclusion::Knobs>();
   if (f.upload.items.empty()) return;
   const bool refraction = f.facts.refracting_items > 0;
-  const bool lights = f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request);
-  if (lights || traces_keys)
-    f.rays = context.rays && context.rays->key == rays_key(context.scene, f.pose, f.data, refraction)
+  Reflections reflections;
+  reflections.knobs = knobs.get<Reflections::Knobs>();
+  f.traced.surfaces = reflections.traced(f.facts, f.request);
+  const bool shades = f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request) || f.traced.surfaces;
+  f.traced.tree = knobs.get<BvhKnobs>();
+  if (shades || traces_keys || shows_trees(f.request))
+    f.rays = context.rays && context.rays->key == rays_key(context.scene, f.pose, f.data, refraction, f.traced.tree)
                  ? context.rays
-                 : make_frame_rays(context.scene, f.pose, f.data, refraction);
+                 : make_frame_rays(context.scene, f.pose, f.data, refraction, f.traced.tree);
   TracedRays& traced = f.traced;
   traced.soft_suns = soft_suns(f, knobs.get<SunKnobs>());
   traced.soft_lamps = soft_lamps(f, knobs.get<LampKnobs>());
   if (!f.rays && !traced.soft_suns && !traced.soft_lamps) return;
-  const uint32_t n = uint32_t(std::max(knobs.get<Supersample::Knobs>().n, 1)), pictures = n * n;
+  const uint32_t pictures = knobs.get<Supersample::Knobs>().pictures();
   const auto a_picture = [&](int count) { return (uint32_t(count) + pictures - 1) / pictures; };
   const Occlusion look = f.request.look.occlusion.value_or(Occlusion{});
   shared::RaySettings s{};
@@ -165,12 +169,13 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
     s.sun_tangent = float(std::tan(angle));
   }
   s.seed = f.request.still_seed;
-  if (lights || traced.soft_suns || traced.soft_lamps) f.ray_settings = {s};
+  if (shades || traced.soft_suns || traced.soft_lamps) f.ray_settings = {s};
   if (!f.rays) return;
   // Rounded up, so that frames whose trees differ a little share their pipelines.
   traced.stack = (f.rays->stack + 7) / 8 * 8;
   traced.blended = f.rays->blended;
   traced.suns = f.suns.traced, traced.lamps = f.lamps.traced;
+  if (traced.surfaces) add_drawn_items(f.draws, f.upload);
 }
 
 // Imports every buffer that the frame has content for.
@@ -197,6 +202,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.lamp_absence = f.lamps.absence;
   s.lamp_first_command = std::make_shared<const std::vector<uint32_t>>(f.lamps.views.first_command);
   s.rays = f.traced;
+  if (f.rays) s.tree_ranges = f.rays->ranges;
   s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
   if (f.facts.probes > 0) s.features.push_back(probes_constant(f.facts.probes));
@@ -251,9 +257,10 @@ std::string probe_note(const PlannedFrame& f) {
 
 void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   for (const std::string& note : f.view.notes) f.notes.push_back(note);
-  if (knobs.get<Supersample::Knobs>().n > 1 && knobs.get<Resolve::Knobs>().samples > 1)
-    f.notes.push_back(fmt::format("supersampling ({0} x {0} a pixel) takes the place of multisampling",
-                                  knobs.get<Supersample::Knobs>().n));
+  const Supersample::Knobs& supersample = knobs.get<Supersample::Knobs>();
+  if (supersample.pictures() > 1 && knobs.get<Resolve::Knobs>().samples > 1)
+    f.notes.push_back(fmt::format("supersampling ({} x {} a pixel) takes the place of multisampling",
+                                  supersample.grid().x, supersample.grid().y));
   if (const std::string note = probe_note(f); !note.empty()) f.notes.push_back(note);
   for (const std::string& warning : f.pose.warnings) f.notes.push_back(warning);
   if (f.request.neutral_light)
@@ -369,9 +376,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
         frame_fog(f.request.look, f.view, f.data, extent.farthest_m,
                   fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
   }
+  const Supersample::Knobs& supersample = knobs->get<Supersample::Knobs>();
   auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),
-                          f.request.height_px * std::max(knobs->get<Supersample::Knobs>().n, 1), culling,
-                          f.shadow_colors, f.upload);
+                          f.request.height_px * int(supersample.grid().y), culling, f.shadow_colors, f.upload);
   if (!lamps) return std::unexpected(lamps.error());
   f.lamps = std::move(*lamps);
   for (const auto* notes : {&f.suns.notes, &f.lamps.notes}) f.notes.insert(f.notes.end(), notes->begin(), notes->end());

@@ -193,6 +193,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.outputs = planned->outputs;
     result.pre_exposure = planned->upload.constants.pre_exposure;
     result.plan_hash = planned->hash;
+    result.rays = planned->rays;
     result.dumps = std::move(planned->dumps);
     result.left_out = planned->graph.plan.left_out;
     result.plan = std::move(planned->graph.plan);

@@ -56,6 +56,7 @@ struct FrameResult {
   Hash128 plan_hash;
   FramePlan plan;
   std::vector<LeftOut> left_out;
+  std::shared_ptr<const FrameRays> rays;  // the trees that it sent rays through; null: none
   Timings timings;
   std::vector<gpu::PassHash> hashes;  // when asked for
   std::vector<std::string> notes;

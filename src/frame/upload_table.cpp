@@ -48,6 +48,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add_lights();
     add("frame.cull_groups", &Inputs::cull_groups, u.groups);
     add("frame.triangle_numbers", &Inputs::triangle_numbers, u.triangle_numbers);
+    add("frame.drawn_items", &Inputs::drawn_items, u.drawn_items);
     add("frame.triangle_batches", &Inputs::batches, u.batches, offsetof(Constants, batches));
     add("frame.views", &Inputs::views, frame.suns.views.table);
     add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);

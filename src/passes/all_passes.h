@@ -7,6 +7,7 @@
 #include "passes/debug/light_volume_layer.h"
 #include "passes/debug/mattes.h"
 #include "passes/debug/motion.h"
+#include "passes/debug/tree_views.h"
 #include "passes/geometry/cull.h"
 #include "passes/geometry/cull_compact.h"
 #include "passes/geometry/deform.h"
@@ -73,8 +74,8 @@ using AllPasses =
              AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes,
              PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
              Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
-             LampLayers, OcclusionLayer, LightHeat, LightVolumeLayer, MotionLayer, MatteIds, MatteRanks, Supersample,
-             Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             LampLayers, OcclusionLayer, LightHeat, LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds,
+             MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

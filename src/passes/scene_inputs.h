@@ -10,11 +10,19 @@
 
 namespace candela {
 
+// Nodes of one tree for rays among those of all, for what looks at them.
+struct TreeRange {
+  uint32_t first_node, nodes;
+  uint32_t instance;  // that shows it, among those of the trees; shared::no_trace: none, it is of relative space
+  bool holds_instances;
+};
+
 // What every pass that touches the scene takes: the uploaded buffers, the frame's shape, and the draw runs.
 struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
   BufferHandle lobes;             // of materials; empty without
   BufferHandle triangle_numbers;  // empty unless rays find what the camera sees
+  BufferHandle drawn_items;       // empty unless what rays meet is shaded
   BufferHandle batches;           // empty unless triangles are rasterized in compute
   // What a pass poses lights from (passes/lights/pose_lights.h); `lights` is then empty until it has. Empty: the host
   // has posed all.
@@ -28,12 +36,13 @@ struct SceneInputs {
   BufferHandle lamp_views, lamp_view_regions, lamps;  // the same of point and spot lights
   std::shared_ptr<const ViewImage> sun_image, lamp_image;
   std::shared_ptr<const std::vector<uint32_t>> view_first_command, lamp_first_command;
-  std::string sun_absence, lamp_absence;        // why there are none
-  std::optional<Hash128> sun_key, lamp_key;     // of the maps' content, where they may be kept
-  BufferHandle trees, ray_settings;             // empty: nothing is traced
-  TracedRays rays;                              // but for its handles, which are these
-  BufferHandle deform_jobs, joints, weights;    // empty when nothing is deformed
-  BufferHandle object_mattes, material_mattes;  // ids of names; empty unless their layers are wanted
+  std::string sun_absence, lamp_absence;                      // why there are none
+  std::optional<Hash128> sun_key, lamp_key;                   // of the maps' content, where they may be kept
+  BufferHandle trees, ray_settings;                           // empty: nothing is traced
+  TracedRays rays;                                            // but for its handles, which are these
+  std::shared_ptr<const std::vector<TreeRange>> tree_ranges;  // null: nothing is traced
+  BufferHandle deform_jobs, joints, weights;                  // empty when nothing is deformed
+  BufferHandle object_mattes, material_mattes;                // ids of names; empty unless their layers are wanted
   // Where things were at the time before (shared/motion.h); empty: nothing moves, or nobody asks. The last two are
   // empty where deformed vertices are the same.
   BufferHandle motion, joints_before, weights_before;

@@ -83,6 +83,8 @@ Json row_json(const BenchRow& row) {
   for (const auto& [stage, ms] : row.opening_ms) j["opening_ms"][stage] = rounded(ms);
   j["memory"] = Json::object();
   for (const auto& [name, bytes] : row.memory) j["memory"][name] = bytes;
+  if (!row.trees.empty()) j["trees"] = Json::object();
+  for (const auto& [name, count] : row.trees) j["trees"][name] = count;
   j["picture"] = picture_json(row.picture);
   if (!row.errors.empty()) j["errors"] = errors_json(row.errors);
   if (!row.knobs.empty()) j["knobs"] = knobs_json(row.knobs);
@@ -158,6 +160,8 @@ BenchRow row_from(const Json& j) {
   row.cpu = named_series_from(j.at("cpu_ms"));
   for (const auto& [stage, ms] : j.at("opening_ms").items()) row.opening_ms.emplace_back(stage, ms.get<double>());
   for (const auto& [name, bytes] : j.at("memory").items()) row.memory.emplace_back(name, bytes.get<uint64_t>());
+  if (j.contains("trees"))
+    for (const auto& [name, count] : j["trees"].items()) row.trees.emplace_back(name, count.get<uint64_t>());
   read_picture(j.at("picture"), row.picture);
   if (j.contains("errors")) row.errors = errors_from(j["errors"]);
   if (j.contains("knobs")) row.knobs = knobs_from(j["knobs"]);

@@ -1,18 +1,22 @@
+#include <cmath>
+
 #include "passes/geometry/features.h"
 #include "techniques/technique.h"
 
 namespace candela {
 namespace {
 
-// The mean of n x n pictures, each from its own point of every pixel. Lists of lights that follow a depth are made for
-// each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of each
-// are summed as their pictures are.
+// The mean of a grid of pictures, each from its own point of every pixel. Lists of lights that follow a depth are made
+// for each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of
+// each are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
-                         const Lighting& lighting, uint32_t n, TermImages& terms, FogImages& fog, MatteImages& mattes) {
+                         const Lighting& lighting, glm::uvec2 grid, TermImages& terms, FogImages& fog,
+                         MatteImages& mattes) {
   SceneInputs sample = scene;
   sample.is_subsample = true;
   sample.features = with_subsample(scene.features);
-  sample.subsample_footprint = 1 / float(n);
+  const uint32_t pictures = grid.x * grid.y;
+  sample.subsample_footprint = 1 / std::sqrt(float(pictures));
   ImageHandle sum;
   const bool divided = bool(Terms{}.needed(frame.facts, frame.request));
   if (!divided) frame.add(Terms{}, {});
@@ -21,17 +25,17 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   const auto add = [&](ImageHandle picture, ImageHandle before, const std::string& of) {
     return frame.add(Supersample{}, {picture, before, scene.width_px, scene.height_px}, of).sum;
   };
-  for (uint32_t i = 0; i < n * n; ++i) {
+  for (uint32_t i = 0; i < pictures; ++i) {
     const std::string instance = fmt::format("s{:02}", i);
-    sample.subsample = i, sample.subsamples = n * n;
-    sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(n, i) / glm::dvec2(scene.width_px, scene.height_px));
+    sample.subsample = i, sample.subsamples = pictures;
+    sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(grid, i) / glm::dvec2(scene.width_px, scene.height_px));
     const Surfaces seen = seen_again(frame, sample, surfaces, instance);
     Lighting lit = lighting;
     if (scene.light_grid.tiled) lit = light_surfaces(frame, sample, seen, instance);
     lit.lists.sun_maps = lighting.lists.sun_maps;
     lit.lists.fog = lighting.lists.fog;
     lit.lists.rays = lighting.lists.rays;
-    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, n * n);
+    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, pictures);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
     lit.shadow_colors = lighting.shadow_colors;
     const Shaded shaded = technique.shade(frame, sample, seen, lit, instance);
@@ -57,15 +61,17 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   SceneInputs scene = inputs;
   const BufferHandle posed = frame.add(PoseLights{.on_device = scene.light_group_count > 0}, {scene}).lights;
   if (scene.light_group_count > 0) scene.lights = posed;
-  const uint32_t n = uint32_t(frame.knobs.get<Supersample::Knobs>().n);
+  const Supersample::Knobs& supersample = frame.knobs.get<Supersample::Knobs>();
+  const uint32_t pictures = supersample.pictures();
   const Surfaces surfaces = visible_surfaces(frame, scene);
   Lighting lighting = light_surfaces(frame, scene, surfaces);
   // Of a supersampled frame only the layer is of this depth. Before the suns' maps, which are drawn meanwhile.
   OcclusionTexels occlusion;
-  if (n == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
+  if (pictures == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
     occlusion = ambient_occlusion(frame, scene, surfaces.looked_up);
-  if (n == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
+  if (pictures == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
   lighting.lists.rays = scene.rays;
+  lighting.lists.rays.surfaces = false;  // not where the camera's surfaces are shaded
   lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
   shadow_maps(frame, scene, surfaces, lighting);
   lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);
@@ -74,8 +80,8 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   TermImages terms;
   FogImages fog;
   MatteImages mattes;
-  if (n > 1) {
-    radiance = supersampled(frame, scene, technique, surfaces, lighting, n, terms, fog, mattes);
+  if (pictures > 1) {
+    radiance = supersampled(frame, scene, technique, surfaces, lighting, supersample.grid(), terms, fog, mattes);
   } else {
     frame.add(Supersample{}, {});
     const Composite all =
@@ -89,7 +95,7 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   describe(frame, scene, surfaces, lighting, occlusion);
   terms = publish_terms(frame, scene, terms);
   publish_fog(frame, scene, fog);
-  publish_mattes(frame, scene, mattes, n * n);
+  publish_mattes(frame, scene, mattes, pictures);
   post(frame, scene, surfaces, lighting, radiance, resolved, terms[size_t(Term::emission)]);
 }
 

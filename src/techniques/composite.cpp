@@ -3,6 +3,18 @@
 namespace candela {
 namespace {
 
+// Of surfaces that rays meet. Maps and texels know those before the camera alone, so shadows and occlusion are by rays.
+CellLists lights_off_camera(const Lighting& lighting) {
+  CellLists lists = fog_on_the_way(lighting.lists);
+  lists.rays.surfaces = true;
+  lists.rays.suns |= bool(lists.sun_maps), lists.rays.lamps |= bool(lists.lamp_maps);
+  lists.sun_maps = lists.lamp_maps = {};
+  lists.occlusion = lighting.occlusion;
+  lists.occlusion.traced |= bool(lists.occlusion.open);
+  lists.occlusion.open = {};
+  return lists;
+}
+
 Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                       ImageHandle color, std::string_view instance) {
   const FrameRequest& request = frame.request;
@@ -11,8 +23,11 @@ Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& su
   const std::string resolved = instance.empty() ? "opaque" : fmt::format("{}.opaque", instance);
   Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.lists)};
   in.lists.occlusion = lighting.occlusion;
-  in.picture =
-      newest(frame.add(Resolve{}, {color, scene.width_px, scene.height_px, scene.samples}, resolved).resolved, color);
+  if (scene.rays.surfaces)
+    in.met = lights_off_camera(lighting);
+  else
+    in.picture =
+        newest(frame.add(Resolve{}, {color, scene.width_px, scene.height_px, scene.samples}, resolved).resolved, color);
   in.has_sky = frame.facts.environment || request.neutral_light;
   in.seed = request.still_seed;
   in.subsample = scene.subsample, in.subsamples = scene.subsamples;

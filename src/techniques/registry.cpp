@@ -3,8 +3,10 @@
 namespace candela {
 
 std::span<const Technique> techniques() {
-  static constexpr Preset rays[] = {
-      {"sun", "mode", "traced"}, {"shadows", "method", "traced"}, {"occlusion", "method", "traced"}};
+  static constexpr Preset rays[] = {{"sun", "mode", "traced"},
+                                    {"shadows", "method", "traced"},
+                                    {"occlusion", "method", "traced"},
+                                    {"reflections", "method", "traced"}};
   static constexpr Technique table[] = {
       {"clustered", "forward shading, lights listed by tile and depth slice: the default", forward,
        LightGridKind::clusters},
@@ -14,9 +16,9 @@ std::span<const Technique> techniques() {
        LightGridKind::none},
       {"visibility", "triangles rasterized in compute, each visible one of a pixel shaded once; lights as clustered",
        visibility, LightGridKind::clusters, Technique::Keys::rasterized},
-      {"hybrid", "visibility, with shadows and ambient occlusion by rays", visibility, LightGridKind::clusters,
-       Technique::Keys::rasterized, rays},
-      {"ray", "what the camera sees, shadows and ambient occlusion by rays, shaded as in visibility", visibility,
+      {"hybrid", "visibility, with shadows, ambient occlusion and reflections by rays", visibility,
+       LightGridKind::clusters, Technique::Keys::rasterized, rays},
+      {"ray", "what the camera sees, shadows, occlusion and reflections by rays, shaded as visibility", visibility,
        LightGridKind::clusters, Technique::Keys::traced, rays},
       {"deferred-clustered", "surfaces into a G-buffer, shaded in compute; lights as clustered", deferred,
        LightGridKind::clusters},

@@ -78,6 +78,8 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   if (LightVolumeLayer{}.needed(frame.facts, frame.request))
     volumes = frame.add(LightVolumeLists{}, {scene, true}, "layer").volumes;
   frame.add(LightVolumeLayer{}, {scene, volumes});
+  frame.add(TraversalHeat{}, {scene});
+  frame.add(TreeBoxes{}, {scene});
 }
 
 }  // namespace candela

@@ -1,6 +1,7 @@
 // Screen-space reflections in whole frames: known values of mirrors, what they leave to the sky, and against the traced
 // layer.
 #include "frame_fixture.h"
+#include "image/exr.h"
 #include "passes/surfaces/terms.h"
 #include "render/reference_frame.h"
 
@@ -37,6 +38,17 @@ class FrameReflections : public FrameTest {
       add_light(b, {{"type", "directional"}, {"intensity", 1e-6}},
                 {{"rotation", rotation_between({0, 0, -1}, {0, -1, 0})}});
     return b;
+  }
+  // Of radiance 0.5 everywhere.
+  static std::string even_sky() {
+    FloatImage image{.width = 16, .height = 8};
+    for (const char* channel : {"R", "G", "B"})
+      image.channels.push_back({channel, ChannelType::float32, std::vector<float>(16 * 8, 0.5f), {}});
+    const auto bytes = encode_exr(image, ExrCompression::zip, "even");
+    if (!bytes) return {};
+    const std::string file = ::testing::TempDir() + "candela_reflections_even.exr";
+    std::ofstream(file, std::ios::binary).write(bytes->data(), long(bytes->size()));
+    return file;
   }
   static Job seen(const std::string& path, int samples = 1, double down = 0) {
     Job job = job_for(path, width, height, samples);
@@ -120,6 +132,32 @@ TEST_F(FrameReflections, OutsideThePictureIsTheSky) {
   for (const glm::vec4& v : bare["reflections"].values<glm::vec4>()) ASSERT_EQ(glm::vec3(v), glm::vec3(0));
 }
 
+// Rays meet the wall whether the picture shows it or not, with any technique and with several samples.
+TEST_F(FrameReflections, TracedMirrorsShowWhatThePictureDoesNot) {
+  const std::string path = write(floor_and_wall(0, true));
+  const double down = 2.4;
+  for (const auto& [technique, samples] :
+       {std::pair("clustered", 1), {"forward-plus", 4}, {"hybrid", 1}, {"ray", 4}, {"deferred-clustered", 1}}) {
+    Job job = seen(path, samples, down);
+    job.technique = technique;
+    job.settings = {};
+    if (job.technique != "ray" && job.technique != "hybrid") job.settings = {{"reflections", "method", "traced"}};
+    const Images images = images_of(job);
+    int outside = 0, within = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const auto met = mirrored(glm::dvec2(x, y) + 0.5, down);
+        if (!met || !on_wall(*met)) continue;
+        const glm::vec4 value = images["reflections"].at<glm::vec4>(x, y);
+        for (int c = 0; c < 3; ++c)
+          ASSERT_NEAR(value[c] / wall_colour[c], 0.985, 0.02) << technique << " " << x << "," << y;
+        ++(inside(*met, down) < 0 ? outside : within);
+      }
+    EXPECT_GT(outside, 100) << technique;
+    EXPECT_GT(within, 100) << technique;
+  }
+}
+
 // Orthographic: a camera that looks down at the floor at 45 degrees, made from the scene's own.
 TEST_F(FrameReflections, AnOrthographicCameraSeesTheSame) {
   GltfBuilder b = floor_and_wall(0, true);
@@ -131,14 +169,17 @@ TEST_F(FrameReflections, AnOrthographicCameraSeesTheSame) {
   Job job = job_for(write(b), width, height, 1);
   job.effects = "ssr";
   job.layers = {"reflections"};
-  const Images images = images_of(job);
-  int blue = 0;
-  for (const glm::vec4& v : images["reflections"].values<glm::vec4>()) {
-    if (!(v.z > 0.5f)) continue;
-    EXPECT_NEAR(v.z / v.x, wall_colour.z / wall_colour.x, 0.02);
-    ++blue;
+  for (const char* method : {"screen", "traced"}) {
+    job.settings = {{"reflections", "method", method}};
+    const Images images = images_of(job);
+    int blue = 0;
+    for (const glm::vec4& v : images["reflections"].values<glm::vec4>()) {
+      if (!(v.z > 0.5f)) continue;
+      EXPECT_NEAR(v.z / v.x, wall_colour.z / wall_colour.x, 0.02);
+      ++blue;
+    }
+    EXPECT_GT(blue, 300) << method;
   }
-  EXPECT_GT(blue, 300);
 }
 
 // Any roughness, size, sample count, knob, and a camera that grazes the floor: numbers, and no colour below 0.
@@ -207,7 +248,7 @@ TEST_F(FrameReflections, TendToTheTracedLayer) {
     job.look = file;
     job.settings = {};
     job.quality = "exact";
-    job.settings = {{"supersample", "n", "1"}};
+    job.settings = {{"supersample", "n", "1"}, {"reflections", "method", "screen"}};
     const auto frame = open_reference(job, 0, {});
     ASSERT_TRUE(frame);
     reference::TraceSettings settings;
@@ -238,6 +279,54 @@ TEST_F(FrameReflections, TendToTheTracedLayer) {
     for (const auto& errors : {by_samples, by_steps})
       for (size_t i = 1; i < errors.size(); ++i) EXPECT_LE(errors[i], errors[i - 1] * 1.05 + 1e-7);
     EXPECT_LT(by_samples.back(), 0.01);
+  }
+}
+
+// Rays through the scene against the traced layer: what is reflected lies outside of the picture for the most, under a
+// lamp with a shadow and an even sky with occlusion. More rays come nearer to it.
+TEST_F(FrameReflections, RaysTendToTheTracedLayer) {
+  for (const double roughness : {0.05, 0.5}) {
+    GltfBuilder b = floor_and_wall(roughness, false);
+    const int grey = add_material(b, diffuse_material(0.7, 0.4, 0.2));
+    // Above the picture's edge, and what casts a shadow on it.
+    add_node(b, {{"mesh", add_square_mesh(b, 1, grey)}, {"translation", {0, 3, -1.9}}});
+    add_node(b, {{"mesh", add_square_mesh(b, 0.3f, grey)}, {"translation", {0.5, 2.6, -0.8}}});
+    add_light(b, {{"type", "point"}, {"intensity", 30}}, {{"translation", {1, 2, 0.5}}});
+    Job job = seen(write(b), 1, 1.2);
+    job.width_px = 48, job.height_px = 32;
+    job.technique = "ray";
+    job.effects = "auto";
+    job.look = look_file(R"({"reflections": {}, "occlusion": {"radius_m": 2}})");
+    job.sky = even_sky();
+    job.quality = "exact";
+    job.settings = {{"supersample", "n", "1"}, {"reflections", "samples", "64"}, {"ibl", "method", "split"}};
+    job.settings.insert(job.settings.end(), {{"occlusion", "rays", "64"}, {"occlusion", "bent", "0"}});
+    ASSERT_FALSE(job.sky.empty());
+    const auto frame = open_reference(job, 0, {});
+    ASSERT_TRUE(frame);
+    reference::TraceSettings settings;
+    reference::Film film(job.width_px, job.height_px, {.terms = true});
+    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), 256,
+             [](double) { return true; });
+    const auto error = [&](const std::vector<KnobSetting>& knobs) {
+      Job with = job;
+      with.settings.insert(with.settings.end(), knobs.begin(), knobs.end());
+      const auto picture = images_of(with)["reflections"].values<glm::vec4>();
+      double sum = 0;
+      for (size_t i = 0; i < picture.size(); ++i) {
+        const glm::dvec3 truth = film.term(reference::Term::reflections, i);
+        for (int c = 0; c < 3; ++c) sum += std::pow(picture[i][c] - truth[c], 2) / (std::pow(truth[c], 2) + 0.01);
+      }
+      return sum / (3 * double(picture.size()));
+    };
+    const double screen = error({{"reflections", "method", "screen"}, {"reflections", "fade", "0"}});
+    std::vector<double> by_samples;
+    for (const char* n : {"1", "4", "16", "64"}) by_samples.push_back(error({{"reflections", "samples", n}}));
+    fmt::print("roughness {}: relMSE through the picture {:.5f}, by rays {:.6f}\n", roughness, screen,
+               fmt::join(by_samples, " "));
+    for (size_t i = 1; i < by_samples.size(); ++i) EXPECT_LE(by_samples[i], by_samples[i - 1] * 1.05 + 1e-6);
+    EXPECT_LT(by_samples.back(), 0.01);
+    EXPECT_GT(screen, 4 * by_samples.back());
   }
 }
 

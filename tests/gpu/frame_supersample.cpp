@@ -52,6 +52,34 @@ TEST_F(Supersampling, TechniquesAgree) {
   }
 }
 
+// Grids of 2 by 2, 4 by 2 and 4 by 4 rays a pixel come nearer to 8 by 8, each to another picture.
+TEST_F(Supersampling, GridsOfRaysTendToTheirEnd) {
+  for (const char* technique : {"ray", "hybrid"}) {
+    const auto picture = [&](const char* columns, const char* rows) {
+      Job job = job_for(scene("alpha"), 48, 27);
+      job.technique = technique;
+      job.effects = "none";
+      job.settings = {{"supersample", "n", columns}, {"supersample", "rows", rows}};
+      return images_of(job)["beauty"];
+    };
+    const Image truth = picture("8", "0");
+    std::vector<double> errors;
+    for (const auto& [columns, rows] : {std::pair("1", "0"), {"2", "0"}, {"4", "2"}, {"4", "0"}}) {
+      const Image image = picture(columns, rows);
+      double sum = 0;
+      for (int y = 0; y < 27; ++y)
+        for (int x = 0; x < 48; ++x) {
+          const glm::dvec4 off = glm::dvec4(image.at<glm::vec4>(x, y)) - glm::dvec4(truth.at<glm::vec4>(x, y));
+          sum += glm::dot(off, off);
+        }
+      errors.push_back(std::sqrt(sum / (48 * 27)));
+    }
+    fmt::print("{}: RMSE of 1, 4, 8, 16 samples {:.4f}\n", technique, fmt::join(errors, " "));
+    for (size_t i = 1; i < errors.size(); ++i) EXPECT_LT(errors[i], 0.9 * errors[i - 1]) << technique;
+    EXPECT_EQ(picture("2", "2"), picture("2", "0"));
+  }
+}
+
 // Layers are of the pixel's middle, whatever the number of samples.
 TEST_F(Supersampling, LayersStayWhereTheyAre) {
   Job one = sampled("spheres", 1), many = sampled("spheres", 2);

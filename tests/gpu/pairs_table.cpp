@@ -216,7 +216,7 @@ std::vector<glm::dvec2> places_of(const std::string& samples) {
   if (samples == "1 sample") return {{0.5, 0.5}};
   if (samples == "4 samples") return {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}};
   std::vector<glm::dvec2> places;
-  for (uint32_t i = 0; i < 4; ++i) places.push_back(0.5 + subsample_offset_px(2, i));
+  for (uint32_t i = 0; i < 4; ++i) places.push_back(0.5 + subsample_offset_px({2, 2}, i));
   return places;
 }
 

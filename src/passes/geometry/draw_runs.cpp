@@ -15,7 +15,7 @@ VkPrimitiveTopology vulkan_topology(Topology t) {
                                   : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
 }
 bool traces(const CellLists& lists) {
-  return lists.rays.trees && (lists.rays.suns || lists.rays.lamps || lists.occlusion.traced);
+  return lists.rays.trees && (lists.rays.suns || lists.rays.lamps || lists.rays.surfaces || lists.occlusion.traced);
 }
 bool takes_settings(const CellLists& lists) {
   return lists.rays.settings && (traces(lists) || lists.rays.soft_suns || lists.rays.soft_lamps);
@@ -68,7 +68,11 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellL
   for (const ImageHandle colors : {lists.shadow_colors.suns, lists.shadow_colors.lamps})
     builder.read_optional(colors, by.image);
   const TracedRays& rays = lists.rays;
-  if (traces(lists)) builder.read(rays.trees, by.buffer, "the trees for rays");
+  if (traces(lists)) {
+    builder.read(rays.trees, by.buffer, "the trees for rays");
+    for (const Knob<BvhKnobs>& row : BvhKnobs::table())
+      builder.knob(fmt::format("{}.{}", BvhKnobs::name, row.name), row.text(row.value(rays.tree)));
+  }
   if (takes_settings(lists)) builder.read(rays.settings, by.buffer, "how rays are sent");
   const auto count = [&](bool used, const char* knob, uint32_t value) {
     if (used) builder.knob(knob, fmt::format("{} a picture", value));

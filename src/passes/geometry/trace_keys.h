@@ -1,4 +1,5 @@
 #pragma once
+#include "passes/geometry/bvh_knobs.h"
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
 
@@ -9,6 +10,7 @@ namespace candela {
 // are those of the texture's finest level. Lines and points are not in it. Needs no atomics.
 struct TraceKeys {
   static constexpr std::string_view name = "trace_keys";
+  using SharedKnobs = std::tuple<BvhKnobs>;
   struct In {
     SceneInputs scene;
   };

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "graph/handle.h"
+#include "passes/geometry/bvh_knobs.h"
 #include "passes/lights/light_knobs.h"
 #include "passes/volumes/fog_view.h"
 
@@ -40,8 +41,10 @@ struct OcclusionTexels {
 struct TracedRays {
   BufferHandle trees, settings;
   uint32_t stack = 0;
+  BvhKnobs tree;                     // how they are built, for the plan
   bool blended = false;              // something lets a part of the light through
   bool suns = false, lamps = false;  // whose shadows are traced
+  bool surfaces = false;             // rays look for surfaces, which are shaded where they are met
   // Lights with a size, whose shadows are soft; with maps they need the settings alone.
   bool soft_suns = false, soft_lamps = false;
   // What reaches shaders through the settings, for the plan.

@@ -18,12 +18,21 @@ std::span<const Knob<Supersample::Knobs>> Supersample::Knobs::table() {
        {1, 2, 4},
        {"depth_prepass", "shade_forward", "gbuffer", "shade_gbuffer", "shade_volumes", "shade_unlit", "sky",
         "background", "transparent", "terms", "supersample", "resolve"}},
+      {.name = "rows",
+       .member = &Knobs::rows,
+       .lowest = 0,
+       .highest = 8,
+       .ladder = {},
+       .trades = "rows of those samples, beside n columns: 4 by 2 are eight; 0: as many as columns",
+       .walk = {2, 0},
+       .passes = {"supersample"},
+       .beside = "supersample.n=4"},
   };
   return table;
 }
 
 Need Supersample::needed(const SceneFacts&, const FrameRequest&) const {
-  return needed_if(knobs.n > 1, "one sample of shading a pixel (supersample.n)");
+  return needed_if(knobs.pictures() > 1, "one sample of shading a pixel (supersample.n)");
 }
 
 Supersample::Out Supersample::declare(GraphBuilder& builder, const In& in) const {
@@ -44,7 +53,7 @@ void Supersample::record(CommandList& commands, const In& in, const Out& out) co
   push.source = commands.sampled(in.color);
   push.before = in.before ? commands.sampled(in.before) : 0;
   push.target = commands.storage(out.sum);
-  push.share = 1.0f / float(knobs.n * knobs.n);
+  push.share = 1.0f / float(knobs.pictures());
   push.size_px = {in.width_px, in.height_px};
   commands.push(push);
   commands.dispatch(in.width_px, in.height_px);

@@ -1,6 +1,9 @@
 #include "passes/reflections/reflections.h"
 
 #include <algorithm>
+#include <bit>
+
+#include "passes/geometry/features.h"
 
 namespace candela {
 namespace {
@@ -19,11 +22,32 @@ glm::uvec2 padded(const SceneInputs& scene) {
   return {(scene.width_px + unit - 1) / unit * unit, (scene.height_px + unit - 1) / unit * unit};
 }
 
+ImageHandle light_image(GraphBuilder& builder, const SceneInputs& scene, const Reflections::Knobs& knobs,
+                        const char* name) {
+  const glm::uvec2 texels = texels_of(knobs, scene);
+  const ImageDesc desc{.name = name, .format = color_format, .width_px = texels.x, .height_px = texels.y};
+  return builder.write(builder.create(desc), Access::storage_image_write);
+}
+
+uint32_t samples_of(const Reflections::Knobs& knobs, const Reflections::In& in) {
+  return (uint32_t(knobs.samples) + in.subsamples - 1) / in.subsamples;
+}
+
 }  // namespace
 
 std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
   static const std::vector<std::string_view> passes = {"reflections", "reflections_over", "terms"};
+  constexpr std::string_view on_screen = "reflections.method=screen";
   static const Knob<Knobs> table[] = {
+      {.name = "method",
+       .member = &Knobs::method,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0, 0, 0, 1},
+       .trades = "what surfaces reflect of each other: what the picture shows, or rays to all that there is",
+       .choices = {"screen", "traced"},
+       .walk = {0, 1},
+       .passes = passes},
       {.name = "samples",
        .member = &Knobs::samples,
        .lowest = 1,
@@ -39,7 +63,8 @@ std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
        .ladder = {24, 48, 64, 0},
        .trades = "depths that a ray looks at, at most; fewer miss what is narrow; 0: every pixel that it crosses",
        .walk = {8, 16, 32, 64, 128, 0},
-       .passes = {"reflections"}},
+       .passes = {"reflections"},
+       .beside = on_screen},
       {.name = "smooth",
        .member = &Knobs::smooth,
        .lowest = 0,
@@ -69,7 +94,8 @@ std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
            "how far behind a seen surface a ray still meets it, in parts of its distance; more finds what is hidden "
            "and invents what is not; 0: seen surfaces alone",
        .walk = {0.2, 0.05, 0.02, 0.01, 0},
-       .passes = {"reflections"}},
+       .passes = {"reflections"},
+       .beside = on_screen},
       {.name = "fade",
        .member = &Knobs::fade,
        .lowest = 0,
@@ -77,7 +103,8 @@ std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
        .ladder = {0.05, 0.05, 0.05, 0},
        .trades = "part of the picture's size at its edges where reflections fade into the sky's; 0: they end",
        .walk = {0.2, 0.1, 0.05, 0},
-       .passes = {"reflections"}},
+       .passes = {"reflections"},
+       .beside = on_screen},
       {.name = "roughest",
        .member = &Knobs::roughest,
        .lowest = 0,
@@ -94,6 +121,11 @@ std::span<const Knob<Reflections::Knobs>> Reflections::Knobs::table() {
 Need Reflections::needed(const SceneFacts& facts, const FrameRequest& request) const {
   if (!request.draws_reflections()) return {false, "the look has no reflections of the scene (--look, --effects)"};
   return needed_if(facts.lit_items > 0, "the scene has no opaque or masked surface that takes light");
+}
+
+bool Reflections::ignores(std::string_view knob) const {
+  if (knobs.method == Knobs::screen) return knob == "floor_lux";
+  return knob == "steps" || knob == "thickness" || knob == "fade";
 }
 
 uint32_t Reflections::levels(const SceneInputs& scene) {
@@ -130,7 +162,26 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   out.reflected.sky = builder.write(image("reflections.sky", color_format), Access::color_attachment);
   if (in.lists.fog) out.fog = builder.write(image("reflections.fog", color_format), Access::color_attachment);
   out.reflected.z = builder.write(image("reflections.z", depth_format), Access::depth_attachment);
+  if (knobs.method == Knobs::by_rays)
+    declare_rays(builder, in, out);
+  else
+    declare_march(builder, in, out);
+  if (knobs.smooth == 0) return out;
+  out.noisy = out.reflected.light;
+  out.pipelines.smooth = builder.pipeline(ComputePipelineDesc{
+      "reflections_smooth.comp", knobs.texel_px != 1 ? std::vector<SpecConstant>{{0, "SIDE", uint32_t(knobs.texel_px)}}
+                                                     : std::vector<SpecConstant>{}});
+  builder.begin_step();
+  builder.read(scene.constants, Access::uniform_read, "the frame's constants");
+  for (const ImageHandle read :
+       {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.noisy})
+    builder.read(read, Access::sampled_compute, "surfaces");
+  out.reflected.light = light_image(builder, in.scene, knobs, "reflections.smooth");
+  return out;
+}
 
+void Reflections::declare_march(GraphBuilder& builder, const In& in, Out& out) const {
+  const SceneInputs& scene = in.scene;
   const glm::uvec2 size = padded(scene);
   out.colors = builder.create(ImageDesc{.name = "reflections.colors",
                                         .format = color_format,
@@ -155,37 +206,41 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   std::vector<SpecConstant> constants;
   if (knobs.texel_px != 1) constants.push_back({0, "SIDE", uint32_t(knobs.texel_px)});
   if (in.has_sky) constants.push_back({1, "HAS_SKY", 1});
-  out.pipelines.trace = builder.pipeline(
-      ComputePipelineDesc{in.lists.fog ? "reflections_trace.comp#FOG=1" : "reflections_trace.comp", constants});
+  out.pipelines.trace =
+      builder.pipeline(ComputePipelineDesc{with_fog("reflections_trace.comp", fog_on_the_way(in.lists)), constants});
   builder.begin_step();
   builder.read(scene.constants, Access::uniform_read, "the frame's constants");
   for (const ImageHandle read :
        {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.colors})
     builder.read(read, Access::sampled_compute, "surfaces");
-  const glm::uvec2 texels = texels_of(knobs, scene);
-  const auto light = [&](const char* name) {
-    const ImageDesc desc{.name = name, .format = color_format, .width_px = texels.x, .height_px = texels.y};
-    return builder.write(builder.create(desc), Access::storage_image_write);
-  };
-  out.reflected.light = light("reflections.light");
-  if (knobs.smooth == 0) return out;
-  out.noisy = out.reflected.light;
-  out.pipelines.smooth = builder.pipeline(ComputePipelineDesc{
-      "reflections_smooth.comp", knobs.texel_px != 1 ? std::vector<SpecConstant>{{0, "SIDE", uint32_t(knobs.texel_px)}}
-                                                     : std::vector<SpecConstant>{}});
+  out.reflected.light = light_image(builder, in.scene, knobs, "reflections.light");
+}
+
+void Reflections::declare_rays(GraphBuilder& builder, const In& in, Out& out) const {
+  const SceneInputs& s = in.scene;
   builder.begin_step();
-  builder.read(scene.constants, Access::uniform_read, "the frame's constants");
-  for (const ImageHandle read :
-       {out.reflected.z, out.reflected.surface, out.reflected.reflectance, out.reflected.sky, out.noisy})
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.drawn_items})
+    builder.read(b, Access::compute_read, "the scene");
+  builder.read_optional(s.lobes, Access::compute_read);
+  builder.read_optional(in.deformed, Access::compute_read);
+  for (const ImageHandle read : {out.reflected.z, out.reflected.surface, out.reflected.reflectance})
     builder.read(read, Access::sampled_compute, "surfaces");
-  out.reflected.light = light("reflections.smooth");
-  return out;
+  declare_lights(builder, s, in.met, ReadBy::compute());
+  declare_fog(builder, s, in.met, true, ReadBy::compute());
+  ComputePipelineDesc desc{with_fog("reflections_rays.comp", in.met), light_constants(in.met)};
+  desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
+  if (knobs.texel_px != 1) desc.constants.push_back({30, "SIDE", uint32_t(knobs.texel_px)});
+  if (in.has_sky) desc.constants.push_back({31, "HAS_SKY", 1});
+  desc.shader += surface_definitions(desc.constants);
+  out.pipelines.trace = builder.pipeline(desc);
+  out.reflected.light = light_image(builder, in.scene, knobs, "reflections.light");
 }
 
 void Reflections::record(CommandList& commands, const In& in, const Out& out) const {
   const SceneInputs& scene = in.scene;
-  const uint32_t step = commands.step(), last = levels(scene) + 1;
-  const glm::uvec2 size = padded(scene);
+  const bool is_traced = knobs.method == Knobs::by_rays;
+  const uint32_t step = commands.step(), last = is_traced ? 1 : levels(scene) + 1;
   if (step == 0) {
     std::vector<CommandList::Attachment> colors = {
         {out.reflected.surface}, {out.reflected.reflectance}, {out.reflected.sky}};
@@ -193,24 +248,6 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     commands.begin_rendering(colors, out.reflected.z);
     record_runs(commands, scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
     commands.end_rendering();
-  } else if (step == 1) {
-    shared::ReflectionsColorPush push{};
-    push.picture = commands.sampled(in.picture);
-    push.z = commands.sampled(out.reflected.z);
-    if (out.fog) push.fog = commands.sampled(out.fog);
-    push.target = commands.storage(out.colors);
-    push.size_px = {scene.width_px, scene.height_px};
-    commands.bind(out.pipelines.color);
-    commands.push(push);
-    commands.dispatch(size.x, size.y);
-  } else if (step < last) {
-    shared::ReflectionsDownPush push{};
-    push.source = commands.sampled(out.colors);
-    push.target = commands.storage(out.colors);
-    push.target_px = commands.size(out.colors, step - 1);
-    commands.bind(out.pipelines.down);
-    commands.push(push);
-    commands.dispatch(push.target_px.x, push.target_px.y);
   } else if (step > last) {
     shared::ReflectionsSmoothPush push{};
     push.at = surfaces_of(commands, out.reflected);
@@ -221,6 +258,35 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     commands.bind(out.pipelines.smooth);
     commands.push(push);
     commands.dispatch(push.texels.x, push.texels.y);
+  } else if (is_traced) {
+    record_rays(commands, in, out);
+  } else {
+    record_march(commands, in, out);
+  }
+}
+
+void Reflections::record_march(CommandList& commands, const In& in, const Out& out) const {
+  const SceneInputs& scene = in.scene;
+  const uint32_t step = commands.step();
+  const glm::uvec2 size = padded(scene);
+  if (step == 1) {
+    shared::ReflectionsColorPush push{};
+    push.picture = commands.sampled(in.picture);
+    push.z = commands.sampled(out.reflected.z);
+    if (out.fog) push.fog = commands.sampled(out.fog);
+    push.target = commands.storage(out.colors);
+    push.size_px = {scene.width_px, scene.height_px};
+    commands.bind(out.pipelines.color);
+    commands.push(push);
+    commands.dispatch(size.x, size.y);
+  } else if (step <= levels(scene)) {
+    shared::ReflectionsDownPush push{};
+    push.source = commands.sampled(out.colors);
+    push.target = commands.storage(out.colors);
+    push.target_px = commands.size(out.colors, step - 1);
+    commands.bind(out.pipelines.down);
+    commands.push(push);
+    commands.dispatch(push.target_px.x, push.target_px.y);
   } else {
     shared::ReflectionsTracePush push{};
     push.at = surfaces_of(commands, out.reflected);
@@ -230,7 +296,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     push.subsample_ndc = scene.subsample_ndc;
     push.colors_px = size;
     push.last_level = float(levels(scene) - 1);
-    push.samples = std::max((knobs.samples + int(in.subsamples) - 1) / int(in.subsamples), 1);
+    push.samples = int(samples_of(knobs, in));
     push.steps = knobs.steps;
     push.thickness = knobs.thickness;
     push.fade = knobs.fade;
@@ -241,6 +307,21 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     commands.push(push);
     commands.dispatch(push.texels.x, push.texels.y);
   }
+}
+
+void Reflections::record_rays(CommandList& commands, const In& in, const Out& out) const {
+  const Reflected& r = out.reflected;
+  const glm::uvec2 texels = texels_of(knobs, in.scene);
+  OwnInputs own;
+  own.word = REFLECTIONS_IMAGES(uint64_t(commands.sampled(r.z)), uint64_t(commands.sampled(r.surface)),
+                                uint64_t(commands.sampled(r.reflectance)),
+                                uint64_t(commands.storage(out.noisy ? out.noisy : r.light))) |
+             REFLECTIONS_SAMPLES(uint64_t(samples_of(knobs, in)), uint64_t(in.subsamples), uint64_t(in.seed & 15u));
+  own.number = std::bit_cast<uint32_t>(knobs.roughest);
+  own.deformed_before = in.scene.drawn_items;
+  commands.bind(out.pipelines.trace);
+  commands.push(draw_push(commands, in.scene, in.deformed, &in.met, &in.met, own));
+  commands.dispatch(texels.x, texels.y);
 }
 
 ReflectionsOver::Out ReflectionsOver::declare(GraphBuilder& builder, const In& in) const {

@@ -18,19 +18,25 @@ namespace candela {
 // reflectance is the light, so that even light gives what an even sky gives (Stachowiak, "Stochastic Screen-Space
 // Reflections", 2015).
 //
+// With method traced the rays go through the scene's triangles (shaders/lib/trace.glsl), and what they meet is shaded
+// by the functions of all techniques: every lamp with its shadow by a ray, the sky with occlusion by rays, textures as
+// coarse as the sample's share of the lobe is there (Igehy, "Tracing Ray Differentials", 1999).
+//
 // Steps: the surfaces at the pixels' middles, drawn again; the picture's pyramid, of surfaces alone; rays.
 // Picture: linear, pre-exposed, resolved, with all that lies behind blended surfaces. Its fog's own light is taken from
 // it and what fog takes on the way to the camera is given back; then the ray's way through fog takes its own. So the
 // model is: the light of surfaces through fog, and no light of fog itself, as for the sky's reflections.
 //
-// Leaves wrong: what the picture does not hold - other sides, what is hidden, what is outside - stays the sky; gloss of
-// what is reflected is that towards the camera; depths are of single samples, so that edges of reflections are not
-// multisampled; blended surfaces neither reflect nor are reflected. One reflection alone.
+// Leaves wrong: what the picture does not hold - other sides, what is hidden, what is outside - stays the sky, and
+// gloss of what is reflected is that towards the camera; traced, neither is. Depths are of single samples, so that
+// edges of reflections are not multisampled; blended surfaces neither reflect nor are reflected. One reflection alone.
 struct Reflections {
   static constexpr std::string_view name = "reflections";
   static constexpr std::string_view effect = "ssr";
   struct Knobs {
     static constexpr std::string_view name = "reflections";
+    static constexpr int screen = 0, by_rays = 1;
+    int method = screen;
     int samples = 4;
     int steps = 64;
     int smooth = 1;
@@ -40,13 +46,14 @@ struct Reflections {
     float roughest = 0.7f;
     static std::span<const Knob<Knobs>> table();
   };
-  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
+  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, LightRangeKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
     CellLists lists;        // fog and ambient occlusion, where there are any
-    ImageHandle picture;    // of one sample
+    CellLists met;          // what surfaces that rays meet are lit by; only where the scene is traced
+    ImageHandle picture;    // of one sample; only where it is not
     bool has_sky = false;   // the frame's harmonics are those of a sky
     uint32_t seed = 0;
     uint32_t subsample = 0, subsamples = 1;  // of a supersampled frame: which of its samples
@@ -61,10 +68,21 @@ struct Reflections {
     } pipelines;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  // Whether rays go through the scene itself.
+  bool traced(const SceneFacts& facts, const FrameRequest& request) const {
+    return knobs.method == Knobs::by_rays && needed(facts, request);
+  }
+  bool ignores(std::string_view knob) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
   static uint32_t levels(const SceneInputs& scene);  // of the pyramid
   Knobs knobs;
+
+ private:
+  void declare_march(GraphBuilder& builder, const In& in, Out& out) const;
+  void declare_rays(GraphBuilder& builder, const In& in, Out& out) const;
+  void record_march(CommandList& commands, const In& in, const Out& out) const;
+  void record_rays(CommandList& commands, const In& in, const Out& out) const;
 };
 
 // Adds them to the picture, in the place of what the surfaces had from the sky. Edges: a pixel's samples that are of

@@ -13,6 +13,11 @@ CellLists of_blended(CellLists lists) {
   return lists;
 }
 
+CellLists fog_on_the_way(CellLists lists) {
+  if (lists.fog) lists.fog.light = FogLight::nothing, lists.fog.grid = {};
+  return lists;
+}
+
 bool fog_walks(const CellLists& lists) {
   return lists.fog.light == FogLight::march || (lists.fog.light == FogLight::grid && lists.fog.last);
 }

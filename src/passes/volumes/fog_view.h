@@ -43,6 +43,8 @@ void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellList
 bool fog_is_read(const CellLists& lists);
 // Texels hold the light up to the nearest opaque surface: what is blended before it follows its own rays.
 CellLists of_blended(CellLists lists);
+// For shaders that know what fog takes on other ways than the camera's, and no light of it.
+CellLists fog_on_the_way(CellLists lists);
 // Whether such a shader walks the lists of lights itself.
 bool fog_walks(const CellLists& lists);
 

@@ -1,0 +1,24 @@
+#pragma once
+#include <span>
+#include <string_view>
+
+#include "base/knob.h"
+
+namespace candela {
+
+// How the trees that rays go through are built (bvh/options.h, whose defaults these are): the knobs `bvh.*`. They
+// change times, and hits only where two are equally near.
+struct BvhKnobs {
+  static constexpr std::string_view name = "bvh";
+  enum : int { equal_counts, sah, sbvh, spatial_only };
+  int builder = sah;
+  int buckets = 32;
+  int max_leaf = 8;
+  int block = 2;
+  float node_cost = 0.5f;
+  int depth = 60;
+  float budget = 1;
+  static std::span<const Knob<BvhKnobs>> table();
+};
+
+}  // namespace candela

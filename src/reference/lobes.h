@@ -27,6 +27,7 @@ struct Lobes {
   // Where a body that scatters is taken for a slab: albedo of the diffuse lobe, for light from either side.
   struct Slab {
     glm::dvec3 front{0}, behind{0};
+    double thickness_m = 0;  // so far behind the surface light from there comes in
   };
   std::optional<Slab> slab;
 };

@@ -289,8 +289,9 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
     // In the mesh's space: by the cube root of what the transform makes of volumes.
     thickness_m *= std::cbrt(std::abs(glm::determinant(glm::dmat3(item.relative_from_local))));
     const SlabShares wall{diffuse_color(s, true), diffuse_color(s, false)};
-    const SlabShares all = between_walls(slab_shares(*t.slab, std::min(thickness_m, 1e15)), wall);
-    s.lobes->slab = Lobes::Slab{all.reflected, all.through};
+    thickness_m = std::min(thickness_m, 1e15);
+    const SlabShares all = between_walls(slab_shares(*t.slab, thickness_m), wall);
+    s.lobes->slab = Lobes::Slab{all.reflected, all.through, thickness_m};
   }
   const glm::dvec3 f0 = glm::mix(s.dielectric_f0, s.base_color, s.metallic);
   s.specular_gain = is_stretched(s)

@@ -20,8 +20,8 @@ namespace candela {
 //     positions from the depth along the view axis and the place in the pixel;
 //   bits128: 16 bytes: normals 2x11 octahedral, roughness 6 bits, metallic and occlusion 4, reflectance without colour,
 //     emission 3x7 with a common exponent; the triangle's plane is the shading normal's.
-// Lobes are 80 bytes more in each, as floats, where visible materials have some. Leaves wrong: in packed formats
-// albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
+// Lobes are 80 bytes more in each, as floats, where visible materials have some, 96 where bodies scatter light. Leaves
+// wrong: in packed formats albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
 struct GBuffer {
   static constexpr std::string_view name = "gbuffer";
   struct Knobs {

@@ -12,7 +12,6 @@ layout(push_constant, scalar) uniform Push { ColoredShadowPush pc; };
 #include "lib/colored_shadows.glsl"
 #ifdef GLASS
 #include "lib/glass.glsl"
-layout(location = 8) in flat float in_scale;
 #endif
 #ifdef BENDS
 layout(location = 9) in vec2 in_from;

@@ -12,9 +12,6 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #elif defined(GLASS)
 #include "lib/glass.glsl"
 #endif
-#if defined(REFRACTION) || defined(GLASS)
-layout(location = 8) in flat float in_scale;
-#endif
 #include "lib/blended.glsl"
 #if defined(BEHIND) || defined(BEFORE)
 #include "lib/behind.glsl"
@@ -43,7 +40,7 @@ void main() {
 #elif defined(GLASS)
   const GlassSums behind = glass_sums(m, in_ids.x, s, brdf, v, in_scale);
 #endif
-#if defined(REFRACTION) || defined(GLASS)
+#if (defined(REFRACTION) || defined(GLASS)) && !defined(SCATTERS)  // where it has them the base knows already
   s.base_color *= 1.0 - behind.share;
   brdf.diffuse *= 1.0 - behind.share;
 #endif

@@ -20,7 +20,6 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #endif
 #ifdef REFRACTION
 #include "lib/refraction.glsl"
-layout(location = 8) in flat float in_scale;
 #endif
 
 // Each wanted term is defined as its attachment's number; an unwanted one has no output.
@@ -81,6 +80,8 @@ void main() {
   if (IS_UNLIT == 0) brdf = brdf_terms(s, to_viewer);
 #ifdef REFRACTION
   const Refracted behind = refracted_light(in_ids.x, s, brdf, v, in_scale);
+#endif
+#if defined(REFRACTION) && !defined(SCATTERS)
   s.base_color *= 1.0 - behind.share;
   brdf.diffuse *= 1.0 - behind.share;
 #endif

@@ -50,8 +50,12 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * albedo.z);
   const vec3 around = HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_sky(facing))
                                               : ambient_radiance(facing);
-#ifdef LOBED
+#ifdef SCATTERS
+  vec3 diffuse = s.lobes.front * diffuse_left * (1.0 - s.metallic) * around;
+#elif defined(LOBED)
   vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * (1.0 - s.lobes.passing) * around;
+#endif
+#ifdef LOBED
   if (HAS_PASSING && b.lobes.passing != vec3(0.0)) {
     const vec3 behind =
         HAS_SKY_IRRADIANCE != 0 ? frame.sky_intensity * sky_irradiance(in_sky(-facing)) : ambient_radiance(-facing);

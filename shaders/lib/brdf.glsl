@@ -70,8 +70,12 @@ BrdfTerms brdf_terms(Surface s, vec3 v) {
     b.f0 = b.f90 = mix(s.dielectric_f0, s.base_color, s.metallic);
     b.f90_max = b.f0_max;
   }
-#ifdef LOBED
+#ifdef SCATTERS
+  b.diffuse = s.lobes.front * ((1.0 - s.metallic) / PI);
+#elif defined(LOBED)
   b.diffuse *= 1.0 - s.lobes.passing;
+#endif
+#ifdef LOBED
   b.lobes = brdf_lobes(s, b, gain);
 #endif
   return b;

@@ -17,22 +17,12 @@ layout(location = 7) out vec3 out_plane_position;
 layout(location = 8) out vec3 out_now;  // clip space without its depth
 layout(location = 9) out vec3 out_before;
 #endif
-#if defined(REFRACTION) || defined(GLASS)
-layout(location = 8) out flat float out_scale;  // world metres to one of the mesh: the cube root of the volume's
+#if defined(REFRACTION) || defined(GLASS) || defined(SCATTERS)
+#include "lib/volume_scale.glsl"
+layout(location = 11) out flat float out_scale;  // world metres to one of the mesh: the cube root of the volume's
 #endif
 #ifdef STORED
 layout(location = 10) out flat uint out_item;  // of the frame, in the order of drawing
-#endif
-
-#if defined(REFRACTION) || defined(GLASS)
-// Rows are made of a size first: the volume itself leaves floats where its root does not.
-float scale_of_volume(Transform t) {
-  const vec3 a = max(max(abs(t.row0.xyz), abs(t.row1.xyz)), abs(t.row2.xyz));
-  const float most = max(a.x, max(a.y, a.z));
-  if (!(most > 0.0) || isinf(most)) return most > 0.0 ? most : 0.0;
-  const vec3 r0 = t.row0.xyz / most, r1 = t.row1.xyz / most, r2 = t.row2.xyz / most;
-  return most * pow(abs(dot(r0, cross(r1, r2))), 1.0 / 3.0);
-}
 #endif
 
 void main() {
@@ -51,7 +41,7 @@ void main() {
   out_now = gl_Position.xyw;
   out_before = clip_position_before(item, g, v).xyw;
 #endif
-#if defined(REFRACTION) || defined(GLASS)
+#if defined(REFRACTION) || defined(GLASS) || defined(SCATTERS)
   out_scale = scale_of_volume(t);
 #endif
   if (HAS_SHADOWS || HAS_OCCLUSION != 0) out_plane_position = out_position;

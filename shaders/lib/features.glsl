@@ -30,10 +30,11 @@ layout(constant_id = 25) const int HAS_EMISSION = 0;
 layout(constant_id = 26) const int BLINN_PHONG = 0;        // some have that lobe
 layout(constant_id = 27) const int SPECULAR_AA = 0;        // passes/surfaces/surface_knobs.h
 const int specular_aa_normals = 1, specular_aa_maps = 2;
-const int lobe_clearcoat = 1, lobe_sheen = 2, lobe_iridescence = 4, lobe_anisotropy = 8, lobe_diffuse_transmission = 32;
+const int lobe_clearcoat = 1, lobe_sheen = 2, lobe_iridescence = 4, lobe_anisotropy = 8, lobe_diffuse_transmission = 32,
+    lobe_scattering = 64;
 const bool HAS_COAT = (LOBES & lobe_clearcoat) != 0, HAS_SHEEN = (LOBES & lobe_sheen) != 0;
 const bool HAS_FILM = (LOBES & lobe_iridescence) != 0, HAS_ANISOTROPY = (LOBES & lobe_anisotropy) != 0;
-const bool HAS_PASSING = (LOBES & lobe_diffuse_transmission) != 0;
+const bool HAS_PASSING = (LOBES & (lobe_diffuse_transmission | lobe_scattering)) != 0;
 const int LOBES_WITH_TANGENTS = (LOBES & lobe_anisotropy) | (LOBE_TEXTURES & lobe_clearcoat);
 const bool HAS_TANGENT = HAS_NORMAL_TEXTURE != 0 || LOBES_WITH_TANGENTS != 0;
 const int shadows_traced = 2, shadows_soft = 4, occlusion_traced_bent = -2;

@@ -21,7 +21,11 @@ struct SurfacePoint {
 struct GBufferTexels {
   uvec4 texel[GBUFFER];
 };
+#ifdef SCATTERS
+const int gbuffer_lobe_texels = 6;
+#else
 const int gbuffer_lobe_texels = 5;
+#endif
 const uint point_is_seen = 1u, point_is_unlit = 2u, point_has_facets = 4u;
 
 uint flags_of(SurfacePoint p) {
@@ -43,6 +47,10 @@ SurfacePoint no_point() {
   l.coat = l.coat_roughness = l.coat_takes = l.sheen_roughness = l.film = l.film_ior = l.film_nm = 0.0;
   l.anisotropy = l.passing = 0.0;
   l.coat_normal = l.sheen = l.tangent = l.bitangent = l.mirroring = l.passing_color = vec3(0.0);
+#ifdef SCATTERS
+  l.front = vec3(0.0);
+  l.slab_m = 0.0;
+#endif
   p.surface.lobes = l;
 #endif
   return p;
@@ -331,6 +339,9 @@ void lobes_to_texels(SurfaceLobes l, out uvec4 texel[gbuffer_lobe_texels]) {
   texel[2] = floatBitsToUint(vec4(l.sheen, l.sheen_roughness));
   texel[3] = floatBitsToUint(vec4(l.tangent, l.anisotropy));
   texel[4] = floatBitsToUint(vec4(l.passing_color, l.passing));
+#ifdef SCATTERS
+  texel[5] = floatBitsToUint(vec4(l.front, l.slab_m));
+#endif
 }
 void lobes_from_texels(uvec4 texel[gbuffer_lobe_texels], vec3 to_viewer, inout Surface s) {
   const vec4 coat = uintBitsToFloat(texel[0]), normal = uintBitsToFloat(texel[1]);
@@ -351,5 +362,10 @@ void lobes_from_texels(uvec4 texel[gbuffer_lobe_texels], vec3 to_viewer, inout S
   s.lobes.mirroring = mirroring_normal(s, to_viewer);
   s.lobes.passing_color = passing.rgb;
   s.lobes.passing = passing.w;
+#ifdef SCATTERS
+  const vec4 body = uintBitsToFloat(texel[5]);
+  s.lobes.front = body.rgb;
+  s.lobes.slab_m = body.w;
+#endif
 }
 #endif

@@ -47,10 +47,21 @@ float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) 
 vec3 light_reaching(LightRef light, uint number, BrdfTerms brdf, vec3 position, vec3 surface_point, vec3 plane_normal) {
 #ifdef LOBED
   if (HAS_PASSING) {
+#if defined(SCATTERS) && defined(TRACES)
+    rays_from.position = rays_begin;
+#endif
     lit_plane = plane_normal;
     vec3 l;
     light_arriving(light, position, l);
-    if (dot(plane_normal, l) < 0.0) plane_normal = -plane_normal;  // of the side that the light is on
+    if (dot(plane_normal, l) < 0.0) {
+      plane_normal = -plane_normal;  // of the side that the light is on
+#ifdef SCATTERS
+      surface_point += plane_normal * brdf.lobes.slab_m;  // where light comes into the slab
+#ifdef TRACES
+      rays_from.position = rays_begin + plane_normal * brdf.lobes.slab_m;
+#endif
+#endif
+    }
   }
 #endif
   if ((SUNS_SOFT && SUNS_TRACED) || (LAMPS_SOFT && LAMPS_TRACED)) {

@@ -113,4 +113,7 @@ struct BrdfLobes {
   vec3 tangent, bitangent;
   float tangent_alpha, smith_v;  // of stretched facets; alpha 0: they are round
   vec3 passing;                  // diffuse light through the surface, over pi, before what Fresnel takes
+#ifdef SCATTERS
+  float slab_m;                  // as of the surface
+#endif
 };

@@ -57,6 +57,9 @@ BrdfLobes brdf_lobes(Surface s, BrdfTerms b, vec3 gain) {
         length(vec3(o.tangent_alpha * dot(o.tangent, b.to_viewer), b.alpha * dot(o.bitangent, b.to_viewer), b.n_v));
   }
   o.passing = s.lobes.passing_color * (s.lobes.passing * (1.0 - s.metallic) / PI);
+#ifdef SCATTERS
+  o.slab_m = s.lobes.slab_m;
+#endif
   return o;
 }
 
@@ -215,5 +218,9 @@ Surface coat_surface(Surface s) {
   s.roughness = s.lobes.coat_roughness;
   s.normal = s.lobes.mirroring = s.lobes.coat_normal;
   s.lobes.anisotropy = s.lobes.film = s.lobes.passing = 0.0;
+#ifdef SCATTERS
+  s.lobes.front = vec3(0.0);
+  s.lobes.slab_m = 0.0;
+#endif
   return s;
 }

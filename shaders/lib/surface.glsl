@@ -8,6 +8,9 @@ struct Varyings {
   vec4 tangent;
   vec2 uv0, uv1;
   vec4 color;
+#ifdef SCATTERS
+  float scale;  // world metres to one of the mesh
+#endif
 #ifdef TRIANGLES  // slopes, by pixels: to the right and down. Fragment shaders take differences to their neighbours
   vec2 uv0_across, uv0_down, uv1_across, uv1_down;
   vec3 normal_across, normal_down;
@@ -28,6 +31,10 @@ struct SurfaceLobes {
   vec3 mirroring;           // normal about which ambient light is mirrored
   float passing;            // share of diffuse light that comes out on the other side
   vec3 passing_color;
+#ifdef SCATTERS
+  vec3 front;               // what the base reflects of diffuse light, instead of its colour and what passes
+  float slab_m;             // how far behind the surface light from there comes in
+#endif
 };
 #endif
 
@@ -208,7 +215,7 @@ Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
   s.has_facets = BLINN_PHONG == 0 || (m.flags & material_blinn_phong) == 0u;
   if (SPECULAR_AA != 0) s.roughness = widened(s.roughness, normal_variance(m, v, s.normal));
 #ifdef LOBED
-  s.lobes = load_lobes(m.id, v, s.normal, facing, to_viewer);
+  s.lobes = load_lobes(m.id, v, s.base_color, s.normal, facing, to_viewer);
   s.lobes.mirroring = mirroring_normal(s, to_viewer);
   s.emission *= 1.0 - s.lobes.coat_takes;
 #endif

@@ -1,14 +1,18 @@
 // What a fragment's material says of the lobes on its base. Part of lib/surface.glsl where LOBED; needs frame.lobes.
 #include "shared/lobes.h"
 
+#ifdef SCATTERS
+#include "lib/scattering.glsl"
+#endif
+
 const float coat_f0 = 0.04;
 float coat_fresnel(vec3 coat_normal, vec3 to_viewer) {
   const float x = 1.0 - clamp(abs(dot(coat_normal, to_viewer)), 1e-4, 1.0), x2 = x * x;
   return coat_f0 + (1.0 - coat_f0) * (x2 * x2 * x);
 }
 
-// material: its number in the scene, or absent. normal: the base's, shading.
-SurfaceLobes load_lobes(uint material, Varyings v, vec3 normal, float facing, vec3 to_viewer) {
+// material: its number in the scene, or absent. base_color, normal: the base's, shading.
+SurfaceLobes load_lobes(uint material, Varyings v, vec3 base_color, vec3 normal, float facing, vec3 to_viewer) {
   SurfaceLobes s;
   s.coat = s.coat_roughness = s.coat_takes = 0.0;
   s.coat_normal = normal;
@@ -20,9 +24,17 @@ SurfaceLobes load_lobes(uint material, Varyings v, vec3 normal, float facing, ve
   s.mirroring = normal;
   s.passing = 0.0;
   s.passing_color = vec3(0.0);
+#ifdef SCATTERS
+  s.front = base_color;
+  s.slab_m = 0.0;
+#endif
   // What is loaded is there in all lanes: lavapipe 25.0.7 may load where no lane takes the branch.
   const uint word = material == absent ? absent : WordsRef(frame.lobes).w[material == absent ? 0u : material];
   const MaterialLobes m = MaterialLobesRef(frame.lobes + (word == absent ? 0ul : 4ul * uint64_t(word))).m;
+#ifdef SCATTERS
+  const BodyLight body =
+      BodyLightRef(frame.lobes + (word == absent ? 0ul : 4ul * uint64_t(word + material_lobes_words))).b;
+#endif
   if (word == absent) return s;
   const bool has_tangent = dot(v.tangent.xyz, v.tangent.xyz) > 0.0;
   const vec3 bitangent = v.tangent.w * cross(v.normal, v.tangent.xyz);
@@ -87,6 +99,17 @@ SurfaceLobes load_lobes(uint material, Varyings v, vec3 normal, float facing, ve
       if (m.passing_color_texture.texture != absent) s.passing_color *= sample_texture(m.passing_color_texture, v).rgb;
     }
   }
+#ifdef SCATTERS
+  float thickness_m = body.thickness_m;
+  if ((LOBE_TEXTURES & lobe_scattering) != 0 && m.glass.thickness_texture.texture != absent)
+    thickness_m *= sample_texture(m.glass.thickness_texture, v).g;
+  float straight = 0.0;
+#if defined(REFRACTION) || defined(GLASS)
+  straight = m.glass.transmission;
+  if (m.glass.transmission_texture.texture != absent) straight *= sample_texture(m.glass.transmission_texture, v).r;
+#endif
+  scatter_in_body(body, clamp(thickness_m * v.scale, 0.0, 1e15), base_color, clamp(straight, 0.0, 1.0), s);
+#endif
   return s;
 }
 

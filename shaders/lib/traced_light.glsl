@@ -23,6 +23,9 @@ Openness traced_open() { return Openness(1.0, vec3(0.0)); }
 
 TracePoint rays_from;    // of this fragment
 vec3 rays_side;          // its normal on the viewer's side
+#ifdef SCATTERS
+vec3 rays_begin;         // its place; rays to lights behind a body's slab begin beyond that
+#endif
 const float BEFORE_END = 1.0 - 4e-6;  // keeps a ray off what it is aimed at
 
 // position: of the fragment, relative; normal: of its triangle, on the viewer's side.
@@ -41,6 +44,9 @@ void begin_rays(vec3 position, vec3 normal) {
     rays_from = TracePoint(position, normal, 3.8146973e-6 * reach);
   }
   if (rays_from.normal == vec3(0.0)) rays_from.normal = normal;
+#ifdef SCATTERS
+  rays_begin = rays_from.position;
+#endif
   rays_side = dot(rays_from.normal, normal) < 0.0 ? -rays_from.normal : rays_from.normal;
 }
 

@@ -89,11 +89,17 @@ Varyings no_varyings() {
   v.color = vec4(1.0);
   return v;
 }
+#ifdef SCATTERS
+#include "lib/volume_scale.glsl"
+#endif
 Varyings lit_varyings(Item item, Geometry g, Corners c, TrianglePoint p) {
   Varyings v = no_varyings();
   v.relative_position = p.position;
   put_base_varyings(g, c, p, v);
   const Transform t = TransformsRef(frame.transforms).t[item.transform];
+#ifdef SCATTERS
+  v.scale = scale_of_volume(t);
+#endif
   const vec3 n0 = vertex_normal(g, t, c.v.x), n1 = vertex_normal(g, t, c.v.y), n2 = vertex_normal(g, t, c.v.z);
   v.normal = p.weights.x * n0 + p.weights.y * n1 + p.weights.z * n2;
   v.normal_across = p.across.x * n0 + p.across.y * n1 + p.across.z * n2;

@@ -29,11 +29,18 @@ struct MaterialLobes {
   Glass glass;  // where refraction is drawn
 };
 
+// What a body does to light that is in it (KHR_materials_volume_scatter), for the streams of a slab: 1/m.
+struct BodyLight {
+  vec3 turned, lost, depth;  // the shares that are scattered back and absorbed, and how light fades by both
+  vec3 extinction;           // of light that goes straight
+  float thickness_m;         // in the mesh's space; 0: the material bounds no such body
+};
+
 SHARED_END
 
 // The table, of materials that show a lobe which the frame shades: for each material the word, from the table's begin,
-// at which its MaterialLobes stands, or absent; then these. Bits of the constants LOBES and LOBE_TEXTURES are 1 << Lobe
-// (scene/scene.h).
+// at which its MaterialLobes stands, or absent; then these, each with its BodyLight behind it where a body of the frame
+// scatters light. Bits of the constants LOBES and LOBE_TEXTURES are 1 << Lobe (scene/scene.h).
 #ifdef __cplusplus
 namespace candela::shared {
 enum : uint {
@@ -41,15 +48,18 @@ enum : uint {
   lobe_sheen = 2u,
   lobe_iridescence = 4u,
   lobe_anisotropy = 8u,
-  lobe_diffuse_transmission = 32u
+  lobe_diffuse_transmission = 32u,
+  lobe_scattering = 64u
 };
 inline constexpr uint shaded_lobes =
-    lobe_clearcoat | lobe_sheen | lobe_iridescence | lobe_anisotropy | lobe_diffuse_transmission;
+    lobe_clearcoat | lobe_sheen | lobe_iridescence | lobe_anisotropy | lobe_diffuse_transmission | lobe_scattering;
 static_assert(sizeof(Glass) == 28 + 2 * 40 && sizeof(MaterialLobes) == 72 + 10 * 40 + sizeof(Glass) &&
               offsetof(MaterialLobes, coat_texture) == 72);
 }  // namespace candela::shared
 #else
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialLobesRef { MaterialLobes m; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer BodyLightRef { BodyLight b; };
+const uint material_lobes_words = 145u;
 #endif
 
 #endif

@@ -12,6 +12,8 @@ struct Known {
   Support support;
   const char* consequence;
   bool traced = false;  // supported where paths are traced
+  // Of those, what direct light lacks.
+  const char* direct = "direct light takes the surface as opaque; --mode path follows light through it";
 };
 
 constexpr Known known_extensions[] = {
@@ -41,7 +43,9 @@ constexpr Known known_extensions[] = {
     {"KHR_materials_diffuse_transmission", supported, ""},
     {"KHR_materials_volume", approximated,
      "light goes through the body as through a slab of the file's thickness (docs/refraction.md)", true},
-    {"KHR_materials_volume_scatter", ignored, "light is not scattered inside the body"},
+    {"KHR_materials_volume_scatter", approximated,
+     "a body scatters light as a slab of the file's thickness does, and not from place to place (docs/materials.md)",
+     true, "a body scatters light as a slab of the file's thickness does; --mode path follows it through the body"},
     {"KHR_materials_iridescence", supported, ""},
     {"KHR_materials_anisotropy", supported, ""},
     {"KHR_materials_dispersion", approximated, "refraction splits light into three colours (docs/refraction.md)", true},
@@ -127,9 +131,7 @@ ExtensionUse describe(const std::string& name, LoadFor purpose) {
       // Where it is drawn nothing is lacking.
       if (known.traced && purpose == LoadFor::path_tracing) return {.name = name, .support = supported};
       if (known.traced && purpose == LoadFor::direct_tracing)
-        return {.name = name,
-                .support = approximated,
-                .consequence = "direct light takes the surface as opaque; --mode path follows light through it"};
+        return {.name = name, .support = approximated, .consequence = known.direct};
       use.support = known.support;
       use.traced = known.traced;
       use.consequence = known.consequence;

@@ -106,6 +106,7 @@ struct Importer {
       material.specular_color_texture = slot(*e, "specularColorTexture", where);
     }
     read_lobes(json, path, material);
+    read_scattering(json, path, material);
     read_transmission(json, path, material);
   }
 
@@ -216,6 +217,33 @@ struct Importer {
     leave_base(material);
   }
 
+  // Of the draft (KhronosGroup/glTF, pull request 2453), in which the colour's name has changed.
+  void read_scattering(const Json& json, const std::string& path, Material& material) {
+    const Json* e = extension(json, "KHR_materials_volume_scatter");
+    if (!e) return;
+    const std::string where = path + "/extensions/KHR_materials_volume_scatter";
+    const char* color = e->contains("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
+    Scattering& s = material.scattering;
+    s.stated = true;
+    s.color = color_factor(document, *e, color, glm::vec3(0), 1, where);
+    const float anisotropy = float(number(document, *e, "scatterAnisotropy", 0, where));
+    s.anisotropy = std::clamp(anisotropy, -most_anisotropy, most_anisotropy);
+    if (s.anisotropy != anisotropy)
+      document.warn(where + "/scatterAnisotropy", "{} is not between -1 and 1; {} is used (VALUE_NOT_IN_RANGE)",
+                    anisotropy, s.anisotropy);
+    if (e->contains("multiscatterColorTexture"))
+      document.warn(where + "/multiscatterColorTexture", "is not read: one colour scatters in all of the body");
+    const Json* volume = extension(json, "KHR_materials_volume");
+    if (!volume || !(number(document, *volume, "thicknessFactor", 0, path) > 0))
+      document.warn(where,
+                    "the surface bounds no body without KHR_materials_volume and a thicknessFactor above 0; "
+                    "nothing is scattered");
+    else if (!extension(json, "KHR_materials_transmission") && !extension(json, "KHR_materials_diffuse_transmission"))
+      document.warn(where,
+                    "no light enters the body without KHR_materials_transmission or "
+                    "KHR_materials_diffuse_transmission; nothing is scattered");
+  }
+
   // Ranges are the validation's. A thickness texture is for techniques that have no other way to know how thick a body
   // is.
   void read_transmission(const Json& json, const std::string& path, Material& material) {
@@ -227,7 +255,8 @@ struct Importer {
     if (const Json* e = extension(json, "KHR_materials_volume")) {
       const std::string where = path + "/extensions/KHR_materials_volume";
       material.thickness_m = factor(document, *e, "thicknessFactor", 0, no_limit, where);
-      if (use == LoadFor::raster) material.thickness_texture = slot(*e, "thicknessTexture", where);
+      const bool as_slab = use == LoadFor::raster || (use == LoadFor::direct_tracing && material.scattering.stated);
+      if (as_slab) material.thickness_texture = slot(*e, "thicknessTexture", where);
       if (e->contains("attenuationDistance"))
         material.attenuation_distance_m = std::max(factor(document, *e, "attenuationDistance", 1, no_limit, where),
                                                    std::numeric_limits<float>::min());

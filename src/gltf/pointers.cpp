@@ -67,6 +67,11 @@ constexpr Property transform_properties[] = {
     {"scale", texture_scale, 2},
 };
 
+// Of materials, as drafts of extensions call what they have.
+constexpr Property draft_properties[] = {
+    {"extensions/KHR_materials_volume_scatter/multiscatterColor", material_multiscatter_color, 3},
+};
+
 // The property itself or, with a further index, one component of it.
 std::optional<PointerTarget> found_in(std::span<const Property> properties, std::string_view rest, size_t object) {
   for (const Property& p : properties) {
@@ -123,6 +128,7 @@ std::optional<PointerTarget> pointer_target(const Scene& scene, std::string_view
       if (const auto target =
               found_in(std::array{Property{p.pointer, p.path, p.components}}, material->rest, material->index))
         return target;
+    if (const auto target = found_in(draft_properties, material->rest, material->index)) return target;
     return texture_target(scene.materials[material->index], material->rest, material->index);
   }
   if (const auto light = in_array(pointer, "/extensions/KHR_lights_punctual/lights/"))

@@ -37,6 +37,8 @@ struct Surface {
   double transmission = 0;       // share of the base's light
   double eta = 1;                // index of refraction behind the surface over the one before it, on the viewer's side
   glm::dvec3 specular_tint{1};   // KHR_materials_specular: of the reflectance at normal incidence
+  const Glass* body =
+      nullptr;  // what lies behind, where the surface bounds a body, also one that only diffuse light enters
   const Interior *before = nullptr, *behind = nullptr;  // bodies about the point on either side; null: there are none
 };
 

@@ -13,13 +13,21 @@
 // what is left to the base after transmission, diffuse transmission takes its share.
 namespace candela::reference {
 
+// What a body scatters (KHR_materials_volume_scatter), 1/m: a part of its extinction, by Henyey and Greenstein's phase
+// function.
+struct BodyMedium {
+  glm::dvec3 extinction{0}, scattering{0};
+  double anisotropy = 0;
+};
+
 // Of a material.
 struct Glass {
   double ior = 1.5;       // 0: reflects all, whatever the angle, and does not bend what specular still lets through
   double dispersion = 0;  // 20 over the Abbe number
   bool body = false;      // the surface bounds a body; else it is a sheet: light leaves in the direction it came
   glm::dvec3 attenuation_color{1};
-  double attenuation_distance_m = 0;  // white has attenuation_color after this way, may be infinite
+  double attenuation_distance_m = 0;   // white has attenuation_color after this way, may be infinite
+  std::optional<BodyMedium> medium{};  // nothing: the body only absorbs
 };
 // The index of refraction of red, green or blue light, of none of them (-1) the nominal one.
 double index_of_refraction(const Glass& glass, int channel);

@@ -258,12 +258,35 @@ Integrator::Offer Integrator::punctual_offer(const PunctualLight& light, const S
   return {a.illuminance * f * w, a.l, a.distance_m, {}};
 }
 
+namespace {
+// Of a body that is taken for a slab: the same way to a light behind the surface, from where that comes into the slab.
+struct LightWay {
+  SurfacePoint from;
+  glm::dvec3 l{0};
+  double distance_m = 0;
+};
+std::optional<LightWay> beyond_slab(const Surface& s, const SurfacePoint& point, glm::dvec3 l, double distance_m) {
+  if (!s.lobes || !s.lobes->slab || !(glm::dot(s.geometric, l) < 0)) return {};
+  LightWay way{point, l, distance_m};
+  const glm::dvec3 across = -s.lobes->slab->thickness_m * s.geometric;
+  way.from.position += glm::vec3(across);
+  if (!std::isfinite(distance_m)) return way;
+  const glm::dvec3 rest = l * distance_m - across;
+  way.distance_m = glm::length(rest);
+  if (way.distance_m > 0) way.l = rest / way.distance_m;
+  return way;
+}
+}  // namespace
+
 glm::dvec3 Integrator::taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const {
   if (offer.radiance == glm::dvec3(0)) return offer.radiance;
   const glm::dvec3 radiance = offer.radiance * world_.through_fog(s.position, offer.l, offer.distance_m);
   if (!settings_.visibility) return radiance;
   // Light from behind the triangle, which a shading normal may let in, is blocked by the surface itself.
   if (!is_open(s, offer.l)) return glm::dvec3(0);
+  if (const auto beyond = beyond_slab(s, point, offer.l, offer.distance_m))
+    return radiance * light_through(world_, beyond->from, beyond->l, beyond->distance_m, nullptr,
+                                    offer.end ? &*offer.end : nullptr, offer.is_lamp());
   return radiance * light_through(world_, point, offer.l, offer.distance_m, bodies_towards(s, offer.l),
                                   offer.end ? &*offer.end : nullptr, offer.is_lamp());
 }
@@ -344,6 +367,8 @@ glm::dvec3 Integrator::sky_visibility(const Surface& s, const SurfacePoint& poin
     return clear * (1 - occlusion.strength * (1 - near_visibility(world_, point, l, occlusion)));
   }
   const double distance_m = settings_.mode == Mode::path ? endless : settings_.ambient_distance_m;
+  if (const auto beyond = beyond_slab(s, point, l, distance_m))
+    return clear * light_through(world_, beyond->from, beyond->l, beyond->distance_m, nullptr);
   return clear * light_through(world_, point, l, distance_m, bodies_towards(s, l));
 }
 

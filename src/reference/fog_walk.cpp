@@ -245,13 +245,14 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
 // Light that comes straight from its source to a place in fog and is scattered into the direction of travel towards it,
 // turned around: every directional light, one direction of the sky, and lights of the tree.
 glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, double g, bool every, double which,
-                                 SampleStream& stream) const {
+                                 SampleStream& stream, const Interior* body) const {
   const SurfacePoint point{position, {}, 0};
   const auto phase = [&](glm::dvec3 l) { return henyey_greenstein(glm::dot(l, direction), g); };
   const auto arrives = [&](const Offer& offer) {
-    const glm::dvec3 light = offer.radiance * world_.through_fog(position, offer.l, offer.distance_m);
+    const glm::dvec3 light =
+        body ? offer.radiance : offer.radiance * world_.through_fog(position, offer.l, offer.distance_m);
     if (light == glm::dvec3(0)) return light;
-    return light * light_through(world_, point, offer.l, offer.distance_m, nullptr, offer.end ? &*offer.end : nullptr,
+    return light * light_through(world_, point, offer.l, offer.distance_m, body, offer.end ? &*offer.end : nullptr,
                                  offer.is_lamp());
   };
   const glm::dvec2 for_sky = stream.next2(), on_light = stream.next2();

@@ -1,7 +1,9 @@
 #pragma once
 #include <cmath>
+#include <functional>
 #include <string_view>
 
+#include "reference/interior.h"
 #include "reference/sampling.h"
 #include "reference/terms.h"
 #include "reference/world.h"
@@ -201,8 +203,18 @@ class Integrator {
   // refracted_lamps.cpp: light of lamps without a size that bodies of smooth glass bend towards a surface; that of one.
   glm::dvec3 by_bodies(const Surface& s, const SurfacePoint& point, glm::dvec3 v, int bounce,
                        SampleStream stream) const;
-  glm::dvec3 through_bodies(const PunctualLight& light, const Surface& s, const SurfacePoint& point, glm::dvec3 v,
-                            int most_walls_left, SampleStream stream) const;
+  // What takes the light: a place, the bodies about it on either side of a normal, and what it turns of light from a
+  // direction towards where the path came from, 1/sr.
+  struct Receiver {
+    glm::dvec3 position{0};
+    SurfacePoint point;
+    const Interior *before = nullptr, *behind = nullptr;
+    glm::dvec3 normal{0};
+    std::function<glm::dvec3(glm::dvec3 l)> turns;
+  };
+  glm::dvec3 by_bodies(const Receiver& receiver, int bounce, SampleStream stream) const;
+  glm::dvec3 through_bodies(const PunctualLight& light, const Receiver& receiver, int most_walls_left,
+                            SampleStream stream) const;
   static bool survives(double u, int bounce, glm::dvec3& through, double compressed = 1);  // Russian roulette
 
   // fog_walk.cpp: what fog does to a path on its way to the next surface. Adds the light that fog emits on the way, and
@@ -216,8 +228,21 @@ class Integrator {
   };
   FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce,
                    uint32_t number, bool every, SampleStream& stream, PixelSample& out) const;
+  // body: of bodies, which hold no fog, those about the place; null: it lies in the open.
   glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, double g, bool every, double which,
-                       SampleStream& stream) const;
+                       SampleStream& stream, const Interior* body = nullptr) const;
+
+  // body_walk.cpp: what the medium of the body that the path is in does to it before the next surface, `end_m` from
+  // where the ray began. compressed: of survives().
+  struct BodyStep {
+    glm::dvec3 weight{1};  // of the path from here on; on the way to the surface, over the transmittance
+    bool scattered = false;
+    glm::dvec3 light{0};                   // that reaches the place where it scatters
+    glm::dvec3 position{0}, direction{0};  // where it goes on
+    double density = 0;                    // of that direction
+  };
+  BodyStep body_step(const GlassWay& way, glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through,
+                     double compressed, int bounce, uint32_t number, SampleStream& stream) const;
   // Each light at a point a place of its own, as even as the first (the R2 sequence's steps).
   static glm::dvec2 own_place(glm::dvec2 first, size_t light);
 

@@ -24,10 +24,18 @@ void Interior::leave(const Glass& glass) {
 
 double Interior::ior() const { return count_ > 0 ? index_of_refraction(*bodies_[size_t(count_) - 1], channel) : 1; }
 
+const BodyMedium* Interior::medium() const {
+  return count_ > 0 && bodies_[size_t(count_) - 1]->medium ? &*bodies_[size_t(count_) - 1]->medium : nullptr;
+}
+
 glm::dvec3 Interior::transmittance(double distance_m) const {
   if (count_ == 0 || !(distance_m > 0)) return glm::dvec3(1);
   const Glass& glass = *bodies_[size_t(count_) - 1];
   glm::dvec3 left(1);
+  if (glass.medium) {
+    for (int c = 0; c < 3; ++c) left[c] = std::exp(-glass.medium->extinction[c] * distance_m);
+    return left;
+  }
   // Where a channel is not absorbed, or never, no distance is too long.
   for (int c = 0; c < 3; ++c)
     if (glass.attenuation_color[c] < 1 && std::isfinite(glass.attenuation_distance_m))
@@ -36,17 +44,17 @@ glm::dvec3 Interior::transmittance(double distance_m) const {
 }
 
 glm::dvec3 GlassWay::arrive(Surface& s, glm::dvec3 v, bool back, double distance_m) {
-  const bool body = s.glass && s.glass->body;
+  const bool body = s.body != nullptr;
   // A ray that began inside, where the camera stands.
-  if (body && back && !here_.holds(*s.glass)) here_.enter(*s.glass);
+  if (body && back && !here_.holds(*s.body)) here_.enter(*s.body);
   const glm::dvec3 left = here_.transmittance(distance_m - travelled_);
   travelled_ = distance_m;
   behind_ = here_;
   if (body) {
     if (back)
-      behind_.leave(*s.glass);
+      behind_.leave(*s.body);
     else
-      behind_.enter(*s.glass);
+      behind_.enter(*s.body);
   }
   s.before = &here_, s.behind = &behind_;
   if (s.glass) {

@@ -16,6 +16,7 @@ class Interior {
   void leave(const Glass& glass);                     // the last of this material, if there is any
   double ior() const;                                 // 1 in the open
   glm::dvec3 transmittance(double distance_m) const;  // what is left of light after this way (Beer and Lambert)
+  const BodyMedium* medium() const;                   // that scatters; null: none does
 
   // Of the light that is followed, where a body has split its colours: red 0, green 1, blue 2; -1: all of them.
   int channel = -1;
@@ -45,6 +46,8 @@ class GlassWay {
   glm::dvec3 end(double distance_m) const { return here_.transmittance(distance_m - travelled_); }
   void cross() { here_ = behind_; }
   bool in_body() const { return !here_.empty(); }
+  const Interior& here() const { return here_; }
+  double travelled_m() const { return travelled_; }  // up to the last surface, of the ray
   void start_ray() { travelled_ = 0; }
 
   // Where the surface splits colours and none is chosen yet: follows one of them. What the choice weighs.

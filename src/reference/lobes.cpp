@@ -160,6 +160,7 @@ bool transmits_diffusely(const Surface& s) { return s.lobes && s.lobes->diffuse_
 
 glm::dvec3 diffuse_color(const Surface& s, bool in_front) {
   if (!s.lobes) return in_front ? s.base_color : glm::dvec3(0);
+  if (s.lobes->slab) return in_front ? s.lobes->slab->front : s.lobes->slab->behind;
   return in_front ? s.base_color * (1 - s.lobes->diffuse_transmission)
                   : s.lobes->transmitted_color * s.lobes->diffuse_transmission;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "reference/albedo.h"
 #include "reference/microfacet.h"
@@ -23,6 +24,12 @@ struct Lobes {
   glm::dvec3 clearcoat_normal{0, 0, 1};  // unit, on the viewer's side
   double diffuse_transmission = 0;       // share of the diffuse light that comes out on the other side
   glm::dvec3 transmitted_color{1};
+  // Where a body that scatters is taken for a slab: albedo of the diffuse lobe, for light from either side.
+  struct Slab {
+    glm::dvec3 front{0}, behind{0};
+    double thickness_m = 0;  // so far behind the surface light from there comes in
+  };
+  std::optional<Slab> slab;
 };
 
 // Opaque surfaces that have lobes: what the functions of brdf.h are for them. Light may come from below the shading

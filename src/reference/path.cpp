@@ -187,7 +187,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   bool from_mirror = false;
   uint32_t alpha_dimension = first_alpha_dimension;
   int bounce = 0;
-  uint32_t shaded = 0, fogged = 0;  // surfaces, among them those that the ray goes straight through, and spans of fog
+  // Surfaces, among them those that the ray goes straight through, spans of fog, and those of bodies that scatter.
+  uint32_t shaded = 0, fogged = 0, walked = 0;
   GlassWay way;
   double compressed = 1;     // what refraction has made of radiance alone, not of its share
   double clear_m = 0;        // fog up to here is behind the ray already
@@ -219,6 +220,22 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
           },
           [&](Term term, glm::dvec3 light) { gain(bounce > 1 ? Term::indirect : term, light); });
       lamps_m = here_m;
+    }
+    if (way.here().medium()) {
+      const BodyStep step = body_step(way, origin, -v, here_m, through, compressed, bounce, walked++, stream);
+      gain(Term::indirect, step.light);
+      through *= step.weight;
+      if (through == glm::dvec3(0)) break;
+      if (step.scattered) {
+        if (first) bounce = 1, out.alpha = 1;
+        from_mirror = false;
+        left = {step.position, glm::dvec3(0), step.density}, came = {};
+        passed.reset();
+        ray = leaving_ray({step.position, {}, 0}, step.direction);
+        origin = step.position, direction = step.direction, clear_m = lamps_m = 0;
+        way.start_ray();
+        continue;
+      }
     }
     if (!hit) {
       through *= way.end(endless);

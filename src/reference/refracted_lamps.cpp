@@ -201,27 +201,27 @@ glm::dvec3 sent(const Task& task, const Way& way) {
 
 }  // namespace
 
-glm::dvec3 Integrator::through_bodies(const PunctualLight& light, const Surface& s, const SurfacePoint& point,
-                                      glm::dvec3 v, int most_walls_left, SampleStream stream) const {
+glm::dvec3 Integrator::through_bodies(const PunctualLight& light, const Receiver& r, int most_walls_left,
+                                      SampleStream stream) const {
   const glm::dvec3 none(0);
   if (light.has_size()) return none;
-  const Task task{world_, s.position, point, s.before, s.behind, s.geometric, light, stream.next()};
+  const Task task{world_, r.position, r.point, r.before, r.behind, r.normal, light, stream.next()};
   stream.next();
   const auto light_of = [&](const Way& way) {
-    if (way.walls > most_walls_left || !is_open(s, way.onward())) return none;
-    const glm::dvec3 f = evaluate_bsdf(s, way.onward(), v);
+    if (way.walls > most_walls_left) return none;
+    const glm::dvec3 f = r.turns(way.onward());
     if (f == none) return none;
     const glm::dvec3 radiance = f * way.weight * sent(task, way) / std::abs(glm::determinant(way.change));
     return radiance == none ? none : radiance * left_of(task, way);
   };
   static thread_local Way straight, first, again;
-  const glm::dvec3 to_light = task.is_sun() ? -light.direction : light.position - s.position;
+  const glm::dvec3 to_light = task.is_sun() ? -light.direction : light.position - r.position;
   const bool has_straight = glm::dot(to_light, to_light) > 0 && solve(task, glm::normalize(to_light), straight);
   glm::dvec3 sum = has_straight ? light_of(straight) : none;
   const auto draw = [&](Way& way) {
     stream.next();
     const double which = stream.next();
-    const glm::dvec3 to = world_.bending_place(which, stream.next2()) - s.position;
+    const glm::dvec3 to = world_.bending_place(which, stream.next2()) - r.position;
     return glm::dot(to, to) > 0 && solve(task, glm::normalize(to), way);
   };
   if (!draw(first) || (has_straight && is_same(first, straight))) return sum;
@@ -234,27 +234,34 @@ glm::dvec3 Integrator::through_bodies(const PunctualLight& light, const Surface&
 
 glm::dvec3 Integrator::by_bodies(const Surface& s, const SurfacePoint& point, glm::dvec3 v, int bounce,
                                  SampleStream stream) const {
+  if (s.glass && s.transmission == 1 && s.roughness < least_roughness && !s.lobes) return {};  // shows no lamp
+  return by_bodies({s.position, point, s.before, s.behind, s.geometric,
+                    [&](glm::dvec3 l) { return is_open(s, l) ? evaluate_bsdf(s, l, v) : glm::dvec3(0); }},
+                   bounce, stream);
+}
+
+glm::dvec3 Integrator::by_bodies(const Receiver& receiver, int bounce, SampleStream stream) const {
   glm::dvec3 sum(0);
-  if (s.glass && s.transmission == 1 && s.roughness < least_roughness && !s.lobes) return sum;  // shows no lamp
   const int walls = settings_.most_bounces > 0 ? settings_.most_bounces - bounce - 1 : most_walls;
   if (walls < 1) return sum;
   constexpr uint32_t dimensions_a_light = 4 * (most_trials + 2);
   const double pick = stream.next(), which = stream.next();
   stream.next(), stream.next();
   for (size_t i = 0; i < world_.directional().size(); ++i)
-    sum += through_bodies(world_.punctual_lights()[world_.directional()[i]], s, point, v, walls,
+    sum += through_bodies(world_.punctual_lights()[world_.directional()[i]], receiver, walls,
                           stream.apart(uint32_t(i + 1) * dimensions_a_light));
   if (world_.lamp_tree().empty()) return sum;
   // Half by what they would give unhindered, half by their power: glass may bring light to where a lamp shines none.
   static thread_local std::vector<LightTree::Choice> chosen;
   chosen.clear();
-  if (pick < 0.5) world_.lamp_tree().choose(s.position, glm::dvec3(0), which, false, chosen);
+  if (pick < 0.5) world_.lamp_tree().choose(receiver.position, glm::dvec3(0), which, false, chosen);
   if (pick < 0.5 && chosen.empty()) return sum;
   const uint32_t lamp = pick < 0.5 ? chosen[0].light : world_.lamp_by_power(which);
   const double probability =
-      (world_.lamp_tree().probability(lamp, s.position, glm::dvec3(0), false) + world_.lamp_power_share(lamp)) / 2;
+      (world_.lamp_tree().probability(lamp, receiver.position, glm::dvec3(0), false) + world_.lamp_power_share(lamp)) /
+      2;
   const glm::dvec3 light =
-      through_bodies(world_.punctual_lights()[world_.tree_punctual()[lamp]], s, point, v, walls, stream);
+      through_bodies(world_.punctual_lights()[world_.tree_punctual()[lamp]], receiver, walls, stream);
   return probability > 0 ? sum + light / probability : sum;
 }
 

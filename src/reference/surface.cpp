@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "reference/albedo.h"
+#include "reference/scattering.h"
 #include "reference/world.h"
 #include "scene/blinn_phong.h"
 
@@ -282,6 +283,16 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
     return s;
   }
   s.lobes = lobes_at(t, v, s.normal, to_viewer, back);
+  if (t.slab && s.lobes) {
+    double thickness_m = m.thickness_m;
+    if (t.thickness) thickness_m *= fetch(t.thickness, m.thickness_texture, v).y;
+    // In the mesh's space: by the cube root of what the transform makes of volumes.
+    thickness_m *= std::cbrt(std::abs(glm::determinant(glm::dmat3(item.relative_from_local))));
+    const SlabShares wall{diffuse_color(s, true), diffuse_color(s, false)};
+    thickness_m = std::min(thickness_m, 1e15);
+    const SlabShares all = between_walls(slab_shares(*t.slab, thickness_m), wall);
+    s.lobes->slab = Lobes::Slab{all.reflected, all.through, thickness_m};
+  }
   const glm::dvec3 f0 = glm::mix(s.dielectric_f0, s.base_color, s.metallic);
   s.specular_gain = is_stretched(s)
                         ? specular_gain(f0, facets_of(s), to_viewer)
@@ -292,6 +303,7 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
     s.transmission = m.transmission;
     if (t.transmission) s.transmission *= std::clamp(fetch(t.transmission, m.transmission_texture, v).x, 0.0, 1.0);
     if (s.transmission > 0 && s.metallic < 1) s.glass = &*t.glass;
+    if (t.glass->body && (s.glass || t.glass->medium)) s.body = &*t.glass;
   }
   return s;
 }

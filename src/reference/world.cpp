@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "reference/scattering.h"
 #include "scene/draw_list.h"
 #include "scene/glow.h"
 #include "scene/scene_images.h"
@@ -95,9 +96,16 @@ void World::load_materials(std::vector<std::string>& warnings) {
       t.diffuse_transmission = find(m.diffuse_transmission.texture, false);
       t.transmitted_color = find(m.diffuse_transmission.color_texture, true);
     }
-    if (input_.glass && !m.unlit && m.transmission > 0) {
+    if (input_.glass && (m.has(Lobe::transmission) || m.has(Lobe::scattering))) {
       t.transmission = find(m.transmission_texture, false);
-      t.glass = Glass{m.ior, m.dispersion, m.thickness_m > 0, m.attenuation_color, m.attenuation_distance_m};
+      // Light that comes in diffusely alone is not bent.
+      const double ior = m.has(Lobe::transmission) ? m.ior : 0;
+      t.glass = Glass{ior, m.dispersion, m.thickness_m > 0, m.attenuation_color, m.attenuation_distance_m};
+      if (m.has(Lobe::scattering)) t.glass->medium = body_medium(m);
+    }
+    if (!input_.glass && m.has(Lobe::scattering)) {
+      t.slab = body_medium(m);
+      t.thickness = find(m.thickness_texture, false);
     }
     materials_.push_back(std::move(t));
   }
@@ -117,8 +125,22 @@ void World::add_items() {
     if (t.section->topology == Topology::triangles) {
       has_blend_ |= t.material->material.alpha_mode == AlphaMode::blend;
       has_glass_ |= t.material->glass.has_value();
+      TracedMaterial& traced = item.material >= 0 ? materials_[size_t(item.material)] : materials_.back();
+      if (traced.glass && traced.glass->medium) thin_out(*traced.glass->medium, t);
     }
     items_.push_back(t);
+  }
+}
+
+// Ways between events must be longer than what floats tell apart where the item lies: a denser medium is thinned out,
+// which keeps what it reflects.
+void World::thin_out(BodyMedium& medium, const TracedItem& item) {
+  const Aabb& bounds = item.section->bounds;
+  const DAabb box = transformed({glm::dvec3(bounds.min), glm::dvec3(bounds.max)}, item.relative_from_local);
+  const double far_m = largest(glm::max(glm::abs(box.min), glm::abs(box.max)));
+  for (int c = 0; c < 3; ++c) {
+    const double kept = medium.extinction[c] * far_m > 1e5 ? 1e5 / (medium.extinction[c] * far_m) : 1;
+    medium.extinction[c] *= kept, medium.scattering[c] *= kept;
   }
 }
 

@@ -136,6 +136,9 @@ class World {
                   *sheen_color = nullptr, *sheen_roughness = nullptr, *iridescence = nullptr, *film_thickness = nullptr,
                   *anisotropy = nullptr, *diffuse_transmission = nullptr, *transmitted_color = nullptr;
     std::optional<Glass> glass;  // nothing: opaque
+    // Where light does not go through, what a body scatters that is taken for a slab, and how thick that is.
+    std::optional<BodyMedium> slab;
+    const Texture* thickness = nullptr;
   };
   struct TracedItem {
     const MeshSection* section = nullptr;
@@ -171,6 +174,7 @@ class World {
   glm::dvec3 mapped_normal(const Texture* map, const TextureSlot& slot, double scale, const Vertex& v) const;
   glm::dvec3 normal_at(const TracedMaterial& m, const Vertex& v, bool back, glm::dvec3 to_viewer) const;
   void add_bending_walls();
+  static void thin_out(BodyMedium& medium, const TracedItem& item);
   static double coverage_of(const Material& m, double alpha);
 
   WorldInput input_;

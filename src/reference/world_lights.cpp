@@ -58,7 +58,8 @@ void World::add_bending_walls() {
   for (uint32_t i = 0; i < items_.size(); ++i) {
     const TracedMaterial& t = *items_[i].material;
     const bool textured = t.orm && t.material.orm_has_metallic_roughness;
-    if (!bounds_body(i) || items_[i].section->topology != Topology::triangles) continue;
+    if (!bounds_body(i) || !(t.material.transmission > 0) || items_[i].section->topology != Topology::triangles)
+      continue;
     if (t.material.roughness >= least_roughness && !textured) continue;
     bends |= t.glass->ior != 1 && t.glass->ior != 0;
     for (uint32_t k = 0; k < items_[i].section->index.size() / 3; ++k) {

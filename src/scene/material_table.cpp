@@ -72,6 +72,10 @@ constexpr MaterialProperty properties[] = {
     {material_diffuse_transmission_color,
      "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorFactor", 3, 0, unbounded,
      [](Material& m) { return &m.diffuse_transmission.color.x; }, Plainest::pbr},
+    {material_multiscatter_color, "extensions/KHR_materials_volume_scatter/multiscatterColorFactor", 3, 0, 1,
+     [](Material& m) { return &m.scattering.color.x; }, Plainest::pbr},
+    {material_scatter_anisotropy, "extensions/KHR_materials_volume_scatter/scatterAnisotropy", 1, -most_anisotropy,
+     most_anisotropy, [](Material& m) { return &m.scattering.anisotropy; }, Plainest::pbr},
     {material_blinn_phong_specular, "extensions/CANDELA_materials_blinn_phong/specularFactor", 3, 0, 1,
      [](Material& m) { return &m.specular_color.x; }, Plainest::blinn_phong},
     {material_blinn_phong_exponent, "extensions/CANDELA_materials_blinn_phong/exponent", 1, 0, most_exponent,
@@ -84,7 +88,9 @@ bool has_sheen(const Material& m) { return m.has(Lobe::sheen); }
 bool has_iridescence(const Material& m) { return m.has(Lobe::iridescence); }
 bool has_anisotropy(const Material& m) { return m.has(Lobe::anisotropy); }
 bool has_transmission_lobe(const Material& m) { return m.has(Lobe::transmission); }
-bool has_thickness(const Material& m) { return m.has(Lobe::transmission) && m.thickness_m > 0; }
+bool has_thickness(const Material& m) {
+  return (m.has(Lobe::transmission) && m.thickness_m > 0) || m.has(Lobe::scattering);
+}
 bool has_diffuse_transmission(const Material& m) { return m.has(Lobe::diffuse_transmission); }
 
 constexpr MaterialTexture textures[] = {

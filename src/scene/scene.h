@@ -48,8 +48,8 @@ enum class AlphaMode : uint8_t { opaque, mask, blend };
 
 // What a material may have besides its metallic-roughness base, each by the Khronos extension of its name. Textures
 // multiply factors.
-enum class Lobe : uint8_t { clearcoat, sheen, iridescence, anisotropy, transmission, diffuse_transmission };
-inline constexpr int lobe_count = 6;
+enum class Lobe : uint8_t { clearcoat, sheen, iridescence, anisotropy, transmission, diffuse_transmission, scattering };
+inline constexpr int lobe_count = 7;
 
 // A second, colourless dielectric layer on top (f0 0.04), with a normal of its own: that of the mesh, or a texture's.
 struct Clearcoat {
@@ -79,6 +79,16 @@ struct DiffuseTransmission {
   glm::vec3 color{1};
   TextureSlot texture, color_texture;  // A; sRGB
 };
+
+// KHR_materials_volume_scatter: the medium of a body scatters a part of the light that it weakens, by the phase
+// function of Henyey and Greenstein. How much it weakens is the volume's attenuation. What lets light into the body is
+// its transmission, of either kind.
+struct Scattering {
+  bool stated = false;   // the file has it, so that the surface bounds a body: its colour may be animated
+  glm::vec3 color{0};    // what a deep body of it reflects diffusely (multi-scatter albedo)
+  float anisotropy = 0;  // mean cosine of the angle by which light is turned, within most_anisotropy
+};
+inline constexpr float most_anisotropy = 0.999f;  // the extension's range is open at 1
 
 // A lobe instead of facets (Blinn 1977): of the exponent that goes with the roughness, or as the file states it
 // (CANDELA_materials_blinn_phong), then by the specular texture's A.
@@ -123,6 +133,7 @@ struct Material {
   Iridescence iridescence;
   Anisotropy anisotropy;
   DiffuseTransmission diffuse_transmission;
+  Scattering scattering;
   BlinnPhong blinn_phong;
 
   bool wants_tangents() const { return !unlit && (normal_texture || clearcoat.normal_texture || anisotropy.stated); }
@@ -148,6 +159,8 @@ struct Material {
         return transmission > 0;
       case Lobe::diffuse_transmission:
         return diffuse_transmission.factor > 0;
+      case Lobe::scattering:
+        return scattering.stated && thickness_m > 0 && (transmission > 0 || diffuse_transmission.factor > 0);
     }
     return false;
   }
@@ -274,6 +287,8 @@ enum class TargetPath : uint8_t {
   material_dispersion,
   material_diffuse_transmission,
   material_diffuse_transmission_color,
+  material_multiscatter_color,
+  material_scatter_anisotropy,
   material_blinn_phong_specular,
   material_blinn_phong_exponent,
   texture_offset,

@@ -28,6 +28,7 @@ void leave_base(Material& m) {
   m.transmission = 0, m.transmission_texture = {};
   m.thickness_m = 0, m.thickness_texture = {}, m.dispersion = 0;
   m.clearcoat = {}, m.sheen = {}, m.iridescence = {}, m.anisotropy = {}, m.diffuse_transmission = {};
+  m.scattering = {};
 }
 
 const std::vector<ShadingName>& shadings() {

@@ -60,6 +60,7 @@ void use_material(SceneFacts& facts, const Material& m, bool refraction) {
            {refraction ? m.transmission_texture : none, refraction && m.thickness_m > 0 ? m.thickness_texture : none});
   use_lobe(facts, m, Lobe::diffuse_transmission,
            {m.diffuse_transmission.texture, m.diffuse_transmission.color_texture});
+  use_lobe(facts, m, Lobe::scattering, {m.thickness_texture});
   if (!emits(m)) return;
   facts.emissive = true;
   use_texture(facts, m.emissive_texture, facts.any_emissive_texture);
@@ -122,8 +123,8 @@ void count_lights(SceneFacts& facts, const FrameData& frame) {
 }
 
 nlohmann::ordered_json names_of_lobes(uint32_t lobes) {
-  static constexpr const char* names[lobe_count] = {"clearcoat",  "sheen",        "iridescence",
-                                                    "anisotropy", "transmission", "diffuse_transmission"};
+  static constexpr const char* names[lobe_count] = {
+      "clearcoat", "sheen", "iridescence", "anisotropy", "transmission", "diffuse_transmission", "scattering"};
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (uint32_t i = 0; i < lobe_count; ++i)
     if ((lobes >> i & 1) != 0) list.push_back(names[i]);

@@ -73,7 +73,7 @@ TEST(GltfExtensions, OfTheRegistryAreKnown) {
   }
 }
 
-// What Khronos's sample renderer draws (its README) and this program does not: scattering in bodies, which is a draft.
+// What Khronos's sample renderer draws (its README).
 TEST(GltfExtensions, OfTheSampleRendererAreDrawn) {
   for (const char* name : {"KHR_animation_pointer",
                            "KHR_draco_mesh_compression",
@@ -92,6 +92,7 @@ TEST(GltfExtensions, OfTheSampleRendererAreDrawn) {
                            "KHR_materials_unlit",
                            "KHR_materials_variants",
                            "KHR_materials_volume",
+                           "KHR_materials_volume_scatter",
                            "KHR_mesh_quantization",
                            "KHR_node_visibility",
                            "KHR_texture_basisu",
@@ -100,7 +101,6 @@ TEST(GltfExtensions, OfTheSampleRendererAreDrawn) {
                            "EXT_mesh_gpu_instancing",
                            "EXT_texture_webp"})
     EXPECT_NE(use_of(name).support, Support::ignored) << name;
-  EXPECT_EQ(use_of("KHR_materials_volume_scatter").support, Support::ignored);
 }
 
 // glTF 2.0 Asset Object Model, the properties that may change and that the program draws, by its text and not by the
@@ -162,6 +162,7 @@ TEST(GltfPointers, ReachThePropertiesOfTheObjectModel) {
   add(khr + "specular/", {"specularFactor", "specularColorFactor"}, {"specularTexture", "specularColorTexture"});
   add(khr + "transmission/", {"transmissionFactor"}, {"transmissionTexture"});
   add(khr + "volume/", {"attenuationColor", "attenuationDistance", "thicknessFactor"}, {"thicknessTexture"});
+  add(khr + "volume_scatter/", {"multiscatterColorFactor", "multiscatterColor", "scatterAnisotropy"}, {});
   for (const std::string& pointer : pointers) EXPECT_TRUE(gltf::pointer_target(*scene, pointer)) << pointer;
   for (const char* none : {"/materials/1/alphaCutoff", "/materials/0/name", "/nodes/0/translation/3", "/cameras/0"})
     EXPECT_FALSE(gltf::pointer_target(*scene, none)) << none;

@@ -113,6 +113,16 @@ const ObjectSchema& volume_schema() {
   return schema;
 }
 
+const ObjectSchema& volume_scatter_schema() {
+  static const ObjectSchema schema{
+      "volumeScatter",
+      {{.name = "multiscatterColorFactor", .shape = Shape::numbers, .lowest = 0, .highest = 1, .lengths = {3}},
+       {.name = "multiscatterColor", .shape = Shape::numbers, .lowest = 0, .highest = 1, .lengths = {3}},
+       {.name = "multiscatterColorTexture", .shape = Shape::object, .object = &texture_info_schema()},
+       {.name = "scatterAnisotropy", .shape = Shape::number, .lowest = -1, .highest = 1}}};
+  return schema;
+}
+
 const ObjectSchema& dispersion_schema() {
   static const ObjectSchema schema{"dispersion", {{.name = "dispersion", .shape = Shape::number, .lowest = 0}}};
   return schema;
@@ -210,6 +220,7 @@ const std::vector<ExtensionSchema>& extension_schemas() {
       {"KHR_materials_sheen", "material", nullptr},
       {"KHR_materials_transmission", "material", &transmission_schema()},
       {"KHR_materials_volume", "material", &volume_schema()},
+      {"KHR_materials_volume_scatter", "material", &volume_scatter_schema()},
       {"KHR_materials_anisotropy", "material", nullptr},
       {"KHR_materials_iridescence", "material", nullptr},
       {"KHR_materials_dispersion", "material", &dispersion_schema()},

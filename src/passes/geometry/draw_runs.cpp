@@ -44,6 +44,7 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
     if (masked && !choice.masked_fragment.empty()) desc.fragment_shader = choice.masked_fragment;
     desc.constants = run_constants(scene.features, desc, masked, run.unlit);
     desc.fragment_shader += surface_definitions(desc.constants);
+    if (scatters_in_bodies(desc.constants)) desc.vertex_shader += "#SCATTERS=1";
     pipelines.by_run.push_back(builder.pipeline(desc));
   }
   return pipelines;

@@ -110,6 +110,11 @@ bool holds(const std::vector<SpecConstant>& constants, Feature f) {
 
 bool sends_rays(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::ray_stack); }
 bool shades_lobes(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::lobes); }
+bool scatters_in_bodies(const std::vector<SpecConstant>& constants) {
+  return std::any_of(constants.begin(), constants.end(), [](const SpecConstant& c) {
+    return Feature(c.id) == Feature::lobes && (c.value & shared::lobe_scattering) != 0;
+  });
+}
 
 std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& features) {
   std::vector<SpecConstant> list;
@@ -117,7 +122,8 @@ std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& 
   return list;
 }
 std::string surface_definitions(const std::vector<SpecConstant>& constants) {
-  return std::string(sends_rays(constants) ? "#TRACES=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "");
+  return std::string(sends_rays(constants) ? "#TRACES=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "") +
+         (scatters_in_bodies(constants) ? "#SCATTERS=1" : "");
 }
 
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {

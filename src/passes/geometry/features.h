@@ -57,8 +57,9 @@ SpecConstant lamp_shadows_constant(bool traced, bool soft);
 SpecConstant occlusion_constant(uint32_t shape, bool traced);
 // Of a pass that traces light: entries of a ray's stack, and whether something lets a part of the light through.
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended);
-bool sends_rays(const std::vector<SpecConstant>& constants);    // those are among them
-bool shades_lobes(const std::vector<SpecConstant>& constants);  // visible materials have lobes (shared/lobes.h)
+bool sends_rays(const std::vector<SpecConstant>& constants);          // those are among them
+bool shades_lobes(const std::vector<SpecConstant>& constants);        // visible materials have lobes (shared/lobes.h)
+bool scatters_in_bodies(const std::vector<SpecConstant>& constants);  // one of them does (lib/scattering.glsl)
 // Those that a surface's base colour depends on.
 std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& features);
 // What is compiled into a shading shader only where the constants need it, behind its name.

@@ -4,7 +4,8 @@
 
 namespace candela {
 namespace {
-constexpr uint32_t lobe_images = 5;  // shaders/lib/gbuffer.glsl
+// As shaders/lib/gbuffer.glsl.
+uint32_t lobe_images(const SceneInputs& scene) { return scatters_in_bodies(scene.features) ? 6 : 5; }
 constexpr VkFormat words = VK_FORMAT_R32G32B32A32_UINT;
 }  // namespace
 
@@ -54,12 +55,12 @@ GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
         builder, s, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
   };
   out.own = declare_step(own, "", "");
-  if (shades_lobes(s.features)) out.lobes = declare_step(lobe_images, "lobes", "#LOBES_APART=1");
+  if (shades_lobes(s.features)) out.lobes = declare_step(lobe_images(s), "lobes", "#LOBES_APART=1");
   return out;
 }
 
 void GBuffer::record(CommandList& commands, const In& in, const Out& out) const {
-  const uint32_t own = out.gbuffer.count - (out.lobes.by_run.empty() ? 0 : lobe_images);
+  const uint32_t own = out.gbuffer.count - (out.lobes.by_run.empty() ? 0 : lobe_images(in.scene));
   const uint32_t first = commands.step() == 0 ? 0 : own, last = commands.step() == 0 ? own : out.gbuffer.count;
   std::vector<CommandList::Attachment> colors;
   for (uint32_t i = first; i < last; ++i) colors.push_back({out.gbuffer.images[i]});

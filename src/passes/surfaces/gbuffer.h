@@ -25,8 +25,8 @@ namespace candela {
 //   specular: 16 bytes: normals 2x12 octahedral, diffuse and specular reflectance sRGB8, a Phong exponent of 16 bits,
 //     depth 24 bits; metals and dielectrics are one, and surfaces that emit and take light emit nothing; the triangle's
 //     plane is the shading normal's.
-// Lobes are 80 bytes more in each, as floats, where visible materials have some. Leaves wrong: in packed formats
-// albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
+// Lobes are 80 bytes more in each, as floats, where visible materials have some, 96 where bodies scatter light. Leaves
+// wrong: in packed formats albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
 struct GBuffer {
   static constexpr std::string_view name = "gbuffer";
   struct Knobs {

@@ -13,7 +13,7 @@ namespace candela {
 // What surfaces are shaded from in a G-buffer's images, each of four 32-bit words a texel and multisampled as the
 // frame.
 struct GBufferImages {
-  static constexpr size_t most = 12;
+  static constexpr size_t most = 13;
   std::array<ImageHandle, most> images;  // empty behind the last; lobes last
   uint32_t count = 0;
   std::string definitions;  // of shaders that include lib/gbuffer.glsl

@@ -191,6 +191,14 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"fragments", "rounds", {"16", "32"}},
       {"rasterize", "small_px", {"1", "8", "64"}},
       {"rasterize", "list", {"1", "262144"}},
+      {"pose_lights", "enabled", {"0", "1"}},
+      {"bvh", "builder", {"equal-counts", "sah", "sbvh"}},
+      {"bvh", "buckets", {"12", "32"}},
+      {"bvh", "max_leaf", {"1", "8"}},
+      {"bvh", "block", {"0", "2"}},
+      {"bvh", "node_cost", {"0.125", "0.5"}},
+      {"bvh", "depth", {"8", "60"}},
+      {"bvh", "budget", {"0", "1"}},
   };
   return table;
 }

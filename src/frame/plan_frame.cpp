@@ -360,8 +360,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   LightKnobs lists = knobs->get<LightKnobs>();
   if (LightOrder(lists.order) == LightOrder::automatic)
     lists.order = int(context.cpu ? LightOrder::segments : LightOrder::sorted);
-  f.light_grid = make_light_grid(technique->light_grid, f.data, f.upload.constants, extent.farthest_m, extent.reach_m,
-                                 lists);
+  f.light_grid =
+      make_light_grid(technique->light_grid, f.data, f.upload.constants, extent.farthest_m, extent.reach_m, lists);
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;

@@ -252,12 +252,12 @@ TEST(GltfScene, VersionsAreReadAsTheSpecificationSays) {
 TEST(GltfScene, ExtensionsAreListedWithTheirUsers) {
   GltfBuilder b;
   b.triangle();
-  b.use("KHR_materials_volume_scatter");
+  b.use("KHR_materials_subsurface");
   b.use("KHR_materials_unlit");
   b.use("ACME_thing");
   b.json["materials"] = {
       {{"name", "lacquer"},
-       {"extensions", {{"KHR_materials_volume_scatter", Json::object()}, {"KHR_materials_unlit", Json::object()}}}}};
+       {"extensions", {{"KHR_materials_subsurface", Json::object()}, {"KHR_materials_unlit", Json::object()}}}}};
   b.json["nodes"][0]["extensions"]["ACME_thing"] = Json::object();
   b.json["nodes"][0]["name"] = "hull";
   Expected<Scene> scene = b.load();

@@ -70,9 +70,9 @@ TEST(MakeScene, EverySceneLoadsWithoutAWarningAndWithAllItsExtensions) {
     for (const LoadFor use : {LoadFor::raster, LoadFor::path_tracing}) {
       const auto loaded = load_gltf_from_memory(made(name), std::string(name), "", use);
       for (const ExtensionUse& extension : loaded->extensions) {
-        const bool through =
-            std::set<std::string>{"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_dispersion"}
-                .contains(extension.name);
+        const bool through = std::set<std::string>{"KHR_materials_transmission", "KHR_materials_volume",
+                                                   "KHR_materials_dispersion", "KHR_materials_volume_scatter"}
+                                 .contains(extension.name);
         EXPECT_EQ(extension.support, through && use == LoadFor::raster ? Support::approximated : Support::supported)
             << name << ": " << extension.name;
       }

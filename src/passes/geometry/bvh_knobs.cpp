@@ -14,7 +14,7 @@ std::span<const Knob<BvhKnobs>> BvhKnobs::table() {
                  "time to build against time to trace",
        .choices = {"equal-counts", "sah", "sbvh", "spatial-only"},
        .kind = Trades::time,
-       .walk = {0, 1, 2},
+       .walk = {0, 2, 1},
        .passes = passes},
       {.name = "buckets",
        .member = &BvhKnobs::buckets,

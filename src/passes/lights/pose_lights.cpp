@@ -14,7 +14,8 @@ std::span<const Knob<PoseLights::Knobs>> PoseLights::Knobs::table() {
        {1},
        "pose light instances on the device; 0: on the host",
        {},
-       Trades::time},
+       Trades::time,
+       {0, 1}},
   };
   return table;
 }

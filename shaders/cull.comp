@@ -2,8 +2,7 @@
 // A bit for each view and item that stays, and how many stay of each group of items. cull_compact turns the counts into
 // stable places.
 #include "lib/cull.glsl"
-
-shared uint words[cull_mask_words];
+#include "lib/cull_masks.glsl"
 
 void main() {
   const uint t = gl_LocalInvocationIndex;
@@ -16,14 +15,6 @@ void main() {
     const uint region = view * pc.run_count + group.run;
     if (RegionsRef(pc.regions).first[region] == RegionsRef(pc.regions).first[region + 1u]) item_count = 0u;
   }
-  if (t < cull_mask_words) words[t] = 0u;
-  barrier();
-  if (t < item_count && item_survives(view, group.first_item + t)) atomicOr(words[t / 32u], 1u << (t % 32u));
-  barrier();
-  if (t < cull_mask_words) MasksRef(pc.masks).m[flat_place * cull_mask_words + t] = words[t];
-  if (t == 0u) {
-    uint count = 0u;
-    for (uint w = 0u; w < cull_mask_words; ++w) count += uint(bitCount(words[w]));
-    CountsRef(pc.survivors).n[flat_place] = count;
-  }
+  const bool stays = t < item_count && item_survives(view, group.first_item + t);
+  write_masks(stays, pc.masks, pc.survivors, flat_place);
 }

@@ -10,6 +10,7 @@ struct CullGroup {
   uint run;          // whose count this group adds to
   uint first_group;  // of the run: the groups from here to before this one give the offset
   uint is_last;      // of its run: writes the run's draw count
+  uint hides;        // 1: opaque or masked triangles, which hide what is behind them and may be hidden
 };
 // As VkDrawIndexedIndirectCommand.
 struct DrawCommand {
@@ -42,6 +43,35 @@ struct CullPush {
   uint culling;  // 0: everything is kept
 };
 
+// Occlusion culling (passes/geometry/occlusion_cull.h). Masks and survivors are as in CullPush.
+struct OccludersPush {
+  uint64_t groups;
+  uint64_t kept;  // masks of culling by the view's planes
+  uint64_t masks, survivors;
+  vec2 subsample_ndc;  // as in DrawPush
+  float first_phase_px;
+  uint group_count;
+};
+struct OcclusionCullPush {
+  uint64_t groups;
+  uint64_t kept, occluders;             // masks
+  uint64_t visible, visible_survivors;  // what the occluders' depth does not hide
+  uint64_t rest, rest_survivors;        // of these, what is not among the occluders
+  uint64_t report;                      // OcclusionReport; 0: nobody reads it
+  vec2 subsample_ndc;
+  uint pyramid;  // its place among the pass's images
+  uint group_count;
+};
+struct OcclusionReport {
+  uint kept, occluders, rest, hidden;  // items
+};
+// A level of the depth pyramid: of the frame's depth (lib/frame_depth.glsl), or of the finer level in its place.
+struct DepthPyramidPush {
+  uint64_t keys;
+  uvec2 source_px, target_px;
+  uint depth, target;
+};
+
 SHARED_END
 
 #ifdef __cplusplus
@@ -54,7 +84,7 @@ inline uvec2 cull_threads(uint groups) {
   const uint row = groups < 65535 ? groups : 65535;
   return {row * cull_group_size, (groups + 65534) / 65535};
 }
-static_assert(sizeof(CullGroup) == 20 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 72);
+static_assert(sizeof(CullGroup) == 24 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 72);
 static_assert(sizeof(View) == 252 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
 }  // namespace candela::shared
 #else
@@ -66,6 +96,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Reg
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DrawCommandsRef { DrawCommand d[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountsRef { uint n[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MasksRef { uint m[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OcclusionReportRef { OcclusionReport r; };
 #endif
 
 #endif

@@ -43,16 +43,16 @@ void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
     return;
   }
   const CellLists lists = of_blended(lighting.lists);
-  over.depth = frame.add(DepthPrepass{true}, {scene, surfaces.draws, surfaces.deformed}, name).depth;
-  const Transparent::In blended{scene,          surfaces.draws, surfaces.deformed, lists,
-                                surfaces.depth, over.radiance,  over.depth};
+  over.depth = frame.add(DepthPrepass{true}, {scene, surfaces.visible, surfaces.deformed}, name).depth;
+  const Transparent::In blended{scene,          surfaces.visible, surfaces.deformed, lists,
+                                surfaces.depth, over.radiance,    over.depth};
   const std::string behind = instance.empty() ? "behind" : fmt::format("{}.behind", instance);
   ImageHandle& color = over.radiance;
   color = newest(frame.add(Transparent{.behind = true}, blended, behind).color, color);
   const Resolve::In resolve{color, scene.width_px, scene.height_px, scene.samples};
   const ImageHandle picture = newest(frame.add(Resolve{}, resolve, name).resolved, color);
   const Refraction::Out made = frame.add(
-      Refraction{}, {scene, surfaces.draws, surfaces.deformed, lists, over.depth, surfaces.depth, picture, color},
+      Refraction{}, {scene, surfaces.visible, surfaces.deformed, lists, over.depth, surfaces.depth, picture, color},
       instance);
   color = newest(made.color, color);
   over.seen = made.seen;
@@ -62,7 +62,7 @@ void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
 
 Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                     const Shaded& shaded, std::string_view instance) {
-  const auto& [draws, kept_items, deformed, depth, looked_up, keys] = surfaces;
+  const ImageHandle depth = surfaces.depth;
   Composite out;
   if (shaded.whole) {
     for (const std::string_view pass : {Sky::name, Background::name})
@@ -81,8 +81,9 @@ Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surf
   out.radiance = color;
   out.depth = depth;
   refract(frame, scene, surfaces, lighting, out, instance);
-  out.radiance =
-      transparent(frame, {scene, draws, deformed, of_blended(lighting.lists), out.depth, out.radiance}, instance);
+  out.radiance = transparent(
+      frame, {scene, surfaces.visible, surfaces.deformed, of_blended(lighting.lists), out.depth, out.radiance},
+      instance);
   return out;
 }
 

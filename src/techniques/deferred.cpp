@@ -4,7 +4,7 @@ namespace candela {
 namespace {
 GBufferImages gbuffer_of(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists,
                          std::string_view instance) {
-  return frame.add(GBuffer{}, {scene, surfaces.draws, surfaces.deformed, lists, surfaces.depth}, instance).gbuffer;
+  return frame.add(GBuffer{}, {scene, surfaces.visible, surfaces.deformed, lists, surfaces.depth}, instance).gbuffer;
 }
 }  // namespace
 

@@ -43,7 +43,7 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                      const Composite& composite, std::string_view instance) {
   CellLists lists = fog_alone(lighting.lists);
   if (fog_walks(of_blended(lighting.lists))) lists = lighting.lists;
-  FogLayers::In in{scene, surfaces.draws, surfaces.deformed, lists, surfaces.depth, {}};
+  FogLayers::In in{scene, surfaces.visible, surfaces.deformed, lists, surfaces.depth, {}};
   if (composite.seen) in.nearest = composite.depth;
   for (size_t i = 0; i < in.wanted.size(); ++i) in.wanted[i] = frame.request.has_layer(FogLayers::layers[i].name);
   return frame.add(FogLayers{}, in, instance).images;

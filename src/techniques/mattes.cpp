@@ -11,7 +11,7 @@ void matte_ids(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
     if (!pass.needed(frame.facts, frame.request) && !instance.empty()) continue;
     const std::string_view layer = matte_layers[i].name;
     const std::string name = instance.empty() ? std::string(layer) : fmt::format("{}.{}", instance, layer);
-    images[i] = frame.add(pass, {scene, surfaces.draws, surfaces.deformed, surfaces.depth, images[i]}, name).ids;
+    images[i] = frame.add(pass, {scene, surfaces.visible, surfaces.deformed, surfaces.depth, images[i]}, name).ids;
   }
 }
 

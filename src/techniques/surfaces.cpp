@@ -5,35 +5,97 @@ namespace candela {
 
 namespace {
 
+// What culling keeps, as hardware draws it and as compute rasterizes it.
+struct Kept {
+  Draws draws;
+  BufferHandle masks;
+};
+
+std::string part_of(std::string_view instance, std::string_view part) {
+  return instance.empty() ? std::string(part) : fmt::format("{}.{}", instance, part);
+}
+
+// Adds the triangles of what is kept to those whose depths are known, and, by hardware, its lines and points.
+void find_depths(Frame& frame, const SceneInputs& scene, const Kept& kept, Surfaces& surfaces,
+                 std::string_view instance) {
+  if (scene.batch_count > 0) {
+    Rasterize::In in{scene, kept.masks, surfaces.deformed};
+    in.masks_by_sample = frame.knobs.get<DepthPrepass::Knobs>().by_sample != 0;
+    in.keys = surfaces.keys;
+    surfaces.keys = frame.add(Rasterize{}, in, instance).keys;
+    surfaces.looked_up = {{}, surfaces.keys};
+  } else {
+    surfaces.depth = frame.add(DepthPrepass{}, {scene, kept.draws, surfaces.deformed, surfaces.depth}, instance).depth;
+    surfaces.looked_up = {surfaces.depth, {}};
+  }
+}
+
+Need needs_two_phases(const Frame& frame, const SceneInputs& scene) {
+  const OcclusionCullKnobs& knobs = frame.knobs.get<OcclusionCullKnobs>();
+  if (knobs.mode == OcclusionCullKnobs::automatic && scene.batch_count > 0)
+    return {false, "compute rasterizes hidden triangles at little cost (occlusion_cull.mode)"};
+  return needs_occlusion_culling(frame.facts, knobs);
+}
+
+// The same in two phases, the second without what the first hides.
+void find_visible_depths(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, std::string_view instance) {
+  const auto compact = [&](BufferHandle masks, BufferHandle survivors, std::string_view part) {
+    return Kept{frame.add(CullCompact{}, {scene, masks, survivors}, part_of(instance, part)).draws, masks};
+  };
+  const Occluders::Out occluders = frame.add(Occluders{}, {scene, surfaces.kept_items}, instance);
+  find_depths(frame, scene, compact(occluders.masks, occluders.survivors, "occluders"), surfaces,
+              part_of(instance, "occluders"));
+  const DepthPyramid::In depths{scene.constants, surfaces.looked_up, scene.width_px, scene.height_px, scene.samples};
+  OcclusionCull::In in{scene, surfaces.kept_items, occluders.masks};
+  in.pyramid = frame.add(DepthPyramid{}, depths, instance).pyramid;
+  // Of a supersampled frame the first picture's: the frame's own depth is there for what looks it up alone.
+  in.reports = frame.knobs.get<Supersample::Knobs>().n > 1 ? instance == "s00" : instance.empty();
+  const OcclusionCull::Out culled = frame.add(OcclusionCull{}, in, instance);
+  surfaces.visible = compact(culled.visible, culled.visible_survivors, "visible").draws;
+  find_depths(frame, scene, compact(culled.rest, culled.rest_survivors, "rest"), surfaces, instance);
+}
+
 // Depths of the surfaces, and, where compute rasterizes triangles, which are seen.
 void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, std::string_view instance = {}) {
   surfaces.keys = {}, surfaces.depth = {};
+  surfaces.visible = surfaces.draws;
   const auto leave_out = [&](std::string_view pass, std::string_view reason) {
     if (is_first_picture(instance)) frame.builder.leave_out(std::string(pass), std::string(reason));
   };
-  if (scene.batch_count == 0) {
-    for (const std::string_view pass : {Rasterize::name, TraceKeys::name, KeyDepth::name})
-      leave_out(pass, "the hardware draws what the camera sees (--technique visibility, hybrid, ray)");
+  const auto leave_out_occlusion_culling = [&](std::string_view reason) {
+    for (const std::string_view pass : {Occluders::name, DepthPyramid::name, OcclusionCull::name})
+      leave_out(pass, reason);
+  };
+  if (scene.triangle_numbers) {
+    leave_out(Rasterize::name, "rays find what the camera sees (trace_keys)");
+    leave_out_occlusion_culling("rays find what the camera sees (trace_keys)");
+    surfaces.keys = frame.add(TraceKeys{}, {scene}, instance).keys;
+    surfaces.looked_up = {{}, surfaces.keys};
   } else {
-    if (scene.triangle_numbers)
-      leave_out(Rasterize::name, "rays find what the camera sees (trace_keys)");
-    else
-      leave_out(TraceKeys::name, "triangles are rasterized in compute (rasterize)");
-    const bool by_sample = frame.knobs.get<DepthPrepass::Knobs>().by_sample != 0;
-    surfaces.keys =
-        scene.triangle_numbers
-            ? frame.add(TraceKeys{}, {scene}, instance).keys
-            : frame.add(Rasterize{}, {scene, surfaces.kept_items, surfaces.deformed, by_sample}, instance).keys;
-    surfaces.depth =
-        frame.add(KeyDepth{}, {surfaces.keys, scene.width_px, scene.height_px, scene.samples}, instance).depth;
-    if (!draws_lines(scene)) {
-      frame.builder.leave_out(std::string(DepthPrepass::name), "keys of triangles tell depths (rasterize, trace_keys)");
-      surfaces.looked_up = {{}, surfaces.keys};
-      return;
+    leave_out(TraceKeys::name, scene.batch_count > 0
+                                   ? "triangles are rasterized in compute (rasterize)"
+                                   : "the hardware draws what the camera sees (--technique visibility, hybrid, ray)");
+    if (const Need need = needs_two_phases(frame, scene)) {
+      find_visible_depths(frame, scene, surfaces, instance);
+    } else {
+      leave_out_occlusion_culling(need.reason);
+      find_depths(frame, scene, {surfaces.draws, surfaces.kept_items}, surfaces, instance);
     }
   }
+  if (scene.batch_count == 0) {
+    for (const std::string_view pass : {Rasterize::name, KeyDepth::name})
+      leave_out(pass, "the hardware draws what the camera sees (--technique visibility, hybrid, ray)");
+    return;
+  }
   surfaces.depth =
-      frame.add(DepthPrepass{}, {scene, surfaces.draws, surfaces.deformed, surfaces.depth}, instance).depth;
+      frame.add(KeyDepth{}, {surfaces.keys, scene.width_px, scene.height_px, scene.samples}, instance).depth;
+  if (!draws_lines(scene)) {
+    leave_out(DepthPrepass::name, "keys of triangles tell depths (rasterize, trace_keys)");
+    return;
+  }
+  DepthPrepass::In lines{scene, surfaces.visible, surfaces.deformed, surfaces.depth};
+  lines.lines_alone = true;
+  surfaces.depth = frame.add(DepthPrepass{}, lines, instance).depth;
   surfaces.looked_up = {surfaces.depth, {}};
 }
 

@@ -8,11 +8,12 @@ namespace candela {
 
 // What the camera sees of the opaque and masked geometry.
 struct Surfaces {
-  Draws draws;              // what culling left
-  BufferHandle kept_items;  // a bit for each item that culling left
+  Draws draws;              // what is in view
+  BufferHandle kept_items;  // a bit for each item in view
   BufferHandle deformed;    // vertices of skinned and morphed sections; may be empty
   ImageHandle depth;        // of the nearest surface at every sample; empty: nothing is opaque or masked
   SampledDepth looked_up;   // the same for compute
+  Draws visible;            // of what is in view, what the depth does not hide, for passes that test against it
   BufferHandle keys;        // which triangles these are, where compute rasterizes them (passes/geometry/rasterize.h)
 };
 Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);

@@ -5,7 +5,7 @@ namespace candela {
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   const Composite& composite, std::string_view instance) {
   const ImageHandle depth = surfaces.depth;
-  Terms::In in{scene, surfaces.draws,      surfaces.deformed, lighting.of_opaque(), depth,
+  Terms::In in{scene, surfaces.visible,    surfaces.deformed, lighting.of_opaque(), depth,
                {},    composite.reflected, composite.seen,    composite.depth};
   for (uint32_t i = 0; i < term_count; ++i) in.wanted[i] = frame.request.wants_term(Terms::layers[i].name);
   constexpr size_t background = size_t(Term::background);

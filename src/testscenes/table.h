@@ -31,6 +31,9 @@ void make_near_world(GlbWriter& out, SceneOptions& options);
 void make_far_world(GlbWriter& out, SceneOptions& options);
 void make_triangles(GlbWriter& out, SceneOptions& options);
 void make_cuboid(GlbWriter& out, SceneOptions& options);
+void make_depth_complexity_1(GlbWriter& out, SceneOptions& options);
+void make_depth_complexity_4(GlbWriter& out, SceneOptions& options);
+void make_depth_complexity_16(GlbWriter& out, SceneOptions& options);
 
 void make_orthographic(GlbWriter& out, SceneOptions& options);
 void make_animation_pointer(GlbWriter& out, SceneOptions& options);

@@ -65,7 +65,7 @@ inline std::vector<shared::CullGroup> cull_groups(const std::vector<uint32_t>& r
     const uint32_t first_group = uint32_t(groups.size());
     for (uint32_t at = 0; at < runs[r]; at += shared::cull_group_size) {
       const uint32_t count = std::min(shared::cull_group_size, runs[r] - at);
-      groups.push_back({first + at, count, r, first_group, at + count == runs[r] ? 1u : 0u});
+      groups.push_back({first + at, count, r, first_group, at + count == runs[r] ? 1u : 0u, 1});
     }
     first += runs[r];
   }

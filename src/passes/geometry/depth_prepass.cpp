@@ -35,7 +35,7 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,
       [&](const DrawRun& r) {
-        return (refracting ? r.alpha != AlphaMode::blend : r.solid()) && (!in.depth || r.is_lines());
+        return (refracting ? r.alpha != AlphaMode::blend : r.solid()) && (!in.lines_alone || r.is_lines());
       },
       choice);
   ImageDesc desc{"depth", depth_format, in.scene.width_px, in.scene.height_px, in.scene.samples};

@@ -21,8 +21,9 @@ struct DepthPrepass {
   struct In {
     SceneInputs scene;
     Draws draws;
-    BufferHandle deformed;  // optional
-    ImageHandle depth;      // optional: of triangles; then lines and points alone are drawn
+    BufferHandle deformed;     // optional
+    ImageHandle depth;         // optional: of what is drawn already
+    bool lines_alone = false;  // and points: without triangles
   };
   struct Out {
     ImageHandle depth;

@@ -111,7 +111,7 @@ Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
   BufferDesc keys{"keys", uint64_t(s.width_px) * s.height_px * s.samples * sizeof(uint64_t)};
   keys.zeroed = true;
   Out out;
-  out.keys = builder.create(keys);
+  out.keys = in.keys ? in.keys : builder.create(keys);
   out.steps = declare_steps(builder, s, in.masks, in.deformed, out.keys, knobs, {}, std::move(constants));
   return out;
 }

@@ -33,6 +33,7 @@ struct Rasterize {
     BufferHandle masks;     // of culling, by the camera
     BufferHandle deformed;  // optional
     bool masks_by_sample = false;
+    BufferHandle keys;  // optional: of what is rasterized already
   };
   struct Out {
     BufferHandle keys;

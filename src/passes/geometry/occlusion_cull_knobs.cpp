@@ -1,0 +1,48 @@
+#include "passes/geometry/occlusion_cull_knobs.h"
+
+namespace candela {
+
+std::span<const Knob<OcclusionCullKnobs>> OcclusionCullKnobs::table() {
+  static const std::vector<std::string_view> passes = {"occluders", "depth_pyramid", "occlusion_cull", "depth_prepass",
+                                                       "rasterize", "shade_forward", "shade_unlit",    "gbuffer"};
+  static const Knob<OcclusionCullKnobs> table[] = {
+      {.name = "mode",
+       .member = &OcclusionCullKnobs::mode,
+       .lowest = off,
+       .highest = automatic,
+       .ladder = {automatic},
+       .trades = "whether items behind large ones are left out; auto: in scenes of many items and triangles; changes "
+                 "time, never the image",
+       .choices = {"off", "on", "auto"},
+       .kind = Trades::time,
+       .walk = {off, on, automatic},
+       .passes = passes},
+      {.name = "first_phase_share",
+       .member = &OcclusionCullKnobs::first_phase_share,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0.005},
+       .trades = "share of the picture that an item's box covers at least for its depth to be drawn first and hide "
+                 "others; changes time, never the image",
+       .kind = Trades::time,
+       .walk = {0, 0.05, 0.005},
+       .passes = passes},
+  };
+  return table;
+}
+
+namespace {
+// Below these, on lavapipe as on GPUs, two phases cost more than what they may save (docs/decisions.md).
+constexpr uint32_t least_items = 256, least_triangles = 100000;
+}  // namespace
+
+Need needs_occlusion_culling(const SceneFacts& facts, const OcclusionCullKnobs& knobs) {
+  if (const Need need = needed_for_solid_surfaces(facts); !need) return need;
+  if (knobs.mode == OcclusionCullKnobs::off) return {false, "occlusion culling is off (occlusion_cull.mode)"};
+  if (knobs.mode == OcclusionCullKnobs::on) return {};
+  return needed_if(facts.draw_items >= least_items && facts.triangles >= least_triangles,
+                   fmt::format("{} items of {} triangles are too few for it to pay (occlusion_cull.mode)",
+                               facts.draw_items, facts.triangles));
+}
+
+}  // namespace candela

@@ -32,7 +32,7 @@ std::span<const Knob<OcclusionCullKnobs>> OcclusionCullKnobs::table() {
 }
 
 namespace {
-// Below these, on lavapipe as on GPUs, two phases cost more than what they may save (docs/decisions.md).
+// Below these two phases may cost more than they save (docs/decisions.md).
 constexpr uint32_t least_items = 256, least_triangles = 100000;
 }  // namespace
 

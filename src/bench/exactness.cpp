@@ -177,7 +177,7 @@ std::span<const DrawnKnob> drawn_knobs() {
   static const DrawnKnob table[] = {
       {"cull", "enabled", {"0", "1"}},
       {"occlusion_cull", "mode", {"off", "on"}},
-      {"occlusion_cull", "first_phase_share", {"0", "0.005", "0.1"}},
+      {"occlusion_cull", "first_share", {"0", "0.005", "0.1"}},
       {"lights", "test", {"aabb", "cone-sphere", "capsule", "capsule-joint"}},
       {"lights", "mask", {"0", "1"}},
       {"lights", "list", {"auto", "bitmask", "compact"}},

@@ -8,7 +8,7 @@ class OcclusionCulling : public FrameTest {
   static constexpr WantedOutputs everything{.linear = true, .display = true};
   static Job culled(Job job, const std::string& mode, double share = 0.01) {
     job.settings.push_back({"occlusion_cull", "mode", mode});
-    job.settings.push_back({"occlusion_cull", "first_phase_share", fmt::format("{}", share)});
+    job.settings.push_back({"occlusion_cull", "first_share", fmt::format("{}", share)});
     return job;
   }
   // A wall that hides most of what is behind it, over and under which some is seen: opaque, unlit, masked and mirrored

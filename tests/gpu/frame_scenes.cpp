@@ -32,7 +32,7 @@ TEST_F(FrameScenes, RenderCleanAndFiniteWithAndWithoutCulling) {
       for (const glm::vec4& p : with["beauty"].values<glm::vec4>()) drawn += p.w > 0 && p.x + p.y + p.z > 0;
       EXPECT_GT(drawn, 20u) << name;
       job.settings = {
-          {"cull", "enabled", "0"}, {"occlusion_cull", "mode", "on"}, {"occlusion_cull", "first_phase_share", "0.01"}};
+          {"cull", "enabled", "0"}, {"occlusion_cull", "mode", "on"}, {"occlusion_cull", "first_share", "0.01"}};
       const Images otherwise = images_of(job, everything, 0.4);
       ASSERT_EQ(with.size(), otherwise.size());
       for (size_t i = 0; i < with.size(); ++i)

@@ -8,7 +8,7 @@ struct OcclusionCullKnobs {
   static constexpr std::string_view name = "occlusion_cull";
   enum Mode : int { off, on, automatic };
   int mode = automatic;
-  float first_phase_share = 0.005f;
+  float first_share = 0.005f;
   static std::span<const Knob<OcclusionCullKnobs>> table();
 };
 Need needs_occlusion_culling(const SceneFacts& facts, const OcclusionCullKnobs& knobs);

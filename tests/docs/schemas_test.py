@@ -131,10 +131,11 @@ class Schemas(unittest.TestCase):
         self.assertIn("error_findings", rows)
 
     def test_bench_suites(self):
-        self.run_program("bench", "--suite", "exactness", "--count", "1", "--json", "exact.json")
+        self.run_program("bench", "--suite", "exactness", "--count", "1", "--techniques", "clustered,visibility", "--json",
+                         "exact.json")
         self.fits(self.read("exact.json"), "bench-exactness")
-        self.run_program("bench", "--suite", "stability", "--only", "images/1x1,albedo above", "--quiet", "--json",
-                         "stable.json")
+        self.run_program("bench", "--suite", "stability", "--only", "images/1x1,albedo above", "--techniques",
+                         "clustered,visibility", "--quiet", "--json", "stable.json")
         self.fits(self.read("stable.json"), "bench-stability")
 
     def test_tune(self):

@@ -82,8 +82,9 @@ class Pages(unittest.TestCase):
             self.figures(name)
 
     def test_fresh_measurements_have_pictures(self):
-        self.run_program("bench", "light-field", "--lights", "4,64", "--size", "320x180", "--samples", "1", "--min-runs", "6",
-                         "--max-runs", "6", "--warm-up-s", "0.001", "--report", "bench", "--quiet")
+        self.run_program("bench", "light-field", "--lights", "4,64", "--size", "320x180", "--samples", "1", "--techniques",
+                         "clustered,forward-plus,brute-force,visibility", "--min-runs", "6", "--max-runs", "6",
+                         "--warm-up-s", "0.001", "--report", "bench", "--quiet")
         self.look("bench/index.html", "bench")
         files = self.figures("bench")
         self.assertEqual(files[0], "01-light-field.png")
@@ -111,8 +112,8 @@ class Pages(unittest.TestCase):
         self.assertIn("trials", json.loads((self.folder / "tune/tune.json").read_text()))
 
     def test_stability(self):
-        self.run_program("bench", "--suite", "stability", "--only", "images/127x61,albedo,fog/slab,NaN,near 1e-4", "--report",
-                         "stability", "--quiet")
+        self.run_program("bench", "--suite", "stability", "--only", "images/127x61,albedo,fog/slab,NaN,near 1e-4",
+                         "--techniques", "clustered,visibility", "--report", "stability", "--quiet")
         self.look("stability/index.html", "stability")
         self.assertEqual(self.figures("stability"), ["01-pictures-of-extreme-scenes.svg"])
         self.assertEqual(json.loads((self.folder / "stability/stability.json").read_text())["faulty_rows"], 0)

@@ -3,6 +3,9 @@
 // functions of all techniques give it. Where the camera sees the surface is where its own ray meets the trees
 // (begin_rays), so that no surface reflects itself.
 #define TRIANGLES
+#ifndef TRACES  // as frames say that send rays
+#define TRACES
+#endif
 #include "shared/draw.h"
 #include "shared/reflections.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };

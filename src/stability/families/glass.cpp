@@ -215,6 +215,35 @@ void add_bodies(Recipes& all) {
       lamp, by_places, [](StabilityScene& scene) { scene.clamps = true; });
 }
 
+// Bodies that scatter light, which comes in diffusely; extinction from attenuation.
+void add_scattering(Recipes& all) {
+  const auto add = [&](std::string name, std::string what, double color, double anisotropy, json volume) {
+    add_finite(all, "scatters, " + name, std::move(what), [=](GlbWriter& out) {
+      json material = lit({0.9, 0.9, 0.9}, 0, 0.5);
+      material["doubleSided"] = false;
+      const auto extend = [&](const std::string& extension, json values) {
+        out.use_extension("KHR_materials_" + extension);
+        material["extensions"]["KHR_materials_" + extension] = std::move(values);
+      };
+      extend("diffuse_transmission", {{"diffuseTransmissionFactor", 1}});
+      extend("volume", volume);
+      extend("volume_scatter",
+             {{"multiscatterColorFactor", exact(glm::dvec3(color))}, {"scatterAnisotropy", anisotropy}});
+      place(out, ball(), material, place_m);
+    });
+  };
+  const glm::dvec3 half(0.5);
+  add("colour 1", "nothing is lost", 1, 0, body(1, absorbing(1, half)));
+  add("colour 0", "nothing is scattered", 0, 0, body(1, absorbing(1, half)));
+  add("anisotropy 1", "all goes on", 1, 1, body(1, absorbing(1, half)));
+  add("anisotropy -1", "all comes back", 1, -1, body(1, absorbing(1, half)));
+  add("in 1e-30 m", "opaque", 0.5, 0, body(1, absorbing(1e-30, half)));
+  add("in 1e38 m", "hardly anywhere", 0.5, 0, body(1, absorbing(1e38, half)));
+  add("attenuation colour 0", "at the surface", 0.5, 0, body(1, absorbing(1, glm::dvec3(0))));
+  add("1e9 m thick", "nothing comes through", 0.5, 0, body(1e9, absorbing(1, half)));
+  add("1e-30 m thick", "all comes through", 0.5, 0, body(1e-30, absorbing(1, half)));
+}
+
 }  // namespace
 
 void add_glass(Recipes& all) {
@@ -222,6 +251,7 @@ void add_glass(Recipes& all) {
   add_thickness(all);
   add_absorption(all);
   add_bodies(all);
+  add_scattering(all);
 }
 
 }  // namespace candela::stability

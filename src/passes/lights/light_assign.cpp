@@ -1,5 +1,6 @@
 #include "passes/lights/light_assign.h"
 
+#include "passes/lights/light_segments.h"
 #include "shared/lights.h"
 
 namespace candela {
@@ -49,16 +50,10 @@ void LightAssign::record(CommandList& commands, const In& in, const Out& out) co
   commands.bind(out.pipeline);
   if (grid.segments) {
     shared::LightSegmentsPush push{};
-    push.bounds = commands.address(in.boxes.bounds);
-    push.chunks = commands.address(in.boxes.chunks);
-    push.dispatch = commands.address(in.boxes.dispatch);
     push.tiles = grid.tiled ? commands.address(in.tiles) : 0;
     push.rows = commands.address(out.lists);
     push.hits = commands.address(out.hits);
-    push.cells = grid.cells;
-    commands.push(push);
-    commands.dispatch(shared::light_segments * shared::light_chunk_cells);
-    return;
+    return dispatch_segments(commands, grid, in.boxes, push);
   }
   shared::LightAssignPush push{};
   push.bounds = commands.address(in.boxes.bounds);

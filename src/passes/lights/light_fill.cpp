@@ -1,5 +1,6 @@
 #include "passes/lights/light_fill.h"
 
+#include "passes/lights/light_segments.h"
 #include "shared/lights.h"
 
 namespace candela {
@@ -38,17 +39,11 @@ void LightFill::record(CommandList& commands, const In& in, const Out& out) cons
   commands.bind(out.pipeline);
   if (grid.segments) {
     shared::LightSegmentsPush push{};
-    push.bounds = commands.address(in.boxes.bounds);
-    push.chunks = commands.address(in.boxes.chunks);
-    push.dispatch = commands.address(in.boxes.dispatch);
     push.rows = commands.address(out.cursors);
     push.hits = commands.address(in.hits);
     push.offsets = commands.address(in.offsets);
     push.entries = commands.address(out.entries);
-    push.cells = grid.cells;
-    commands.push(push);
-    commands.dispatch(shared::light_segments * shared::light_chunk_cells);
-    return;
+    return dispatch_segments(commands, grid, in.boxes, push);
   }
   shared::LightFillPush push{};
   push.bounds = commands.address(in.boxes.bounds);

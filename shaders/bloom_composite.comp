@@ -4,9 +4,11 @@
 layout(push_constant, scalar) uniform Push { BloomCompositePush pc; };
 #include "lib/bindless.glsl"
 #include "lib/bloom.glsl"
+#include "lib/bloom_tent.glsl"
 layout(local_size_x = bloom_group, local_size_y = 1) in;
 layout(constant_id = 0) const int HAS_GLOW = 0;    // the glow is wanted as a layer
 layout(constant_id = 1) const int HAS_SOURCE = 0;  // what glows is an image of its own
+layout(constant_id = 2) const int HALVED = 0;      // the glow is of half the picture's size
 
 shared vec2 energies[bloom_group];
 
@@ -15,7 +17,11 @@ void main() {
   vec2 energy = vec2(0.0);
   if (all(lessThan(p, pc.size_px))) {
     const vec4 color = texelFetch(pass_images[pc.color], ivec2(p), 0);
-    const vec3 glow = texelFetch(pass_images[pc.bloom], ivec2(p), 0).rgb;
+    vec3 glow;
+    if (HALVED != 0)
+      glow = bloom_tent(pc.bloom, ivec2(p)) * pc.bloom_weight;
+    else
+      glow = texelFetch(pass_images[pc.bloom], ivec2(p), 0).rgb;
     precise vec3 composed = color.rgb;  // first less, then more: what keeps its light stays within floats
     if (pc.keeps != 0u) {
       const vec3 source = HAS_SOURCE != 0 ? texelFetch(pass_images[pc.source], ivec2(p), 0).rgb : color.rgb;

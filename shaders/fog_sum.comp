@@ -11,9 +11,15 @@ void main() {
   const uvec3 nodes = frame.fog.nodes;
   if (column >= nodes.x * nodes.y) return;
   const ivec2 place = ivec2(column % nodes.x, column / nodes.x);
+  const int ahead = 8;  // slices that are loaded before the first of them is added
   precise vec3 sum = vec3(0.0);
-  for (int k = 0; k < int(nodes.z); ++k) {
-    sum += imageLoad(storage_volume_images[pc.image], ivec3(place, k)).rgb;
-    imageStore(storage_volume_images[pc.image], ivec3(place, k), vec4(sum, 0.0));
+  for (int first = 0; first < int(nodes.z); first += ahead) {
+    vec3 gained[ahead];
+    for (int i = 0; i < ahead; ++i)
+      gained[i] = imageLoad(storage_volume_images[pc.image], ivec3(place, min(first + i, int(nodes.z) - 1))).rgb;
+    for (int i = 0; i < ahead && first + i < int(nodes.z); ++i) {
+      sum += gained[i];
+      imageStore(storage_volume_images[pc.image], ivec3(place, first + i), vec4(sum, 0.0));
+    }
   }
 }

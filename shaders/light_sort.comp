@@ -63,7 +63,8 @@ void sort_list(uint base, uint count) {
 }
 
 void main() {
-  const uint t = gl_LocalInvocationIndex, cell = gl_WorkGroupID.x * light_sort_cells + t;
+  // Long lists are neighbours: each group takes cells that lie far apart.
+  const uint t = gl_LocalInvocationIndex, cell = gl_WorkGroupID.x + gl_NumWorkGroups.x * t;
   if (t == 0u) long_count = 0u;
   barrier();
   if (t < light_sort_cells && cell < pc.cells) {

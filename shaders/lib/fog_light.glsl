@@ -30,8 +30,9 @@
 // and phases. Fewer would do for most of the air, and more cost little, for few lamps are as near to a ray.
 const float FOG_ANGLE = 0.25;
 const int FOG_POINTS = 6;
-// A slice can lie in several slices of the lights' grid; in more than these it walks every light.
-const uint FOG_CELLS = 4u;
+// A run can lie in several slices of the lights' grid; in more than these it walks every light. Four slices of the
+// coarsest grid, over the ten octaves that lights' slices have, lie in eight.
+const uint FOG_CELLS = 8u;
 // Where in a slice light is taken: in the middle, or, with FOG_JITTER, where fog_jitter says, which the shader sets.
 #ifdef FOG_JITTER
 float fog_jitter[FOG_RUN];
@@ -47,49 +48,49 @@ const float FOG_SPREAD = 1.5;
 
 struct FogWalk {
   uint light;
-  uvec4 cell, cursor, end, mine;  // compact: as in LightWalk, for each of up to four cells
-  uint word, bits;                // bitmask
-  uint cells, global;
+  uint first, stride, cells;  // the cells that the ray passes, one behind the other; 0: every light
+  uint cursor[FOG_CELLS], end[FOG_CELLS], mine[FOG_CELLS];  // compact: as in LightWalk, of each cell
+  uint word, bits;                                          // bitmask
+  uint global;
 };
-
-uint fog_cell(uvec2 tile, uint slice) {
-  return tile.x + frame.grid.tiles.x * (tile.y + frame.grid.tiles.y * slice);
-}
 
 // Lights of the cells that the ray passes between two distances, in ascending order, all lanes together.
 FogWalk begin_fog_lights(FogRay ray, float begin_m, float end_m) {
   FogWalk w;
   w.light = no_light;
   w.word = w.bits = w.global = 0u;
-  w.cell = uvec4(0u);
-  w.cursor = w.end = uvec4(0u);
-  w.mine = uvec4(no_light);
-  w.cells = 0u;  // every light
+  w.first = w.stride = w.cells = 0u;
+  for (uint c = 0u; c < FOG_CELLS; ++c) {
+    w.cursor[c] = w.end[c] = 0u;
+    w.mine[c] = no_light;
+  }
   uvec2 tile;
   const vec3 a = view_position(ray.origin + ray.direction * begin_m);
   const vec3 b = view_position(ray.origin + ray.direction * end_m);
   if (frame.grid.mode != light_mode_all && light_tile(b, tile)) {
     if (frame.grid.tiled != 0u) {
       const uvec2 column = tile / column_tiles;
-      w.cell.x = frame.grid.tiles.x * frame.grid.tiles.y + column.x + frame.grid.columns.x * column.y;
+      w.first = frame.grid.tiles.x * frame.grid.tiles.y + column.x + frame.grid.columns.x * column.y;
       w.cells = 1u;
     } else {
       const uint first = light_slice(a.z), last = light_slice(b.z);
       if (last - first < FOG_CELLS) {
+        w.stride = frame.grid.tiles.x * frame.grid.tiles.y;
+        w.first = tile.x + frame.grid.tiles.x * tile.y + w.stride * first;
         w.cells = last - first + 1u;
-        for (uint c = 0u; c < FOG_CELLS; ++c) w.cell[c] = fog_cell(tile, min(first + c, last));
       }
     }
   }
   if (frame.grid.mode == light_mode_bitmask) return w;
   if (w.cells == 0u) {
-    w.end.x = frame.light_count;
-    w.mine.x = 0u < w.end.x ? 0u : no_light;
+    w.end[0] = frame.light_count;
+    w.mine[0] = 0u < w.end[0] ? 0u : no_light;
   }
   for (uint c = 0u; c < FOG_CELLS; ++c) {
     if (c >= w.cells) continue;
-    w.cursor[c] = ConstUintsRef(pc.light_cells).u[w.cell[c]];
-    w.end[c] = ConstUintsRef(pc.light_cells).u[w.cell[c] + 1u];
+    const uint cell = w.first + c * w.stride;
+    w.cursor[c] = ConstUintsRef(pc.light_cells).u[cell];
+    w.end[c] = ConstUintsRef(pc.light_cells).u[cell + 1u];
     if (frame.grid.cap != 0u) w.end[c] = min(w.end[c], w.cursor[c] + frame.grid.cap);
     if (w.cursor[c] < w.end[c]) w.mine[c] = ConstUintsRef(pc.light_entries).u[w.cursor[c]];
   }
@@ -105,8 +106,8 @@ bool next_fog_light(inout FogWalk w) {
     while (w.bits == 0u) {
       if (w.word == frame.grid.words) return false;
       uint bits = w.cells == 0u ? 0xffffffffu : 0u;
-      for (uint c = 0u; c < FOG_CELLS; ++c)
-        if (c < w.cells) bits |= ConstUintsRef(pc.light_cells).u[w.cell[c] * frame.grid.words + w.word];
+      for (uint c = 0u; c < w.cells; ++c)
+        bits |= ConstUintsRef(pc.light_cells).u[(w.first + c * w.stride) * frame.grid.words + w.word];
       w.bits = subgroupOr(bits);
       if (frame.grid.global_count != 0u) w.bits |= fog_global(w.word);
       const uint left = frame.light_count - 32u * w.word;
@@ -119,7 +120,9 @@ bool next_fog_light(inout FogWalk w) {
   }
   uint global = no_light;
   if (w.global < frame.grid.global_count) global = fog_global(w.global);
-  w.light = min(subgroupMin(min(min(w.mine.x, w.mine.y), min(w.mine.z, w.mine.w))), global);
+  uint mine = w.mine[0];
+  for (uint c = 1u; c < FOG_CELLS; ++c) mine = min(mine, w.mine[c]);
+  w.light = min(subgroupMin(mine), global);
   if (w.light == no_light) return false;
   if (w.light == global) ++w.global;
   for (uint c = 0u; c < FOG_CELLS; ++c) {

@@ -23,7 +23,7 @@ struct BloomConvolvePush {
 struct BloomCompositePush {
   uint color, source, bloom, composed, glow;
   uvec2 size_px;
-  float strength;
+  float strength, bloom_weight;  // bloom_weight: of the level that is half the picture
   float threshold, knee;
   uint keeps;  // 1: what is blurred is taken from where it came
   uint64_t energies;
@@ -40,10 +40,11 @@ struct BloomReport {
 SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
-inline constexpr uint bloom_group = 64;
+inline constexpr uint bloom_group = 64, bloom_energy_group = 256;
 }
 #else
-const uint bloom_group = 64u;
+const uint bloom_group = 64u, bloom_energy_group = 256u;
+const uint bloom_tile = 8u;  // side of a group's texels, up and down
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer BloomReportRef { BloomReport r; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EnergiesRef { vec2 e[]; };
 #endif

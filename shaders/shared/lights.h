@@ -95,7 +95,7 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 inline constexpr uint light_chunk_cells = 8, light_group = 64, light_scan_cells = 256, column_tiles = 4;
-inline constexpr uint light_sort_cells = 32, light_sort_threads = 256;
+inline constexpr uint light_sort_cells = 8, light_sort_threads = 256;
 inline constexpr uint light_segments = 16;
 enum : uint { light_mode_all = 0, light_mode_bitmask = 1, light_mode_compact = 2 };
 static_assert(sizeof(LightGrid) == 80 && offsetof(LightGrid, globals) == 72);
@@ -112,7 +112,7 @@ inline uvec2 light_threads(uint64_t threads, uint group = light_group) {
 #else
 const uint light_chunk_cells = 8u, light_group = 64u, light_scan_cells = 256u, column_tiles = 4u;
 const uint light_segments = 16u;
-const uint light_sort_cells = 32u;     // that a group of light_sort looks through
+const uint light_sort_cells = 8u;      // that a group of light_sort looks through
 const uint most_ranked_lights = 256u;  // of a list whose threads find their entries' places on their own
 const uint light_mode_all = 0u, light_mode_bitmask = 1u, light_mode_compact = 2u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightBoundsRef { LightBounds b[]; };

@@ -406,8 +406,10 @@ LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const share
           lights > most_bitmask_lights ? compact <= std::max(bitmask, budget) : bitmask > compact && bitmask > budget;
     const uint64_t bytes = use_compact ? compact : bitmask;
     const bool coarsest = grid.constants().tiles == glm::uvec2(1);
-    if (bytes > budget && !coarsest && kind == LightGridKind::clusters) continue;
-    if (covered > 0xf0000000u || most.chunks > 0x80000000u || grid.cells() * words > 0xf0000000u) {
+    const bool beyond_words =
+        covered > 0xf0000000u || most.chunks > 0x80000000u || (!use_compact && grid.cells() * words > 0xf0000000u);
+    if ((bytes > budget || beyond_words) && !coarsest && kind == LightGridKind::clusters) continue;
+    if (beyond_words) {
       out.shape.reason = "light lists would take more than 16 GiB: each pixel walks all lights";
       out.note = out.shape.reason;
       return out;

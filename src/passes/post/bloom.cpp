@@ -5,11 +5,12 @@
 namespace candela {
 namespace {
 
-// What the steps do, in order: down (levels), up (levels), or two convolutions a level; then composite and energy.
+// What the steps do, in order: down (levels), up (one fewer), or two convolutions a level; then composite, which goes
+// up to the picture's size itself, and energy.
 struct Steps {
   uint32_t levels = 0;  // of the pyramid; 0: convolutions
   uint32_t convolutions = 0;
-  uint32_t composite() const { return levels > 0 ? 2 * levels : 2 * convolutions; }
+  uint32_t composite() const { return levels > 0 ? 2 * levels - 1 : 2 * convolutions; }
 };
 
 Steps steps_of(const BloomPass& pass, const BloomPass::In& in) {
@@ -116,20 +117,14 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
       }
       out.down = builder.write(out.down, Access::storage_image_write, ImageRange::mip(k));
     }
-    // Up to level k from level k + 1; the last step leads to the picture's size.
     if (steps.levels > 1) out.up = chain("bloom.up");
-    out.blurred = full("bloom.blurred");
-    for (uint32_t k = steps.levels; k-- > 0;) {
-      pipeline("bloom_up.comp", k > 0 ? std::vector<SpecConstant>{{0, "HAS_FINE", 1}} : std::vector<SpecConstant>{});
+    for (uint32_t k = steps.levels - 1; k > 0; --k) {
+      pipeline("bloom_up.comp", {});
       builder.begin_step();
       builder.read(k + 1 == steps.levels ? out.down : out.up, Access::sampled_compute, "the coarser level",
                    ImageRange::mip(k));
-      if (k > 0) {
-        builder.read(out.down, Access::sampled_compute, "the level", ImageRange::mip(k - 1));
-        out.up = builder.write(out.up, Access::storage_image_write, ImageRange::mip(k - 1));
-      } else {
-        out.blurred = builder.write(out.blurred, Access::storage_image_write);
-      }
+      builder.read(out.down, Access::sampled_compute, "the level", ImageRange::mip(k - 1));
+      out.up = builder.write(out.up, Access::storage_image_write, ImageRange::mip(k - 1));
     }
   } else {
     // Each level: along x into `down`, along y onto the sum, which goes to and fro between `up` and `blurred`.
@@ -156,11 +151,16 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
   std::vector<SpecConstant> composed;
   if (in.glow_wanted) composed.push_back({0, "HAS_GLOW", 1});
   if (in.look.of_emission) composed.push_back({1, "HAS_SOURCE", 1});
+  if (steps.levels > 0) composed.push_back({2, "HALVED", 1});
   pipeline("bloom_composite.comp", composed);
   builder.begin_step();
   builder.read(in.color, Access::sampled_compute, "color");
   if (in.look.of_emission) builder.read(in.source, Access::sampled_compute, "what glows");
-  builder.read(out.blurred, Access::sampled_compute, "the blurred levels");
+  if (steps.levels > 0)
+    builder.read(steps.levels > 1 ? out.up : out.down, Access::sampled_compute, "the blurred levels",
+                 ImageRange::mip(0));
+  else
+    builder.read(out.blurred, Access::sampled_compute, "the blurred levels");
   out.color = builder.write(full("bloomed"), Access::storage_image_write);
   if (in.glow_wanted) {
     out.glow = builder.write(full("bloom.glow"), Access::storage_image_write);
@@ -187,12 +187,17 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
   if (step == composite + 1) {
     const uint32_t groups = (full.x + shared::bloom_group - 1) / shared::bloom_group * full.y;
     commands.push(shared::BloomEnergyPush{commands.address(out.energies), commands.address(out.report), groups});
-    commands.dispatch(shared::bloom_group);
+    commands.dispatch(shared::bloom_energy_group);
   } else if (step == composite) {
     shared::BloomCompositePush push{};
     push.color = commands.sampled(in.color);
     push.source = in.look.of_emission ? commands.sampled(in.source) : 0;
-    push.bloom = commands.sampled(out.blurred);
+    if (steps.levels > 0) {
+      push.bloom = commands.sampled(steps.levels > 1 ? out.up : out.down, ImageRange::mip(0));
+      push.bloom_weight = steps.levels > 1 ? 1.0f : weights[0];
+    } else {
+      push.bloom = commands.sampled(out.blurred);
+    }
     push.composed = commands.storage(out.color);
     push.glow = out.glow ? commands.storage(out.glow) : 0;
     push.size_px = full;
@@ -227,16 +232,14 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     commands.push(push);
     commands.dispatch(push.target_px.x, push.target_px.y);
   } else {
-    const uint32_t k = 2 * steps.levels - 1 - step;  // from mip k to mip k - 1, or to the picture's size
+    const uint32_t k = 2 * steps.levels - 1 - step;  // from mip k to mip k - 1
     shared::BloomUpPush push{};
     push.coarse = commands.sampled(k + 1 == steps.levels ? out.down : out.up, ImageRange::mip(k));
     push.coarse_weight = k + 1 == steps.levels ? weights[k] : 1.0f;
-    if (k > 0) {
-      push.fine = commands.sampled(out.down, ImageRange::mip(k - 1));
-      push.fine_weight = weights[k - 1];
-    }
-    push.target = k > 0 ? commands.storage(out.up) : commands.storage(out.blurred);
-    push.target_px = k > 0 ? commands.size(out.up, k - 1) : full;
+    push.fine = commands.sampled(out.down, ImageRange::mip(k - 1));
+    push.fine_weight = weights[k - 1];
+    push.target = commands.storage(out.up);
+    push.target_px = commands.size(out.up, k - 1);
     commands.push(push);
     commands.dispatch(push.target_px.x, push.target_px.y);
   }

@@ -35,7 +35,7 @@ struct BloomPass {
     ImageHandle color;
     BufferHandle report;
     ImageHandle down, up, glow;  // down: levels from half size, or rows; up: the sum on its way
-    ImageHandle blurred;         // the levels' sum at full size
+    ImageHandle blurred;         // the convolutions' sum
     BufferHandle energies;
     std::vector<PipelineHandle> pipelines;
   };

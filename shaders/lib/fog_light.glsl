@@ -31,8 +31,8 @@
 const float FOG_ANGLE = 0.25;
 const int FOG_POINTS = 6;
 // A run can lie in several slices of the lights' grid; in more than these it walks every light. Four slices of the
-// coarsest grid, over the ten octaves that lights' slices have, lie in eight.
-const uint FOG_CELLS = 8u;
+// coarsest grid, over the ten octaves that lights' slices have, lie in nine.
+const uint FOG_CELLS = 10u;
 // Where in a slice light is taken: in the middle, or, with FOG_JITTER, where fog_jitter says, which the shader sets.
 #ifdef FOG_JITTER
 float fog_jitter[FOG_RUN];

@@ -1,13 +1,18 @@
 #pragma once
 // The lights of a shaded point, in ascending order whatever the list: sums come out bit for bit as if every light were
 // walked, for a light outside its range or cone gives exactly zero (TECHNIQUES 6.1). All lanes of a subgroup walk the
-// union of their lists, so a light's data is loaded once for all. Needs lib/light_cells.glsl and the addresses
+// union of their lists, so a light's data is loaded once for all. In a long list, where most lights end before the
+// point, each lane looks for those that reach it first. Needs lib/light_cells.glsl and the addresses pc.lights,
 // pc.light_cells, pc.light_entries, pc.light_tiles.
+#include "lib/light_data.glsl"
 
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
 const uint no_light = 0xffffffffu;
 const uint every_cell = 0xffffffffu;  // a point that no cell holds walks every light
+const uint lights_ahead = 4u;         // of a long list, whose words are loaded before the first of them is asked
+// Lists are made for ranges a thousandth longer (passes/lights/light_grid.cpp): what is farther gives nothing.
+const float beyond_range2 = 1.002;
 
 uint light_cell(vec3 relative) {
   if (frame.grid.mode == light_mode_all) return every_cell;
@@ -31,6 +36,8 @@ struct LightWalk {
   uint cursor, end;   // compact: entries left. Bitmask: word, and words
   uint mine;          // compact: this lane's next light. Bitmask: bits left of the word
   uint global;        // compact: place among the lights of every cell
+  bool sifts;         // compact: this lane's list is long
+  vec3 position;
   // Of the frame, read once: a load inside the loop is a load for every light.
   uint mode, words, light_count, global_count;
   uint64_t globals;
@@ -47,6 +54,8 @@ LightWalk begin_lights(vec3 relative) {
   w.cursor = 0u;
   w.mine = 0u;
   w.global = 0u;
+  w.sifts = false;
+  w.position = relative;
   w.mode = frame.grid.mode;
   w.words = frame.grid.words;
   w.light_count = frame.light_count;
@@ -63,9 +72,37 @@ LightWalk begin_lights(vec3 relative) {
       const uint cap = frame.grid.cap;
       if (cap != 0u) w.end = min(w.end, w.cursor + cap);
       w.mine = w.cursor < w.end ? ConstUintsRef(pc.light_entries).u[w.cursor] : no_light;
+      w.sifts = w.end - w.cursor > frame.grid.sift_over;
     }
   }
   return w;
+}
+
+bool light_reaches(uint number, vec3 position) {
+  LightRef light = light_at(pc.lights, number);
+  const vec2 xy = light_word(light, 0u), z_range = light_word(light, 1u);
+  const vec3 to_light = vec3(xy, z_range.x) - position;
+  return !(dot(to_light, to_light) * z_range.y * z_range.y >= beyond_range2);
+}
+
+// From the cursor on, this lane's next light that reaches its point.
+void sift_lights(inout LightWalk w) {
+  while (w.mine == no_light && w.cursor < w.end) {
+    uint numbers[lights_ahead];
+    bool reach[lights_ahead];
+    for (uint i = 0u; i < lights_ahead; ++i)
+      numbers[i] = ConstUintsRef(pc.light_entries).u[min(w.cursor + i, w.end - 1u)];
+    for (uint i = 0u; i < lights_ahead; ++i) reach[i] = light_reaches(numbers[i], w.position);
+    uint found = lights_ahead;
+    for (uint i = lights_ahead; i-- > 0u;)
+      if (reach[i]) {
+        found = i;
+        w.mine = numbers[i];
+      }
+    w.cursor += found;
+  }
+  // Past the end the last light was asked again.
+  if (w.cursor >= w.end) w.mine = no_light;
 }
 
 bool next_light(inout LightWalk w) {
@@ -93,7 +130,10 @@ bool next_light(inout LightWalk w) {
   if (w.mine == w.light && w.mine != no_light) {
     ++w.cursor;
     w.mine = no_light;
-    if (w.cursor < w.end) w.mine = w.cell == every_cell ? w.cursor : ConstUintsRef(pc.light_entries).u[w.cursor];
+    if (w.sifts)
+      sift_lights(w);
+    else if (w.cursor < w.end)
+      w.mine = w.cell == every_cell ? w.cursor : ConstUintsRef(pc.light_entries).u[w.cursor];
   }
   return w.light != no_light;
 }

@@ -17,6 +17,7 @@ struct LightGrid {
   int slice_base;
   uint words;         // of one cell's bitmask
   uint cap;           // entries of a cell that are walked; 0: all
+  uint sift_over;     // in lists longer than this, points first look which lights reach them
   uint global_count;  // lights of every cell: words of a mask, or ascending indices
   vec2 px_scale;      // pixel = size/2 + px_scale * (x, -y)/z, or without the division for an orthographic camera
   float margin_px;    // by which every tile is widened against rounding

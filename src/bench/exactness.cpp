@@ -186,6 +186,7 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"lights", "slices_per_octave", {"1", "2", "4", "8", "16"}},
       {"lights", "few", {"0", "0", "8"}},  // most often lists even of a single light
       {"lights", "memory_mb", {"1", "512"}},
+      {"lights", "sift_over", {"0", "1073741824"}},
       {"sun", "skip_served", {"0", "1"}},
       {"sun", "draws", {"2097152", "4194304"}},
       {"shadows", "draws", {"2097152", "4194304"}},

@@ -251,6 +251,7 @@ TEST_P(LightsExact, SameBytesAsBruteForce) {
         Job job = job_of(c, width, height, samples, technique);
         job.settings.push_back({"lights", "list", list});
         job.settings.push_back({"lights", "order", samples == 1 ? "sorted" : "segments"});
+        job.settings.push_back({"lights", "sift_over", samples == 1 ? "1073741824" : "0"});
         job.layers = {"heatmap.lights", "heatmap.missed"};
         const Images got = images_of(job);
         EXPECT_EQ(differing(expected["beauty"], got["beauty"]), 0u) << technique << " " << list << " " << samples;
@@ -276,7 +277,8 @@ TEST_F(LightsExact, NoKnobOfTheListsChangesAByte) {
       {{"lights", "test", "capsule"}},        {{"lights", "mask", "0"}},
       {{"lights", "tile_px", "8"}},           {{"lights", "tile_px", "256"}},
       {{"lights", "slices_per_octave", "1"}}, {{"lights", "slices_per_octave", "16"}},
-      {{"lights", "order", "sorted"}},        {{"lights", "order", "segments"}}};
+      {{"lights", "order", "sorted"}},        {{"lights", "order", "segments"}},
+      {{"lights", "sift_over", "0"}},         {{"lights", "sift_over", "5"}}};
   for (const char* technique : {"clustered", "forward-plus"})
     for (const auto& settings : variants) {
       Job job = job_of(cases[0], 101, 67, 4, technique);

@@ -72,6 +72,7 @@ class Grid {
     g.slice_shift = 23;
     if (!g.tiled) set_slices(far_m, knobs.slices_per_octave);
     g.cap = uint32_t(knobs.cap);
+    g.sift_over = uint32_t(knobs.sift_over);
   }
 
   const shared::LightGrid& constants() const { return g_; }

@@ -21,6 +21,7 @@ struct LightKnobs {
   int slices_per_octave = 4;
   int few = 8;
   int memory_mb = 512;
+  int sift_over = 64;
   int cap = 0;
   static std::span<const Knob<LightKnobs>> table();
 };

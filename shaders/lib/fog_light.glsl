@@ -30,9 +30,10 @@
 // and phases. Fewer would do for most of the air, and more cost little, for few lamps are as near to a ray.
 const float FOG_ANGLE = 0.25;
 const int FOG_POINTS = 6;
-// A run can lie in several slices of the lights' grid; in more than these it walks every light. Four slices of the
-// coarsest grid, over the ten octaves that lights' slices have, lie in nine.
-const uint FOG_CELLS = 10u;
+// A run can lie in several slices of the lights' grid; in more than these it walks every light.
+#ifndef FOG_CELLS
+#define FOG_CELLS 8u
+#endif
 // Where in a slice light is taken: in the middle, or, with FOG_JITTER, where fog_jitter says, which the shader sets.
 #ifdef FOG_JITTER
 float fog_jitter[FOG_RUN];

@@ -4,6 +4,16 @@
 #include "shared/fog.h"
 
 namespace candela {
+namespace {
+
+constexpr uint32_t slices_a_thread = 4;  // FOG_RUN
+
+// Slices of the lights' grid in which a thread's lie, where those have ten octaves and four slices an octave; nearer
+// ones share a slice.
+uint32_t most_cells(uint32_t depths) { return (slices_a_thread * 40 + depths - 3) / (depths - 2) + 1; }
+
+}  // namespace
+
 Need FogGrid::needed(const SceneFacts& facts, const FrameRequest& request) const {
   if (Need any = fog_light_needed(facts, request); !any) return any;
   return needed_if(knobs.method == FogKnobs::froxels, "fog.method is not froxels");
@@ -23,6 +33,7 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
   std::string shader = "fog_light.comp";
   if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
   if (in.ambient) shader += "#FOG_AMBIENT=1";
+  shader += fmt::format("#FOG_CELLS={}u", most_cells(nodes.z));
   const bool lamps = in.lists.lamp_maps && knobs.lamp_shadows > 0;
   shader += fog_shadows(bool(in.lists.sun_maps), lamps, knobs.lamp_shadows);
   out.scatter = builder.pipeline(ComputePipelineDesc{shader, {}});
@@ -60,7 +71,6 @@ void FogGrid::record(CommandList& commands, const In& in, const Out& out) const 
   push.target = commands.storage(out.light);
   commands.bind(out.scatter);
   commands.push(push);
-  constexpr uint32_t slices_a_thread = 4;  // FOG_RUN
   commands.dispatch(nodes.x, nodes.y, (nodes.z + slices_a_thread - 1) / slices_a_thread);
 }
 

@@ -6,6 +6,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/scene.glsl"
 #include "lib/surface.glsl"
 #include "lib/draw.frag.glsl"
+#include "lib/covered.glsl"
 #include "lib/plane.glsl"
 #include "lib/gbuffer.glsl"
 #ifdef LOBES_APART
@@ -15,6 +16,7 @@ layout(location = 0) out uvec4 out_texels[GBUFFER];
 #endif
 
 void main() {
+  if (!is_any_covered()) return;
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   SurfacePoint p = no_point();

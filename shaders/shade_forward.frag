@@ -13,6 +13,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/glass.glsl"
 #endif
 #include "lib/blended.glsl"
+#include "lib/covered.glsl"
 #if defined(BEHIND) || defined(BEFORE)
 #include "lib/behind.glsl"
 #endif
@@ -21,7 +22,7 @@ void main() {
 #if defined(BEHIND) || defined(BEFORE)
   keep_part();
 #endif
-  if (!is_put_out()) return;
+  if (!is_any_covered() || !is_put_out()) return;
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();

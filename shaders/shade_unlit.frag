@@ -7,6 +7,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/surface.glsl"
 #include "lib/draw.frag.glsl"
 #include "lib/blended.glsl"
+#include "lib/covered.glsl"
 #ifdef FOG
 #include "lib/fog.glsl"
 #endif
@@ -18,7 +19,7 @@ void main() {
 #if defined(BEHIND) || defined(BEFORE)
   keep_part();
 #endif
-  if (!is_put_out()) return;
+  if (!is_any_covered() || !is_put_out()) return;
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec4 base = surface_base_color(m, v);

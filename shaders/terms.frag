@@ -14,6 +14,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/ambient.glsl"
 #include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
+#include "lib/covered.glsl"
 #ifdef FOG
 #include "lib/fog.glsl"
 #include "lib/fog_lamps.glsl"
@@ -63,6 +64,7 @@ vec4 covering(vec3 radiance, float coverage) { return vec4(radiance * frame.pre_
 #endif
 
 void main() {
+  if (!is_any_covered()) return;
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();

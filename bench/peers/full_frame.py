@@ -55,7 +55,7 @@ class FullFrames(Bench):
         row["programs"] = {n: s.about for n, s in small.items()}
         options.size = size
         timed = servers()
-        samples, _ = self.in_turn(timed)
+        samples, _, _ = self.in_turn(timed)
         for server in [*small.values(), *timed.values()]:
             server.close()
         row["ms"] = {n: summary(values) for n, values in samples.items()}

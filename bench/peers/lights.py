@@ -97,6 +97,11 @@ class Server:
                 return json.loads(line)
         raise SystemExit(f"{self.process.args[0]} ended with {self.process.wait()}; run it by hand to see why")
 
+    def processor_ms(self):
+        """Of all its threads that still run, so far."""
+        tasks = pathlib.Path(f"/proc/{self.process.pid}/task").glob("*/schedstat")
+        return sum(int(task.read_text().split()[0]) for task in tasks) / 1e6
+
     def ask(self, request):
         self.process.stdin.write(request + "\n")
         self.process.stdin.flush()
@@ -169,15 +174,17 @@ class Bench:
         return self.apart(files["filament"], next(iter(files.values())))
 
     def in_turn(self, servers):
-        """Wall ms and candela's stages of frames that the servers draw in turn, each later than the one before."""
-        samples, stages = {name: [] for name in servers}, {name: [] for name in servers}
+        """Wall ms, processor ms and candela's stages of frames that the servers draw in turn, each later than the one before."""
+        samples, busy, stages = ({name: [] for name in servers} for _ in range(3))
         for i in range(WARM_UP_FRAMES + self.options.runs):
             for name, server in servers.items():
+                before = server.processor_ms()
                 answer = server.ask(f"frame {FIRST_TIME_S + i / FRAME_RATE}")
                 if i >= WARM_UP_FRAMES:
                     samples[name].append(answer["ms"])
+                    busy[name].append(server.processor_ms() - before)
                     stages[name].append(answer["cpu_ms"])
-        return samples, stages
+        return samples, busy, stages
 
     def frames(self, case, lights, result):
         servers = {f"candela {t}": self.candela(case, lights, t) for t in self.options.techniques.split(",")}
@@ -188,18 +195,20 @@ class Bench:
         row = {"lights": lights, "ms": {}}
         if "filament" in servers:
             row["pictures"] = self.pictures(case, servers, lights)
-        samples, stages = self.in_turn(servers)
+        samples, busy, stages = self.in_turn(servers)
         for server in servers.values():
             server.close()
         row["ms"] = {name: summary(values) for name, values in samples.items()}
+        row["processor_ms"] = {name: summary(values) for name, values in busy.items()}
         row["cpu_ms"] = {name: medians(values) for name, values in stages.items()}
         first = next(iter(servers))
         if "filament" in servers:
             row["candela_to_filament"] = ratio(samples[first], samples["filament"])
+            row["candela_to_filament_processor"] = ratio(busy[first], busy["filament"])
             if lights is not None and lights > FILAMENT_CAP:
                 row["note"] = f"Filament draws {FILAMENT_CAP} of {lights} lights: its picture is wrong"
         say(f"{case.name}, {lights or 'its own'} lights: " + ", ".join(f"{n} {s['median']:.1f} ± {s['mad']:.1f} ms" for n, s in row["ms"].items()) +
-            f", ratio {row.get('candela_to_filament', '-')}")
+            f", ratio {row.get('candela_to_filament', '-')}, of processor time {row.get('candela_to_filament_processor', '-')}")
         return row
 
     def passes(self, case, lights):

@@ -194,7 +194,7 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"fragments", "rounds", {"16", "32"}},
       {"rasterize", "small_px", {"1", "8", "64"}},
       {"rasterize", "list", {"1", "262144"}},
-      {"pose_lights", "enabled", {"0", "1"}},
+      {"pose_lights", "enabled", {"off", "on"}},
       {"bvh", "builder", {"equal-counts", "sah", "sbvh"}},
       {"bvh", "buckets", {"12", "32"}},
       {"bvh", "max_leaf", {"1", "8"}},

@@ -127,11 +127,12 @@ bool soft_lamps(const PlannedFrame& f, const LampKnobs& knobs) {
 }
 
 // The host looks at each light where it chooses lamps for shadow maps, and where it measures the air that lights reach.
-bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs) {
+bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs, bool is_cpu) {
   const LampKnobs& lamps = knobs.get<LampKnobs>();
   const bool maps =
       request.wants_true(DepthViews::effect) && lamps.method != LampKnobs::by_rays && lamps.lights != LampKnobs::none;
-  return knobs.get<PoseLights::Knobs>().enabled != 0 && !maps && !request.draws_fog() && !request.draws_volumetric();
+  return knobs.get<PoseLights::Knobs>().on_device(is_cpu) && !maps && !request.draws_fog() &&
+         !request.draws_volumetric();
 }
 
 // Trees, where shading sends rays, and how it does.
@@ -310,7 +311,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (context.face) look = seen_by_probe(std::move(*look));
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
-  const LightLayout* const lights = poses_lights_on_device(f.request, *knobs) ? context.lights : nullptr;
+  const LightLayout* const lights = poses_lights_on_device(f.request, *knobs, context.cpu) ? context.lights : nullptr;
   auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, lights);
   if (!posed) return std::unexpected(posed.error());
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);

@@ -1,4 +1,5 @@
 #include "base/rng.h"
+#include "frame/device_samples.h"
 #include "frame/frame_upload.h"
 #include "frame_fixture.h"
 #include "passes/lights/pose_lights.h"
@@ -83,7 +84,7 @@ class PosedLights : public FrameTest {
     Job job = job_for(write(scene), 101, 67);
     job.technique = technique;
     job.effects = "none";
-    job.settings = {{"lights", "few", "0"}, {"pose_lights", "enabled", on_device ? "1" : "0"}};
+    job.settings = {{"lights", "few", "0"}, {"pose_lights", "enabled", on_device ? "on" : "off"}};
     look(job, away + glm::dvec3(0, 0.5, 3), away + glm::dvec3(0, 0, -4), 60);
     return job;
   }
@@ -124,6 +125,19 @@ TEST_F(PosedLights, GiveTheBytesOfTheHostsPose) {
       }
     }
   }
+}
+
+// Nothing is gained where the device is a CPU, whose lists need the host's pose to be filled in light order.
+TEST_F(PosedLights, StayWithTheHostOfACpu) {
+  const Lamps scene(glm::dvec3(0), 150);
+  Job job = job_of(scene, glm::dvec3(0), "clustered", true);
+  job.settings.pop_back();
+  const auto session = open(job);
+  ASSERT_TRUE(session);
+  const bool is_cpu = shades_on_cpu(session->device());
+  const FrameResult frame = render(*session);
+  EXPECT_NE(in_plan(frame, "pose_lights"), is_cpu);
+  EXPECT_NE(in_plan(frame, "light_sort"), is_cpu);
 }
 
 // What the host has to look at itself: lamps for shadow maps.

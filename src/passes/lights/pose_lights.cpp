@@ -4,18 +4,20 @@
 
 namespace candela {
 
+bool PoseLights::Knobs::on_device(bool is_cpu) const { return enabled == on || (enabled == automatic && !is_cpu); }
+
 std::span<const Knob<PoseLights::Knobs>> PoseLights::Knobs::table() {
   static const Knob<Knobs> table[] = {
       {"enabled",
        &Knobs::enabled,
        "",
-       0,
-       1,
-       {1},
-       "pose light instances on the device; 0: on the host",
-       {},
+       off,
+       automatic,
+       {automatic},
+       "pose light instances on the device; off: on the host; auto: on the device unless it is a CPU",
+       {"off", "on", "auto"},
        Trades::time,
-       {0, 1}},
+       {off, on, automatic}},
   };
   return table;
 }

@@ -12,7 +12,11 @@ struct PoseLights {
   static constexpr std::string_view name = "pose_lights";
   struct Knobs {
     static constexpr std::string_view name = "pose_lights";
-    int enabled = 1;
+    // automatic: a CPU gains nothing by a pass, and lists of lights that the host has posed take it half the time
+    // (lights.order).
+    enum Enabled : int { off, on, automatic };
+    int enabled = automatic;
+    bool on_device(bool is_cpu) const;
     static std::span<const Knob<Knobs>> table();
   };
   Knobs knobs;

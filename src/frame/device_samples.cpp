@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "frame/frame_knobs.h"
+#include "gpu/device_select.h"
 #include "gpu/sample_counts.h"
 #include "passes/scene_inputs.h"
 #include "shared/lights.h"
@@ -25,6 +26,18 @@ Expected<void> check_samples(const Job& job, const std::vector<int>& possible, c
   for (const int n : possible) names.push_back(fmt::format("{}", n));
   return fail(ErrorKind::device, "--samples", "{} has no {} samples a pixel; it has {}", device, samples,
               joined(names));
+}
+
+Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::Device& device) {
+  const gpu::RayExtensions has = gpu::ray_extensions(device.physical());
+  const bool by_query = knobs.traversal == BvhKnobs::by_query;
+  if (!knobs.on_device() || (by_query ? has.queries : has.pipelines)) return {};
+  const bool other = by_query ? has.pipelines : has.queries;
+  return fail(ErrorKind::device, "--set bvh.traversal", "{} has no {} (with {}); set bvh.traversal={}{}",
+              device.info().name,
+              by_query ? VK_KHR_RAY_QUERY_EXTENSION_NAME : VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
+              VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, other ? (by_query ? "pipeline or " : "query or ") : "",
+              "shader, or choose another device with --device");
 }
 
 }  // namespace candela

@@ -88,7 +88,8 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 static_assert(sizeof(RaySettings) == 36);
-static_assert(sizeof(TraceScene) == 56 && sizeof(TraceGeometry) == 12 && sizeof(TraceNode) == 224 && sizeof(TraceBlock) == 160);
+static_assert(sizeof(TraceScene) == 56 && sizeof(TraceGeometry) == 12 && sizeof(TraceNode) == 224 &&
+              sizeof(TraceBlock) == 160);
 static_assert(sizeof(TraceTriangle) == 8 && sizeof(TraceItem) == 16 && sizeof(TraceInstance) == 152 &&
               sizeof(TraceCorners) == 36);
 }  // namespace candela::shared

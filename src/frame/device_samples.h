@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "frame/job.h"
 #include "gpu/device.h"
+#include "gpu/device_select.h"
 #include "passes/geometry/bvh_knobs.h"
 
 namespace candela {
@@ -19,6 +20,6 @@ bool shades_on_cpu(const gpu::Device& device);
 Expected<void> check_samples(const Job& job, const std::vector<int>& possible, const std::string& device);
 
 // An error (device) where rays are to be traced in a way that the device lacks.
-Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::Device& device);
+Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::RayExtensions& has, const std::string& device);
 
 }  // namespace candela

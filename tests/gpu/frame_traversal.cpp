@@ -89,19 +89,21 @@ TEST_F(Traversal, NamesInstances) {
   GltfBuilder b = empty_scene();
   use_materials(b);
   constexpr int side = 40;
-  std::vector<float> position;
+  std::vector<float> position, color;
   std::vector<uint16_t> index;
   for (int y = 0; y <= side; ++y)
     for (int x = 0; x <= side; ++x) {
       const float u = float(x) / side - 0.5f, v = float(y) / side - 0.5f;
       position.insert(position.end(), {u, v, 0.5f * std::sin(6 * u) * std::cos(5 * v)});
+      color.insert(color.end(), {float(x % 3) / 2, float(y % 4) / 3, 0.5f + u});
     }
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
       const uint16_t c = uint16_t(y * (side + 1) + x), up = uint16_t(c + side + 1);
       index.insert(index.end(), {c, uint16_t(c + 1), up, up, uint16_t(c + 1), uint16_t(up + 1)});
     }
-  Json& p = b.primitive({{"POSITION", b.accessor<float>("VEC3", position)}});
+  Json& p =
+      b.primitive({{"POSITION", b.accessor<float>("VEC3", position)}, {"COLOR_0", b.accessor<float>("VEC3", color)}});
   p["indices"] = b.accessor<uint16_t>("SCALAR", index);
   Json material = unlit_material(0.5, 0.5, 0.5);
   material["doubleSided"] = true;

@@ -1,7 +1,8 @@
 # Shader sources are embedded as text, so that the binary needs no folder beside it; --shader-dir reads them from disk instead.
 file(GLOB_RECURSE shader_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_SOURCE_DIR}/shaders
      ${CMAKE_SOURCE_DIR}/shaders/*.vert ${CMAKE_SOURCE_DIR}/shaders/*.frag ${CMAKE_SOURCE_DIR}/shaders/*.comp
-     ${CMAKE_SOURCE_DIR}/shaders/*.glsl ${CMAKE_SOURCE_DIR}/shaders/*.h)
+     ${CMAKE_SOURCE_DIR}/shaders/*.rgen ${CMAKE_SOURCE_DIR}/shaders/*.rahit ${CMAKE_SOURCE_DIR}/shaders/*.rchit
+     ${CMAKE_SOURCE_DIR}/shaders/*.rmiss ${CMAKE_SOURCE_DIR}/shaders/*.glsl ${CMAKE_SOURCE_DIR}/shaders/*.h)
 list(SORT shader_sources)
 set(embedded ${CMAKE_BINARY_DIR}/generated/embedded_shaders.cpp)
 list(TRANSFORM shader_sources PREPEND ${CMAKE_SOURCE_DIR}/shaders/ OUTPUT_VARIABLE shader_paths)

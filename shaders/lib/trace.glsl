@@ -10,7 +10,8 @@
 //
 // The stack has one entry a level, a node and which of its children are still to be visited, so its size is the trees'
 // real depth, and no ray needs more. Needs lib/frame.glsl, lib/bindless.glsl, and before the include TRACE_ADDRESS (of
-// a TraceScene) and TRACE_STACK (entries). Units: metres; t counts in the direction's length.
+// a TraceScene) and TRACE_STACK (entries). Units: metres; t counts in the direction's length. With TRACE_QUERY or
+// TRACE_RAYGEN the device's acceleration structures name the triangles instead (lib/trace_device.glsl).
 #include "lib/exact_float.glsl"
 #include "shared/trace.h"
 
@@ -154,6 +155,16 @@ struct TraceState {
   bool found;
 };
 
+// Whether a triangle that the ray meets at h is there for it.
+bool trace_counts(TraceScene s, TraceHit h, uint mode, TraceHit passed) {
+  if ((mode & TRACE_LOCATE) != 0u) return true;
+  if ((mode & TRACE_PASSED) != 0u && trace_is_passed(h, passed)) return false;
+  const TraceItem item = trace_item(s, h.item);
+  if ((item.flags & trace_refracts) != 0u) return false;
+  if ((mode & TRACE_TO_LAMP) != 0u && (item.flags & trace_glows) != 0u) return false;
+  return (item.flags & trace_masked) == 0u || trace_coverage(s, item, h.primitive, h.u, h.v) != 0.0;
+}
+
 // A triangle that the ray meets at h, within its limits. True: the search ends.
 bool trace_accept(TraceScene s, TraceHit h, uint mode, TraceHit passed, inout TraceState state) {
   const float off = abs(h.t - 1.0);
@@ -165,12 +176,8 @@ bool trace_accept(TraceScene s, TraceHit h, uint mode, TraceHit passed, inout Tr
         (h.item > state.best.item || (h.item == state.best.item && h.primitive >= state.best.primitive)))
       return false;
   }
+  if (!trace_counts(s, h, mode, passed)) return false;
   if ((mode & TRACE_LOCATE) == 0u) {
-    if ((mode & TRACE_PASSED) != 0u && trace_is_passed(h, passed)) return false;
-    const TraceItem item = trace_item(s, h.item);
-    if ((item.flags & trace_refracts) != 0u) return false;
-    if ((mode & TRACE_TO_LAMP) != 0u && (item.flags & trace_glows) != 0u) return false;
-    if ((item.flags & trace_masked) != 0u && trace_coverage(s, item, h.primitive, h.u, h.v) == 0.0) return false;
     state.t_max = h.t;
   } else {
     state.t_min = max(state.t_min, 1.0 - off);
@@ -208,6 +215,45 @@ bool trace_exactly(vec2 a, vec2 b, vec2 c, vec3 z, TraceState state, inout Trace
   return true;
 }
 
+// Four triangles as the ray sees them: corners sheared, their z along the ray, and edge functions.
+struct TraceLanes {
+  vec4 x[3], y[3], z[3], u, v, w;
+};
+TraceLanes trace_lanes(uint64_t block, TraceFrame f) {
+  TraceLanes l;
+  for (int k = 0; k < 3; ++k) {
+    const uint64_t corner = block + uint64_t(48 * k);
+    precise vec4 dz = trace_vec4(corner + 16ul * f.axis.z) - f.origin[f.axis.z];
+    precise vec4 dx = (trace_vec4(corner + 16ul * f.axis.x) - f.origin[f.axis.x]) - f.sx * dz;
+    precise vec4 dy = (trace_vec4(corner + 16ul * f.axis.y) - f.origin[f.axis.y]) - f.sy * dz;
+    precise vec4 along = f.sz * dz;
+    l.x[k] = dx, l.y[k] = dy, l.z[k] = along;
+  }
+  precise vec4 u = l.x[2] * l.y[1] - l.y[2] * l.x[1];
+  precise vec4 v = l.x[0] * l.y[2] - l.y[0] * l.x[2];
+  precise vec4 w = l.x[1] * l.y[0] - l.y[1] * l.x[0];
+  l.u = u, l.v = v, l.w = w;
+  return l;
+}
+// Whether the ray meets one of them within the limits, and where.
+bool trace_lane(TraceLanes l, uint lane, TraceState state, inout TraceHit h) {
+  const float u = l.u[lane], v = l.v[lane], w = l.w[lane];
+  const vec3 z = vec3(l.z[0][lane], l.z[1][lane], l.z[2][lane]);
+  if (min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0) return false;
+  precise float sum = (u + v) + w;
+  const float smallest = min(min(abs(u), abs(v)), abs(w)), size = abs(sum);
+  if (!(smallest > 0.0 && size >= TRACE_SMALLEST && size <= TRACE_LARGEST))
+    return trace_exactly(vec2(l.x[0][lane], l.y[0][lane]), vec2(l.x[1][lane], l.y[1][lane]),
+        vec2(l.x[2][lane], l.y[2][lane]), z, state, h);
+  precise float t = ((u * z.x + v * z.y) + w * z.z) / sum;
+  if (!(t >= state.t_min && t <= state.t_max)) return false;
+  h.t = t;
+  h.u = v / sum;
+  h.v = w / sum;
+  h.back = sum < 0.0 ? 1u : 0u;
+  return true;
+}
+
 // The four triangles of a block. True: the search ends.
 bool trace_block(TraceScene s, uint block, uint instance, TraceFrame f, uint mode, TraceHit passed,
                  inout TraceState state) {
@@ -216,41 +262,13 @@ bool trace_block(TraceScene s, uint block, uint instance, TraceFrame f, uint mod
   const uvec4 ids = TraceUvec4Ref(at + 144ul).v;
   for (uint lane = 0u; lane < 4u; ++lane) trace_triangles += ids[lane] != no_trace ? 1u : 0u;
 #endif
-  vec4 x[3], y[3], z[3];
-  for (int k = 0; k < 3; ++k) {
-    const uint64_t corner = at + uint64_t(48 * k);
-    precise vec4 dz = trace_vec4(corner + 16ul * f.axis.z) - f.origin[f.axis.z];
-    precise vec4 dx = (trace_vec4(corner + 16ul * f.axis.x) - f.origin[f.axis.x]) - f.sx * dz;
-    precise vec4 dy = (trace_vec4(corner + 16ul * f.axis.y) - f.origin[f.axis.y]) - f.sy * dz;
-    x[k] = dx, y[k] = dy, z[k] = dz;
-  }
-  precise vec4 u = x[2] * y[1] - y[2] * x[1];
-  precise vec4 v = x[0] * y[2] - y[0] * x[2];
-  precise vec4 w = x[1] * y[0] - y[1] * x[0];
-  const vec4 least = min(min(u, v), w), largest = max(max(u, v), w);
+  const TraceLanes l = trace_lanes(at, f);
+  const vec4 least = min(min(l.u, l.v), l.w), largest = max(max(l.u, l.v), l.w);
   if (all(lessThan(least, vec4(0.0))) && all(greaterThan(largest, vec4(0.0)))) return false;
-  precise vec4 sum = (u + v) + w;
-  for (int k = 0; k < 3; ++k) {
-    precise vec4 along = f.sz * z[k];
-    z[k] = along;
-  }
-  precise vec4 t = ((u * z[0] + v * z[1]) + w * z[2]) / sum;
-  const vec4 smallest = min(min(abs(u), abs(v)), abs(w));
   const uvec4 id = TraceUvec4Ref(at + 144ul).v;
   for (uint lane = 0u; lane < 4u; ++lane) {
-    if ((least[lane] < 0.0 && largest[lane] > 0.0) || id[lane] == no_trace) continue;
-    const float size = abs(sum[lane]);
     TraceHit h = TRACE_NOTHING;
-    if (smallest[lane] > 0.0 && size >= TRACE_SMALLEST && size <= TRACE_LARGEST) {
-      if (!(t[lane] >= state.t_min && t[lane] <= state.t_max)) continue;
-      h.t = t[lane];
-      h.u = v[lane] / sum[lane];
-      h.v = w[lane] / sum[lane];
-      h.back = sum[lane] < 0.0 ? 1u : 0u;
-    } else if (!trace_exactly(vec2(x[0][lane], y[0][lane]), vec2(x[1][lane], y[1][lane]), vec2(x[2][lane], y[2][lane]),
-                   vec3(z[0][lane], z[1][lane], z[2][lane]), state, h)) {
-      continue;
-    }
+    if (id[lane] == no_trace || !trace_lane(l, lane, state, h)) continue;
     h.place = 4u * block + lane;
     h.instance = instance;
     if (instance == no_trace) {
@@ -282,30 +300,22 @@ float trace_into(vec4 row, vec4 rest, vec3 v, float w) {
 
 bool trace_finite(vec3 v) { return all(lessThanEqual(abs(v), vec3(TRACE_FAR))); }
 
-// The nearest hit that counts, or any. Rays with numbers that are none or without direction meet nothing.
-bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
-  TraceState state;
-  state.t_min = ray.t_min;
-  state.t_max = min(ray.t_max, TRACE_FAR);
-  state.found = false;
-  state.best = TRACE_NOTHING;
-  hit = TRACE_NOTHING;
-  const vec3 size = abs(ray.direction);
-  const float largest = max(max(size.x, size.y), size.z);
-  if (!trace_finite(ray.origin) || !trace_finite(ray.direction) || !(largest > 0.0) || !(state.t_min <= state.t_max))
-    return false;
-  // Far from lengths about 1 numbers on the way would leave the range of floats.
-  float scale = 1.0;
-  if ((mode & TRACE_LOCATE) == 0u && !(largest >= 9.5367432e-7 && largest <= 1048576.0)) {
-    int exponent;
-    frexp(largest, exponent);
-    scale = ldexp(1.0, exponent - 1);
-    ray.direction = ldexp(ray.direction, ivec3(1 - exponent));
-    state.t_min *= scale;
-    state.t_max = min(state.t_max * scale, TRACE_FAR);
-    passed.t *= scale;
+// The ray in an instance's mesh space; false: its numbers leave the range of floats there.
+bool trace_enter(TraceInstance i, TraceRay ray, out TraceFrame f) {
+  vec3 origin, direction;
+  for (int a = 0; a < 3; ++a) {
+    origin[a] = trace_into(i.local_row[a], i.local_rest[a], ray.origin, 1.0);
+    direction[a] = trace_into(i.local_row[a], i.local_rest[a], ray.direction, 0.0);
   }
-  const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;
+  f = trace_frame(origin, direction);
+  return trace_finite(origin) && trace_finite(direction) && direction != vec3(0.0);
+}
+
+#if defined(TRACE_QUERY) || defined(TRACE_RAYGEN) || defined(TRACE_HIT)
+#include "lib/trace_device.glsl"
+#else
+// Through the trees, one node at a time.
+void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout TraceState state) {
   TraceFrame f = trace_frame(ray.origin, ray.direction);
   uvec2 stack[TRACE_STACK];  // of a node: the children left, nearest lowest, three bits each, and above them how many.
                              // Of a leaf of instances: how many are left
@@ -313,7 +323,7 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
   uint instance = no_trace;
   bool in_top = s.world_root == no_trace;
   uint child = in_top ? s.top_root : s.world_root;
-  if (child == no_trace) return false;
+  if (child == no_trace) return;
   child = child == no_trace ? 0u : child;
   while (true) {
     if ((child & trace_leaf_bit) == 0u) {
@@ -342,13 +352,8 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
       if (in_top && instance == no_trace) {
         stack[top++] = uvec2(child, count);
       } else {
-        for (uint i = first; i < first + count; ++i) {
-          if (trace_block(s, i, instance, f, mode, passed, state)) {
-            hit = state.best;
-            hit.t /= scale;
-            return true;
-          }
-        }
+        for (uint i = first; i < first + count; ++i)
+          if (trace_block(s, i, instance, f, mode, passed, state)) return;
       }
     }
     // What is next.
@@ -360,11 +365,7 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
           f = trace_frame(ray.origin, ray.direction);
           continue;
         }
-        if (in_top || s.top_root == no_trace) {
-          hit = state.best;
-          hit.t /= scale;
-          return state.found;
-        }
+        if (in_top || s.top_root == no_trace) return;
         in_top = true;
         child = s.top_root == no_trace ? 0u : s.top_root;
         break;
@@ -379,15 +380,11 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
         stack[top - 1u].y = entry.y - 1u;
         const uint entered = first + entry.y - 1u;
         const TraceInstance i = trace_instance(s, entered);
-        vec3 origin, direction;
-        for (int a = 0; a < 3; ++a) {
-          origin[a] = trace_into(i.local_row[a], i.local_rest[a], ray.origin, 1.0);
-          direction[a] = trace_into(i.local_row[a], i.local_rest[a], ray.direction, 0.0);
-        }
-        if (!trace_finite(origin) || !trace_finite(direction) || direction == vec3(0.0)) continue;
+        TraceFrame entering;
+        if (!trace_enter(i, ray, entering)) continue;
         instance = entered;
         base = top;
-        f = trace_frame(origin, direction);
+        f = entering;
         child = i.root;  // never none: of empty trees there is no instance
         break;
       }
@@ -406,6 +403,38 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
     }
   }
 }
+#endif
+
+#ifndef TRACE_HIT
+// The nearest hit that counts, or any. Rays with numbers that are none or without direction meet nothing.
+bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
+  TraceState state;
+  state.t_min = ray.t_min;
+  state.t_max = min(ray.t_max, TRACE_FAR);
+  state.found = false;
+  state.best = TRACE_NOTHING;
+  hit = TRACE_NOTHING;
+  const vec3 size = abs(ray.direction);
+  const float largest = max(max(size.x, size.y), size.z);
+  if (!trace_finite(ray.origin) || !trace_finite(ray.direction) || !(largest > 0.0) || !(state.t_min <= state.t_max))
+    return false;
+  // Far from lengths about 1 numbers on the way would leave the range of floats.
+  float scale = 1.0;
+  if ((mode & TRACE_LOCATE) == 0u && !(largest >= 9.5367432e-7 && largest <= 1048576.0)) {
+    int exponent;
+    frexp(largest, exponent);
+    scale = ldexp(1.0, exponent - 1);
+    ray.direction = ldexp(ray.direction, ivec3(1 - exponent));
+    state.t_min *= scale;
+    state.t_max = min(state.t_max * scale, TRACE_FAR);
+    passed.t *= scale;
+  }
+  trace_search(TraceSceneRef(TRACE_ADDRESS).s, ray, mode, passed, state);
+  hit = state.best;
+  hit.t /= scale;
+  return state.found;
+}
+#endif
 
 // A point of a triangle, with what is needed to leave it.
 struct TracePoint {

@@ -22,7 +22,9 @@ const uint trace_asks_fronts = 1u, trace_asks_backs = 2u, trace_masked = 4u, tra
 
 // Where the tables begin, in units of trace_table_align bytes.
 struct TraceScene {
+  uint64_t acceleration;  // of the top level of the device's acceleration structures; 0: there are none
   uint nodes, blocks, triangles, items, instances, corners;
+  uint geometries, places;    // with acceleration structures; else empty
   uint end;                   // of the last table
   uint world_root, top_root;  // nodes; no_trace: nothing is there
 };
@@ -66,6 +68,13 @@ struct TraceCorners {
   vec3 alpha;
 };
 
+// Triangles that acceleration structures hold: one for each geometry, by its number in its bottom level and that of the
+// instance. The places (four times the block, plus the lane) of its triangles follow each other in their table.
+struct TraceGeometry {
+  uint item, first_place;
+  uint instance;  // among those of the trees; no_trace: corners are in relative space
+};
+
 // How shading sends rays, and what it knows of lights with a size. Counts are of one picture of a supersampled frame.
 struct RaySettings {
   float occlusion_radius_m, occlusion_fade_m, occlusion_strength;  // hidden by saturate((radius - distance) / fade)
@@ -79,7 +88,8 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 static_assert(sizeof(RaySettings) == 36);
-static_assert(sizeof(TraceScene) == 36 && sizeof(TraceNode) == 224 && sizeof(TraceBlock) == 160);
+static_assert(sizeof(TraceScene) == 56 && sizeof(TraceGeometry) == 12 && sizeof(TraceNode) == 224 &&
+              sizeof(TraceBlock) == 160);
 static_assert(sizeof(TraceTriangle) == 8 && sizeof(TraceItem) == 16 && sizeof(TraceInstance) == 152 &&
               sizeof(TraceCorners) == 36);
 }  // namespace candela::shared
@@ -95,6 +105,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Tra
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer TraceItemRef { TraceItem i; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TraceInstanceRef { TraceInstance i; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TraceCornersRef { TraceCorners c; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TraceGeometryRef { TraceGeometry g; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RaySettingsRef { RaySettings s; };
 #endif
 

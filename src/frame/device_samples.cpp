@@ -27,4 +27,15 @@ Expected<void> check_samples(const Job& job, const std::vector<int>& possible, c
               joined(names));
 }
 
+Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::RayExtensions& has, const std::string& device) {
+  const bool by_query = knobs.traversal == BvhKnobs::by_query;
+  if (!knobs.on_device() || (by_query ? has.queries : has.pipelines)) return {};
+  const std::string_view other = by_query && has.pipelines  ? "pipeline or "
+                                 : !by_query && has.queries ? "query or "
+                                                            : "";
+  return fail(ErrorKind::device, "--set bvh.traversal",
+              "{} has no {}; set bvh.traversal={}shader, or choose another device with --device", device,
+              by_query ? VK_KHR_RAY_QUERY_EXTENSION_NAME : VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME, other);
+}
+
 }  // namespace candela

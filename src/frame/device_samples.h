@@ -4,6 +4,8 @@
 #include "base/error.h"
 #include "frame/job.h"
 #include "gpu/device.h"
+#include "gpu/device_select.h"
+#include "passes/geometry/bvh_knobs.h"
 
 namespace candela {
 
@@ -16,5 +18,8 @@ bool shades_on_cpu(const gpu::Device& device);
 // An error (device) where the job wants another number: drawn with a count that it lacks, a device may leave samples
 // out, and light with them, and say nothing.
 Expected<void> check_samples(const Job& job, const std::vector<int>& possible, const std::string& device);
+
+// An error (device) where rays are to be traced in a way that the device lacks.
+Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::RayExtensions& has, const std::string& device);
 
 }  // namespace candela

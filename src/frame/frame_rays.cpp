@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <span>
 
@@ -121,8 +122,15 @@ BvhBuilder builder_of(int choice) {
 
 class LayOut {
  public:
-  LayOut(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction)
-      : accel_(accel), trees_(accel.trees()), scene_(scene), pose_(pose), data_(data), refraction_(refraction) {}
+  LayOut(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction,
+         bool on_device)
+      : accel_(accel),
+        trees_(accel.trees()),
+        scene_(scene),
+        pose_(pose),
+        data_(data),
+        refraction_(refraction),
+        on_device_(on_device) {}
 
   FrameRays run() {
     place();
@@ -131,6 +139,7 @@ class LayOut {
     fill_items();
     fill_trees();
     fill_instances();
+    if (on_device_) fill_on_device();
     tbb::parallel_for(size_t(0), corner_uses_.size(), [&](size_t i) {
       const auto& [section, material, first] = corner_uses_[i];
       fill_corners(*section, *material, table<shared::TraceCorners>(rays_, head_.corners) + first);
@@ -178,7 +187,25 @@ class LayOut {
       CHECK_MSG(corners < shared::no_trace, "masked triangles");
     }
     head_.corners = tables_.place(corners * sizeof(shared::TraceCorners));
+    if (on_device_) {
+      head_.geometries = tables_.place(data_.items.size() * sizeof(shared::TraceGeometry));
+      head_.places = tables_.place(triangle_count() * sizeof(uint32_t));
+    }
     head_.end = tables_.place(0);
+  }
+
+  // Of the world tree, then of the parts; not those with corners that are no numbers.
+  size_t triangle_count() const {
+    size_t count = trees_.world_item.size();
+    for (const AccelInstance& instance : first_of_parts()) count += triangles_of(instance.item);
+    return count;
+  }
+  uint32_t triangles_of(uint32_t item) const { return uint32_t(trees_.section_of(data_.items[item]).index.size() / 3); }
+  // An instance of each part.
+  std::vector<AccelInstance> first_of_parts() const {
+    std::vector<AccelInstance> first(trees_.parts.size());
+    for (const AccelInstance& instance : trees_.instances) first[instance.part] = instance;
+    return first;
   }
 
   void fill_items() {
@@ -239,6 +266,67 @@ class LayOut {
     }
   }
 
+  // Corners are those of the trees' blocks, so that both have the same triangles, bit for bit.
+  void fill_on_device() {
+    gpu::AccelerationInput& out = rays_.on_device;
+    const size_t count = triangle_count();
+    out.corners.assign(3 * count, glm::vec3(std::numeric_limits<float>::quiet_NaN()));
+    uint32_t* const places = table<uint32_t>(rays_, head_.places);
+    std::fill_n(places, count, 0);
+    const auto take_blocks = [&](const WideTree& tree, size_t first_block, size_t first_triangle) {
+      for (size_t b = tree.blocks.size(); b-- > 0;)
+        for (uint32_t lane = 0; lane < 4; ++lane) {
+          const TriangleBlock& block = tree.blocks[b];
+          if (block.id[lane] == no_triangle) continue;
+          const size_t triangle = first_triangle + block.id[lane];
+          places[triangle] = uint32_t(4 * (first_block + b) + lane);
+          for (size_t k = 0; k < 3; ++k)
+            for (size_t a = 0; a < 3; ++a) out.corners[3 * triangle + k][int(a)] = block.corner[k][a][lane];
+        }
+    };
+    shared::TraceGeometry* geometry = table<shared::TraceGeometry>(rays_, head_.geometries);
+    uint32_t numbers = 0;
+    const auto add = [&](shared::TraceGeometry g) { geometry[numbers++] = g; };
+
+    take_blocks(trees_.world, 0, 0);
+    gpu::AccelerationInput::Level world;
+    for (uint32_t i = 0; i < data_.items.size(); ++i) {
+      const shared::TraceItem& item = table<shared::TraceItem>(rays_, head_.items)[i];
+      const bool traced = trees_.section_of(data_.items[i]).topology == Topology::triangles;
+      if (!traced || item.first == shared::no_trace || triangles_of(i) == 0) continue;
+      world.push_back({item.first, triangles_of(i), asks_nothing(item)});
+      add({i, item.first, shared::no_trace});
+    }
+    if (!world.empty()) {
+      out.levels.push_back(std::move(world));
+      out.instances.push_back({0, 0, false, {glm::vec4(1, 0, 0, 0), glm::vec4(0, 1, 0, 0), glm::vec4(0, 0, 1, 0)}});
+    }
+    const size_t first_level = out.levels.size();
+    std::vector<uint32_t> first_triangle;
+    size_t block = trees_.world.blocks.size(), triangle = trees_.world_item.size();
+    const std::vector<AccelInstance> shown_by = first_of_parts();
+    for (size_t p = 0; p < trees_.parts.size(); ++p) {
+      take_blocks(trees_.parts[p].tree, block, triangle);
+      first_triangle.push_back(uint32_t(triangle));
+      const uint32_t triangles = triangles_of(shown_by[p].item);
+      out.levels.push_back({{uint32_t(triangle), triangles, false}});
+      block += trees_.parts[p].tree.blocks.size(), triangle += triangles;
+    }
+    for (size_t i = 0; i < trees_.top.indices.size(); ++i) {
+      const AccelInstance& instance = trees_.instances[trees_.top.indices[i]];
+      const shared::TraceInstance& placed = table<shared::TraceInstance>(rays_, head_.instances)[i];
+      out.instances.push_back({uint32_t(first_level + instance.part),
+                               numbers,
+                               asks_nothing(table<shared::TraceItem>(rays_, head_.items)[instance.item]),
+                               {placed.relative_row[0], placed.relative_row[1], placed.relative_row[2]}});
+      add({instance.item, first_triangle[instance.part], uint32_t(i)});
+    }
+  }
+  // No ray asks more of its triangles than where they are.
+  static bool asks_nothing(const shared::TraceItem& item) {
+    return (item.flags & (shared::trace_masked | shared::trace_glows | shared::trace_refracts)) == 0;
+  }
+
   void add_range(size_t first_node, const WideTree& tree, uint32_t instance, bool holds_instances) {
     if (!tree.nodes.empty())
       ranges_.push_back({uint32_t(first_node), uint32_t(tree.nodes.size()), instance, holds_instances});
@@ -249,7 +337,7 @@ class LayOut {
   const Scene& scene_;
   const Pose& pose_;
   const FrameData& data_;
-  const bool refraction_;
+  const bool refraction_, on_device_;
   FrameRays rays_;
   shared::TraceScene head_{};
   Tables tables_;
@@ -285,13 +373,13 @@ Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bo
   return out.hash();
 }
 
-FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,
-                       bool refraction) {
+FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction,
+                       bool on_device) {
   static_assert(offsetof(WideNode, unused) == sizeof(shared::TraceNode) &&
                 sizeof(TriangleBlock) == sizeof(shared::TraceBlock));
   static_assert(leaf_bit == shared::trace_leaf_bit && leaf_count_shift == shared::trace_leaf_shift &&
                 no_child == shared::no_trace && no_triangle == shared::no_trace);
-  return LayOut(accel, scene, pose, data, refraction).run();
+  return LayOut(accel, scene, pose, data, refraction, on_device).run();
 }
 
 std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data,
@@ -304,7 +392,7 @@ std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose&
                   .depth = uint32_t(knobs.depth),
                   .block_shift = uint32_t(knobs.block),
                   .node_cost = knobs.node_cost};
-  FrameRays rays = lay_out_rays(Accel(scene, pose, data, options), scene, pose, data, refraction);
+  FrameRays rays = lay_out_rays(Accel(scene, pose, data, options), scene, pose, data, refraction, knobs.on_device());
   rays.key = rays_key(scene, pose, data, refraction, knobs);
   return std::make_shared<const FrameRays>(std::move(rays));
 }

@@ -254,12 +254,20 @@ std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow&
     const bool fits = target.buffer.size() >= row.size_bytes;
     const auto changed = changed_ranges(fits ? target.held : std::span<const std::byte>(), row.bytes);
     target.key = {}, target.held = {}, target.owner = {};  // until all of it is there
+    target.structures =
+        row.on_device ? std::make_unique<gpu::AccelerationStructures>(device_, *row.on_device) : nullptr;
     if (!fits)
       target.buffer = gpu::Buffer(device_, row.size_bytes, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                   gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name);
     const auto uploader = std::make_shared<gpu::Uploader>(device_);
     for (const ByteRange& range : changed)
       uploader->to_buffer(target.buffer, range.first, row.bytes.subspan(range.first, range.count));
+    if (target.structures) {
+      uploader->flush();  // over the place that is written now
+      static_assert(offsetof(shared::TraceScene, acceleration) == 0);
+      const uint64_t address = target.structures->address();
+      uploader->to_buffer(target.buffer, 0, std::as_bytes(std::span(&address, 1)));
+    }
     uploader->submit();
     uploaded.keep.push_back(uploader);
     target.key = *row.key, target.held = row.bytes, target.owner = row.owner;

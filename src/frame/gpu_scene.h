@@ -9,6 +9,7 @@
 #include "frame/gpu_sky.h"
 #include "frame/plan_frame.h"
 #include "frame/upload_table.h"
+#include "gpu/acceleration.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
 #include "gpu/resources.h"
@@ -72,6 +73,7 @@ class GpuScene {
     gpu::Buffer buffer;
     std::span<const std::byte> held;    // what it holds, from its begin
     std::shared_ptr<const void> owner;  // of `held`
+    std::unique_ptr<gpu::AccelerationStructures> structures;
   };
   std::shared_ptr<SharedBuffer> shared_buffer(const UploadRow& row, Uploaded& uploaded);
   std::map<std::string, std::vector<std::shared_ptr<SharedBuffer>>, std::less<>> shared_buffers_;

@@ -146,6 +146,19 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
   f.traced.surfaces = reflections.traced(f.facts, f.request);
   const bool shades = f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request) || f.traced.surfaces;
   f.traced.tree = knobs.get<BvhKnobs>();
+  int& traversal = f.traced.tree.traversal;
+  if (traversal == BvhKnobs::by_query && (shades || traces_keys)) {
+    f.notes.push_back("rays ask the device what they meet: its own trees are built beside ours (bvh.traversal)");
+  } else if (traversal == BvhKnobs::by_pipeline && traces_keys) {
+    f.notes.push_back(
+        "a pipeline of the device finds what the camera's rays meet, its own trees are built beside ours; other rays "
+        "go "
+        "through ours (bvh.traversal)");
+  } else if (traversal != BvhKnobs::by_shader) {
+    if (shades || shows_trees(f.request))
+      f.notes.push_back("bvh.traversal is left at shader: a pipeline sends the camera's rays alone (--technique ray)");
+    traversal = BvhKnobs::by_shader;
+  }
   if (shades || traces_keys || shows_trees(f.request))
     f.rays = context.rays && context.rays->key == rays_key(context.scene, f.pose, f.data, refraction, f.traced.tree)
                  ? context.rays

@@ -163,6 +163,9 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   auto planned = plan_frame(job_, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
+  const gpu::RayExtensions rays = gpu::ray_extensions(device_->physical());
+  if (auto fine = check_traversal(planned->traced.tree, rays, device_->info().name); !fine)
+    return std::unexpected(fine.error());
   try {
     Begun begun;
     FrameResult& result = begun.result;

@@ -73,6 +73,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     rows.push_back({"frame.trees", &Inputs::trees, (bytes + step - 1) / step * step, frame.rays->bytes});
     rows.back().key = frame.rays->key;
     rows.back().owner = frame.rays;
+    if (frame.traced.tree.on_device()) rows.back().on_device = &frame.rays->on_device;
   }
   // The air is lit where there is nothing else.
   if (u.items.empty() && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();

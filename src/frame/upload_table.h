@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "gpu/acceleration.h"
 #include "passes/scene_inputs.h"
 #include "shared/scene.h"
 
@@ -23,7 +24,9 @@ struct UploadRow {
   size_t address_offset = no_address;
   static constexpr size_t no_address = size_t(-1);
   std::optional<Hash128> key = {};  // of content that many frames share: uploaded once, into the device's own memory
-  std::shared_ptr<const void> owner = {};  // with a key: who keeps `bytes`
+  std::shared_ptr<const void> owner = {};  // with a key: who keeps `bytes`, and what follows
+  // Acceleration structures are built of it, whose address the content begins with.
+  const gpu::AccelerationInput* on_device = nullptr;
 };
 
 // Every buffer of the scene and of the frame, each declared here and nowhere else; the constants, which hold the

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 
 #include <cstring>
+#include <map>
 #include <set>
 
 #include "base/modules.h"
@@ -94,7 +95,18 @@ void take_log(void* user, const char* log) try {
 } catch (const std::bad_alloc&) {
 }
 
+const std::map<std::string_view, CandelaGlslStage>& stages() {
+  static const std::map<std::string_view, CandelaGlslStage> map = {
+      {".vert", candela_glsl_vertex}, {".frag", candela_glsl_fragment}, {".comp", candela_glsl_compute},
+      {".rgen", candela_glsl_raygen}, {".rahit", candela_glsl_any_hit}, {".rchit", candela_glsl_closest_hit},
+      {".rmiss", candela_glsl_miss},
+  };
+  return map;
+}
+
 }  // namespace
+
+bool is_shader_stage(std::string_view ending) { return stages().contains(ending); }
 
 Expected<std::vector<uint32_t>> compile_by_glslang(const ShaderFiles& files, const std::string& definitions,
                                                    const std::string& stage) {
@@ -107,9 +119,7 @@ Expected<std::vector<uint32_t>> compile_by_glslang(const ShaderFiles& files, con
         "Put {} of this version of candela there, or leave --shader-dir out",
         glslang.why, module_name);
   Compilation compilation{files, {}, {}, {}};
-  const CandelaGlslRequest request{.stage = stage == ".vert"   ? candela_glsl_vertex
-                                            : stage == ".frag" ? candela_glsl_fragment
-                                                               : candela_glsl_compute,
+  const CandelaGlslRequest request{.stage = stages().at(stage),
                                    .definitions = definitions.c_str(),
                                    .root = {root.name.c_str(), root.text.data(), root.text.size()},
                                    .user = &compilation,

@@ -76,8 +76,8 @@ ShaderCompiler::ShaderCompiler(std::filesystem::path shader_folder, std::filesys
 Expected<ShaderCompiler::Result> ShaderCompiler::compile(const std::string& name) const {
   const auto [file, definitions] = split_definitions(name);
   const std::string stage = std::filesystem::path(file).extension().string();
-  if (stage != ".vert" && stage != ".frag" && stage != ".comp")
-    return fail(ErrorKind::input, file, "a shader's name ends in .vert, .frag or .comp");
+  if (!is_shader_stage(stage))
+    return fail(ErrorKind::input, file, "a shader's name ends in .vert, .frag, .comp, .rgen, .rahit, .rchit or .rmiss");
   const Expected<ShaderFiles> files = load_shader_files(shader_folder_, file);
   if (!files) return std::unexpected(files.error());
   Result result;

@@ -42,6 +42,9 @@ class CommandList {
   // Three counts of groups at an offset, written by an earlier pass or step (indirect_read).
   virtual void dispatch_indirect(BufferHandle groups, uint64_t offset = 0) = 0;
 
+  // A ray's first shader for each place, of the bound pipeline of rays.
+  virtual void trace_rays(uint32_t width, uint32_t height) = 0;
+
   struct Attachment {
     ImageHandle image;      // the first write of its range clears, later ones load
     ImageHandle resolve{};  // optional

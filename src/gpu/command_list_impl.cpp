@@ -53,10 +53,8 @@ CommandListImpl::CommandListImpl(const FrameContext& frame, size_t pass, uint32_
       step_(step),
       images_(frame.physical.step_images(frame.slot, pass, step)),
       commands_(commands) {
-  const VkDescriptorSet sets[] = {frame.bindless.set(), images_.set};
-  for (const VkPipelineBindPoint point : {VK_PIPELINE_BIND_POINT_COMPUTE, VK_PIPELINE_BIND_POINT_GRAPHICS})
-    if (point == VK_PIPELINE_BIND_POINT_COMPUTE || pass_.queue == Queue::main)
-      vkCmdBindDescriptorSets(commands, point, frame.bindless.layout(), 0, 2, sets, 0, nullptr);
+  bind_sets(VK_PIPELINE_BIND_POINT_COMPUTE);
+  if (pass_.queue == Queue::main) bind_sets(VK_PIPELINE_BIND_POINT_GRAPHICS);
 }
 
 const PlanUse& CommandListImpl::use_of(const Wanted& wanted, std::initializer_list<Access> accesses) const {
@@ -114,7 +112,7 @@ uint32_t CommandListImpl::storage(ImageHandle image, ImageRange range, View view
 
 uint64_t CommandListImpl::address(BufferHandle handle) {
   use_of(handle, {Access::vertex_read, Access::fragment_read, Access::graphics_read, Access::compute_read,
-                  Access::compute_write, Access::fragment_write});
+                  Access::compute_write, Access::fragment_write, Access::rays_read, Access::rays_write});
   const uint64_t address = buffer(handle.resource).address();
   CHECK_MSG(address != 0, frame_.plan.resources[size_t(handle.resource)].name());
   return address;
@@ -136,6 +134,12 @@ void CommandListImpl::bind(PipelineHandle pipeline) {
             fmt::format("pass '{}' binds a pipeline that it did not declare", pass_.name));
   bound_ = frame_.pipelines[size_t(pass_.pipelines[size_t(pipeline.index)])];
   vkCmdBindPipeline(commands_, bound_->bind_point, bound_->handle);
+  if (bound_->table) bind_sets(bound_->bind_point);
+}
+
+void CommandListImpl::bind_sets(VkPipelineBindPoint point) {
+  const VkDescriptorSet sets[] = {frame_.bindless.set(), images_.set};
+  vkCmdBindDescriptorSets(commands_, point, frame_.bindless.layout(), 0, 2, sets, 0, nullptr);
 }
 
 void CommandListImpl::push_bytes(const void* data, uint32_t bytes) {
@@ -160,6 +164,13 @@ void CommandListImpl::dispatch_indirect(BufferHandle groups, uint64_t offset) {
   CHECK_MSG(bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_COMPUTE && !rendering_, pass_.name);
   use_of(groups, {Access::indirect_read});
   vkCmdDispatchIndirect(commands_, buffer(groups.resource).handle(), offset);
+}
+
+void CommandListImpl::trace_rays(uint32_t width, uint32_t height) {
+  CHECK_MSG(bound_ && bound_->table && !rendering_, pass_.name);
+  const VkStridedDeviceAddressRegionKHR callable{};
+  frame_.device.function<PFN_vkCmdTraceRaysKHR>("vkCmdTraceRaysKHR")(
+      commands_, &bound_->table->raygen, &bound_->table->miss, &bound_->table->hit, &callable, width, height, 1);
 }
 
 VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const {

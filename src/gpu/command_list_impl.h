@@ -54,6 +54,7 @@ class CommandListImpl final : public CommandList {
   void push_bytes(const void* data, uint32_t bytes) override;
   void dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t threads_z) override;
   void dispatch_indirect(BufferHandle groups, uint64_t offset) override;
+  void trace_rays(uint32_t width, uint32_t height) override;
   void begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range) override;
   void end_rendering() override;
   void set_viewport(glm::vec2 corner_px, glm::vec2 size_px) override;
@@ -106,6 +107,7 @@ class CommandListImpl final : public CommandList {
   };
   Part part(ImageHandle image, Access access, ImageRange range) const;
   void check_drawing() const;
+  void bind_sets(VkPipelineBindPoint point);
 
   const FrameContext& frame_;
   const PlanPass& pass_;

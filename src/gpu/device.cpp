@@ -145,11 +145,30 @@ Expected<VkDevice> create_device(const Candidate& chosen, bool second_queue) {
   add_queues(chosen.queue_family, second_queue && same_family ? 2 : 1);
   if (second_queue && !same_family) add_queues(chosen.compute_family, 1);
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &wanted.core};
+  std::vector<const char*> extensions;
+  const auto enable = [&](auto& feature, const char* extension) {
+    feature.pNext = const_cast<void*>(info.pNext);
+    info.pNext = &feature;
+    extensions.push_back(extension);
+  };
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceRayQueryFeaturesKHR queries{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR pipelines{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
+  structures.accelerationStructure = queries.rayQuery = pipelines.rayTracingPipeline = VK_TRUE;
+  const RayExtensions rays = ray_extensions(chosen.physical);
+  if (rays.queries) enable(queries, VK_KHR_RAY_QUERY_EXTENSION_NAME);
+  if (rays.pipelines) enable(pipelines, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME);
+  if (rays.queries || rays.pipelines) {
+    enable(structures, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME);
+    extensions.push_back(VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME);
+  }
+  if (has_post_depth_coverage(chosen.physical)) extensions.push_back(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME);
   info.queueCreateInfoCount = uint32_t(queues.size());
   info.pQueueCreateInfos = queues.data();
-  const char* const extension = VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME;
-  info.enabledExtensionCount = has_post_depth_coverage(chosen.physical) ? 1 : 0;
-  info.ppEnabledExtensionNames = &extension;
+  info.enabledExtensionCount = uint32_t(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   VkDevice device = VK_NULL_HANDLE;
   const VkResult result = vkCreateDevice(chosen.physical, &info, nullptr, &device);
   if (result != VK_SUCCESS)

@@ -80,6 +80,12 @@ class Device {
   // job.
   std::vector<std::string> validation_messages() const;
 
+  // Of an extension that is on.
+  template <class Function>
+  Function function(const char* name) const {
+    return reinterpret_cast<Function>(vkGetDeviceProcAddr(device_, name));
+  }
+
   // For the messages of the validation layer and for debuggers; without validation they do nothing.
   void set_name(VkObjectType type, uint64_t handle, std::string_view name) const;
   void begin_label(VkCommandBuffer commands, const std::string& name) const;

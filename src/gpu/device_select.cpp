@@ -264,14 +264,37 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
   enable(wanted.v13, required_13);
 }
 
-bool has_post_depth_coverage(VkPhysicalDevice physical) {
+namespace {
+bool has_extensions(VkPhysicalDevice physical, std::initializer_list<std::string_view> names) {
   uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
   std::vector<VkExtensionProperties> extensions(count);
   vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
-  return std::ranges::any_of(extensions, [](const VkExtensionProperties& e) {
-    return std::strcmp(e.extensionName, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) == 0;
+  return std::ranges::all_of(names, [&](std::string_view name) {
+    return std::ranges::any_of(extensions, [&](const VkExtensionProperties& e) { return name == e.extensionName; });
   });
+}
+}  // namespace
+
+bool has_post_depth_coverage(VkPhysicalDevice physical) {
+  return has_extensions(physical, {VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME});
+}
+
+RayExtensions ray_extensions(VkPhysicalDevice physical) {
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceRayQueryFeaturesKHR queries{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR pipelines{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
+  const auto look_up = [&](auto& feature, std::initializer_list<std::string_view> extensions) {
+    VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &feature};
+    if (has_extensions(physical, extensions)) vkGetPhysicalDeviceFeatures2(physical, &core);
+  };
+  look_up(structures, {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME});
+  look_up(queries, {VK_KHR_RAY_QUERY_EXTENSION_NAME});
+  look_up(pipelines, {VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME});
+  return {structures.accelerationStructure && queries.rayQuery,
+          structures.accelerationStructure && pipelines.rayTracingPipeline};
 }
 
 bool has_int64_atomics(VkPhysicalDevice physical) {

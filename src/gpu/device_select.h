@@ -27,6 +27,11 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted);
 
 // A fragment's coverage after the depth test is of no version of Vulkan, and optional.
 bool has_post_depth_coverage(VkPhysicalDevice physical);
+// Rays through the device's own trees, which are of no version of Vulkan: on where they are present.
+struct RayExtensions {
+  bool queries = false, pipelines = false;  // with acceleration structures
+};
+RayExtensions ray_extensions(VkPhysicalDevice physical);
 // shaderBufferInt64Atomics, which is on where it is present.
 bool has_int64_atomics(VkPhysicalDevice physical);
 // Whether shaders can compute in double.

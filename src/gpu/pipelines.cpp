@@ -10,6 +10,7 @@
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "gpu/device_select.h"
 #include "gpu/frame_runner.h"
 #include "gpu/workgroup_size.h"
 
@@ -36,12 +37,18 @@ std::string key_of(const GraphicsPipelineDesc& d) {
                        s.read_mask, s.write_mask);
   return key + fmt::format("|{} {} {}", d.depth_bias_constant, d.depth_bias_slope, d.depth_clamp);
 }
+std::string key_of(const RayPipelineDesc& d) {
+  return fmt::format("{}|{}|{}|{}|{}", d.raygen_shader, d.miss_shader, d.closest_hit_shader, d.any_hit_shader,
+                     key_of(d.constants));
+}
 std::string key_of(const PipelineDesc& desc) {
   return std::visit([](const auto& d) { return key_of(d); }, desc);
 }
 
 std::vector<std::string> shaders_of(const PipelineDesc& desc) {
   if (const auto* compute = std::get_if<ComputePipelineDesc>(&desc)) return {compute->shader};
+  if (const auto* rays = std::get_if<RayPipelineDesc>(&desc))
+    return {rays->raygen_shader, rays->miss_shader, rays->closest_hit_shader, rays->any_hit_shader};
   const auto& graphics = std::get<GraphicsPipelineDesc>(desc);
   if (graphics.fragment_shader.empty()) return {graphics.vertex_shader};
   return {graphics.vertex_shader, graphics.fragment_shader};
@@ -223,10 +230,17 @@ Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDe
 
 VkShaderModule Pipelines::module(const std::string& file) const { return shaders_.at(file).module; }
 
+void Pipelines::check_queries(const std::string& file) const {
+  constexpr uint32_t ray_query = 4472;  // of SPIR-V
+  if (uses(shaders_.at(file).spirv, ray_query) && !ray_extensions(device_.physical()).queries)
+    throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("{}, for {}", VK_KHR_RAY_QUERY_EXTENSION_NAME, file));
+}
+
 Pipeline Pipelines::make(const ComputePipelineDesc& desc) const {
   constexpr uint32_t int64_atomics = 12;  // of SPIR-V
   if (!has_int64_atomics(device_.physical()) && uses(shaders_.at(desc.shader).spirv, int64_atomics))
     throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("shaderBufferInt64Atomics, for {}", desc.shader));
+  check_queries(desc.shader);
   const Specialization specialization(desc.constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
@@ -268,6 +282,7 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   raster.depthBiasSlopeFactor = desc.depth_bias_slope;
   raster.depthClampEnable = desc.depth_clamp;
   if (!desc.fragment_shader.empty()) {
+    check_queries(desc.fragment_shader);
     constexpr uint32_t geometry = 2, post_depth_coverage = 4447;  // of SPIR-V
     const std::vector<uint32_t>& spirv = shaders_.at(desc.fragment_shader).spirv;
     if (uses(spirv, geometry) && !features_.geometryShader)
@@ -321,6 +336,91 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   Pipeline pipeline;
   pipeline.bind_point = VK_PIPELINE_BIND_POINT_GRAPHICS;
   VK_CHECK(vkCreateGraphicsPipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle));
+  return pipeline;
+}
+
+namespace {
+
+// One handle of each kind, each where a table may begin.
+std::shared_ptr<const ShaderTable> make_shader_table(Device& device, VkPipeline pipeline) {
+  VkPhysicalDeviceRayTracingPipelinePropertiesKHR limits{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};
+  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
+  const auto aligned = [](uint64_t value, uint64_t to) { return (value + to - 1) / to * to; };
+  const uint64_t size = limits.shaderGroupHandleSize, base = limits.shaderGroupBaseAlignment;
+  const uint64_t stride = aligned(aligned(size, limits.shaderGroupHandleAlignment), base);
+  constexpr uint32_t kinds = 3;
+  std::vector<std::byte> handles(kinds * size);
+  VK_CHECK(device.function<PFN_vkGetRayTracingShaderGroupHandlesKHR>("vkGetRayTracingShaderGroupHandlesKHR")(
+      device.handle(), pipeline, 0, kinds, handles.size(), handles.data()));
+  const auto table = std::make_shared<ShaderTable>();
+  table->handles = Buffer(device, kinds * stride + base,
+                          VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                          Buffer::Memory::upload, Device::Purpose::frame, "shader table");
+  const uint64_t begin = aligned(table->handles.address(), base);
+  VkStridedDeviceAddressRegionKHR* const regions[kinds] = {&table->raygen, &table->miss, &table->hit};
+  for (uint32_t i = 0; i < kinds; ++i) {
+    *regions[i] = {begin + i * stride, stride, stride};
+    std::memcpy(table->handles.mapped() + (begin - table->handles.address()) + i * stride, handles.data() + i * size,
+                size);
+  }
+  return table;
+}
+
+}  // namespace
+
+Pipeline Pipelines::make(const RayPipelineDesc& desc) const {
+  if (!ray_extensions(device_.physical()).pipelines)
+    throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT,
+                   fmt::format("{}, for {}", VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME, desc.raygen_shader));
+  const Specialization specialization(desc.constants);
+  const std::pair<VkShaderStageFlagBits, const std::string*> stages[] = {
+      {VK_SHADER_STAGE_RAYGEN_BIT_KHR, &desc.raygen_shader},
+      {VK_SHADER_STAGE_MISS_BIT_KHR, &desc.miss_shader},
+      {VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, &desc.closest_hit_shader},
+      {VK_SHADER_STAGE_ANY_HIT_BIT_KHR, &desc.any_hit_shader}};
+  std::vector<VkPipelineShaderStageCreateInfo> stage_infos;
+  for (const auto& [stage, file] : stages) {
+    VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+    info.stage = stage;
+    info.module = module(*file);
+    info.pName = "main";
+    info.pSpecializationInfo = &specialization.info;
+    stage_infos.push_back(info);
+  }
+  constexpr uint32_t none = VK_SHADER_UNUSED_KHR;
+  const auto group = [&](VkRayTracingShaderGroupTypeKHR type, uint32_t general, uint32_t closest, uint32_t any) {
+    return VkRayTracingShaderGroupCreateInfoKHR{VK_STRUCTURE_TYPE_RAY_TRACING_SHADER_GROUP_CREATE_INFO_KHR,
+                                                nullptr,
+                                                type,
+                                                general,
+                                                closest,
+                                                any,
+                                                none,
+                                                nullptr};
+  };
+  const VkRayTracingShaderGroupCreateInfoKHR groups[] = {
+      group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR, 0, none, none),
+      group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR, 1, none, none),
+      group(VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR, none, 2, 3)};
+  VkRayTracingPipelineCreateInfoKHR info{VK_STRUCTURE_TYPE_RAY_TRACING_PIPELINE_CREATE_INFO_KHR};
+  info.stageCount = uint32_t(stage_infos.size());
+  info.pStages = stage_infos.data();
+  info.groupCount = uint32_t(std::size(groups));
+  info.pGroups = groups;
+  info.maxPipelineRayRecursionDepth = 1;
+  info.layout = bindless_.layout();
+  Pipeline pipeline;
+  pipeline.bind_point = VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR;
+  VK_CHECK(device_.function<PFN_vkCreateRayTracingPipelinesKHR>("vkCreateRayTracingPipelinesKHR")(
+      device_.handle(), VK_NULL_HANDLE, cache_, 1, &info, nullptr, &pipeline.handle));
+  try {
+    pipeline.table = make_shader_table(device_, pipeline.handle);
+  } catch (...) {
+    vkDestroyPipeline(device_.handle(), pipeline.handle, nullptr);
+    throw;
+  }
   return pipeline;
 }
 

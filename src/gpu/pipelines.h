@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,16 +10,24 @@
 #include "glsl/shader_compiler.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
+#include "gpu/resources.h"
 #include "graph/plan.h"
 
 namespace candela::gpu {
 
 struct PrepareTimes;
 
+// Of a pipeline of rays: its groups' handles, and where each kind stands among them.
+struct ShaderTable {
+  Buffer handles;
+  VkStridedDeviceAddressRegionKHR raygen{}, miss{}, hit{};
+};
+
 struct Pipeline {
   VkPipeline handle = VK_NULL_HANDLE;
   VkPipelineBindPoint bind_point = VK_PIPELINE_BIND_POINT_COMPUTE;
-  std::array<uint32_t, 3> workgroup{};  // compute only
+  std::array<uint32_t, 3> workgroup{};       // compute only
+  std::shared_ptr<const ShaderTable> table;  // rays only
 };
 
 // Pipelines by description, made once and kept; behind them a VkPipelineCache on disk, one file for each device and
@@ -39,6 +48,8 @@ class Pipelines {
   Expected<void> compile(std::span<const PipelineDesc> wanted, PrepareTimes& times);
   Pipeline make(const ComputePipelineDesc& desc) const;
   Pipeline make(const GraphicsPipelineDesc& desc) const;
+  Pipeline make(const RayPipelineDesc& desc) const;
+  void check_queries(const std::string& file) const;
   VkShaderModule module(const std::string& file) const;
   void load_cache();
   void save_cache();

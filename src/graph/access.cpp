@@ -59,6 +59,9 @@ constexpr std::array<AccessInfo, access_count> table{{
      false, "storage_image_read"},
     {vertex_and_fragment, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
      VK_IMAGE_USAGE_SAMPLED_BIT, 0, false, "sampled_graphics"},
+    {VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR, storage_read, none, 0, addressed, false, "rays_read"},
+    {VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR, storage_read | storage_write, none, 0, addressed, true,
+     "rays_write"},
 }};
 
 }  // namespace

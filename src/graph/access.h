@@ -33,8 +33,10 @@ enum class Access : uint8_t {
   host_read,           // after the frame, by the CPU
   storage_image_read,  // images, compute: texels without a sampler, in the layout that a write in the same step has
   sampled_graphics,    // images, vertex and fragment shader
+  rays_read,           // storage buffer read by the shaders of a pipeline of rays
+  rays_write,          // and written
 };
-constexpr int access_count = int(Access::sampled_graphics) + 1;
+constexpr int access_count = int(Access::rays_write) + 1;
 
 struct AccessInfo {
   VkPipelineStageFlags2 stages;

@@ -303,6 +303,7 @@ PipelineHandle GraphBuilder::pipeline_any(Desc desc) {
 
 PipelineHandle GraphBuilder::pipeline(ComputePipelineDesc desc) { return pipeline_any(std::move(desc)); }
 PipelineHandle GraphBuilder::pipeline(GraphicsPipelineDesc desc) { return pipeline_any(std::move(desc)); }
+PipelineHandle GraphBuilder::pipeline(RayPipelineDesc desc) { return pipeline_any(std::move(desc)); }
 
 std::string GraphBuilder::missing_reason(std::string_view what, int absence) const {
   const std::string reason = fmt::format("needs {}, which no kept pass makes", what);

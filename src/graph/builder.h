@@ -63,6 +63,7 @@ class GraphBuilder {
   void begin_step();
   PipelineHandle pipeline(ComputePipelineDesc desc);
   PipelineHandle pipeline(GraphicsPipelineDesc desc);
+  PipelineHandle pipeline(RayPipelineDesc desc);  // needs an extension of the device
   // Closes the pass. Returns false when a required input was missing: then nothing of it is kept and the reason is.
   bool end_pass(RecordFunction record);
 

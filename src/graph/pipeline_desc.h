@@ -24,6 +24,14 @@ struct ComputePipelineDesc {
   bool operator==(const ComputePipelineDesc&) const = default;
 };
 
+// A ray's way from its first shader to what it meets, or misses: one group of each kind. Rays are sent from the first
+// alone. Any hit asks of what is not opaque whether it is there.
+struct RayPipelineDesc {
+  std::string raygen_shader, miss_shader, closest_hit_shader, any_hit_shader;
+  std::vector<SpecConstant> constants;  // all stages
+  bool operator==(const RayPipelineDesc&) const = default;
+};
+
 // coverage: channel by channel, what is covered already or by this: 1 - (1 - old) (1 - new).
 enum class Blend : uint8_t { none, premultiplied_over, additive, coverage };
 

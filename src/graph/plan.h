@@ -114,7 +114,7 @@ struct LeftOut {
   std::string pass, reason;
 };
 
-using PipelineDesc = std::variant<ComputePipelineDesc, GraphicsPipelineDesc>;
+using PipelineDesc = std::variant<ComputePipelineDesc, GraphicsPipelineDesc, RayPipelineDesc>;
 
 // What will run, as a value: prints, hashes, and holds no pointer to anything. The recording closures lie beside it.
 struct FramePlan {

@@ -54,6 +54,12 @@ void add(Text& out, const GraphicsPipelineDesc& desc) {
       out.number(field);
   }
 }
+void add(Text& out, const RayPipelineDesc& desc) {
+  for (const std::string* shader :
+       {&desc.raygen_shader, &desc.miss_shader, &desc.closest_hit_shader, &desc.any_hit_shader})
+    out.string(*shader);
+  add(out, desc.constants);
+}
 void add(Text& out, const ImageDesc& desc) {
   out.string(desc.name);
   for (const uint32_t field : {uint32_t(desc.format), desc.width_px, desc.height_px, desc.samples}) out.number(field);

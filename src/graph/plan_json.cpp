@@ -38,6 +38,15 @@ Json to_json(const GraphicsPipelineDesc& desc) {
   return result;
 }
 
+Json to_json(const RayPipelineDesc& desc) {
+  return {{"kind", "rays"},
+          {"raygen_shader", desc.raygen_shader},
+          {"miss_shader", desc.miss_shader},
+          {"closest_hit_shader", desc.closest_hit_shader},
+          {"any_hit_shader", desc.any_hit_shader},
+          {"constants", constants_json(desc.constants)}};
+}
+
 Json knobs_json(const std::vector<PlanKnob>& knobs) {
   Json result = Json::object();
   for (const PlanKnob& knob : knobs) result[knob.name] = knob.value;

@@ -64,6 +64,10 @@ std::string shaders_text(const GraphicsPipelineDesc& desc) {
   return desc.fragment_shader.empty() ? desc.vertex_shader : desc.vertex_shader + " " + desc.fragment_shader;
 }
 
+std::string shaders_text(const RayPipelineDesc& desc) {
+  return fmt::format("{} {} {} {}", desc.raygen_shader, desc.miss_shader, desc.closest_hit_shader, desc.any_hit_shader);
+}
+
 std::string passes_text(const FramePlan& plan) {
   Table table({"#", "pass", "reads", "writes"}, ">");
   for (size_t i = 0; i < plan.passes.size(); ++i) {

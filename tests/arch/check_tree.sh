@@ -5,7 +5,7 @@ set -euo pipefail
 rule=$1
 cd -- "$2"
 
-sources() { find src shaders -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.c' -o -name '*.vert' -o -name '*.frag' -o -name '*.comp' -o -name '*.glsl' \) -print0; }
+sources() { find src shaders -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.c' -o -name '*.vert' -o -name '*.frag' -o -name '*.comp' -o -name '*.glsl' -o -name '*.rgen' -o -name '*.rahit' -o -name '*.rchit' -o -name '*.rmiss' \) -print0; }
 
 includes() {
   # A header in src/passes that declares record() is a pass; the others there are what passes share.

@@ -24,7 +24,7 @@ ROOT = HERE.parent.parent
 NEEDED = {"written": 60, "drawn": 40}
 SHARE = 0.95
 # A shader that the fault keeps from compiling proves nothing of the tests.
-NOT_COMPILED = re.compile(r"\.(glsl|comp|frag|vert|h):\d+(, included by [^']*)?: '")
+NOT_COMPILED = re.compile(r"\.(glsl|comp|frag|vert|rgen|rahit|rchit|rmiss|h):\d+(, included by [^']*)?: '")
 MEMORY_BYTES = 12 << 30
 
 

@@ -29,5 +29,25 @@ TEST(DeviceSamples, OfEveryQualityAreOnEveryDevice) {
   }
 }
 
+TEST(DeviceTraversal, ThatADeviceLacksIsRefused) {
+  BvhKnobs knobs;
+  EXPECT_TRUE(check_traversal(knobs, {}, "a device"));
+  const auto refusal = [&](int traversal, gpu::RayExtensions has) {
+    knobs.traversal = traversal;
+    const auto fine = check_traversal(knobs, has, "a device");
+    return fine ? std::string("fine") : fine.error().message;
+  };
+  EXPECT_EQ(refusal(BvhKnobs::by_query, {true, false}), "fine");
+  EXPECT_EQ(refusal(BvhKnobs::by_pipeline, {false, true}), "fine");
+  EXPECT_EQ(refusal(BvhKnobs::by_query, {false, true}),
+            "a device has no VK_KHR_ray_query; set bvh.traversal=pipeline or shader, or choose another device with "
+            "--device");
+  EXPECT_EQ(refusal(BvhKnobs::by_pipeline, {true, false}),
+            "a device has no VK_KHR_ray_tracing_pipeline; set bvh.traversal=query or shader, or choose another device "
+            "with --device");
+  EXPECT_EQ(refusal(BvhKnobs::by_query, {}),
+            "a device has no VK_KHR_ray_query; set bvh.traversal=shader, or choose another device with --device");
+}
+
 }  // namespace
 }  // namespace candela::test

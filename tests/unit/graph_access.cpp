@@ -16,7 +16,7 @@ struct Row {
   bool writes;
 };
 constexpr uint64_t vertex = 0x8, early = 0x100, late = 0x200, fragment = 0x80, color_output = 0x400, compute = 0x800,
-                   transfer = 0x1000, host = 0x4000, indirect = 0x2, index_input = 0x1000000000;
+                   transfer = 0x1000, host = 0x4000, indirect = 0x2, index_input = 0x1000000000, rays = 0x200000;
 constexpr uint64_t indirect_read = 0x1, index_read = 0x2, uniform_r = 0x8, color_rw = 0x180, color_w = 0x100,
                    depth_r = 0x200, depth_rw = 0x600, transfer_r = 0x800, transfer_w = 0x1000, host_r = 0x2000,
                    sampled_r = 0x100000000, storage_r = 0x200000000, storage_rw = 0x600000000, storage_w = 0x400000000;
@@ -56,6 +56,8 @@ const Row rows[] = {
     {Access::storage_image_read, "storage_image_read", compute, storage_r, VK_IMAGE_LAYOUT_GENERAL, 0x8, 0, false},
     {Access::sampled_graphics, "sampled_graphics", vertex | fragment, sampled_r,
      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, 0x4, 0, false},
+    {Access::rays_read, "rays_read", rays, storage_r, VK_IMAGE_LAYOUT_UNDEFINED, 0, address, false},
+    {Access::rays_write, "rays_write", rays, storage_rw, VK_IMAGE_LAYOUT_UNDEFINED, 0, address, true},
 };
 
 TEST(GraphAccess, TableAgainstAWrittenOne) {

@@ -14,9 +14,9 @@
 namespace {
 
 EShLanguage stage_of(CandelaGlslStage stage) {
-  return stage == candela_glsl_vertex     ? EShLangVertex
-         : stage == candela_glsl_fragment ? EShLangFragment
-                                          : EShLangCompute;
+  constexpr EShLanguage stages[] = {EShLangVertex, EShLangFragment,   EShLangCompute, EShLangRayGen,
+                                    EShLangAnyHit, EShLangClosestHit, EShLangMiss};
+  return stages[stage];
 }
 
 class Includer : public glslang::TShader::Includer {

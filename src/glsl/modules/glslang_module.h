@@ -12,7 +12,15 @@ struct CandelaGlslText {
   size_t size;
 };
 
-enum CandelaGlslStage : uint32_t { candela_glsl_vertex, candela_glsl_fragment, candela_glsl_compute };
+enum CandelaGlslStage : uint32_t {
+  candela_glsl_vertex,
+  candela_glsl_fragment,
+  candela_glsl_compute,
+  candela_glsl_raygen,
+  candela_glsl_any_hit,
+  candela_glsl_closest_hit,
+  candela_glsl_miss
+};
 
 // Results go to the caller, whose functions do not throw.
 struct CandelaGlslRequest {

@@ -27,7 +27,8 @@ TraversalHeat::Out TraversalHeat::declare(GraphBuilder& builder, const In& in) c
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
   builder.read(s.trees, Access::compute_read, "the trees for rays");
   builder.read(s.materials, Access::compute_read, "the scene");
-  out.pipeline = builder.pipeline(ComputePipelineDesc{"traversal_heat.comp", ray_constants(s.rays.stack, false)});
+  out.pipeline =
+      builder.pipeline(ComputePipelineDesc{"traversal_heat.comp", ray_constants(s.rays.stack, false, false)});
   return out;
 }
 

@@ -5,6 +5,17 @@ namespace candela {
 std::span<const Knob<BvhKnobs>> BvhKnobs::table() {
   static const std::vector<std::string_view> passes = {"trace_keys"};
   static const Knob<BvhKnobs> rows[] = {
+      {.name = "traversal",
+       .member = &BvhKnobs::traversal,
+       .lowest = 0,
+       .highest = 2,
+       .ladder = {},
+       .trades = "who finds what rays meet: shaders, by the trees of bvh.builder; the device, asked by any shader that "
+                 "sends rays (query), or by a pipeline for the camera's rays alone",
+       .choices = {"shader", "query", "pipeline"},
+       .kind = Trades::time,
+       .walk = {1, 2, 0},
+       .passes = passes},
       {.name = "builder",
        .member = &BvhKnobs::builder,
        .lowest = 0,

@@ -97,7 +97,8 @@ std::vector<SpecConstant> light_constants(const CellLists& lists) {
     constants.push_back(occlusion_constant(lists.occlusion.shape, lists.occlusion.traced));
   if (lists.lamp_maps || rays.lamps) constants.push_back(lamp_shadows_constant(rays.lamps, rays.soft_lamps));
   if (!traces(lists)) return constants;
-  const std::vector<SpecConstant> more = ray_constants(rays.stack, rays.blended);
+  const std::vector<SpecConstant> more =
+      ray_constants(rays.stack, rays.blended, rays.tree.traversal == BvhKnobs::by_query);
   constants.insert(constants.end(), more.begin(), more.end());
   return constants;
 }

@@ -35,7 +35,8 @@ SpecConstant constant(Feature f, uint32_t value = 1) {
                                       "LOBE_TEXTURES",
                                       "HAS_EMISSION",
                                       "BLINN_PHONG",
-                                      "SPECULAR_AA"};
+                                      "SPECULAR_AA",
+                                      "RAY_QUERY"};
   return {uint32_t(f), names[uint32_t(f)], value};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -96,9 +97,10 @@ SpecConstant occlusion_constant(uint32_t shape, bool traced) {
   return constant(Feature::occlusion, traced ? (bent ? ~1u : ~0u) : shape);
 }
 
-std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended) {
+std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended, bool by_query) {
   std::vector<SpecConstant> list = {constant(Feature::ray_stack, stack)};
   if (blended) list.push_back(constant(Feature::rays_meet_blended));
+  if (by_query) list.push_back(constant(Feature::ray_query));
   return list;
 }
 
@@ -122,7 +124,8 @@ std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& 
   return list;
 }
 std::string surface_definitions(const std::vector<SpecConstant>& constants) {
-  return std::string(sends_rays(constants) ? "#TRACES=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "") +
+  return std::string(sends_rays(constants) ? "#TRACES=1" : "") +
+         (holds(constants, Feature::ray_query) ? "#TRACE_QUERY=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "") +
          (scatters_in_bodies(constants) ? "#SCATTERS=1" : "");
 }
 

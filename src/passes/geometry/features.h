@@ -37,6 +37,7 @@ enum class Feature : uint32_t {
   emission,
   blinn_phong,
   specular_aa,
+  ray_query,  // of no shader: what asks the device is compiled apart (surface_definitions)
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -55,8 +56,9 @@ SpecConstant sun_shadows_constant(bool traced, bool soft);
 SpecConstant lamp_shadows_constant(bool traced, bool soft);
 // Of a pass that reads ambient occlusion's texels, of that shape (shared/occlusion.h), or traces it.
 SpecConstant occlusion_constant(uint32_t shape, bool traced);
-// Of a pass that traces light: entries of a ray's stack, and whether something lets a part of the light through.
-std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended);
+// Of a pass that traces light: entries of a ray's stack, whether something lets a part of the light through, and
+// whether the device is asked what rays meet (bvh.traversal=query).
+std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended, bool by_query);
 bool sends_rays(const std::vector<SpecConstant>& constants);          // those are among them
 bool shades_lobes(const std::vector<SpecConstant>& constants);        // visible materials have lobes (shared/lobes.h)
 bool scatters_in_bodies(const std::vector<SpecConstant>& constants);  // one of them does (lib/scattering.glsl)

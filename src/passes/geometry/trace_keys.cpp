@@ -9,18 +9,26 @@ Need TraceKeys::needed(const SceneFacts& facts, const FrameRequest&) const { ret
 
 TraceKeys::Out TraceKeys::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
+  const int traversal = s.rays.tree.traversal;
+  const bool by_pipeline = traversal == BvhKnobs::by_pipeline;
+  const Access read = by_pipeline ? Access::rays_read : Access::compute_read;
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
-  builder.read(s.trees, Access::compute_read, "the trees for rays");
-  for (const BufferHandle b : {s.triangle_numbers, s.materials}) builder.read(b, Access::compute_read, "the scene");
-  ComputePipelineDesc desc{"trace_keys.comp", ray_constants(s.rays.stack, false)};
-  desc.constants.push_back({30, "SAMPLES", s.samples});
+  builder.read(s.trees, read, "the trees for rays");
+  for (const BufferHandle b : {s.triangle_numbers, s.materials}) builder.read(b, read, "the scene");
+  std::vector<SpecConstant> constants = ray_constants(s.rays.stack, false, traversal == BvhKnobs::by_query);
+  constants.push_back({30, "SAMPLES", s.samples});
   for (const SpecConstant& c : s.features)
-    if (Feature(c.id) == Feature::subsample) desc.constants.push_back(c);
+    if (Feature(c.id) == Feature::subsample) constants.push_back(c);
   Out out;
   out.keys = builder.write(
       builder.create(BufferDesc{"keys", uint64_t(s.width_px) * s.height_px * s.samples * sizeof(uint64_t)}),
-      Access::compute_write);
-  out.pipeline = builder.pipeline(desc);
+      by_pipeline ? Access::rays_write : Access::compute_write);
+  if (by_pipeline)
+    out.pipeline = builder.pipeline(
+        RayPipelineDesc{"trace_keys.rgen", "trace_keys.rmiss", "trace_keys.rchit", "trace_keys.rahit", constants});
+  else
+    out.pipeline = builder.pipeline(ComputePipelineDesc{
+        traversal == BvhKnobs::by_query ? "trace_keys.comp#TRACE_QUERY=1" : "trace_keys.comp", constants});
   return out;
 }
 
@@ -29,7 +37,10 @@ void TraceKeys::record(CommandList& commands, const In& in, const Out& out) cons
   commands.bind(out.pipeline);
   commands.push(shared::TraceKeysPush{commands.address(s.trees), commands.address(out.keys),
                                       commands.address(s.triangle_numbers), s.subsample_ndc});
-  commands.dispatch(s.width_px, s.height_px);
+  if (s.rays.tree.traversal == BvhKnobs::by_pipeline)
+    commands.trace_rays(s.width_px, s.height_px);
+  else
+    commands.dispatch(s.width_px, s.height_px);
 }
 
 }  // namespace candela

@@ -6,8 +6,9 @@
 namespace candela {
 
 // The keys of a visibility buffer (passes/geometry/rasterize.h) by a ray of the camera through each sample, for any
-// device: the trees and the tests of shaders/lib/trace.glsl, which meet what the reference's rays meet. Holes of masks
-// are those of the texture's finest level. Lines and points are not in it. Needs no atomics.
+// device: the trees and the tests of shaders/lib/trace.glsl, which meet what the reference's rays meet; or the device's
+// own trees, by queries or by a pipeline of rays (bvh.traversal; shaders/lib/trace_device.glsl). Holes of masks are
+// those of the texture's finest level. Lines and points are not in it. Needs no atomics.
 struct TraceKeys {
   static constexpr std::string_view name = "trace_keys";
   using SharedKnobs = std::tuple<BvhKnobs>;

@@ -51,7 +51,8 @@ inline F4 operator/(F4 a, F4 b) { return {_mm_div_ps(a.v, b.v)}; }
 inline F4 min(F4 a, F4 b) { return {_mm_min_ps(a.v, b.v)}; }
 inline F4 max(F4 a, F4 b) { return {_mm_max_ps(a.v, b.v)}; }
 inline F4 absolute(F4 a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
-struct M4 {  // of each lane, whether
+inline F4 operator|(F4 a, F4 b) { return {_mm_or_ps(a.v, b.v)}; }  // bit by bit
+struct M4 {                                                        // of each lane, whether
   __m128 v;
   uint32_t bits() const { return uint32_t(_mm_movemask_ps(v)); }  // bit i is lane i
 };
@@ -92,6 +93,11 @@ F4 each(F4 a, F4 b, Operation operation) {
   F4 r;
   for (int i = 0; i < 4; ++i) r.v[i] = operation(a.v[i], b.v[i]);
   return r;
+}
+inline F4 operator|(F4 a, F4 b) {
+  return each(a, b, [](float x, float y) {
+    return std::bit_cast<float>(std::bit_cast<uint32_t>(x) | std::bit_cast<uint32_t>(y));
+  });
 }
 struct M4 {
   uint32_t lanes;

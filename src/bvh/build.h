@@ -45,7 +45,7 @@ struct BinaryNode {
 struct BinaryTree {
   LargeVector<BinaryNode> nodes;
   LargeVector<BoxReference> references;  // leaves' ranges, with gaps where slack was left over
-  size_t reference_count = 0;          // in leaves
+  size_t reference_count = 0;            // in leaves
   size_t node_count = 0;
   uint32_t depth = 0;  // nodes on the longest way down
   bool empty() const { return reference_count == 0; }

@@ -1,14 +1,15 @@
 // Traces the same rays through candela's trees and through Embree's, at equal quality, round by round, and prints JSON:
 //   embree_rays [--rounds N] [--size WxH] [--builders NAME,...] [--threads N,...] SCENE[@EX,EY,EZ@TX,TY,TZ]...
 // `equal-counts` stands against Embree's low quality (Morton codes), `sah` against its medium and `sbvh` against its
-// high one. Both get one ray at a time, in the order of pixels. Embree's default kernels let rays slip through edges;
-// its robust ones, like candela's, do not: both are timed.
+// high one. Both get one ray at a time, and again sixteen at a time, in the order of squares of 4 x 4 pixels. Embree's
+// default kernels let rays slip through edges; its robust ones, like candela's, do not: both are timed.
 #include <embree3/rtcore.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -98,9 +99,46 @@ class Embree {
     return r.tfar < 0;
   }
 
+  // Sixteen at once, as coherent rays; returns a sum that depends on all answers.
+  uint64_t closest16(const Ray* rays, int count) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCRayHit16 hits;
+    alignas(64) int valid[16];
+    fill16(rays, count, hits.ray, valid);
+    for (int i = 0; i < 16; ++i) hits.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect16(valid, scene_, &context, &hits);
+    uint64_t sum = 0;
+    for (int i = 0; i < count; ++i) sum += hits.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? 0 : hits.hit.primID[i];
+    return sum;
+  }
+  uint64_t occluded16(const Ray* rays, int count) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCRay16 r;
+    alignas(64) int valid[16];
+    fill16(rays, count, r, valid);
+    rtcOccluded16(valid, scene_, &context, &r);
+    uint64_t sum = 0;
+    for (int i = 0; i < count; ++i) sum += r.tfar[i] < 0;
+    return sum;
+  }
+
   double build_ms = 0;
 
  private:
+  static void fill16(const Ray* rays, int count, RTCRay16& r, int* valid) {
+    for (int i = 0; i < 16; ++i) {
+      const Ray& ray = rays[std::min(i, count - 1)];
+      valid[i] = i < count ? -1 : 0;
+      r.org_x[i] = ray.origin.x, r.org_y[i] = ray.origin.y, r.org_z[i] = ray.origin.z;
+      r.dir_x[i] = ray.direction.x, r.dir_y[i] = ray.direction.y, r.dir_z[i] = ray.direction.z;
+      r.tnear[i] = ray.t_min, r.tfar[i] = ray.t_max, r.time[i] = 0, r.mask[i] = 0xffffffffu, r.id[i] = 0,
+      r.flags[i] = 0;
+    }
+  }
   static void fill(const Ray& ray, RTCRay& r) {
     r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
     r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
@@ -122,8 +160,13 @@ std::vector<RayKind> make_rays(const Accel& accel, const FrameData&, const View&
   const glm::dmat3 relative_from_view = glm::transpose(glm::dmat3(view.view_from_relative));
   const glm::vec3 light = bounds.centre() + glm::vec3(0, 0.6f, 0) * bounds.extent();
   Rng rng(1);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+  // By squares of 4 x 4 pixels, so that sixteen rays in a row are those of one.
+  constexpr int square = 4;
+  const int columns = (width + square - 1) / square, rows = (height + square - 1) / square;
+  for (int s = 0; s < columns * rows; ++s)
+    for (int in = 0; in < square * square; ++in) {
+      const int x = s % columns * square + in % square, y = s / columns * square + in / square;
+      if (x >= width || y >= height) continue;
       const double u = (x + 0.5) / width * 2 - 1, v = 1 - (y + 0.5) / height * 2;
       Ray ray;
       ray.direction = glm::vec3(relative_from_view * glm::normalize(glm::dvec3(u * view.tan_x, v * view.tan_y, -1)));
@@ -149,13 +192,12 @@ std::vector<RayKind> make_rays(const Accel& accel, const FrameData&, const View&
   return kinds;
 }
 
+// trace(from, to): of a range of the rays, a sum of what they meet.
 template <class Trace>
-double time_rays(const RayKind& kind, size_t first, size_t last, int threads, Trace trace) {
+double time_rays(size_t first, size_t last, int threads, Trace trace) {
   const auto run = [&](size_t from, size_t to) {
-    uint64_t sum = 0;
-    for (size_t i = from; i < to; ++i) sum += trace(kind.rays[i]);
     static std::atomic<uint64_t> sink;
-    sink += sum;
+    sink += trace(from, to);
   };
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   const auto begin = std::chrono::steady_clock::now();
@@ -247,23 +289,65 @@ ordered_json time_builds(const Quality& q, const Scene& scene, const Pose& pose,
   return out;
 }
 
-// Three tracers in turn over pieces of the rays, many times. A busy machine only ever takes longer, so a piece's time
-// is its least one; the ratios of thirds of the rounds say how well that is known.
+// The tracers in turn over pieces of the rays, many times. A busy machine only ever takes longer, so a piece's time is
+// its least one; the ratios of thirds of the rounds say how well that is known.
 ordered_json time_traversal(const Quality& q, const RayKind& kind, const Accel& accel, const Embree& fast,
                             const Embree& robust, const Plan& plan) {
-  const auto candela_trace = [&](const Ray& r) -> uint64_t {
-    if (kind.any) return accel.occluded(r);
-    const auto hit = accel.closest(r);
-    return hit ? hit->primitive : 0;
-  };
-  const auto embree_trace = [&](const Embree& peer) {
-    return [&](const Ray& r) -> uint64_t {
-      float t;
-      return kind.any ? peer.occluded(r) : peer.closest(r, t);
-    };
+  enum Tracer { ours, theirs, robusts, our_packets, their_packets, robust_packets, tracers };
+  const auto trace = [&](int tracer, size_t from, size_t to) {
+    const Embree& peer = tracer == theirs || tracer == their_packets ? fast : robust;
+    uint64_t sum = 0;
+    switch (tracer) {
+      case ours:
+        for (size_t i = from; i < to; ++i) {
+          if (kind.any) {
+            sum += accel.occluded(kind.rays[i]);
+          } else {
+            const auto hit = accel.closest(kind.rays[i]);
+            sum += hit ? hit->primitive : 0;
+          }
+        }
+        break;
+      case theirs:
+      case robusts:
+        for (size_t i = from; i < to; ++i) {
+          float t;
+          sum += kind.any ? peer.occluded(kind.rays[i]) : peer.closest(kind.rays[i], t);
+        }
+        break;
+      case our_packets:
+        for (size_t i = from; i < to; i += packet_rays) {
+          const std::span rays(&kind.rays[i], std::min(size_t(packet_rays), to - i));
+          if (kind.any) {
+            std::array<bool, packet_rays> blocked;
+            accel.occluded(rays, blocked);
+            for (size_t k = 0; k < rays.size(); ++k) sum += blocked[k];
+          } else {
+            std::array<std::optional<Hit>, packet_rays> hits;
+            accel.closest(rays, hits);
+            for (size_t k = 0; k < rays.size(); ++k) sum += hits[k] ? hits[k]->primitive : 0;
+          }
+        }
+        break;
+      default:
+        for (size_t i = from; i < to; i += packet_rays) {
+          const int count = int(std::min(size_t(packet_rays), to - i));
+          sum += kind.any ? peer.occluded16(&kind.rays[i], count) : peer.closest16(&kind.rays[i], count);
+        }
+    }
+    return sum;
   };
   constexpr int thirds = 3;
-  enum Tracer { ours, theirs, robusts, tracers };
+  // What stands over what, by names of the file.
+  struct Over {
+    const char* name;
+    Tracer above, below;
+  };
+  constexpr Over overs[] = {{"time_ratio", ours, theirs},
+                            {"time_ratio_robust", ours, robusts},
+                            {"packets_time_ratio_robust", our_packets, robusts},
+                            {"packets_time_ratio_packets", our_packets, their_packets},
+                            {"packets_time_ratio_robust_packets", our_packets, robust_packets}};
   ordered_json out;
   for (const int threads : plan.threads) {
     const size_t piece = threads == 1 ? 4096 : 32768, pieces = (kind.rays.size() + piece - 1) / piece;
@@ -273,40 +357,41 @@ ordered_json time_traversal(const Quality& q, const RayKind& kind, const Accel& 
       return sum;
     };
     std::vector<double> least[tracers];
-    std::vector<double> ratio, robust_ratio;
+    std::vector<double> ratios[std::size(overs)];
     for (std::vector<double>& l : least) l.assign(pieces, std::numeric_limits<double>::infinity());
     for (int third = 0; third < thirds; ++third) {
       std::vector<double> now[tracers];
       for (std::vector<double>& l : now) l.assign(pieces, std::numeric_limits<double>::infinity());
       for (int round = 0; round < plan.rounds; ++round)
-        for (size_t i = 0; i < pieces; ++i) {
-          const size_t first = i * piece, last = std::min(first + piece, kind.rays.size());
-          const auto keep = [&](Tracer t, double ms) { now[t][i] = std::min(now[t][i], ms); };
-          keep(ours, time_rays(kind, first, last, threads, candela_trace));
-          keep(theirs, time_rays(kind, first, last, threads, embree_trace(fast)));
-          keep(robusts, time_rays(kind, first, last, threads, embree_trace(robust)));
-        }
-      ratio.push_back(total(now[ours]) / total(now[theirs]));
-      robust_ratio.push_back(total(now[ours]) / total(now[robusts]));
+        for (size_t i = 0; i < pieces; ++i)
+          for (int t = 0; t < tracers; ++t) {
+            const double ms = time_rays(i * piece, std::min((i + 1) * piece, kind.rays.size()), threads,
+                                        [&](size_t from, size_t to) { return trace(t, from, to); });
+            now[t][i] = std::min(now[t][i], ms);
+          }
+      for (size_t r = 0; r < std::size(overs); ++r)
+        ratios[r].push_back(total(now[overs[r].above]) / total(now[overs[r].below]));
       for (int t = 0; t < tracers; ++t)
         for (size_t i = 0; i < pieces; ++i) least[t][i] = std::min(least[t][i], now[t][i]);
     }
     const auto mray_s = [&](Tracer t) { return double(kind.rays.size()) / 1e3 / total(least[t]); };
-    const auto range = [](const std::vector<double>& v) {
-      return ordered_json{*std::min_element(v.begin(), v.end()), *std::max_element(v.begin(), v.end())};
-    };
-    const double over = total(least[ours]) / total(least[theirs]),
-                 over_robust = total(least[ours]) / total(least[robusts]);
-    out[threads_name(threads)] = {{"candela_mray_s", mray_s(ours)},
-                                  {"embree_mray_s", mray_s(theirs)},
-                                  {"embree_robust_mray_s", mray_s(robusts)},
-                                  {"time_ratio", over},
-                                  {"time_ratio_range", range(ratio)},
-                                  {"time_ratio_robust", over_robust},
-                                  {"time_ratio_robust_range", range(robust_ratio)}};
-    std::fprintf(stderr, "  %s %-8s %d threads: %.2f Mray/s, ratio %.3f, robust %.3f [%.3f, %.3f]\n", q.name, kind.name,
-                 threads, mray_s(ours), over, over_robust, range(robust_ratio)[0].get<double>(),
-                 range(robust_ratio)[1].get<double>());
+    ordered_json& row = out[threads_name(threads)];
+    row = {{"candela_mray_s", mray_s(ours)},
+           {"embree_mray_s", mray_s(theirs)},
+           {"embree_robust_mray_s", mray_s(robusts)},
+           {"candela_packets_mray_s", mray_s(our_packets)},
+           {"embree_packets_mray_s", mray_s(their_packets)},
+           {"embree_robust_packets_mray_s", mray_s(robust_packets)}};
+    std::fprintf(stderr, "  %s %-8s %d threads: %.2f and %.2f Mray/s", q.name, kind.name, threads, mray_s(ours),
+                 mray_s(our_packets));
+    for (size_t r = 0; r < std::size(overs); ++r) {
+      const double ratio = total(least[overs[r].above]) / total(least[overs[r].below]);
+      const auto [low, high] = std::minmax_element(ratios[r].begin(), ratios[r].end());
+      row[overs[r].name] = ratio;
+      row[std::string(overs[r].name) + "_range"] = {*low, *high};
+      std::fprintf(stderr, ", %s %.3f [%.3f, %.3f]", overs[r].name, ratio, *low, *high);
+    }
+    std::fprintf(stderr, "\n");
   }
   return out;
 }

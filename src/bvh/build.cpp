@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -97,6 +98,8 @@ class Builder {
   }
 
   bool split_by_area(const Subtree& at, Subtree& left, Subtree& right) {
+    // One test takes a block, and below one the wide tree has no nodes.
+    if (at.count <= std::min(options_.max_leaf, 1u << options_.block_shift)) return false;
     const bool may_cut = splits_space(options_.builder) && !triangles_.empty();
     // Few references do not fill many buckets.
     const Buckets buckets(at.centres2, int(std::min(uint32_t(options_.buckets), 4 + at.count / 4)));
@@ -122,31 +125,28 @@ class Builder {
   }
 
   void partition(const Subtree& at, const Buckets& buckets, const ObjectSplit& split, Subtree& left, Subtree& right) {
-    BoxReference* low = references_ + at.begin;
-    BoxReference* high = low + at.count;
-    const auto is_left = [&](F4 centre2) {
+    // Without branches, whose outcome nobody could guess: each reference changes places with the first one of the right
+    // side, which begins behind it or does not, and grows both sides' boxes, one of them by numbers that are none.
+    const F4 none = F4::all(std::bit_cast<float>(~0u)), some = F4::all(0);
+    const F4 to_left[2] = {none, some}, to_right[2] = {some, none};
+    BoxReference* const references = references_ + at.begin;
+    BuildBox boxes[2], centres2[2];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < at.count; ++i) {
+      const BoxReference reference = references[i];
+      const F4 low = low_of(reference), high = high_of(reference), centre2 = low + high;
       int32_t k[4];
       buckets.of(centre2, k);
-      return k[split.axis] < split.bucket;
-    };
-    left.box = right.box = left.centres2 = right.centres2 = {};
-    while (true) {
-      while (low < high) {
-        const F4 l = low_of(*low), h = high_of(*low), c = l + h;
-        if (!is_left(c)) break;
-        left.box.add(l, h), left.centres2.add(c, c);
-        ++low;
+      const bool is_left = k[split.axis] < split.bucket;
+      const F4 masks[2] = {to_left[is_left], to_right[is_left]};
+      for (int side = 0; side < 2; ++side) {
+        boxes[side].grow(low | masks[side], high | masks[side]);
+        centres2[side].grow(centre2 | masks[side], centre2 | masks[side]);
       }
-      while (low < high) {
-        const F4 l = low_of(high[-1]), h = high_of(high[-1]), c = l + h;
-        if (is_left(c)) break;
-        right.box.add(l, h), right.centres2.add(c, c);
-        --high;
-      }
-      if (low >= high) break;
-      std::swap(*low, high[-1]);
+      references[i] = references[count], references[count] = reference;
+      count += is_left;
     }
-    const uint32_t count = uint32_t(low - (references_ + at.begin));
+    left.box = boxes[0], right.box = boxes[1], left.centres2 = centres2[0], right.centres2 = centres2[1];
     CHECK(count > 0 && count < at.count);
     place(at, count, at.count - count, left, right);
   }

@@ -43,9 +43,9 @@ struct BinaryNode {
 // Nodes lie where the references of their subtree lie, with gaps, so that tasks need no common counter; the root is
 // node 0.
 struct BinaryTree {
-  RawVector<BinaryNode> nodes;
-  RawVector<BoxReference> references;  // leaves' ranges, with gaps where slack was left over
-  size_t reference_count = 0;          // in leaves
+  LargeVector<BinaryNode> nodes;
+  LargeVector<BoxReference> references;  // leaves' ranges, with gaps where slack was left over
+  size_t reference_count = 0;            // in leaves
   size_t node_count = 0;
   uint32_t depth = 0;  // nodes on the longest way down
   bool empty() const { return reference_count == 0; }

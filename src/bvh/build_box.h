@@ -10,6 +10,8 @@ namespace candela {
 struct BuildBox {
   F4 low = F4::all(std::numeric_limits<float>::infinity()), high = F4::all(-std::numeric_limits<float>::infinity());
   void add(F4 l, F4 h) { low = min(low, l), high = max(high, h); }
+  // The same, but NaNs leave the box as it is (simd.h's min and max).
+  void grow(F4 l, F4 h) { low = min(l, low), high = max(h, high); }
   void add(const BuildBox& b) { add(b.low, b.high); }
   Aabb aabb() const {
     float l[4], h[4];

@@ -45,11 +45,17 @@ struct KernelSearch {
   bool (*enter)(KernelSearch&, uint32_t index, KernelRay& ray);
 };
 
+constexpr uint32_t packet_rays = 16;
+
 // counts may be null. The ray's direction is finite and not zero, its origin finite. Returns true when a search for any
 // hit ended early.
 struct Kernels {
   bool (*triangles)(const KernelTree&, KernelRay&, KernelSearch&, bool any, KernelCounts* counts);
   bool (*things)(const KernelTree&, KernelRay&, KernelSearch&, bool any, KernelCounts* counts);
+  // Through triangles, several rays at once: those of bits `lanes` among packet_rays of them, one at least. Hits are
+  // those of the rays one by one; quicker where they run beside one another. Returns the bits of searches for any hit
+  // that ended early.
+  uint32_t (*packet)(const KernelTree&, KernelRay*, KernelSearch* const*, uint32_t lanes, bool any);
   const char* name;
 };
 

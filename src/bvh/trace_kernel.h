@@ -1,12 +1,7 @@
 #pragma once
 // The traversal itself, compiled once per instruction set: included by trace_avx512.cpp, trace_avx2.cpp,
-// trace_sse2.cpp and trace_scalar.cpp alone. Slabs after Ize, "Robust BVH Ray Traversal", 2013; triangles after Woop,
-// Benthin, Wald 2013 (see triangle.h, whose operations and order these are).
-#include <bit>
-#include <cstdint>
-
-#include "bvh/simd.h"
-#include "bvh/trace.h"
+// trace_sse2.cpp and trace_scalar.cpp alone. Slabs after Ize, "Robust BVH Ray Traversal", 2013.
+#include "bvh/trace_triangle.h"
 
 namespace candela {
 namespace {
@@ -16,9 +11,6 @@ constexpr int stack_size = 7 * 92 + 8;
 // Ize's factor covers the roundings of both slabs' t; the rest covers how far a triangle's own t may lie before its
 // box's.
 constexpr float slab_slack = 1.000001f;
-constexpr float smallest_determinant = 1e-20f, largest_determinant = 1e30f;  // as in triangle.h
-
-inline float magnitude(float x) { return std::bit_cast<float>(std::bit_cast<uint32_t>(x) & 0x7fffffffu); }
 
 // A child to visit, as one number that sorts by distance: its bits as those of a float that is not negative, above the
 // child reference. (Below zero, for rays with such a t_min, the order is no longer the best one, but all are visited.)
@@ -31,8 +23,6 @@ inline void sort2(Waiting& a, Waiting& b) {
   const Waiting low = a < b ? a : b, high = a < b ? b : a;
   a = low, b = high;
 }
-
-inline uint32_t negative(float f) { return std::bit_cast<uint32_t>(f) >> 31; }
 
 // A ray as boxes take it, spread over lanes. By planes less origin, times the inverse; or for what is `plain` by one
 // multiplication and addition: plane * inverse - origin * inverse, where the second product is moved outwards by more
@@ -95,129 +85,18 @@ inline uint32_t meet_boxes(const WideNode& node, const BoxRay<plain>& r, F8& nea
   return less_equal(near, far);
 }
 
-// A ray as triangles take it: as shear_of in triangle.h, without branches, which incoherent rays would guess wrong.
-struct TriangleRay {
-  uint32_t x, y, z;  // axes of the sheared space
-  F4 origin[3], sx, sy, sz, least_t;
-  TriangleRay(const KernelRay& ray, F4 inverse) : least_t(F4::all(ray.t_min)) {
-    const float(&d)[3] = ray.direction;
-    const float a0 = magnitude(d[0]), a1 = magnitude(d[1]), a2 = magnitude(d[2]);
-    const uint32_t first = a0 > a1, last = !((a0 > a1 ? a0 : a1) > a2);
-    static constexpr uint32_t after[3] = {1, 2, 0};
-    z = last << 1 | ((first | last) ^ 1u);
-    const uint32_t one = after[z], other = after[one], swap = (one ^ other) & (0u - negative(d[z]));
-    x = one ^ swap, y = other ^ swap;
-    const uint32_t axes[3] = {x, y, z};
-    for (int i = 0; i < 3; ++i) origin[i] = F4::all(ray.origin[axes[i]]);
-    float inverses[4];
-    inverse.store(inverses);
-    sz = F4::all(inverses[z]), sx = F4::all(d[x]) * sz, sy = F4::all(d[y]) * sz;
-  }
-};
-
-struct Sheared {
-  F4 x, y, z;
-};
-
-inline bool meet_in_double(const float (&a)[3], const float (&b)[3], const float (&c)[3], const KernelRay& ray,
-                           KernelHit& hit) {
-  const double u = double(c[0]) * double(b[1]) - double(c[1]) * double(b[0]);
-  const double v = double(a[0]) * double(c[1]) - double(a[1]) * double(c[0]);
-  const double w = double(b[0]) * double(a[1]) - double(b[1]) * double(a[0]);
-  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-  const double determinant = u + v + w;
-  if (!(determinant != 0)) return false;
-  const float t = float((u * double(a[2]) + v * double(b[2]) + w * double(c[2])) / determinant);
-  if (!(t >= ray.t_min && t <= ray.t_max)) return false;
-  hit.t = t, hit.u = float(v / determinant), hit.v = float(w / determinant), hit.clockwise = determinant < 0;
-  return true;
-}
-
-// What a search does with a hit within the ray's limits, whose numbers go from registers to where they are kept: copied
-// as a whole they would have to wait for one another. True: it is taken.
-inline bool take(const KernelTree& tree, float t, float u, float v, uint32_t id, bool clockwise, KernelRay& ray,
-                 KernelSearch& search) {
-  KernelHit& best = search.best;
-  if (t == best.t && best.id != no_triangle) {
-    if (search.place == search.best_place ? id >= best.id : search.loses_tie(search, {t, u, v, id, clockwise}))
-      return false;
-  }
-  const uint8_t doubt = tree.doubts ? tree.doubts[id] : tree.doubt;
-  if ((doubt & doubt_turning(clockwise)) && !search.accept(search, {t, u, v, id, clockwise})) return false;
-  if (tree.wanted) __builtin_prefetch(tree.wanted + id);
-  best.t = t, best.u = u, best.v = v, best.id = id, best.clockwise = clockwise;
-  search.best_place = search.place, ray.t_max = t;
-  return true;
-}
-
-// Tests a block. True: a search for any hit ends, or another one has a nearer hit.
-template <bool any, bool counted>
-inline bool meet_block(const KernelTree& tree, const TriangleBlock& block, const TriangleRay& p, KernelRay& ray,
-                       KernelSearch& search, KernelCounts* counts) {
-  Sheared s[3];
-#pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k) {
-    const F4 z = F4::load(block.corner[k][p.z]) - p.origin[2];
-    s[k].x = (F4::load(block.corner[k][p.x]) - p.origin[0]) - p.sx * z;
-    s[k].y = (F4::load(block.corner[k][p.y]) - p.origin[1]) - p.sy * z;
-    s[k].z = z;
-  }
-  const F4 u = s[2].x * s[1].y - s[2].y * s[1].x;
-  const F4 v = s[0].x * s[2].y - s[0].y * s[2].x;
-  const F4 w = s[1].x * s[0].y - s[1].y * s[0].x;
-  const F4 zero = F4::all(0.0f);
-  if constexpr (counted) counts->triangles += uint64_t(std::popcount(~equal_ints(block.id, no_triangle) & 15u));
-  uint32_t candidates = 15u & ~(less(min(min(u, v), w), zero) & less(zero, max(max(u, v), w))).bits();
-  if (candidates == 0) return false;
-  candidates &= ~equal_ints(block.id, no_triangle);
-
-  const F4 determinant = (u + v) + w, size = absolute(determinant);
-  const F4 least = min(min(absolute(u), absolute(v)), absolute(w));
-  const uint32_t exact = (less(zero, least) & less_equal(F4::all(smallest_determinant), size) &
-                          less_equal(size, F4::all(largest_determinant)))
-                             .bits();
-#pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k) s[k].z = p.sz * s[k].z;
-  const F4 t = ((u * s[0].z + v * s[1].z) + w * s[2].z) / determinant;
-  candidates &= ~exact | (less_equal(p.least_t, t) & less_equal(t, F4::all(ray.t_max))).bits();
-  if (candidates == 0) return false;
-  if (any && !tree.doubts && !tree.doubt && (candidates & exact) != 0) return true;
-  float ts[4], vs[4], ws[4], determinants[4];
-  t.store(ts), v.store(vs), w.store(ws), determinant.store(determinants);
-  bool taken = false;
-  for (; candidates != 0; candidates &= candidates - 1) {
-    const int lane = std::countr_zero(candidates);
-    const float d = determinants[lane];
-    if (exact >> lane & 1u) {
-      if (!(ts[lane] <= ray.t_max)) continue;  // another lane has shortened the ray
-      if (!take(tree, ts[lane], vs[lane] / d, ws[lane] / d, block.id[lane], d < 0, ray, search)) continue;
-    } else {
-      float corner[3][3];
-      for (int k = 0; k < 3; ++k) {
-        float x[4], y[4], z[4];
-        s[k].x.store(x), s[k].y.store(y), s[k].z.store(z);
-        corner[k][0] = x[lane], corner[k][1] = y[lane], corner[k][2] = z[lane];
-      }
-      KernelHit hit;
-      if (!meet_in_double(corner[0], corner[1], corner[2], ray, hit)) continue;
-      if (!take(tree, hit.t, hit.u, hit.v, block.id[lane], hit.clockwise, ray, search)) continue;
-    }
-    if (any) return true;
-    taken = true;
-  }
-  return taken;
-}
-
 // What stands in a leaf. As meet_block.
 template <bool over_triangles, bool any, bool counted>
-inline bool meet_leaf(const KernelTree& tree, uint32_t leaf, const TriangleRay& p, KernelRay& ray, KernelSearch& search,
-                      KernelCounts* counts) {
+inline bool meet_leaf(const KernelTree& tree, uint32_t leaf, const ShearedRays<F4>& p, KernelRay& ray,
+                      KernelSearch& search, KernelCounts* counts) {
   const uint32_t first = first_of_leaf(leaf), count = count_of_leaf(leaf);
   bool taken = false;
   for (uint32_t i = first; i < first + count; ++i) {
-    if constexpr (over_triangles)
-      taken |= meet_block<any, counted>(tree, tree.blocks[i], p, ray, search, counts);
-    else
+    if constexpr (over_triangles) {
+      if constexpr (counted)
+        counts->triangles += uint64_t(std::popcount(~equal_ints(tree.blocks[i].id, no_triangle) & 15u));
+      taken |= meet_block<any>(tree, tree.blocks[i], p, ray, search);
+    } else
       taken |= search.enter(search, tree.indices[i], ray);
     if (any && taken) return true;
   }
@@ -244,13 +123,12 @@ inline void prefetch(const KernelTree& tree, uint32_t child) {
 }
 
 template <bool over_triangles, bool counted, bool plain>
-void traverse_nearest(const KernelTree& tree, KernelRay& ray, F4 origin, F4 inverse, KernelSearch& search,
-                      KernelCounts* counts) {
+void traverse_nearest(const KernelTree& tree, uint32_t child, KernelRay& ray, F4 origin, F4 inverse,
+                      KernelSearch& search, KernelCounts* counts) {
   BoxRay<plain> box_ray(ray, origin, inverse);
-  const TriangleRay triangle_ray(ray, inverse);
+  const ShearedRays<F4> triangle_ray = sheared(ray, inverse);
   Waiting stack[stack_size];
   Waiting* top = stack;
-  uint32_t child = 0;
   while (true) {
     // Down to a leaf, nearest child first.
     while (!(child & leaf_bit)) {
@@ -313,13 +191,12 @@ void traverse_nearest(const KernelTree& tree, KernelRay& ray, F4 origin, F4 inve
 // The ray never gets shorter, so distances do not matter. The last child is the largest (wide_tree.cpp), hence the
 // likeliest to hold a hit: it comes first.
 template <bool over_triangles, bool counted, bool plain>
-bool traverse_any(const KernelTree& tree, KernelRay& ray, F4 origin, F4 inverse, KernelSearch& search,
+bool traverse_any(const KernelTree& tree, uint32_t child, KernelRay& ray, F4 origin, F4 inverse, KernelSearch& search,
                   KernelCounts* counts) {
   const BoxRay<plain> box_ray(ray, origin, inverse);
-  const TriangleRay triangle_ray(ray, inverse);
+  const ShearedRays<F4> triangle_ray = sheared(ray, inverse);
   uint32_t stack[stack_size];
   uint32_t* top = stack;
-  uint32_t child = 0;
   while (true) {
     while (!(child & leaf_bit)) {
       const WideNode& node = tree.nodes[child];
@@ -340,11 +217,12 @@ bool traverse_any(const KernelTree& tree, KernelRay& ray, F4 origin, F4 inverse,
   }
 }
 
+// child: of the subtree to search.
 template <bool over_triangles, bool counted, bool plain>
-bool traverse(const KernelTree& tree, KernelRay& ray, F4 origin, F4 inverse, KernelSearch& search, bool any,
-              KernelCounts* counts) {
-  if (any) return traverse_any<over_triangles, counted, plain>(tree, ray, origin, inverse, search, counts);
-  traverse_nearest<over_triangles, counted, plain>(tree, ray, origin, inverse, search, counts);
+bool traverse(const KernelTree& tree, uint32_t child, KernelRay& ray, F4 origin, F4 inverse, KernelSearch& search,
+              bool any, KernelCounts* counts) {
+  if (any) return traverse_any<over_triangles, counted, plain>(tree, child, ray, origin, inverse, search, counts);
+  traverse_nearest<over_triangles, counted, plain>(tree, child, ray, origin, inverse, search, counts);
   return false;
 }
 
@@ -353,10 +231,10 @@ template <bool over_triangles>
 bool trace(const KernelTree& tree, KernelRay& ray, KernelSearch& search, bool any, KernelCounts* counts) {
   const F4 origin = F4::load(ray.origin), direction = F4::load(ray.direction);  // the fourth lanes of no meaning
   const F4 inverse = F4::all(1.0f) / direction;
-  if (counts) return traverse<over_triangles, true, false>(tree, ray, origin, inverse, search, any, counts);
+  if (counts) return traverse<over_triangles, true, false>(tree, 0, ray, origin, inverse, search, any, counts);
   if (is_plain(origin, direction))
-    return traverse<over_triangles, false, true>(tree, ray, origin, inverse, search, any, nullptr);
-  return traverse<over_triangles, false, false>(tree, ray, origin, inverse, search, any, nullptr);
+    return traverse<over_triangles, false, true>(tree, 0, ray, origin, inverse, search, any, nullptr);
+  return traverse<over_triangles, false, false>(tree, 0, ray, origin, inverse, search, any, nullptr);
 }
 
 }  // namespace

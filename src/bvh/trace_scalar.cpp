@@ -1,11 +1,11 @@
 // Without any vector instructions of its own: for other processors, and to test the others against.
 #define CANDELA_SIMD_SCALAR
-#include "bvh/trace_kernel.h"
+#include "bvh/trace_packet.h"
 
 namespace candela {
 
 const Kernels* scalar_kernels() {
-  static constexpr Kernels kernels{&trace<true>, &trace<false>, "scalar"};
+  static constexpr Kernels kernels{&trace<true>, &trace<false>, &trace_packet, "scalar"};
   return &kernels;
 }
 

@@ -1,13 +1,13 @@
 #include "bvh/trace.h"
 #ifdef __SSE2__
-#include "bvh/trace_kernel.h"
+#include "bvh/trace_packet.h"
 #endif
 
 namespace candela {
 
 #ifdef __SSE2__
 const Kernels* sse2_kernels() {
-  static constexpr Kernels kernels{&trace<true>, &trace<false>, "sse2"};
+  static constexpr Kernels kernels{&trace<true>, &trace<false>, &trace_packet, "sse2"};
   return &kernels;
 }
 #else

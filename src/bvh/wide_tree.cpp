@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/check.h"
+#include "bvh/simd.h"
 
 namespace candela {
 namespace {
@@ -83,8 +84,10 @@ class Collapse {
     }
     // By area, the largest last: searches for any hit go there first (Nah and Manocha, "SATO: Surface Area Traversal
     // Order for Shadow Ray Tracing", 2014).
-    std::stable_sort(child, child + count,
-                     [&](uint32_t a, uint32_t b) { return tree_.nodes[a].half_area() < tree_.nodes[b].half_area(); });
+    for (uint32_t c = 0; c < count; ++c) area[c] = tree_.nodes[child[c]].half_area();
+    for (uint32_t c = 1; c < count; ++c)
+      for (uint32_t at = c; at > 0 && area[at] < area[at - 1]; --at)
+        std::swap(area[at], area[at - 1]), std::swap(child[at], child[at - 1]);
     return count;
   }
 
@@ -125,12 +128,17 @@ class Collapse {
     CHECK(blocks <= largest_leaf && first + blocks <= leaf_first_mask);
     for (uint32_t b = 0; b < blocks; ++b) {
       TriangleBlock& block = out_.blocks.emplace_back();
+      const TriangleCorners* lanes[block_triangles];
       for (uint32_t lane = 0; lane < block_triangles; ++lane) {
         const uint32_t i = b * block_triangles + lane;
         block.id[lane] = i < count ? ids_[i] : no_triangle;
-        const TriangleCorners& t = triangles_[ids_[std::min(i, count - 1)]];
-        for (int corner = 0; corner < 3; ++corner)
-          for (int axis = 0; axis < 3; ++axis) block.corner[corner][axis][lane] = t.corner[corner][axis];
+        lanes[lane] = &triangles_[ids_[std::min(i, count - 1)]];
+      }
+      for (int corner = 0; corner < 3; ++corner) {
+        F4 of[block_triangles];
+        for (uint32_t lane = 0; lane < block_triangles; ++lane) of[lane] = F4::load3(&lanes[lane]->corner[corner].x);
+        transpose(of[0], of[1], of[2], of[3]);
+        for (int axis = 0; axis < 3; ++axis) of[axis].store(block.corner[corner][axis]);
       }
     }
     return leaf_child(first, blocks);

@@ -1,6 +1,7 @@
 #include "reference/accel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -77,20 +78,26 @@ struct Search : KernelSearch {
     return s.any ? ended : nearer;
   }
 
-  bool run(const WideTree& tree, KernelRay& ray, const uint8_t* doubts, uint8_t doubt) {
-    if (tree.nodes.empty()) return false;
+  KernelTree kernel_tree(const WideTree& tree, const uint8_t* doubts, uint8_t doubt) const {
     KernelTree t{tree.nodes.data(), tree.blocks.data(), tree.indices.data()};
     if (filter) t.doubts = doubts, t.doubt = doubt;
     if (place == world_place) t.wanted = trees.world_item.data();
+    return t;
+  }
+
+  bool run(const WideTree& tree, KernelRay& ray, const uint8_t* doubts, uint8_t doubt) {
+    if (tree.nodes.empty()) return false;
+    const KernelTree t = kernel_tree(tree, doubts, doubt);
     return tree.indices.empty() ? trees.kernels->triangles(t, ray, *this, any, counts)
                                 : trees.kernels->things(t, ray, *this, any, counts);
   }
 
-  bool trace(const Ray& from) {
-    KernelRay ray{{from.origin.x, from.origin.y, from.origin.z},
-                  from.t_min,
-                  {from.direction.x, from.direction.y, from.direction.z},
-                  from.t_max};
+  // False: it is no ray, or too short to hit anything.
+  bool begin(const Ray& from, KernelRay& ray) {
+    ray = {{from.origin.x, from.origin.y, from.origin.z},
+           from.t_min,
+           {from.direction.x, from.direction.y, from.direction.z},
+           from.t_max};
     if (!(from.t_min <= from.t_max)) return false;
     if (!is_usual(ray)) {
       if (!finite(from.origin) || !finite(from.direction)) return false;
@@ -99,11 +106,43 @@ struct Search : KernelSearch {
       for (float& d : ray.direction) d /= scale;
       ray.t_min *= scale, ray.t_max *= scale, inverse_scale = 1.0f / scale;
     }
-    const uint8_t* doubts = trees.world_doubts.empty() ? nullptr : trees.world_doubts.data();
-    return run(trees.world, ray, doubts, trees.world_doubt) || run(trees.top, ray, nullptr, 0) ||
-           best.id != no_triangle;
+    return true;
   }
+
+  bool trace(const Ray& from) {
+    KernelRay ray;
+    return begin(from, ray) && (run(trees.world, ray, world_doubts(), trees.world_doubt) || in_instances(ray));
+  }
+
+  // After a search of the world tree that has not ended.
+  bool in_instances(KernelRay& ray) { return run(trees.top, ray, nullptr, 0) || best.id != no_triangle; }
+
+  const uint8_t* world_doubts() const { return trees.world_doubts.empty() ? nullptr : trees.world_doubts.data(); }
 };
+
+// Searches of rays side by side, packet by packet: take(i, search, met) has what each found.
+template <class Take>
+void trace_packets(const Accel::Trees& trees, std::span<const Ray> rays, const HitFilter* filter, bool any,
+                   Take&& take) {
+  for (size_t first = 0; first < rays.size(); first += packet_rays) {
+    const size_t count = std::min(rays.size() - first, size_t(packet_rays));
+    std::array<std::optional<Search>, packet_rays> searches;
+    KernelSearch* started[packet_rays];
+    KernelRay kernel_rays[packet_rays];
+    uint32_t lanes = 0, ended = 0;
+    for (size_t i = 0; i < count; ++i) {
+      started[i] = &searches[i].emplace(trees, filter, nullptr, any);
+      lanes |= uint32_t(searches[i]->begin(rays[first + i], kernel_rays[i])) << i;
+    }
+    if (lanes != 0 && !trees.world.nodes.empty())
+      ended =
+          trees.kernels->packet(searches[0]->kernel_tree(trees.world, searches[0]->world_doubts(), trees.world_doubt),
+                                kernel_rays, started, lanes, any);
+    for (size_t i = 0; i < count; ++i)
+      take(first + i, *searches[i],
+           (ended >> i & 1u) || ((lanes >> i & 1u) && searches[i]->in_instances(kernel_rays[i])));
+  }
+}
 
 float largest_of(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -124,6 +163,17 @@ std::optional<Hit> Accel::closest(const Ray& ray, const HitFilter* filter, Trace
 
 bool Accel::occluded(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
   return Search(*trees_, filter, counts, true).trace(ray);
+}
+
+void Accel::closest(std::span<const Ray> rays, std::span<std::optional<Hit>> hits, const HitFilter* filter) const {
+  trace_packets(*trees_, rays, filter, false, [&](size_t i, const Search& search, bool met) {
+    hits[i].reset();
+    if (met) search.resolve(search.best, search.best_place, hits[i].emplace());
+  });
+}
+
+void Accel::occluded(std::span<const Ray> rays, std::span<bool> blocked, const HitFilter* filter) const {
+  trace_packets(*trees_, rays, filter, true, [&](size_t i, const Search&, bool met) { blocked[i] = met; });
 }
 
 PosedTriangle Accel::triangle(uint32_t item_index, uint32_t primitive) const {

@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "bvh/simd.h"
 #include "reference/accel_trees.h"
 #include "scene/glow.h"
 
@@ -43,19 +44,27 @@ bool invert(const glm::mat4& m, glm::dmat4x3& inverse) {
 
 // Triangles with their references; those with non-finite corners have none.
 struct Soup {
-  RawVector<TriangleCorners> triangles;
-  RawVector<BoxReference> references;
+  LargeVector<TriangleCorners> triangles;
+  LargeVector<BoxReference> references;
 
   explicit Soup(size_t count) : triangles(count), references(count) {}
   void fill(size_t first, const MeshSection& section, const std::vector<glm::vec3>& position,
             const glm::mat4* transform) {
     const uint32_t* index = section.index.data();
+    // glm's product of a matrix and a point, by its own operations in its order: rays and pictures must agree.
+    F4 columns[4];
+    for (int c = 0; transform && c < 4; ++c) columns[c] = F4::load(&(*transform)[c].x);
+    const auto placed = [&columns](glm::vec3 p) {
+      float out[4];
+      ((columns[0] * F4::all(p.x) + columns[1] * F4::all(p.y)) + (columns[2] * F4::all(p.z) + columns[3])).store(out);
+      return glm::vec3(out[0], out[1], out[2]);
+    };
     tbb::parallel_for(tbb::blocked_range<size_t>(0, section.index.size() / 3, 8192), [&](const auto& range) {
       for (size_t i = range.begin(); i < range.end(); ++i) {
         TriangleCorners& t = triangles[first + i];
         for (size_t k = 0; k < 3; ++k) {
           const glm::vec3 p = position[index[3 * i + k]];
-          t.corner[k] = transform ? glm::vec3(*transform * glm::vec4(p, 1.0f)) : p;
+          t.corner[k] = transform ? placed(p) : p;
         }
         references[first + i] = reference_to(t, uint32_t(first + i));
       }

@@ -88,6 +88,57 @@ TEST(BvhHits, AreTheSameWhateverTheVectorWidth) {
   }
 }
 
+// Rays from near one place to near another, which go together, and rays of any kinds, which do not; some are none.
+std::vector<Ray> packet_of(const Rays& rays, uint64_t number) {
+  Rng rng(number);
+  std::vector<Ray> out;
+  const Ray first = rays[number];
+  const double spread = number % 3 == 0 ? 0.0 : number % 3 == 1 ? 1e-3 : 0.1;
+  for (uint64_t i = 0; i < 1 + number % 20; ++i) {
+    Ray ray = number % 4 == 3 ? rays[number + 7 * i] : first;
+    ray.origin += random_in(rng, -1, 1) * float(spread * 0.1);
+    ray.direction += random_in(rng, -1, 1) * float(spread) * glm::length(ray.direction);
+    if (rng.next() % 32 == 0) ray.direction = glm::vec3(0);
+    if (rng.next() % 32 == 0) ray.t_max = 0.5f;
+    out.push_back(ray);
+  }
+  return out;
+}
+
+TEST(BvhHits, OfPacketsAreThoseOfRaysAlone) {
+  auto all = scenes();
+  all.push_back(made("big closed", closed_mesh(60, 40)));
+  const Kernels* every[] = {scalar_kernels(), sse2_kernels(), avx2_kernels(), avx512_kernels()};
+  struct Some final : HitFilter {
+    bool accepts(const Hit& hit) const override { return (hit.primitive * 7 + hit.item + hit.back) % 3 != 0; }
+  } const some;
+  for (const auto& m : all)
+    for (const Kernels* kernels : every) {
+      if (!kernels) continue;
+      AccelOptions options = with_instances();
+      options.kernels = kernels;
+      const Accel accel(m->scene, m->pose, m->frame, options);
+      const Rays rays(accel);
+      for (const HitFilter* filter : {static_cast<const HitFilter*>(nullptr), static_cast<const HitFilter*>(&some)}) {
+        std::atomic<uint64_t> met = 0;
+        const auto bad = differing(6'000, [&](uint64_t number) {
+          const std::vector<Ray> packet = packet_of(rays, number);
+          std::vector<std::optional<Hit>> hits(packet.size());
+          const std::unique_ptr<bool[]> blocked(new bool[packet.size()]);
+          accel.closest(packet, hits, filter), accel.occluded(packet, {blocked.get(), packet.size()}, filter);
+          for (size_t i = 0; i < packet.size(); ++i) {
+            const auto alone = accel.closest(packet[i], filter);
+            met += alone.has_value();
+            if (!same(hits[i], alone) || blocked[i] != accel.occluded(packet[i], filter)) return true;
+          }
+          return false;
+        });
+        EXPECT_TRUE(bad.empty()) << m->name << " " << kernels->name << ": packet " << (bad.empty() ? 0 : bad[0]);
+        EXPECT_GT(met, 5'000u) << m->name;
+      }
+    }
+}
+
 // From inside a closed mesh, at its corners, edges and faces, near the origin and far from it.
 TEST(BvhHits, NoRayEscapesAClosedMesh) {
   for (float centre : {0.0f, 1000.0f, -3e5f})

@@ -3,8 +3,15 @@
 // the camera sees. Needs lib/triangle.glsl, lib/shade.glsl, and pc.deformed_before, which holds the place of each item
 // of the trees among those that are drawn.
 
-// width_m: what the ray stands for there across its direction, by which textures are filtered.
-vec3 hit_radiance(TraceHit hit, TraceRay along, float width_m) {
+// pixel_m: what a pixel is wide there. cone: tangent of half the angle of the directions that the ray stands for
+// besides (those of all pictures of a supersampled frame are parts already). Textures are filtered over both. Over
+// those directions half vectors turn half as far, and as far as normals do: highlights of lamps, which may be narrower
+// than that and would be met by chance, are their mean over it. Slopes are no angles where the disc is wide: it ends at
+// MOST_DISC.
+const float MOST_DISC = 0.5;
+vec3 hit_radiance(TraceHit hit, TraceRay along, float pixel_m, float cone) {
+  const float lobe_m = 2.0 * cone * hit.t * (IS_SUBSAMPLE != 0 ? 1.0 / pc.subsample_footprint : 1.0);
+  const float width_m = pixel_m + lobe_m;
   const Item item = load_item(WordsRef(pc.deformed_before).w[hit.item]);
   const Geometry g = load_geometry(item.geometry);
   const Corners corners = load_corners(frame.indices, item, g, hit.primitive);
@@ -18,6 +25,8 @@ vec3 hit_radiance(TraceHit hit, TraceRay along, float width_m) {
   if ((m.flags & material_unlit) != 0u || g.normal == absent) return max(surface_base_color(m, v).rgb, vec3(0.0));
   const vec3 to_viewer = -along.direction;
   const Surface s = load_surface(m, v, hit.back == 0u ? 1.0 : -1.0, to_viewer);
+  const float turned = max(length(v.normal_across), length(v.normal_down));
+  facets_disc = min(0.5 * cone + turned * cone * hit.t / max(width_m, 1e-30), MOST_DISC);
   begin_rays_at(hit, to_viewer);
   return surface_radiance(s, brdf_terms(s, to_viewer), p.position, p.position, rays_side);
 }

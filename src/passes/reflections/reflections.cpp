@@ -253,6 +253,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     push.at = surfaces_of(commands, out.reflected);
     push.light = commands.sampled(out.noisy);
     push.smooth_light = commands.storage(out.reflected.light);
+    push.rays = samples_of(knobs, in) * in.subsamples;
     push.texels = texels_of(knobs, scene);
     push.subsample_ndc = scene.subsample_ndc;
     commands.bind(out.pipelines.smooth);

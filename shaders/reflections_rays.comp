@@ -3,6 +3,7 @@
 // functions of all techniques give it. Where the camera sees the surface is where its own ray meets the trees
 // (begin_rays), so that no surface reflects itself.
 #define TRIANGLES
+#define FACETS_DISC
 #ifndef TRACES  // as frames say that send rays
 #define TRACES
 #endif
@@ -60,8 +61,6 @@ void main() {
     const uint moved = uint(pc.table >> 60);
     const uint order = pattern_of(texel + uvec2(moved & 3u, moved >> 2));
     const float pixel_m = (perspective ? length(p) : 1.0) * 2.0 * frame.tan_half.y / float(frame.size_px.y);
-    // Of what a pixel's slopes are, each picture takes its part, which samples of the lobe are already.
-    const float whole = IS_SUBSAMPLE != 0 ? 1.0 / pc.subsample_footprint : 1.0;
     begin_rays(from_camera_space(p), from_camera_space(r.plane));
     const TracePoint from = rays_from;
     LobeLight sum = LobeLight(vec3(0.0), vec3(0.0), 0.0, 0.0);
@@ -77,7 +76,7 @@ void main() {
       if (!meet_scene(ray, hit)) continue;
       rays_part = i;
       rays_parts = samples;
-      vec3 seen = hit_radiance(hit, ray, pixel_m + whole * 2.0 * sampled.cone * hit.t) * frame.pre_exposure;
+      vec3 seen = hit_radiance(hit, ray, pixel_m, sampled.cone) * frame.pre_exposure;
 #ifdef FOG
       seen *= fog_through(from.position, l, hit.t);
 #endif

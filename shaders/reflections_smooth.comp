@@ -1,7 +1,7 @@
 #version 460
 // The mean over 5 by 5 texels whose outer rows count half, so that each value of the pattern of 4 by 4 counts alike.
-// Texels count less that are off the tangent plane, and where the lobe is narrower than what lies between the two: the
-// angle between the pixels, or between their normals.
+// Texels count less that are off the tangent plane, and where four rays' share of the lobe is narrower than what lies
+// between the two: the angle between the pixels, or between their normals. So with more rays it blurs less.
 #include "shared/reflections.h"
 layout(push_constant, scalar) uniform Push { ReflectionsSmoothPush pc; };
 #include "lib/frame.glsl"
@@ -40,10 +40,11 @@ void main() {
         if (!(z > 0.0) || its.rgb == vec3(0.0)) continue;
         const vec3 normal = unpack_normal(texelFetch(pass_uint_images[pc.at.surface], there, 0).z);
         const vec3 turned = normal - r.normal;
-        const float between = (angle * angle * float(x * x + y * y) + 4.0 * dot(turned, turned)) / (alpha * alpha);
+        const float apart = (angle * angle * float(x * x + y * y) + 4.0 * dot(turned, turned)) / (alpha * alpha);
         const float rougher = 4.0 * (its.a - reflectance.a) / roughness;
         float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0);
-        w *= exp2(-between - rougher * rougher) * occlusion_likeness(point_at(there, z), p, r.plane);
+        w *= exp2(-0.25 * float(pc.rays) * apart - rougher * rougher);
+        w *= occlusion_likeness(point_at(there, z), p, r.plane);
         if (!(w > 0.0)) continue;
         sum += (w * 0.0625) * texelFetch(pass_images[pc.light], other, 0);
         weights += w;

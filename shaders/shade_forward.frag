@@ -51,7 +51,7 @@ void main() {
   const float covered = 1.0 - max(behind.tint.r, max(behind.tint.g, behind.tint.b)) * (1.0 - behind.light.a);
 #ifdef FOG
   const FogSeen fog = fog_before(v.relative_position);
-  const vec3 through = behind.tint * max(behind.light.rgb - fog.light, vec3(0.0));
+  const vec3 through = refracted_through(behind, fog.light, fog.through);
   put_out(vec4(radiance * frame.pre_exposure * fog.through + through + fog.light, covered), v.relative_position);
 #else
   put_out(vec4(radiance * frame.pre_exposure + behind.tint * behind.light.rgb, covered), v.relative_position);

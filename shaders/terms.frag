@@ -145,11 +145,11 @@ void main() {
 #endif
 #if defined(BACKGROUND) && defined(REFRACTION)
 #ifdef FOG
-  const vec3 nearer = fog_before(v.relative_position).light;  // is no term
+  const FogSeen nearer = fog_before(v.relative_position);  // its light is no term
+  out_background = vec4(refracted_through(behind, nearer.light, nearer.through), 1.0);
 #else
-  const vec3 nearer = vec3(0.0);
+  out_background = vec4(behind.tint * behind.light.rgb, 1.0);
 #endif
-  out_background = vec4(behind.tint * max(behind.light.rgb - nearer, vec3(0.0)), 1.0);
 #elif defined(BACKGROUND)
   out_background = covering(vec3(0.0), coverage);
 #endif

@@ -81,6 +81,10 @@ BrdfTerms brdf_terms(Surface s, vec3 v) {
   return b;
 }
 
+#ifdef FACETS_DISC
+// Of facets, D is the mean over a disc of slopes about the half vector of this radius.
+float facets_disc = 0.0;
+#endif
 // D V for the half vector h of any length but zero: with 1 - (n.h)^2 taken as |n x h|^2, which does not cancel near the
 // peak, and one division for all.
 float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
@@ -88,6 +92,14 @@ float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
   const float a = dot(b.normal, h) * b.alpha;
   const float k = dot(nxh, nxh) + a * a;
   const float smith = n_l * b.smith_v + b.n_v * sqrt(n_l * n_l * (1.0 - b.alpha2) + b.alpha2) + 1e-7;
+#ifdef FACETS_DISC
+  // A stereographic projection takes the slopes of GGX evenly to the sphere, and discs to caps: their share is closed.
+  // With a disc of no size this is the line below.
+  const float n_h2 = dot(b.normal, h) * dot(b.normal, h), disc = facets_disc * facets_disc * n_h2;
+  const float off = k - disc, root = sqrt(off * off + 4.0 * a * a * disc);
+  const float share = off > 0.0 ? 2.0 * b.alpha2 / (root + off) : 0.5 * (root - off) / max(disc * n_h2, 1e-30);
+  return (0.5 / PI) * h_h * h_h * share / (root * smith);
+#endif
   return (0.5 / PI) * b.alpha2 * h_h * h_h / (k * k * smith);
 }
 

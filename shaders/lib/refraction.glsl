@@ -14,9 +14,15 @@ struct Refracted {
   float share;  // of the diffuse base's light that goes through instead
   vec4 light;   // pre-exposed, behind the surface as the camera would see it; and what of the picture is covered
   vec3 tint;    // of it, what the surface lets through
+  bool is_traced;  // by a ray, which begins behind the fog before the surface
 };
+// What of it comes to the camera through fog, which the picture has in it.
+vec3 refracted_through(Refracted r, vec3 fog_light, vec3 fog_through) {
+  if (r.is_traced) return r.light.rgb * fog_through;
+  return r.tint * max(r.light.rgb - fog_light, vec3(0.0));
+}
 
-uint refraction_image(uint place) { return uint(pc.table) >> (8u * place) & 0xffu; }
+uint refraction_image(uint place) { return REFRACTION_PLACE(uint(pc.table), place); }
 
 #include "lib/seen_picture.glsl"
 
@@ -123,11 +129,33 @@ vec4 seen_through(GlassPoint g) {
   return seen_through_lobe(g, g.roughness < least_roughness ? 1 : REFRACTION_SAMPLES);
 }
 
+#ifdef REFRACTION_RAYS
+// What the ray through the pixel's middle has found, or where that misses the surface the one of a neighbour; below 0:
+// none did.
+vec4 traced_behind(ivec2 pixel) {
+  const uint image = refraction_image(3u);
+  const ivec2 last = ivec2(frame.size_px) - 1;
+  vec4 found = texelFetch(pass_images[image], clamp(pixel, ivec2(0), last), 0);
+  for (int i = 0; i < 9 && found.a < 0.0; ++i)
+    found = texelFetch(pass_images[image], clamp(pixel + ivec2(i % 3, i / 3) - 1, ivec2(0), last), 0);
+  return found;
+}
+#endif
+
 // scale: of the mesh's metres.
 Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, float scale) {
   const Glass glass = load_glass(material);
   Refracted r;
   GlassPoint g = glass_point(glass, s, b, v, scale, r.share);
+  r.is_traced = false;
+#ifdef REFRACTION_RAYS
+  if (g.roughness < uintBitsToFloat(pc.own)) {
+    r.light = traced_behind(ivec2(g.pixel));
+    r.tint = vec3(1.0);
+    r.is_traced = r.light.a >= 0.0;
+    if (r.is_traced) return r;
+  }
+#endif
   if (glass.dispersion > 0.0 && g.thickness_m > 0.0) {
     // KHR_materials_dispersion: the index at three wavelengths.
     const float half_spread = (g.ior - 1.0) * 0.025 * glass.dispersion;

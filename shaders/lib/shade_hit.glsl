@@ -3,8 +3,22 @@
 // the camera sees. Needs lib/triangle.glsl, lib/shade.glsl, and pc.deformed_before, which holds the place of each item
 // of the trees among those that are drawn.
 
-// width_m: what the ray stands for there across its direction, by which textures are filtered.
-vec3 hit_radiance(TraceHit hit, TraceRay along, float width_m) {
+// pixel_m: what a pixel is wide there. cone: tangent of half the angle of the directions that the ray stands for
+// besides (those of all pictures of a supersampled frame are parts already). Textures are filtered over both. Over
+// those directions half vectors turn half as far, and as far as normals do: highlights of lamps, which may be narrower
+// than that and would be met by chance, are their mean over it. Slopes are no angles where the disc is wide: it ends at
+// MOST_DISC.
+const float MOST_DISC = 0.5;
+struct HitPoint {
+  uint material;
+  Material m;
+  Varyings v;
+  vec3 to_viewer;
+  bool is_unlit;
+};
+HitPoint hit_point(TraceHit hit, TraceRay along, float pixel_m, float cone) {
+  const float lobe_m = 2.0 * cone * hit.t * (IS_SUBSAMPLE != 0 ? 1.0 / pc.subsample_footprint : 1.0);
+  const float width_m = pixel_m + lobe_m;
   const Item item = load_item(WordsRef(pc.deformed_before).w[hit.item]);
   const Geometry g = load_geometry(item.geometry);
   const Corners corners = load_corners(frame.indices, item, g, hit.primitive);
@@ -13,11 +27,27 @@ vec3 hit_radiance(TraceHit hit, TraceRay along, float width_m) {
   const float width = frame.perspective != 0u ? width_m / max(hit.t, 1e-30) : width_m;
   const TrianglePoint p =
       meet_triangle(corners, ViewRay(along.origin, along.direction, width * axes[0], width * axes[1]));
-  const Material m = load_material(item.material);
-  const Varyings v = lit_varyings(item, g, corners, p);
-  if ((m.flags & material_unlit) != 0u || g.normal == absent) return max(surface_base_color(m, v).rgb, vec3(0.0));
-  const vec3 to_viewer = -along.direction;
-  const Surface s = load_surface(m, v, hit.back == 0u ? 1.0 : -1.0, to_viewer);
-  begin_rays_at(hit, to_viewer);
-  return surface_radiance(s, brdf_terms(s, to_viewer), p.position, p.position, rays_side);
+  HitPoint h;
+  h.material = item.material;
+  h.m = load_material(item.material);
+  h.v = lit_varyings(item, g, corners, p);
+  h.to_viewer = -along.direction;
+  h.is_unlit = (h.m.flags & material_unlit) != 0u || g.normal == absent;
+  const float turned = max(length(h.v.normal_across), length(h.v.normal_down));
+  facets_disc = min(0.5 * cone + turned * cone * hit.t / max(width_m, 1e-30), MOST_DISC);
+  return h;
+}
+Surface hit_surface(HitPoint h, TraceHit hit) {
+  return load_surface(h.m, h.v, hit.back == 0u ? 1.0 : -1.0, h.to_viewer);
+}
+// begin_rays_at() goes before.
+vec3 lit_hit(HitPoint h, Surface s) {
+  const vec3 at = h.v.relative_position;
+  return surface_radiance(s, brdf_terms(s, h.to_viewer), at, at, rays_side);
+}
+vec3 hit_radiance(TraceHit hit, TraceRay along, float pixel_m, float cone) {
+  const HitPoint h = hit_point(hit, along, pixel_m, cone);
+  if (h.is_unlit) return max(surface_base_color(h.m, h.v).rgb, vec3(0.0));
+  begin_rays_at(hit, h.to_viewer);
+  return lit_hit(h, hit_surface(h, hit));
 }

@@ -31,8 +31,8 @@ struct TraceHit {
 const TraceHit TRACE_NOTHING = TraceHit(0.0, 0.0, 0.0, 0u, 0u, 0u, 0u, no_trace);
 
 // Any hit ends the search; on the way to a lamp; the hit nearest to t = 1, whichever side of it, of what is there at
-// all; what `passed` names and what lies before it counts no more.
-const uint TRACE_ANY = 1u, TRACE_TO_LAMP = 2u, TRACE_LOCATE = 4u, TRACE_PASSED = 8u;
+// all; what `passed` names and what lies before it counts no more; surfaces that refract count too.
+const uint TRACE_ANY = 1u, TRACE_TO_LAMP = 2u, TRACE_LOCATE = 4u, TRACE_PASSED = 8u, TRACE_GLASS = 16u;
 const float TRACE_FAR = 3.0e38;
 // Of slabs: what rounding does, and how far a triangle's t may lie before its box's.
 const float TRACE_SLACK = 1.000001;
@@ -160,7 +160,7 @@ bool trace_counts(TraceScene s, TraceHit h, uint mode, TraceHit passed) {
   if ((mode & TRACE_LOCATE) != 0u) return true;
   if ((mode & TRACE_PASSED) != 0u && trace_is_passed(h, passed)) return false;
   const TraceItem item = trace_item(s, h.item);
-  if ((item.flags & trace_refracts) != 0u) return false;
+  if ((item.flags & trace_refracts) != 0u && (mode & TRACE_GLASS) == 0u) return false;
   if ((mode & TRACE_TO_LAMP) != 0u && (item.flags & trace_glows) != 0u) return false;
   return (item.flags & trace_masked) == 0u || trace_coverage(s, item, h.primitive, h.u, h.v) != 0.0;
 }

@@ -33,6 +33,7 @@ struct ReflectionsTracePush {
 struct ReflectionsSmoothPush {
   ReflectedSurfaces at;
   uint light, smooth_light;
+  uint rays;  // a texel, of all pictures of a supersampled frame
   uvec2 texels;
   vec2 subsample_ndc;
 };

@@ -10,7 +10,8 @@ struct RefractionDownPush {
 };
 SHARED_END
 
-// The places of three images among those of the pass, in one word.
-#define REFRACTION_IMAGES(picture, pyramid, depth) ((picture) | (pyramid) << 8 | (depth) << 16)
+// The places of four images among those of the pass, in one word.
+#define REFRACTION_IMAGES(picture, pyramid, depth, rays) ((picture) | (pyramid) << 8 | (depth) << 16 | (rays) << 24)
+#define REFRACTION_PLACE(images, number) ((images) >> (8u * (number)) & 0xffu)
 
 #endif

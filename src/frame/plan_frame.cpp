@@ -143,7 +143,9 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
   const bool refraction = f.facts.refracting_items > 0;
   Reflections reflections;
   reflections.knobs = knobs.get<Reflections::Knobs>();
-  f.traced.surfaces = reflections.traced(f.facts, f.request);
+  Refraction refracted;
+  refracted.knobs = knobs.get<Refraction::Knobs>();
+  f.traced.surfaces = reflections.traced(f.facts, f.request) || refracted.traced(f.facts, f.request);
   const bool shades = f.suns.traced || f.lamps.traced || occlusion.traced(f.facts, f.request) || f.traced.surfaces;
   f.traced.tree = knobs.get<BvhKnobs>();
   int& traversal = f.traced.tree.traversal;

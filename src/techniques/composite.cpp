@@ -23,7 +23,9 @@ Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& su
   const std::string resolved = instance.empty() ? "opaque" : fmt::format("{}.opaque", instance);
   Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.lists)};
   in.lists.occlusion = lighting.occlusion;
-  if (scene.rays.surfaces)
+  Reflections pass;
+  pass.knobs = frame.knobs.get<Reflections::Knobs>();
+  if (pass.traced(frame.facts, request))
     in.met = lights_off_camera(lighting);
   else
     in.picture =
@@ -51,9 +53,19 @@ void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
   color = newest(frame.add(Transparent{.behind = true}, blended, behind).color, color);
   const Resolve::In resolve{color, scene.width_px, scene.height_px, scene.samples};
   const ImageHandle picture = newest(frame.add(Resolve{}, resolve, name).resolved, color);
-  const Refraction::Out made = frame.add(
-      Refraction{}, {scene, surfaces.visible, surfaces.deformed, lists, over.depth, surfaces.depth, picture, color},
-      instance);
+  Refraction pass;
+  pass.knobs = frame.knobs.get<Refraction::Knobs>();
+  Refraction::In in{.scene = scene,
+                    .draws = surfaces.visible,
+                    .deformed = surfaces.deformed,
+                    .lists = lists,
+                    .depth = over.depth,
+                    .behind = surfaces.depth,
+                    .picture = picture,
+                    .color = color};
+  if (pass.traced(frame.facts, frame.request)) in.met = lights_off_camera(lighting);
+  in.shows_sky = bool(Sky{}.needed(frame.facts, frame.request));
+  const Refraction::Out made = frame.add(Refraction{}, in, instance);
   color = newest(made.color, color);
   over.seen = made.seen;
 }

@@ -330,4 +330,31 @@ TEST_F(FrameReflections, RaysTendToTheTracedLayer) {
   }
 }
 
+// A dull floor before a polished board that shows a lamp: few of the floor's rays meet that small highlight. Each
+// brings its mean over what it stands for, so that few rays leave no sparks and lose no light.
+TEST_F(FrameReflections, HighlightsThatRaysMeetLeaveNoSparks) {
+  GltfBuilder b = floor_and_wall(0.4, true);
+  Json polished = {{"pbrMetallicRoughness", base_color(0.9, 0.9, 0.9)}};
+  polished["pbrMetallicRoughness"]["metallicFactor"] = 1;
+  polished["pbrMetallicRoughness"]["roughnessFactor"] = 0.1;
+  add_node(b, {{"mesh", add_square_mesh(b, 2, add_material(b, polished))}, {"translation", {0, 2, -1.5}}});
+  add_light(b, {{"type", "point"}, {"intensity", 30}}, {{"translation", {0, 1.5, 1}}});
+  Job job = seen(write(b));
+  job.technique = "ray";
+  job.width_px = 48, job.height_px = 32;
+  const auto picture = [&](const char* samples) {
+    job.settings = {
+        {"reflections", "samples", samples}, {"reflections", "smooth", "0"}, {"reflections", "roughest", "1"}};
+    const auto values = images_of(job)["reflections"].values<glm::vec4>();
+    double sum = 0, most = 0;
+    for (const glm::vec4& v : values) sum += double(v.x), most = std::max(most, double(v.x));
+    return std::pair(sum / double(values.size()), most);
+  };
+  const auto [few_mean, few_most] = picture("4");
+  const auto [mean, most] = picture("1024");
+  fmt::print("4 rays: mean {:.4f}, most {:.3f}; 1024 rays: {:.4f}, {:.3f}\n", few_mean, few_most, mean, most);
+  EXPECT_NEAR(few_mean, mean, 0.12 * mean);
+  EXPECT_LT(few_most, 2 * most);
+}
+
 }  // namespace candela::test::frame_reflections

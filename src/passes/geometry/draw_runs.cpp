@@ -103,6 +103,22 @@ std::vector<SpecConstant> light_constants(const CellLists& lists) {
   return constants;
 }
 
+void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& s, BufferHandle deformed, const CellLists& met) {
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.drawn_items})
+    builder.read(b, Access::compute_read, "the scene");
+  builder.read_optional(s.lobes, Access::compute_read);
+  builder.read_optional(deformed, Access::compute_read);
+  declare_lights(builder, s, met, ReadBy::compute());
+  declare_fog(builder, s, met, true, ReadBy::compute());
+}
+
+std::vector<SpecConstant> met_constants(const SceneInputs& scene, const CellLists& met) {
+  std::vector<SpecConstant> constants = light_constants(met);
+  constants.insert(constants.end(), scene.features.begin(), scene.features.end());
+  return constants;
+}
+
 NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
                                        BufferHandle deformed, std::string_view pass, std::string fragment_shader,
                                        std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants,

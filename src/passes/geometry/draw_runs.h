@@ -54,6 +54,10 @@ struct OwnInputs {
   bool backs = false;        // of surfaces that are drawn: back faces alone
   uint64_t first_count = 0;  // into the counts of the draws, in bytes
 };
+// What compute passes declare that shade surfaces where rays meet them (shaders/lib/shade_hit.glsl), and the constants
+// of their pipelines.
+void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& scene, BufferHandle deformed, const CellLists& met);
+std::vector<SpecConstant> met_constants(const SceneInputs& scene, const CellLists& met);
 // The push constants of passes that shade the scene. lists, fog: as for record_runs.
 shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, BufferHandle deformed,
                            const CellLists* lists, const CellLists* fog, const OwnInputs& own);

@@ -219,17 +219,10 @@ void Reflections::declare_march(GraphBuilder& builder, const In& in, Out& out) c
 void Reflections::declare_rays(GraphBuilder& builder, const In& in, Out& out) const {
   const SceneInputs& s = in.scene;
   builder.begin_step();
-  builder.read(s.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.drawn_items})
-    builder.read(b, Access::compute_read, "the scene");
-  builder.read_optional(s.lobes, Access::compute_read);
-  builder.read_optional(in.deformed, Access::compute_read);
   for (const ImageHandle read : {out.reflected.z, out.reflected.surface, out.reflected.reflectance})
     builder.read(read, Access::sampled_compute, "surfaces");
-  declare_lights(builder, s, in.met, ReadBy::compute());
-  declare_fog(builder, s, in.met, true, ReadBy::compute());
-  ComputePipelineDesc desc{with_fog("reflections_rays.comp", in.met), light_constants(in.met)};
-  desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
+  declare_met_surfaces(builder, s, in.deformed, in.met);
+  ComputePipelineDesc desc{with_fog("reflections_rays.comp", in.met), met_constants(s, in.met)};
   if (knobs.texel_px != 1) desc.constants.push_back({30, "SIDE", uint32_t(knobs.texel_px)});
   if (in.has_sky) desc.constants.push_back({31, "HAS_SKY", 1});
   desc.shader += surface_definitions(desc.constants);
@@ -253,6 +246,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     push.at = surfaces_of(commands, out.reflected);
     push.light = commands.sampled(out.noisy);
     push.smooth_light = commands.storage(out.reflected.light);
+    push.rays = samples_of(knobs, in) * in.subsamples;
     push.texels = texels_of(knobs, scene);
     push.subsample_ndc = scene.subsample_ndc;
     commands.bind(out.pipelines.smooth);

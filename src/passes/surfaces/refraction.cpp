@@ -1,12 +1,26 @@
 #include "passes/surfaces/refraction.h"
 
+#include <bit>
+
+#include "passes/geometry/features.h"
 #include "passes/transparency/blended.h"
 #include "shared/refraction.h"
 
 namespace candela {
 
 std::span<const Knob<Refraction::Knobs>> Refraction::Knobs::table() {
+  static const std::vector<std::string_view> passes = {"refraction", "terms"};
   static const Knob<Knobs> table[] = {
+      {.name = "method",
+       .member = &Knobs::method,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0, 0, 0, 1},
+       .trades = "what is seen through smooth surfaces: the picture behind a slab, or what a ray through the bodies "
+                 "themselves meets",
+       .choices = {"screen", "traced"},
+       .walk = {0, 1},
+       .passes = passes},
       {.name = "samples",
        .member = &Knobs::samples,
        .lowest = 0,
@@ -17,6 +31,24 @@ std::span<const Knob<Refraction::Knobs>> Refraction::Knobs::table() {
            "is behind; 0: one look-up, blurred by roughness and index alone, however far what is behind lies",
        .walk = {0, 1, 4, 8, 16, 64},
        .passes = {"refraction"}},
+      {.name = "walls",
+       .member = &Knobs::walls,
+       .lowest = 1,
+       .highest = 1024,
+       .ladder = {4, 8, 8, 64},
+       .trades = "walls of bodies that bend or reflect a ray; through those after them it goes straight",
+       .walk = {1, 2, 4, 8, 16, 64},
+       .passes = passes,
+       .beside = "refraction.method=traced"},
+      {.name = "roughest",
+       .member = &Knobs::roughest,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {0.2, 0.1, 0.1, 0.045},
+       .trades = "roughness from which a surface looks up the picture all the same; more takes rough ones for smooth",
+       .walk = {0.4, 0.2, 0.1, 0.045},
+       .passes = passes,
+       .beside = "refraction.method=traced"},
   };
   return table;
 }
@@ -26,6 +58,34 @@ Need Refraction::needed(const SceneFacts& facts, const FrameRequest& request) co
   if (request.transparency == method_with_glass)
     return {false, "--transparency phenomenological draws what refracts together with blended surfaces"};
   return needed_if(facts.refracting_items > 0, "the scene has no surface that refracts");
+}
+
+bool Refraction::ignores(std::string_view knob) const {
+  return knobs.method == Knobs::screen && (knob == "walls" || knob == "roughest");
+}
+
+void Refraction::declare_rays(GraphBuilder& builder, const In& in, Out& out) const {
+  const SceneInputs& s = in.scene;
+  builder.begin_step();
+  declare_met_surfaces(builder, s, in.deformed, in.met);
+  ComputePipelineDesc desc{with_fog("refraction_rays.comp", in.met), met_constants(s, in.met)};
+  desc.constants.push_back({43, "WALLS", uint32_t(knobs.walls)});
+  if (in.shows_sky) desc.constants.push_back({44, "SHOWS_SKY", 1});
+  desc.shader += surface_definitions(desc.constants);
+  out.rays = builder.pipeline(desc);
+  const ImageDesc image{"refraction.rays", color_format, s.width_px, s.height_px};
+  out.seen.rays = builder.write(builder.create(image), Access::storage_image_write);
+  out.seen.roughest = knobs.roughest;
+}
+
+void Refraction::record_rays(CommandList& commands, const In& in, const Out& out) const {
+  OwnInputs own;
+  own.word = REFRACTION_IMAGES(0u, 0u, 0u, commands.storage(out.seen.rays));
+  own.number = std::bit_cast<uint32_t>(knobs.roughest);
+  own.deformed_before = in.scene.drawn_items;
+  commands.bind(out.rays);
+  commands.push(draw_push(commands, in.scene, in.deformed, &in.met, &in.met, own));
+  commands.dispatch(in.scene.width_px, in.scene.height_px);
 }
 
 Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
@@ -42,6 +102,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
                       Access::storage_image_write);
   }
   out.seen.pyramid = declare_pyramid(builder, scene, out.seen.picture, "refraction.pyramid");
+  if (knobs.method == Knobs::by_rays) declare_rays(builder, in, out);
   builder.begin_step();
   builder.read(in.depth, Access::depth_test, "depth");
   declare_lights(builder, scene, in.lists);
@@ -74,6 +135,10 @@ void Refraction::record(CommandList& commands, const In& in, const Out& out) con
   }
   if (step < copies + pyramid_levels(in.scene)) {
     record_level(commands, out.down, out.seen.picture, out.seen.pyramid, size, step - copies);
+    return;
+  }
+  if (out.rays && step == copies + pyramid_levels(in.scene)) {
+    record_rays(commands, in, out);
     return;
   }
   const CommandList::Attachment color{out.color};

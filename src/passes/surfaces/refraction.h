@@ -16,15 +16,23 @@ namespace candela {
 // surfaces: knob `samples`. Everything else about them - lights, shadows, reflections of the sky, fog - is as opaque
 // surfaces have it. Units: cd/m2 times the pre-exposure.
 //
-// Leaves wrong: of surfaces that let light through one behind another the nearest alone is seen; what a body bends by
-// its far side's shape (a ball turns the picture round); what the picture does not hold, beyond its edges or behind
-// other things; lamps' highlights through rough surfaces. They cast no shadows.
+// With method traced a ray goes through each pixel whose surface is smooth: bent at all walls of bodies in its way,
+// totally reflected, absorbed, to what it meets, which is shaded as reflected rays' hits are (refraction_rays.comp).
+// One way is followed at each wall, that of most light behind it: what walls reflect inside by parts is missing.
+//
+// Leaves wrong, by screen: of surfaces that let light through one behind another the nearest alone is seen; what a body
+// bends by its far side's shape (a ball turns the picture round); what the picture does not hold, beyond its edges or
+// behind other things; lamps' highlights through rough surfaces. They cast no shadows.
 struct Refraction {
   static constexpr std::string_view name = "refraction";
   static constexpr std::string_view effect = "refraction";
   struct Knobs {
     static constexpr std::string_view name = "refraction";
+    static constexpr int screen = 0, by_rays = 1;
+    int method = screen;
     int samples = 0;
+    int walls = 8;
+    float roughest = 0.1f;
     static std::span<const Knob<Knobs>> table();
   };
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
@@ -33,21 +41,32 @@ struct Refraction {
     Draws draws;
     BufferHandle deformed;  // optional
     CellLists lists;        // empty: every light for every pixel
-    ImageHandle depth;      // of these surfaces and of the opaque ones together
-    ImageHandle behind;     // optional: depth of the opaque ones alone; nothing is opaque without it
-    ImageHandle picture;    // of one sample, without these surfaces
-    ImageHandle color;      // what they are drawn over, with the picture's light
+    CellLists met;          // what surfaces that rays meet are lit by; only where they are sent
+    bool shows_sky = false;
+    ImageHandle depth;    // of these surfaces and of the opaque ones together
+    ImageHandle behind;   // optional: depth of the opaque ones alone; nothing is opaque without it
+    ImageHandle picture;  // of one sample, without these surfaces
+    ImageHandle color;    // what they are drawn over, with the picture's light
   };
   struct Out {
     ImageHandle color;
     SeenThrough seen;
     RunPipelines pipelines;
-    PipelineHandle down;
+    PipelineHandle down, rays;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  // Whether rays go through the scene itself.
+  bool traced(const SceneFacts& facts, const FrameRequest& request) const {
+    return knobs.method == Knobs::by_rays && needed(facts, request);
+  }
+  bool ignores(std::string_view knob) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
   Knobs knobs;
+
+ private:
+  void declare_rays(GraphBuilder& builder, const In& in, Out& out) const;
+  void record_rays(CommandList& commands, const In& in, const Out& out) const;
 };
 
 }  // namespace candela

@@ -51,6 +51,7 @@ void declare_seen_through(GraphBuilder& builder, const SceneInputs& scene, const
   builder.read(seen.picture, Access::sampled_fragment, "the picture behind");
   builder.read(seen.pyramid, Access::sampled_fragment, "the picture's levels");
   builder.read_optional(seen.behind, Access::sampled_fragment);
+  if (builder.read_optional(seen.rays, Access::sampled_fragment)) choice.desc.fragment_shader += "#REFRACTION_RAYS=1";
   choice.desc.vertex_shader += "#REFRACTION=1";
   choice.desc.fragment_shader += seen.behind ? "#REFRACTION=2" : "#REFRACTION=1";
   if (seen.lobe_samples > 0) choice.desc.constants.push_back({40, "REFRACTION_SAMPLES", seen.lobe_samples});
@@ -59,8 +60,10 @@ void declare_seen_through(GraphBuilder& builder, const SceneInputs& scene, const
 
 OwnInputs own_inputs(CommandList& commands, const SeenThrough& seen) {
   OwnInputs own;
-  own.word = REFRACTION_IMAGES(commands.sampled(seen.picture), commands.sampled(seen.pyramid),
-                               seen.behind ? commands.sampled(seen.behind) : 0u);
+  own.word =
+      REFRACTION_IMAGES(commands.sampled(seen.picture), commands.sampled(seen.pyramid),
+                        seen.behind ? commands.sampled(seen.behind) : 0u, seen.rays ? commands.sampled(seen.rays) : 0u);
+  own.number = std::bit_cast<uint32_t>(seen.roughest);
   return own;
 }
 

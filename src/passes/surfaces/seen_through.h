@@ -10,6 +10,8 @@ struct SeenThrough {
   ImageHandle pyramid;  // the same in the next lower powers of two, and its mips
   ImageHandle behind;   // depth of what is opaque, at the frame's samples; empty: nothing is
   uint32_t lobe_samples = 0;
+  ImageHandle rays;    // what rays have found through smooth ones, at pixels' middles; empty: none were sent
+  float roughest = 0;  // roughness from which the picture is looked up all the same
   explicit operator bool() const { return bool(pyramid); }
 };
 

@@ -176,7 +176,7 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
     if (glass) {
       push.widths = commands.sampled(out.sums.widths), push.moved = commands.sampled(out.sums.moved);
       push.images = REFRACTION_IMAGES(commands.sampled(all.picture), commands.sampled(out.backs.pyramid),
-                                      in.depth ? commands.sampled(in.depth) : 0u);
+                                      in.depth ? commands.sampled(in.depth) : 0u, 0u);
     }
     const CommandList::Attachment color{out.color};
     commands.begin_rendering({&color, 1}, {});

@@ -24,6 +24,7 @@ struct UploadRow {
   static constexpr size_t no_address = size_t(-1);
   std::optional<Hash128> key = {};  // of content that many frames share: uploaded once, into the device's own memory
   std::shared_ptr<const void> owner = {};  // with a key: who keeps `bytes`
+  bool to_fill = false;                    // without bytes: by a pass of the frame, in the device's own memory
 };
 
 // Every buffer of the scene and of the frame, each declared here and nowhere else; the constants, which hold the

@@ -229,8 +229,8 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   }
   image.layers = room.layers;
   image.size_px = room.layer_px;
-  auto placed =
-      place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws", see_through);
+  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws",
+                            see_through, item_clusters(data, draws));
   if (!placed) return std::unexpected(placed.error());
   out.views = std::move(*placed);
   out.image = std::make_shared<const ViewImage>(std::move(image));

@@ -148,15 +148,18 @@ bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs
   return knobs.get<PoseLights::Knobs>().enabled != 0 && !maps && !request.draws_fog() && !request.draws_volumetric();
 }
 
-// What looks at each item on the host: views of shadow maps, trees for rays, and the time before.
+// What looks at each item on the host: trees for rays, and the time before.
 bool poses_items_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique) {
   const bool occlusion = knobs.get<AmbientOcclusion::Knobs>().method == AmbientOcclusion::Knobs::by_rays &&
                          (request.has_layer("occlusion") || request.wants_true(AmbientOcclusion::effect));
   const bool reflections =
       knobs.get<Reflections::Knobs>().method == Reflections::Knobs::by_rays && request.draws_reflections();
-  const bool rays = technique.keys == Technique::Keys::traced || shows_trees(request) || occlusion || reflections;
-  return knobs.get<PoseItems::Knobs>().enabled != 0 && !request.wants_true(DepthViews::effect) && !rays &&
-         !request.has_layer("motion");
+  const bool shadows =
+      request.wants_true(DepthViews::effect) &&
+      (knobs.get<LampKnobs>().method == LampKnobs::by_rays || SunMode(knobs.get<SunKnobs>().mode) == SunMode::traced);
+  const bool rays =
+      technique.keys == Technique::Keys::traced || shows_trees(request) || shadows || occlusion || reflections;
+  return knobs.get<PoseItems::Knobs>().enabled != 0 && !rays && !request.has_layer("motion");
 }
 
 DevicePose posed_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique,
@@ -401,8 +404,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
   f.shadow_colors = draws_shadow_colors(f.facts, f.request, *knobs);
-  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling, f.shadow_colors,
-                        f.upload);
+  auto suns = plan_suns(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling,
+                        f.shadow_colors, f.upload);
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
   if (f.request.draws_fog()) {

@@ -71,8 +71,54 @@ TEST_F(PosedItems, GiveTheBytesOfTheHostsPoseInOrthographicViews) {
   EXPECT_TRUE(both[0] == both[1]);
 }
 
+// Shadow maps: views fitted to what is drawn, room for their draws, and least sizes of what is drawn into them.
+TEST_F(PosedItems, GiveTheBytesOfTheHostsPoseWithShadowMaps) {
+  const glm::dvec3 away(2e5, 0, -3e5);
+  const std::string scene = write(Crowd(away, 70));
+  for (const char* technique : {"clustered", "visibility"}) {
+    std::vector<Images> both;
+    for (const bool on_device : {false, true}) {
+      Job job = job_of(scene, away, technique, on_device);
+      job.effects = "auto";
+      const auto session = open(job);
+      ASSERT_TRUE(session);
+      const FrameResult frame = render(*session, 1.3);
+      EXPECT_EQ(poses(frame), on_device);
+      for (const char* maps : {"cull.sun", "cull.lamps"})
+        EXPECT_TRUE(std::ranges::any_of(frame.plan.passes, [&](const PlanPass& p) { return p.name == maps; })) << maps;
+      both.push_back(images(frame));
+    }
+    EXPECT_TRUE(both[0] == both[1]) << technique;
+  }
+}
+
+// Maps of what does not move are kept, and drawn anew where something has moved.
+TEST_F(PosedItems, KeepShadowMapsOfWhatDoesNotMove) {
+  const std::string scene = write(Crowd(glm::dvec3(0), 40));
+  Job job = job_of(scene, {}, "clustered", true);
+  job.effects = "auto";
+  RunSettings settings;
+  settings.validate = true;
+  settings.kept_bytes = uint64_t(64) << 20;
+  auto session = Session::open(job, {}, settings);
+  ASSERT_TRUE(session) << session.error().text();
+  const auto kept = [](const FrameResult& frame) {
+    return std::ranges::any_of(frame.left_out,
+                               [](const LeftOut& l) { return l.reason.starts_with("kept from before"); });
+  };
+  std::map<double, Images> alone;
+  for (const double time_s : {2.0, 0.5}) alone[time_s] = images_of(job, {}, time_s);
+  // Behind its last key nothing moves any more.
+  const std::vector<std::pair<double, bool>> frames = {{2, false}, {2, false}, {2, true}, {0.5, false}, {2, true}};
+  for (const auto& [time_s, expected] : frames) {
+    const FrameResult frame = render(**session, time_s);
+    EXPECT_TRUE(alone[time_s] == images(frame)) << time_s;
+    EXPECT_EQ(kept(frame), expected) << time_s;
+  }
+}
+
 // What looks at each item on the host.
-TEST_F(PosedItems, StayWithTheHostWhereItSendsRays) {
+TEST_F(PosedItems, StayWithTheHostWhereTheTimeBeforeIsAsked) {
   const std::string scene = write(Crowd(glm::dvec3(0), 20));
   Job job = job_of(scene, {}, "clustered", true);
   job.layers = {"motion"};

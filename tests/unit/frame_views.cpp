@@ -86,7 +86,8 @@ TEST(FrameViews, RegionsFollowOneAnotherAndHoldWhatIsDrawn) {
 // Of clusters all items have room where any may be kept; the host's items of the other runs keep theirs.
 TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
   Rng rng(7);
-  const auto items = random_items(300, 30, rng);
+  auto items = random_items(300, 10, rng);
+  for (size_t i = 100; i < 200; ++i) items[i] = items[i / 4 * 4];  // a cluster is at one place
   const std::vector<DrawRun> runs = {run(0, 100), run(100, 100, AlphaMode::mask), run(200, 100)};
   std::vector<shared::View> views;
   add_cube({3, 1, -4}, 12, views);
@@ -102,7 +103,9 @@ TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
     clusters.push_back({1, 4, box.centre(), box.extent()});
   }
   const auto placed = place_views(views, host, runs, true, 1 << 20, "sun.draws", false, clusters);
-  ASSERT_TRUE(expected && placed);
+  const auto unculled = place_views(views, host, runs, false, 1 << 20, "sun.draws", false, clusters);
+  ASSERT_TRUE(expected && placed && unculled);
+  EXPECT_EQ(unculled->first_command.back(), 6 * 300u);
   for (size_t region = 0; region < 6 * 3; ++region) {
     const auto room = [&](const FrameViews& v) { return v.first_command[region + 1] - v.first_command[region]; };
     if (region % 3 == 1)

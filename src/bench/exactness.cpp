@@ -195,6 +195,7 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"rasterize", "small_px", {"1", "8", "64"}},
       {"rasterize", "list", {"1", "262144"}},
       {"pose_lights", "enabled", {"off", "on"}},
+      {"pose_items", "enabled", {"0", "1"}},
       {"bvh", "builder", {"equal-counts", "sah", "sbvh"}},
       {"bvh", "buckets", {"12", "32"}},
       {"bvh", "max_leaf", {"1", "8"}},

@@ -55,9 +55,11 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
     return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {
-    lights_.reset();
-    if (gpu::has_float64(device_->physical())) lights_ = layout_lights(scene_);
-    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, lights_ ? &*lights_ : nullptr);
+    if (gpu::has_float64(device_->physical())) {
+      lights_ = layout_lights(scene_), instances_ = layout_instances(scene_);
+      on_device_ = {&lights_, &instances_};
+    }
+    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, on_device_);
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
@@ -82,7 +84,7 @@ Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs&
     return std::unexpected(fine.error());
   PlanContext context{scene_, layout_, &sky_};
   context.cpu = shades_on_cpu(*device_);
-  context.lights = lights_ ? &*lights_ : nullptr;
+  context.on_device = on_device_;
   auto planned = plan_frame(job, context, wanted, time_s);
   if (!planned) return std::unexpected(planned.error());
   try {

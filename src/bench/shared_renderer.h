@@ -32,7 +32,9 @@ class SharedRenderer {
   std::unique_ptr<gpu::FrameRunner> runner_;
   Scene scene_;
   GeometryLayout layout_;
-  std::optional<LightLayout> lights_;  // where the device can pose them
+  LightLayout lights_;  // where the device can pose them
+  InstanceLayout instances_;
+  DevicePose on_device_;
   Expected<void> read_sky(const std::string& sky_file, const std::string& look_file);
   JobSky sky_;
   std::string sky_file_, look_file_;  // that sky_ is of

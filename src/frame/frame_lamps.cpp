@@ -1,5 +1,7 @@
 #include "frame/frame_lamps.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -29,8 +31,6 @@ std::string why_none(const SceneFacts& facts, const FrameRequest& request, const
 // A light that may light the picture.
 struct Candidate {
   size_t light = 0;
-  bool marked = false;  // by the look
-  double importance = 0;
   Lamp lamp;
   uint32_t size_px = 0, wished_px = 0;
   std::vector<int> faces;  // that matter to the picture
@@ -38,33 +38,47 @@ struct Candidate {
 
 // What a light can add to the picture: its light on what it stands before, a metre off, in the share of the picture
 // that this takes; where the light is outside of the view, no nearer than the view is. 0: it lights nothing of it.
-double importance_of(const LightItem& light, const Lamp& lamp, const View& view, const FrustumPlanes& planes) {
+double importance_of(const LightItem& light, const View& view, const FrustumPlanes& planes) {
+  const glm::dvec3 position(light.position);
   const double candela = glm::dot(glm::dvec3(light.intensity), glm::dvec3(0.2126, 0.7152, 0.0722));
   double outside_m = 0;
   for (const glm::dvec4& plane : planes)
-    outside_m = std::max(outside_m, -(glm::dot(glm::dvec3(plane), lamp.position) + plane.w));
-  const double away_m = view.perspective ? glm::length(lamp.position) : 1;
-  if (!(outside_m < lamp.range_m) || !std::isfinite(away_m)) return 0;
+    outside_m = std::max(outside_m, -(glm::dot(glm::dvec3(plane), position) + plane.w));
+  const double away_m = view.perspective ? glm::length(position) : 1;
+  if (!(outside_m < double(light.range_m)) || !std::isfinite(away_m)) return 0;
   const double importance = candela / std::pow(std::max(away_m, 1.0) * std::max(outside_m, 1.0), 2);
   return std::isfinite(importance) ? std::max(importance, 0.0) : 0;
 }
 
-// Those that the look marks, then the more important.
-std::vector<Candidate> candidates_of(const Scene& scene, const FrameData& data, const View& view,
-                                     const FrustumPlanes& planes, const std::set<std::string>& marked) {
-  std::vector<Candidate> out;
-  for (size_t i = 0; i < data.lights.size(); ++i) {
-    if (data.lights[i].type == LightType::directional) continue;
-    Candidate c;
-    c.light = i;
-    c.lamp = lamp_of(data.lights[i]);
-    c.marked = marked.contains(scene.nodes[data.lights[i].node].name);
-    c.importance = importance_of(data.lights[i], c.lamp, view, planes);
-    if (c.importance > 0) out.push_back(std::move(c));
-  }
-  std::ranges::stable_sort(out, std::ranges::greater(),
-                           [](const Candidate& c) { return std::pair(c.marked, c.importance); });
+// What lights are ordered by: they are many, and few of them become candidates.
+struct Ranked {
+  bool marked = false;  // by the look
+  double importance = 0;
+  uint32_t light = 0;
+};
+
+// Point and spot lights that may light the picture, in the order of lights.
+std::vector<Ranked> ranked_lights(const Scene& scene, const FrameData& data, const View& view,
+                                  const FrustumPlanes& planes, const std::set<std::string>& marked) {
+  std::vector<bool> marked_nodes(scene.nodes.size());
+  for (size_t n = 0; n < marked_nodes.size() && !marked.empty(); ++n)
+    marked_nodes[n] = marked.contains(scene.nodes[n].name);
+  std::vector<Ranked> out(data.lights.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, out.size(), 1024), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      const LightItem& light = data.lights[i];
+      if (light.type == LightType::directional) continue;
+      out[i] = {marked_nodes[light.node], importance_of(light, view, planes), uint32_t(i)};
+    }
+  });
+  std::erase_if(out, [](const Ranked& r) { return r.importance == 0; });
   return out;
+}
+
+// Whether one comes before another: equal ones in the order of lights.
+bool comes_first(const Ranked& a, const Ranked& b) {
+  if (a.marked != b.marked) return a.marked;
+  return a.importance != b.importance ? a.importance > b.importance : a.light < b.light;
 }
 
 // Layers of the image that hold the maps, and their side: less than usual where all fit into one.
@@ -99,10 +113,11 @@ void fit_budget(std::vector<Candidate>& lamps, uint64_t bytes) {
 }
 
 // The lights' nodes, neighbours as a range.
-std::string nodes_of(const FrameData& data, std::span<const Candidate> lamps) {
+std::string nodes_of(const FrameData& data, std::span<const uint32_t> lights) {
   constexpr size_t most_ranges = 32;
   std::set<uint32_t> nodes;
-  for (const Candidate& c : lamps) nodes.insert(data.lights[c.light].node);
+  for (uint32_t last = ~0u; const uint32_t light : lights)
+    if (data.lights[light].node != last) nodes.insert(last = data.lights[light].node);
   std::string text;
   size_t ranges = 0, named = 0;
   for (auto first = nodes.begin(); first != nodes.end() && ranges < most_ranges; ++ranges) {
@@ -142,18 +157,28 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
           fmt::format("the look marks '{}' for shadows, and no point or spot light that shines is at a "
                       "node of that name",
                       name));
-  std::vector<Candidate> all = candidates_of(scene, data, view, planes, marked), lamps, without;
-  for (Candidate& c : all) {
-    if (knobs.lights == LampKnobs::marked_alone ? !c.marked : lamps.size() == size_t(knobs.lights)) {
-      without.push_back(std::move(c));
-      continue;
-    }
+  std::vector<Ranked> ranked = ranked_lights(scene, data, view, planes, marked);
+  std::vector<Candidate> lamps;
+  std::vector<uint32_t> without;
+  // A heap gives the first ones without sorting all.
+  const auto comes_last = [](const Ranked& a, const Ranked& b) { return comes_first(b, a); };
+  std::ranges::make_heap(ranked, comes_last);
+  while (!ranked.empty()) {
+    const Ranked next = ranked.front();
+    if (knobs.lights == LampKnobs::marked_alone ? !next.marked : lamps.size() == size_t(knobs.lights)) break;
+    std::ranges::pop_heap(ranked, comes_last);
+    ranked.pop_back();
+    Candidate c;
+    c.light = next.light;
+    c.lamp = lamp_of(data.lights[c.light]);
     c.size_px = c.wished_px = lamp_size_px(c.lamp, view, rows, most_px);
     for (int face = 0; face < c.lamp.faces(); ++face)
       // As wide as the smallest map's face: sizes are not final yet.
       if (lamp_face_is_seen(c.lamp, face, least_lamp_px, planes)) c.faces.push_back(face);
     if (!c.faces.empty()) lamps.push_back(std::move(c));
   }
+  for (const Ranked& r : ranked) without.push_back(r.light);
+  std::ranges::sort(without);  // nodes one after the other
   if (lamps.empty()) {
     out.absence = without.empty() ? "no point or spot light reaches what the camera sees"
                                   : "the look marks no point or spot light that reaches what the camera sees "
@@ -162,7 +187,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   }
   const std::vector<Candidate> chosen = lamps;
   fit_budget(lamps, uint64_t(knobs.budget_mb) << 20);
-  without.insert(without.end(), chosen.begin() + std::ptrdiff_t(lamps.size()), chosen.end());
+  for (size_t i = lamps.size(); i < chosen.size(); ++i) without.push_back(uint32_t(chosen[i].light));
   const std::string lights_text = knobs.lights == LampKnobs::marked_alone ? "marked" : fmt::format("{}", knobs.lights);
   if (!without.empty())
     out.notes.push_back(fmt::format(
@@ -204,8 +229,8 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   }
   image.layers = room.layers;
   image.size_px = room.layer_px;
-  auto placed =
-      place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws", see_through);
+  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws",
+                            see_through, item_clusters(data, draws));
   if (!placed) return std::unexpected(placed.error());
   out.views = std::move(*placed);
   out.image = std::make_shared<const ViewImage>(std::move(image));

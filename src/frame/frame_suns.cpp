@@ -23,7 +23,7 @@ std::string why_none(const SceneFacts& facts, const FrameRequest& request, const
   return {};
 }
 
-SunFit drawn_fit(const FrameData& data, const View& view) {
+SunFit drawn_fit(const Scene& scene, const FrameData& data, const View& view) {
   SunFit fit;
   const double infinity = std::numeric_limits<double>::infinity();
   const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
@@ -38,6 +38,22 @@ SunFit drawn_fit(const FrameData& data, const View& view) {
     fit.nearest_m = std::min(fit.nearest_m, depth_m - reach_m);
     fit.farthest_m = std::max(fit.farthest_m, depth_m + reach_m);
   }
+  if (!data.item_groups.empty()) {
+    const auto largest = [&](auto score) { return largest_score(scene, data, score, score); };
+    DAabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto high = [&](const auto& b) { return double(b.centre()[axis]) + double(b.extent()[axis]); };
+      const auto low = [&](const auto& b) { return double(b.extent()[axis]) - double(b.centre()[axis]); };
+      box.min[axis] = -largest(low), box.max[axis] = largest(high);
+    }
+    fit.drawn_relative.add(box);
+    const auto depth = [&](const auto& b) { return glm::dot(glm::dvec3(b.centre()), forward); };
+    const auto reach = [&](const auto& b) { return glm::dot(glm::dvec3(b.extent()), glm::abs(forward)); };
+    fit.farthest_m = std::max(fit.farthest_m, largest([&](const auto& b) { return depth(b) + reach(b); }));
+    fit.nearest_m =
+        std::min(fit.nearest_m,
+                 -largest([&](const auto& b) { return depth(b) + reach(b) <= 0 ? -infinity : reach(b) - depth(b); }));
+  }
   fit.nearest_m = std::isfinite(fit.nearest_m) ? std::max(fit.nearest_m, 0.0) : 0.0;
   return fit;
 }
@@ -48,9 +64,9 @@ double brightness_lux(const LightItem& light) {
 
 }  // namespace
 
-Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const DrawList& draws, const SceneFacts& facts,
-                              const FrameRequest& request, const SunKnobs& knobs, bool culling, bool see_through,
-                              FrameUpload& upload) {
+Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
+                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool culling,
+                              bool see_through, FrameUpload& upload) {
   FrameSuns out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
@@ -73,7 +89,7 @@ Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const Dra
                     suns.size() - size_t(knobs.lights), suns.size(), knobs.lights, nodes));
     suns.resize(size_t(knobs.lights));
   }
-  const SunFit fit = drawn_fit(data, view);
+  const SunFit fit = drawn_fit(scene, data, view);
   ViewImage image;
   image.name = "sun.maps";
   for (const size_t light : suns) {
@@ -85,8 +101,8 @@ Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const Dra
   }
   image.layers = uint32_t(image.views.size());
   image.size_px = image.views.front().size_px.x;
-  auto placed =
-      place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "sun.draws", see_through);
+  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "sun.draws",
+                            see_through, item_clusters(data, draws));
   if (!placed) return std::unexpected(placed.error());
   out.views = std::move(*placed);
   out.image = std::make_shared<const ViewImage>(std::move(image));

@@ -24,8 +24,8 @@ struct FrameSuns {
 
 // Chooses the lights that get maps, fits their cascades, and tells the uploaded lights which is whose. Errors: more
 // draw commands than the knob sun.draws has room for.
-Expected<FrameSuns> plan_suns(const FrameData& data, const View& view, const DrawList& draws, const SceneFacts& facts,
-                              const FrameRequest& request, const SunKnobs& knobs, bool culling, bool see_through,
-                              FrameUpload& upload);
+Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
+                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool culling,
+                              bool see_through, FrameUpload& upload);
 
 }  // namespace candela

@@ -131,6 +131,38 @@ void add_items(const FrameData& data, const DrawList& draws, const GeometryLayou
   }
 }
 
+shared::WideTransform wide(const glm::dmat4& m) {
+  return {glm::dvec3(m[0]), glm::dvec3(m[1]), glm::dvec3(m[2]), glm::dvec3(m[3])};
+}
+
+// What a pass poses items from.
+void add_item_groups(const Scene& scene, const FrameData& data, const DrawList& draws, const GeometryLayout& layout,
+                     uint32_t default_material, FrameUpload& upload) {
+  upload.item_count = draws.item_count();
+  upload.transform_count = uint32_t(upload.transforms.size());
+  if (data.item_groups.empty()) return;
+  shared::ItemGroup posed{};
+  posed.transform_count = upload.transform_count, posed.posed = 1;
+  upload.item_groups.push_back(posed);
+  for (const ItemGroup& group : data.item_groups) {
+    upload.item_groups.push_back(
+        {wide(group.relative_from_node), upload.transform_count, group.set->count, group.set->first, 0});
+    upload.transform_count += group.set->count;
+  }
+  for (const DrawSpan& span : draws.spans) {
+    upload.item_spans.push_back({span.first, span.count, uint32_t(span.group + 1), span.source, span.sections});
+    if (span.group < 0) continue;
+    const ItemGroup& group = data.item_groups[size_t(span.group)];
+    for (uint32_t s = 0; s < span.sections; ++s) {
+      const MeshSection& section = scene.meshes[group.mesh].sections[draws.sections[span.source + s]];
+      const SectionLayout& l = layout.sections[group.mesh][draws.sections[span.source + s]];
+      upload.item_sections.push_back({section.bounds.min, section.bounds.max, l.geometry, l.first_index, l.index_count,
+                                      section.material >= 0 ? uint32_t(section.material) : default_material,
+                                      group.node});
+    }
+  }
+}
+
 void add_groups(const DrawList& draws, FrameUpload& upload) {
   for (uint32_t r = 0; r < draws.runs.size(); ++r) {
     const DrawRun& run = draws.runs[r];
@@ -259,18 +291,23 @@ uint32_t lobes_of(const Material& m) {
 }
 
 // Nothing where no visible material shows a lobe that the frame shades.
-std::vector<uint32_t> lobe_table(const std::vector<Material>& materials, const FrameData& data, const DrawList& draws) {
+std::vector<uint32_t> lobe_table(const Scene& scene, const std::vector<Material>& materials, const FrameData& data,
+                                 const DrawList& draws) {
   const bool refraction = std::ranges::any_of(draws.runs, &DrawRun::refracts);
   const uint32_t shaded = shared::shaded_lobes | (refraction ? 1u << uint32_t(Lobe::transmission) : 0u);
   std::vector<bool> shows(materials.size());
   bool any = false;
-  for (const DrawItem& item : data.items)
-    if (item.material >= 0 && (lobes_of(materials[size_t(item.material)]) & shaded) != 0)
-      shows[size_t(item.material)] = any = true;
+  bool scatters = false;
+  const auto look_at = [&](int material) {
+    if (material < 0) return;
+    const uint32_t lobes = lobes_of(materials[size_t(material)]);
+    scatters |= (lobes & 1u << uint32_t(Lobe::scattering)) != 0;
+    if ((lobes & shaded) != 0) shows[size_t(material)] = any = true;
+  };
+  for (const DrawItem& item : data.items) look_at(item.material);
+  for (const ItemGroup& group : data.item_groups)
+    for (const uint32_t section : group.set->sections) look_at(scene.meshes[group.mesh].sections[section].material);
   if (!any) return {};
-  const bool scatters = std::ranges::any_of(data.items, [&](const DrawItem& item) {
-    return item.material >= 0 && materials[size_t(item.material)].has(Lobe::scattering);
-  });
   std::vector<uint32_t> words(materials.size(), shared::absent);
   for (size_t i = 0; i < materials.size(); ++i) {
     if (!shows[i]) continue;
@@ -300,17 +337,18 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
     for (const SectionLayout& l : mesh) upload.geometries[l.geometry] = static_geometry(l);
   for (const Deformation& d : data.deformations) add_deformation(scene, d, layout.sections[d.mesh][d.section], upload);
   add_items(data, draws, layout, uint32_t(pose.materials.size()), upload);
+  add_item_groups(scene, data, draws, layout, uint32_t(pose.materials.size()), upload);
   add_groups(draws, upload);
   for (size_t m = 0; m < pose.materials.size(); ++m)
     upload.materials.push_back(shared_material(pose.materials[m], uint32_t(m)));
   upload.materials.push_back(shared_material(scene.default_material, shared::absent));
-  upload.lobes = lobe_table(pose.materials, data, draws);
+  upload.lobes = lobe_table(scene, pose.materials, data, draws);
   for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
   if (request.has_layer("crypto_object")) upload.object_mattes = matte_ids(node_names(scene));
   if (request.has_layer("crypto_material")) upload.material_mattes = matte_ids(material_names(scene));
   upload.light_groups = light_groups(data);
   upload.constants.light_count = uint32_t(data.light_count());
-  upload.constants.item_count = uint32_t(upload.items.size());
+  upload.constants.item_count = upload.item_count;
   return upload;
 }
 
@@ -334,19 +372,65 @@ std::vector<shared::LightInstance> pack_light_instances(const Scene& scene, cons
   return out;
 }
 
+std::vector<shared::WideTransform> pack_mesh_instances(const InstanceLayout& layout) {
+  std::vector<shared::WideTransform> out;
+  out.reserve(layout.instance_count);
+  for (const InstanceSet& set : layout.sets)
+    for (const glm::dmat4& m : set.node_from_instance) out.push_back(wide(m));
+  return out;
+}
+
+namespace {
+
+uint32_t batches_of(uint32_t index_count) {
+  return (index_count / 3 + shared::triangle_batch_size - 1) / shared::triangle_batch_size;
+}
+
+// Of a span's items from `first` to before `end`, which a run draws. cull_bit: of the first of them.
+void add_host_batches(const DrawSpan& span, uint32_t first, uint32_t end, uint32_t cull_bit, uint32_t flags,
+                      FrameUpload& upload) {
+  for (uint32_t place = first; place < end; ++place) {
+    const uint32_t batches = batches_of(upload.items[span.source + place - span.first].index_count);
+    for (uint32_t b = 0; b < batches; ++b)
+      upload.batches.push_back({place, b * shared::triangle_batch_size, cull_bit + place - first, flags});
+  }
+}
+
+}  // namespace
+
 void add_batches(const DrawList& draws, FrameUpload& upload) {
-  for (uint32_t group = 0; group < upload.groups.size(); ++group) {
-    const shared::CullGroup& g = upload.groups[group];
-    const DrawRun& run = draws.runs[g.run];
-    if (!run.solid() || run.is_lines()) continue;
+  size_t at = 0;  // among spans, of which one of the host's may reach over several runs
+  uint32_t first_group = 0;
+  for (const DrawRun& run : draws.runs) {
     const uint32_t flags =
         (run.cull_back ? shared::batch_cull_back : 0u) | (run.mirrored ? shared::batch_mirrored : 0u) |
         (run.alpha == AlphaMode::mask ? shared::batch_masked : 0u) | (run.unlit ? shared::batch_unlit : 0u);
-    for (uint32_t i = 0; i < g.item_count; ++i) {
-      const uint32_t triangles = upload.items[g.first_item + i].index_count / 3;
-      for (uint32_t first = 0; first < triangles; first += shared::triangle_batch_size)
-        upload.batches.push_back({g.first_item + i, first, group * shared::cull_group_size + i, flags});
+    const uint32_t run_end = run.first + run.count;
+    for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {
+      const DrawSpan& span = draws.spans[at];
+      const uint32_t first = std::max(span.first, run.first), end = std::min(span.first + span.count, run_end);
+      shared::BatchSpan batches{upload.batch_count,
+                                0,
+                                uint32_t(at),
+                                0,
+                                uint32_t(upload.batches.size()),
+                                first_group * shared::cull_group_size + first - run.first,
+                                flags};
+      if (run.solid() && !run.is_lines()) {
+        if (span.group < 0) {
+          add_host_batches(span, first, end, batches.cull_bit, flags, upload);
+          batches.count = uint32_t(upload.batches.size()) - batches.source;
+        } else {
+          for (uint32_t s = 0; s < span.sections; ++s)
+            batches.per_instance += batches_of(upload.item_sections[span.source + s].index_count);
+          batches.count = batches.per_instance * (span.count / span.sections);
+        }
+      }
+      if (batches.count > 0 && !upload.item_groups.empty()) upload.batch_spans.push_back(batches);
+      upload.batch_count += batches.count;
+      if (span.first + span.count > run_end) break;  // the next run's too
     }
+    first_group += (run.count + shared::cull_group_size - 1) / shared::cull_group_size;
   }
 }
 

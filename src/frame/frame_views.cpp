@@ -11,12 +11,7 @@ namespace {
 // The device adds and multiplies in float: about six roundings, and it keeps what lies outside by up to four.
 constexpr double rounding = 16 * 0x1p-23;
 
-}  // namespace
-
-bool casts_shadows(const DrawRun& run) { return run.solid() && run.topology == Topology::triangles; }
-
-bool may_keep(const shared::View& view, const shared::Item& item) {
-  const glm::dvec3 centre(item.bounds_centre), extent(item.bounds_extent);
+bool may_keep(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
   for (const glm::vec4& plane : view.planes) {
     const glm::dvec3 n(plane), n_abs = glm::abs(n);
     const double outwards = glm::dot(n_abs, extent);
@@ -27,20 +22,55 @@ bool may_keep(const shared::View& view, const shared::Item& item) {
   return true;
 }
 
+}  // namespace
+
+bool casts_shadows(const DrawRun& run) { return run.solid() && run.topology == Topology::triangles; }
+
+bool may_keep(const shared::View& view, const shared::Item& item) {
+  return may_keep(view, glm::dvec3(item.bounds_centre), glm::dvec3(item.bounds_extent));
+}
+
+std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws) {
+  std::vector<ItemCluster> clusters;
+  uint32_t run = 0;
+  for (const DrawSpan& span : draws.spans) {
+    if (span.group < 0) continue;
+    while (draws.runs[run].first + draws.runs[run].count <= span.first) ++run;
+    const ItemGroup& group = data.item_groups[size_t(span.group)];
+    for (const InstanceCluster& cluster : group.set->clusters) {
+      const DAabb box = relative_box(group, cluster);
+      clusters.push_back({run, cluster.count * span.sections, box.centre(), box.extent()});
+    }
+  }
+  return clusters;
+}
+
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
                                  std::span<const DrawRun> runs, bool culling, uint64_t budget, std::string_view knob,
-                                 bool see_through) {
+                                 bool see_through, std::span<const ItemCluster> clusters) {
   FrameViews placed;
   placed.table = std::move(views);
   std::vector<uint32_t> counts(placed.table.size() * runs.size());
+  std::vector<uint32_t> host(runs.size(), 0);  // items of each run that are not of clusters
+  for (size_t r = 0; r < runs.size(); ++r) host[r] = runs[r].count;
+  for (const ItemCluster& cluster : clusters) host[cluster.run] -= cluster.count;
+  const auto draws = [&](const DrawRun& run) {
+    return casts_shadows(run) || (see_through && run.topology == Topology::triangles);
+  };
   tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
+    for (const ItemCluster& cluster : clusters)
+      if (draws(runs[cluster.run]) &&
+          (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent)))
+        counts[v * runs.size() + cluster.run] += cluster.count;
+    size_t first = 0;
     for (size_t r = 0; r < runs.size(); ++r) {
-      if (!casts_shadows(runs[r]) && !(see_through && runs[r].topology == Topology::triangles)) continue;
-      const auto of_run = items.subspan(runs[r].first, runs[r].count);
-      counts[v * runs.size() + r] =
-          !culling ? runs[r].count
-                   : uint32_t(std::count_if(of_run.begin(), of_run.end(),
-                                            [&](const shared::Item& item) { return may_keep(placed.table[v], item); }));
+      const auto of_run = items.subspan(first, host[r]);
+      first += host[r];
+      if (!draws(runs[r])) continue;
+      counts[v * runs.size() + r] +=
+          !culling ? host[r] : uint32_t(std::count_if(of_run.begin(), of_run.end(), [&](const shared::Item& item) {
+            return may_keep(placed.table[v], item);
+          }));
     }
   });
   uint64_t needed = 0;

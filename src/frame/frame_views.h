@@ -16,15 +16,24 @@ struct FrameViews {
   std::vector<uint32_t> first_command;  // of each view and run, and the end of all: the buffer of regions
 };
 
+// Neighbours among the items of a run, where a pass poses them: a box about all of theirs, relative space.
+struct ItemCluster {
+  uint32_t run = 0, count = 0;
+  glm::dvec3 bounds_centre{0}, bounds_extent{0};
+};
+std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws);
+
 // Room for the draw commands of every view and run: as many as the CPU counts with a test that never culls what the
 // device keeps (its allowance for rounding is four times as wide), so nothing can run out on the device. Runs of
 // line and point items get none: they cast no shadow. Of see-through ones neither, unless what they leave of the light
 // is drawn (`see_through`). More than `budget` commands over all views is an error that names what is needed, at most
 // what a 32-bit place can hold, and the knob that the budget is from. culling: 0 in the pass means that every item of a
-// run that is drawn at all needs room.
+// run that is drawn at all needs room. items: the host's, in the order of drawing; of clusters all items need room
+// where any may.
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
                                  std::span<const DrawRun> runs, bool culling, uint64_t budget,
-                                 std::string_view knob = "sun.draws", bool see_through = false);
+                                 std::string_view knob = "sun.draws", bool see_through = false,
+                                 std::span<const ItemCluster> clusters = {});
 
 bool casts_shadows(const DrawRun& run);
 

@@ -47,7 +47,7 @@ VkSamplerCreateInfo sampler_info(const Sampler& s, int anisotropy = 1) {
 }  // namespace
 
 GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout,
-                   const LightLayout* lights)
+                   const DevicePose& on_device)
     : device_(device),
       bindless_(bindless),
       scene_(scene),
@@ -72,7 +72,10 @@ GpuScene::GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& sc
     load("scene.vertices", words);
     load("scene.indices", indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
   }
-  if (lights && lights->instance_count > 0) load("scene.light_instances", pack_light_instances(scene, *lights));
+  if (on_device.lights && on_device.lights->instance_count > 0)
+    load("scene.light_instances", pack_light_instances(scene, *on_device.lights));
+  if (on_device.instances && on_device.instances->instance_count > 0)
+    load("scene.mesh_instances", pack_mesh_instances(*on_device.instances));
   uploader.flush();
 }
 
@@ -242,6 +245,14 @@ void GpuScene::fill(FrameBuffer& target, const UploadRow& row) {
   }
 }
 
+// Of what passes of the frame fill.
+void GpuScene::make_room(FrameBuffer& target, const UploadRow& row) {
+  if (target.buffer.size() >= row.size_bytes) return;
+  target.buffer = gpu::Buffer(device_, row.size_bytes,
+                              storage_usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                              gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name);
+}
+
 // One that has the content, else one that no frame in flight uses gets what is different.
 std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow& row, Uploaded& uploaded) {
   auto& buffers = shared_buffers_[row.name];
@@ -311,8 +322,11 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
       uploaded.imports[frame.imports[i]] = &shared_buffer(row, uploaded)->buffer;
       continue;
     }
-    FrameBuffer* const filled = row.bytes.empty() ? nullptr : &(*own)[row.name];
-    if (filled) fill(*filled, row);
+    FrameBuffer* const filled = row.bytes.empty() && !row.to_fill ? nullptr : &(*own)[row.name];
+    if (row.to_fill)
+      make_room(*filled, row);
+    else if (filled)
+      fill(*filled, row);
     const gpu::Buffer& buffer = filled ? filled->buffer : scene_buffers_[row.name];
     uploaded.imports[frame.imports[i]] = &buffer;
     if (row.address_offset == UploadRow::no_address) continue;

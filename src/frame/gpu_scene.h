@@ -22,9 +22,9 @@ namespace candela {
 // flight at once.
 class GpuScene {
  public:
-  // lights: the instances that the device poses; null: none.
+  // on_device: the instances that the device poses.
   GpuScene(gpu::Device& device, gpu::Bindless& bindless, const Scene& scene, const GeometryLayout& layout,
-           const LightLayout* lights);
+           const DevicePose& on_device);
   ~GpuScene();
 
   struct Uploaded {
@@ -64,6 +64,7 @@ class GpuScene {
   using Buffers = std::map<std::string, FrameBuffer, std::less<>>;  // of the upload table, by name
   std::shared_ptr<Buffers> free_buffers();
   void fill(FrameBuffer& target, const UploadRow& row);
+  void make_room(FrameBuffer& target, const UploadRow& row);
   static uint64_t address_in(const Buffers& buffers, const char* name);  // 0: there is no such buffer
   std::map<std::string, gpu::Buffer, std::less<>> scene_buffers_;
   std::vector<std::shared_ptr<Buffers>> frame_buffers_;

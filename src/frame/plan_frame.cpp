@@ -3,6 +3,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -79,22 +80,34 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   return request;
 }
 
-// How far what is drawn lies from the camera: along the view axis, and in all. Infinite where bounds are unknown.
+// How far what is drawn lies from the camera: along the view axis, and in all, which only orthographic views ask.
+// Infinite where bounds are unknown.
 struct DrawnExtent {
   double farthest_m = 0, reach_m = 0;
 };
-DrawnExtent drawn_extent(const FrameData& data, const View& view) {
+DrawnExtent drawn_extent(const Scene& scene, const FrameData& data, const View& view) {
   DrawnExtent extent;
   const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
+  const auto depth = [&](const auto& box) {
+    return glm::dot(glm::dvec3(box.centre()), forward) + glm::dot(glm::dvec3(box.extent()), glm::abs(forward));
+  };
+  const auto reach = [](const auto& box) {
+    return glm::length(glm::dvec3(box.centre())) + glm::length(glm::dvec3(box.extent()));
+  };
   for (const DrawItem& item : data.items) {
-    const glm::dvec3 centre(item.bounds_relative.centre()), half(item.bounds_relative.extent());
-    const double depth = glm::dot(centre, forward) + glm::dot(half, glm::abs(forward));
-    const double reach = glm::length(centre) + glm::length(half);
-    if (!std::isfinite(depth + reach))
+    const double item_depth = depth(item.bounds_relative), item_reach = reach(item.bounds_relative);
+    if (!std::isfinite(item_depth + item_reach))
       return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    extent.farthest_m = std::max(extent.farthest_m, depth);
-    extent.reach_m = std::max(extent.reach_m, reach);
+    extent.farthest_m = std::max(extent.farthest_m, item_depth);
+    extent.reach_m = std::max(extent.reach_m, item_reach);
   }
+  extent.farthest_m = std::max(extent.farthest_m, largest_score(scene, data, depth, depth));
+  if (view.perspective) return extent;
+  // A box within another one: its centre's distance and its own half diagonal are at most sqrt(2) of the other's half.
+  const auto most_reach = [](const DAabb& box) {
+    return glm::length(box.centre()) + std::numbers::sqrt2 * glm::length(box.extent());
+  };
+  extent.reach_m = std::max(extent.reach_m, largest_score(scene, data, most_reach, reach));
   return extent;
 }
 
@@ -102,10 +115,11 @@ DrawnExtent drawn_extent(const FrameData& data, const View& view) {
 std::pair<float, float> blended_depths(const FrameData& data, const DrawList& draws, const View& view) {
   double nearest = std::numeric_limits<double>::infinity(), farthest = view.near_m;
   const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
+  const uint32_t grouped = draws.item_count() - uint32_t(draws.order.size());  // all of them come before
   for (const DrawRun& run : draws.runs) {
     if (run.solid()) continue;
     for (uint32_t i = run.first; i < run.first + run.count; ++i) {
-      const Aabb& bounds = data.items[draws.order[i]].bounds_relative;
+      const Aabb& bounds = data.items[draws.order[i - grouped]].bounds_relative;
       const double middle = glm::dot(glm::dvec3(bounds.centre()), forward);
       const double half = glm::dot(glm::dvec3(bounds.extent()), glm::abs(forward));
       const bool known = std::isfinite(middle) && std::isfinite(half);
@@ -135,11 +149,33 @@ bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs
          !request.draws_volumetric();
 }
 
+// What looks at each item on the host: trees for rays, and the time before.
+bool poses_items_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique) {
+  const bool occlusion = knobs.get<AmbientOcclusion::Knobs>().method == AmbientOcclusion::Knobs::by_rays &&
+                         (request.has_layer("occlusion") || request.wants_true(AmbientOcclusion::effect));
+  const bool reflections =
+      knobs.get<Reflections::Knobs>().method == Reflections::Knobs::by_rays && request.draws_reflections();
+  const bool refraction =
+      knobs.get<Refraction::Knobs>().method == Refraction::Knobs::by_rays && request.wants_true(Refraction::effect);
+  const bool shadows =
+      request.wants_true(DepthViews::effect) &&
+      (knobs.get<LampKnobs>().method == LampKnobs::by_rays || SunMode(knobs.get<SunKnobs>().mode) == SunMode::traced);
+  const bool rays = technique.keys == Technique::Keys::traced || shows_trees(request) || shadows || occlusion ||
+                    reflections || refraction;
+  return knobs.get<PoseItems::Knobs>().enabled != 0 && !rays && !request.has_layer("motion");
+}
+
+DevicePose posed_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique,
+                           const DevicePose& able, bool is_cpu) {
+  return {poses_lights_on_device(request, knobs, is_cpu) ? able.lights : nullptr,
+          poses_items_on_device(request, knobs, technique) ? able.instances : nullptr};
+}
+
 // Trees, where shading sends rays, and how it does.
 void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& knobs, bool traces_keys) {
   AmbientOcclusion occlusion;
   occlusion.knobs = knobs.get<AmbientOcclusion::Knobs>();
-  if (f.upload.items.empty()) return;
+  if (f.upload.item_count == 0) return;
   const bool refraction = f.facts.refracting_items > 0;
   Reflections reflections;
   reflections.knobs = knobs.get<Reflections::Knobs>();
@@ -201,7 +237,8 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   for (const UploadRow& row : upload_table(f, context.layout)) {
     f.imports.push_back(-1);
     if (row.size_bytes == 0) continue;
-    s.*row.input = builder.import_buffer(BufferDesc{row.name, row.size_bytes});
+    s.*row.input = builder.import_buffer(BufferDesc{row.name, row.size_bytes},
+                                         row.to_fill ? GraphBuilder::Import::to_fill : GraphBuilder::Import::filled);
     f.imports.back() = (s.*row.input).resource;
   }
   s.light_grid = f.light_grid.shape;
@@ -228,11 +265,13 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
     const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
     s.features.insert(s.features.end(), more.begin(), more.end());
   }
-  s.item_count = uint32_t(u.items.size()), s.light_count = u.constants.light_count;
+  s.item_count = u.item_count, s.light_count = u.constants.light_count;
+  s.item_group_count = uint32_t(u.item_groups.size()), s.item_span_count = uint32_t(u.item_spans.size());
+  s.batch_span_count = uint32_t(u.batch_spans.size()), s.transform_count = u.transform_count;
   s.light_group_count = uint32_t(u.light_groups.size());
   s.time_s = f.pose.time_s;
   s.cull_group_count = uint32_t(u.groups.size());
-  s.batch_count = uint32_t(u.batches.size());
+  s.batch_count = u.batch_count;
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);
   s.deformed_words = u.deformed_words;
   s.width_px = uint32_t(f.request.width_px);
@@ -321,16 +360,19 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   PlannedFrame f;
   const Expected<KnobValues> knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
+  const auto technique = std::find_if(techniques().begin(), techniques().end(),
+                                      [&](const Technique& t) { return t.name == job.technique; });
   auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
   if (context.face) look = seen_by_probe(std::move(*look));
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
   if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
-  const LightLayout* const lights = poses_lights_on_device(f.request, *knobs, context.cpu) ? context.lights : nullptr;
-  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, lights);
+  const DevicePose on_device = posed_on_device(f.request, *knobs, *technique, context.on_device, context.cpu);
+  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, on_device);
   if (!posed) return std::unexpected(posed.error());
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
-  f.light_instances = lights ? lights->instance_count : 0;
+  f.light_instances = on_device.lights ? on_device.lights->instance_count : 0;
+  f.mesh_instances = on_device.instances ? on_device.instances->instance_count : 0;
   f.textures = knobs->get<TextureKnobs>();
   f.surfaces = knobs->get<SurfaceKnobs>();
   f.image_light = knobs->get<IblKnobs>();
@@ -357,11 +399,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
         bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   f.draws = make_draw_list(context.scene, f.pose, f.data, refraction);
   const AmbientSh ambient = f.sky ? f.sky.ambient() : f.request.neutral_light ? neutral_ambient() : AmbientSh{};
-  const auto technique = std::find_if(techniques().begin(), techniques().end(),
-                                      [&](const Technique& t) { return t.name == job.technique; });
   f.upload = make_frame_upload(context.scene, f.pose, f.view, f.data, f.draws, context.layout, f.request, ambient);
   if (technique->keys != Technique::Keys::none) add_batches(f.draws, f.upload);
-  const bool traces_keys = technique->keys == Technique::Keys::traced && !f.upload.batches.empty();
+  const bool traces_keys = technique->keys == Technique::Keys::traced && f.upload.batch_count > 0;
   if (traces_keys) add_triangle_numbers(f.draws, f.upload);
   if (f.request.has_layer("motion") && !context.face) {
     const auto before = pose_before(context.scene, job, time_s, f.pose);
@@ -372,7 +412,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.animate_ms = ms_since(start);
 
   start = Clock::now();
-  const DrawnExtent extent = drawn_extent(f.data, f.view);
+  const DrawnExtent extent = drawn_extent(context.scene, f.data, f.view);
   LightKnobs lists = knobs->get<LightKnobs>();
   if (LightOrder(lists.order) == LightOrder::automatic)
     lists.order = int(context.cpu ? LightOrder::segments : LightOrder::sorted);
@@ -382,8 +422,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
   f.shadow_colors = draws_shadow_colors(f.facts, f.request, *knobs);
-  auto suns = plan_suns(f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling, f.shadow_colors,
-                        f.upload);
+  auto suns = plan_suns(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling,
+                        f.shadow_colors, f.upload);
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
   if (f.request.draws_fog()) {

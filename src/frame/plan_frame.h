@@ -40,6 +40,7 @@ struct PlannedFrame {
   FrameRequest request;
   FrameUpload upload;
   uint32_t light_instances = 0;  // of the layout that groups of lights are of
+  uint32_t mesh_instances = 0;   // likewise of items
   LightGrid light_grid;
   bool shadow_colors = false;  // see-through surfaces are drawn into the views of shadow maps
   FrameSuns suns;
@@ -82,8 +83,8 @@ struct PlanContext {
   const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
   // Asked once for each image that the frame could keep; empty: nothing is kept.
   std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
-  const View* face = nullptr;           // of a reflection probe's image, which takes the place of the job's camera
-  const LightLayout* lights = nullptr;  // of instances that the device can pose; null: it can not
+  const View* face = nullptr;  // of a reflection probe's image, which takes the place of the job's camera
+  DevicePose on_device = {};   // instances that the device can pose
   std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
   // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
   bool cpu = true;

@@ -15,7 +15,7 @@ Expected<Scene> load_scene(const Job& job, LoadFor use) {
 }
 
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m,
-                                const View* given, const LightLayout* lights) {
+                                const View* given, const DevicePose& on_device) {
   const auto animations = choose_animations(scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   PosedScene out;
@@ -29,7 +29,7 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
     out.view = std::move(*view);
     place_probe(scene, out.pose, out.view, bounds);
   }
-  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m, lights);
+  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m, on_device);
   return out;
 }
 

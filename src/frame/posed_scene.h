@@ -15,9 +15,9 @@ struct PosedScene {
   FrameData data;
 };
 // lamp_radius_m: of lamps that say nothing of their own size. view: instead of the job's, and without its probe.
-// lights: as make_frame_data takes them.
+// on_device: as make_frame_data takes it.
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0,
-                                const View* view = nullptr, const LightLayout* lights = nullptr);
+                                const View* view = nullptr, const DevicePose& on_device = {});
 
 // The same scene and camera at Job::motion_s before time_s, with the items of `now`, the pose at time_s, one for one:
 // what is visible now, where it was then.

@@ -67,7 +67,9 @@ class DeviceSession : public Session {
   Timings opening_;
   Scene scene_;
   GeometryLayout layout_;
-  std::optional<LightLayout> lights_;  // where the device can pose them
+  LightLayout lights_;  // where the device can pose them
+  InstanceLayout instances_;
+  DevicePose on_device_;
   std::optional<JobSky> sky_;
   std::string left_out_;  // of the look
   bool has_probes_ = false;
@@ -139,8 +141,11 @@ Expected<void> DeviceSession::open() {
         std::min<size_t>(2 * scene_.images.size() + 1 + 9 * gpu_sky_textures + (has_probes_ ? GpuProbes::textures : 0),
                          gpu::Bindless::most_textures);
     bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
-    if (gpu::has_float64(device_->physical())) lights_ = layout_lights(scene_);
-    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, lights_ ? &*lights_ : nullptr);
+    if (gpu::has_float64(device_->physical())) {
+      lights_ = layout_lights(scene_), instances_ = layout_instances(scene_);
+      on_device_ = {&lights_, &instances_};
+    }
+    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, on_device_);
     const std::filesystem::path cache = cache_folder();
     runner_ = std::make_unique<gpu::FrameRunner>(
         *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
@@ -157,7 +162,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   const double start = process_clock_us();
   PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
-  context.lights = lights_ ? &*lights_ : nullptr;
+  context.on_device = on_device_;
   context.rays = rays_;
   context.cpu = shades_on_cpu(*device_);
   auto planned = plan_frame(job_, context, wanted_, time_s);

@@ -37,11 +37,33 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.light_globals", &Inputs::light_globals, grid.globals,
         offsetof(Constants, grid) + offsetof(shared::LightGrid, globals));
   };
-  if (!u.items.empty()) {
+  if (u.item_count > 0) {
     rows.push_back({"scene.vertices", &Inputs::vertices, layout.vertex_words * 4, {}, offsetof(Constants, vertices)});
     rows.push_back({"scene.indices", &Inputs::indices, layout.index_count * 4, {}, offsetof(Constants, indices)});
-    add("frame.items", &Inputs::items, u.items, offsetof(Constants, items));
-    add("frame.transforms", &Inputs::transforms, u.transforms, offsetof(Constants, transforms));
+    const bool posed = !u.item_groups.empty();
+    if (posed) {
+      add("frame.item_groups", &Inputs::item_groups, u.item_groups);
+      add("frame.item_spans", &Inputs::item_spans, u.item_spans);
+      add("frame.item_sections", &Inputs::item_sections, u.item_sections);
+      add("frame.batch_spans", &Inputs::batch_spans, u.batch_spans);
+      rows.push_back({"scene.mesh_instances",
+                      &Inputs::mesh_instances,
+                      frame.mesh_instances * sizeof(shared::WideTransform),
+                      {},
+                      UploadRow::no_address});
+    }
+    // What a pass fills, and what the host has posed of it; or the host has posed all.
+    const auto add_posed = [&](const char* name, BufferHandle Inputs::*input, size_t address, const char* posed_name,
+                               BufferHandle Inputs::*posed_input, const auto& values, size_t count) {
+      if (!posed) return add(name, input, values, address);
+      add(name, posed_input, values);
+      rows.push_back({posed_name, input, count * sizeof(values[0]), {}, address});
+      rows.back().to_fill = true;
+    };
+    add_posed("frame.items", &Inputs::items, offsetof(Constants, items), "posed.items", &Inputs::posed_items, u.items,
+              u.item_count);
+    add_posed("frame.transforms", &Inputs::transforms, offsetof(Constants, transforms), "posed.transforms",
+              &Inputs::posed_transforms, u.transforms, u.transform_count);
     add("frame.geometries", &Inputs::geometries, u.geometries, offsetof(Constants, geometries));
     add("frame.materials", &Inputs::materials, u.materials, offsetof(Constants, materials));
     add("frame.lobes", &Inputs::lobes, u.lobes, offsetof(Constants, lobes));
@@ -49,7 +71,8 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.cull_groups", &Inputs::cull_groups, u.groups);
     add("frame.triangle_numbers", &Inputs::triangle_numbers, u.triangle_numbers);
     add("frame.drawn_items", &Inputs::drawn_items, u.drawn_items);
-    add("frame.triangle_batches", &Inputs::batches, u.batches, offsetof(Constants, batches));
+    add_posed("frame.triangle_batches", &Inputs::batches, offsetof(Constants, batches), "posed.triangle_batches",
+              &Inputs::posed_batches, u.batches, u.batch_count);
     add("frame.views", &Inputs::views, frame.suns.views.table);
     add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);
     add("frame.suns", &Inputs::suns, frame.suns.shadows);
@@ -76,7 +99,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     if (frame.traced.tree.on_device()) rows.back().on_device = &frame.rays->on_device;
   }
   // The air is lit where there is nothing else.
-  if (u.items.empty() && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();
+  if (u.item_count == 0 && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();
   rows.push_back({"frame.constants", &Inputs::constants, sizeof(Constants), std::as_bytes(std::span(&u.constants, 1))});
   return rows;
 }

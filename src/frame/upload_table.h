@@ -27,6 +27,7 @@ struct UploadRow {
   std::shared_ptr<const void> owner = {};  // with a key: who keeps `bytes`, and what follows
   // Acceleration structures are built of it, whose address the content begins with.
   const gpu::AccelerationInput* on_device = nullptr;
+  bool to_fill = false;  // without bytes: by a pass of the frame, in the device's own memory
 };
 
 // Every buffer of the scene and of the frame, each declared here and nowhere else; the constants, which hold the

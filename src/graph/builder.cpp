@@ -63,8 +63,8 @@ void GraphBuilder::require_open(std::string_view call) const {
   if (!open_) throw GraphError(fmt::format("{} outside a pass", call));
 }
 
-BufferHandle GraphBuilder::import_buffer(BufferDesc desc) {
-  resources_.push_back({.desc = std::move(desc), .imported = true});
+BufferHandle GraphBuilder::import_buffer(BufferDesc desc, Import import) {
+  resources_.push_back({.desc = std::move(desc), .imported = true, .to_fill = import == Import::to_fill});
   return {int(resources_.size()) - 1, 0};
 }
 
@@ -160,12 +160,12 @@ PlanUse GraphBuilder::use_of(const Resource& resource, PlanUse use, const Part& 
 
 // Of an image that later frames find filled: all of it is written, and only then read.
 void GraphBuilder::check_filling(const Resource& resource, const PlanUse& use) const {
-  if (!resource.to_fill || !missing_.empty()) return;
-  const auto& desc = std::get<ImageDesc>(resource.desc);
+  const auto* desc = std::get_if<ImageDesc>(&resource.desc);
+  if (!desc || !resource.to_fill || !missing_.empty()) return;
   if (!use.writes) {
-    std::vector<bool> holds(size_t(desc.mips) * desc.layers, false);
+    std::vector<bool> holds(size_t(desc->mips) * desc->layers, false);
     for (const ImageRange& range : resource.written)
-      for_subresources(range, desc.layers, [&](size_t i) { holds[i] = true; });
+      for_subresources(range, desc->layers, [&](size_t i) { holds[i] = true; });
     if (std::find(holds.begin(), holds.end(), false) != holds.end())
       refuse(resource.name(), "an image to fill is read before all of it is written");
     return;

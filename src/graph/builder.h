@@ -24,13 +24,13 @@ class GraphError : public std::runtime_error {
 
 class GraphBuilder {
  public:
-  // Resources filled before the frame by the scene upload; read-only in the graph.
-  BufferHandle import_buffer(BufferDesc desc);
+  // A buffer that someone else owns, filled before the frame, or to fill: then this frame's passes write it first.
+  enum class Import { filled, to_fill };
+  BufferHandle import_buffer(BufferDesc desc, Import import = Import::filled);
   // An image that someone else owns (gpu/kept_image.h). Filled by an earlier frame: it can be read. To fill: the
   // frame's passes write all of it before any reads it, so that later frames can import it as filled; where nobody
   // reads it, nobody fills it. Either way the frame leaves it in the layout in which its format is sampled, which is
   // how a filled one is found.
-  enum class Import { filled, to_fill };
   ImageHandle import_image(ImageDesc desc, Import import = Import::filled);
 
   // Opens a pass; every declaration up to end_pass belongs to it. A frame's passes have different names: what stands in

@@ -15,6 +15,7 @@
 #include "passes/geometry/depth_pyramid.h"
 #include "passes/geometry/depth_views.h"
 #include "passes/geometry/occlusion_cull.h"
+#include "passes/geometry/pose_items.h"
 #include "passes/geometry/rasterize.h"
 #include "passes/geometry/trace_keys.h"
 #include "passes/lights/light_assign.h"
@@ -71,14 +72,14 @@ struct PassList {
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it.
 using AllPasses =
-    PassList<Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize, RasterizeViews, TraceKeys,
-             KeyDepth, DepthPrepass, DepthViews, ColoredShadows, TileDepth, PoseLights, LightBoundsPass, LightAssign,
-             LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer,
-             LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections,
-             ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms,
-             FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, LightVolumeLayer, TraversalHeat, TreeBoxes,
-             MotionLayer, MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap,
-             Pack, Readback, Dump>;
+    PassList<PoseItems, Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize, RasterizeViews,
+             TraceKeys, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, TileDepth, PoseLights, LightBoundsPass,
+             LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer,
+             ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward, ShadeUnlit, Sky, Background,
+             Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological,
+             Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, LightVolumeLayer,
+             TraversalHeat, TreeBoxes, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight,
+             Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

@@ -24,6 +24,11 @@ struct SceneInputs {
   BufferHandle triangle_numbers;  // empty unless rays find what the camera sees
   BufferHandle drawn_items;       // empty unless what rays meet is shaded
   BufferHandle batches;           // empty unless triangles are rasterized in compute
+  // What a pass poses items from (passes/geometry/pose_items.h), which then fills `transforms`, `items` and `batches`.
+  // Empty: the host has posed all.
+  BufferHandle item_groups, item_spans, item_sections, mesh_instances, batch_spans;
+  BufferHandle posed_transforms, posed_items, posed_batches;
+  uint32_t item_group_count = 0, item_span_count = 0, batch_span_count = 0, transform_count = 0;
   // What a pass poses lights from (passes/lights/pose_lights.h); `lights` is then empty until it has. Empty: the host
   // has posed all.
   BufferHandle light_groups, light_instances, posed_lights;

@@ -44,41 +44,118 @@ uint32_t rank_of(const DrawRun& s) {
   return rank * 2 + uint32_t(s.mirrored);
 }
 
+// Those of a group's sections that are drawn alike.
+struct GroupPart {
+  size_t group = 0;
+  uint32_t before = 0;  // of the host's items of the same rank, those that come first
+  DrawRun state;
+  std::vector<uint32_t> sections;
+};
+
+class Lister {
+ public:
+  Lister(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction)
+      : scene_(scene), pose_(pose), frame_(frame), refraction_(refraction) {}
+
+  DrawList list() {
+    sort_items();
+    for (uint32_t rank = 0; rank + 1 < draw_ranks; ++rank) add_rank(rank);
+    add_blended();
+    return std::move(list_);
+  }
+
+ private:
+  DrawRun state(const DrawItem& item) const { return state_of(scene_, pose_, item, refraction_); }
+
+  // The host's items by rank, and what of groups stands between them.
+  void sort_items() {
+    const std::vector<DrawItem>& items = frame_.items;
+    std::vector<uint8_t> ranks(items.size());
+    size_t group = 0;
+    for (size_t i = 0; i < items.size(); ++i) {
+      for (; group < frame_.item_groups.size() && frame_.item_groups[group].before <= i; ++group) add_parts(group);
+      const bool same = i > 0 && items[i].mesh == items[i - 1].mesh && items[i].section == items[i - 1].section &&
+                        items[i].material == items[i - 1].material && items[i].mirrored == items[i - 1].mirrored;
+      ranks[i] = same ? ranks[i - 1] : uint8_t(rank_of(state(items[i])));
+      ++count_[ranks[i]];
+    }
+    for (; group < frame_.item_groups.size(); ++group) add_parts(group);
+    std::exclusive_scan(count_.begin(), count_.end(), first_.begin(), 0u);
+    std::array<uint32_t, draw_ranks> next = first_;
+    list_.order.resize(items.size());
+    for (size_t i = 0; i < items.size(); ++i) list_.order[next[ranks[i]]++] = uint32_t(i);
+    // Blended items compare by depth alone, farthest first; the stable sort keeps equal depths in item order.
+    std::stable_sort(list_.order.begin() + first_.back(), list_.order.end(),
+                     [&](uint32_t a, uint32_t b) { return items[a].view_depth_m > items[b].view_depth_m; });
+  }
+
+  void add_parts(size_t g) {
+    const ItemGroup& group = frame_.item_groups[g];
+    for (const uint32_t section : group.set->sections) {
+      DrawItem item{.mesh = group.mesh, .section = section, .node = group.node};
+      item.material = scene_.meshes[group.mesh].sections[section].material;
+      item.mirrored = group.mirrored;
+      const DrawRun how = state(item);
+      const uint32_t rank = rank_of(how);
+      std::vector<GroupPart>& parts = parts_[rank];
+      if (parts.empty() || parts.back().group != g) parts.push_back({g, count_[rank], how, {}});
+      parts.back().sections.push_back(section);
+    }
+  }
+
+  void add_rank(uint32_t rank) {
+    uint32_t host = 0;
+    for (const GroupPart& part : parts_[rank]) {
+      add_host(rank, host, part.before);
+      host = part.before;
+      const uint32_t count = frame_.item_groups[part.group].set->count * uint32_t(part.sections.size());
+      add_span(
+          {list_.item_count(), count, int(part.group), uint32_t(list_.sections.size()), uint32_t(part.sections.size())},
+          part.state);
+      list_.sections.insert(list_.sections.end(), part.sections.begin(), part.sections.end());
+    }
+    add_host(rank, host, count_[rank]);
+  }
+
+  void add_host(uint32_t rank, uint32_t from, uint32_t to) {
+    if (from == to) return;
+    const uint32_t source = first_[rank] + from;
+    add_span({list_.item_count(), to - from, -1, source, 0}, state(frame_.items[list_.order[source]]));
+  }
+
+  // Of one state.
+  void add_span(const DrawSpan& span, const DrawRun& how) {
+    if (list_.runs.empty() || !list_.runs.back().same_state(how)) {
+      list_.runs.push_back(how);
+      list_.runs.back().first = span.first;
+      list_.runs.back().count = 0;
+    }
+    list_.runs.back().count += span.count;
+    DrawSpan* const last = list_.spans.empty() ? nullptr : &list_.spans.back();
+    if (last && last->group < 0 && span.group < 0)
+      last->count += span.count;
+    else
+      list_.spans.push_back(span);
+  }
+
+  void add_blended() {
+    for (uint32_t source = first_.back(); source < list_.order.size(); ++source)
+      add_span({list_.item_count(), 1, -1, source, 0}, state(frame_.items[list_.order[source]]));
+  }
+
+  const Scene& scene_;
+  const Pose& pose_;
+  const FrameData& frame_;
+  const bool refraction_;
+  std::array<uint32_t, draw_ranks> count_{}, first_{};  // of the host's items, by rank
+  std::array<std::vector<GroupPart>, draw_ranks> parts_;
+  DrawList list_;
+};
+
 }  // namespace
 
 DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction) {
-  const std::vector<DrawItem>& items = frame.items;
-  std::vector<uint8_t> ranks(items.size());
-  std::array<uint32_t, draw_ranks + 1> first{};
-  for (size_t i = 0; i < items.size(); ++i) {
-    const bool same = i > 0 && items[i].mesh == items[i - 1].mesh && items[i].section == items[i - 1].section &&
-                      items[i].material == items[i - 1].material && items[i].mirrored == items[i - 1].mirrored;
-    ranks[i] = same ? ranks[i - 1] : uint8_t(rank_of(state_of(scene, pose, items[i], refraction)));
-    ++first[ranks[i] + 1];
-  }
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  const uint32_t blended = first[draw_ranks - 1];
-  DrawList list;
-  list.order.resize(items.size());
-  for (size_t i = 0; i < items.size(); ++i) list.order[first[ranks[i]]++] = uint32_t(i);
-  // Blended items compare by depth alone, farthest first; the stable sort keeps equal depths in item order.
-  std::stable_sort(list.order.begin() + blended, list.order.end(),
-                   [&](uint32_t a, uint32_t b) { return items[a].view_depth_m > items[b].view_depth_m; });
-  for (uint32_t at = 0; at < list.order.size(); ++at) {
-    const uint32_t i = list.order[at];
-    if (at > 0 && at < blended && ranks[i] == ranks[list.order[at - 1]]) {
-      ++list.runs.back().count;
-      continue;
-    }
-    const DrawRun state = state_of(scene, pose, items[i], refraction);
-    if (list.runs.empty() || !list.runs.back().same_state(state)) {
-      list.runs.push_back(state);
-      list.runs.back().first = at;
-      list.runs.back().count = 0;
-    }
-    ++list.runs.back().count;
-  }
-  return list;
+  return Lister(scene, pose, frame, refraction).list();
 }
 
 }  // namespace candela

@@ -12,7 +12,7 @@ struct DrawRun {
   AlphaMode alpha = AlphaMode::opaque;
   bool unlit = false, cull_back = true, mirrored = false;
   bool refracts = false;          // is drawn after what is seen through it
-  uint32_t first = 0, count = 0;  // into DrawList::order
+  uint32_t first = 0, count = 0;  // in the order of drawing
   bool same_state(const DrawRun& o) const {
     return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back &&
            mirrored == o.mirrored && refracts == o.refracts;
@@ -22,12 +22,24 @@ struct DrawRun {
   bool solid() const { return alpha != AlphaMode::blend && !refracts; }
 };
 
+// Consecutive items in the order of drawing: posed by the host, or those of a group whose sections share their state,
+// instance by instance.
+struct DrawSpan {
+  uint32_t first = 0, count = 0;
+  int group = -1;         // of FrameData::item_groups; -1: the host's
+  uint32_t source = 0;    // of the host's: into DrawList::order; else into DrawList::sections
+  uint32_t sections = 0;  // of each instance
+};
+
 // The order in which items are drawn. Opaque and masked ones are grouped by state, stable within; blended ones come
 // last, back to front by the depth of their bounds' centre, stable for equal depths, so a run ends wherever the state
 // changes.
 struct DrawList {
-  std::vector<uint32_t> order;  // indices of FrameData::items
+  std::vector<uint32_t> order;     // indices of FrameData::items
+  std::vector<DrawSpan> spans;     // of all items, those of groups among them
+  std::vector<uint32_t> sections;  // of groups' meshes
   std::vector<DrawRun> runs;
+  uint32_t item_count() const { return spans.empty() ? 0 : spans.back().first + spans.back().count; }
 };
 // refraction: surfaces that let light through are drawn so.
 DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction = false);

@@ -3,9 +3,7 @@
 #include "math/transforms.h"
 
 namespace candela {
-namespace {
-
-glm::dmat4 instance_transform(const Instances& instances, size_t i) {
+glm::dmat4 node_from_instance(const Instances& instances, size_t i) {
   const glm::dvec3 translation = instances.translation.empty() ? glm::dvec3(0) : glm::dvec3(instances.translation[i]);
   const glm::dvec3 scale = instances.scale.empty() ? glm::dvec3(1) : glm::dvec3(instances.scale[i]);
   glm::dquat rotation(1, 0, 0, 0);
@@ -16,6 +14,8 @@ glm::dmat4 instance_transform(const Instances& instances, size_t i) {
   }
   return compose_trs(translation, rotation, scale);
 }
+
+namespace {
 
 // The specification fixes the last row of inverse bind matrices; files hold it with rounding errors.
 glm::dmat4 affine(glm::dmat4 m) {
@@ -60,7 +60,7 @@ size_t DrawnSections::instance_count(size_t node) const {
 
 glm::dmat4 DrawnSections::target_from_instance(const glm::dmat4& target_from_node, size_t node, size_t instance) const {
   const auto& instances = scene_.nodes[node].instances;
-  return instances ? target_from_node * instance_transform(*instances, instance) : target_from_node;
+  return instances ? target_from_node * node_from_instance(*instances, instance) : target_from_node;
 }
 
 SkinMatrices& DrawnSections::skin(int skin) {

@@ -8,6 +8,9 @@
 
 namespace candela {
 
+// The node's space from that of one of its instances (EXT_mesh_gpu_instancing), in double.
+glm::dmat4 node_from_instance(const Instances& instances, size_t i);
+
 // The matrices of one skin at a pose, in double. `target` is the space of DrawnSections.
 struct SkinMatrices {
   std::vector<glm::dmat4> target_from_bind;  // per joint

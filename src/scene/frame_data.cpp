@@ -22,13 +22,14 @@ Aabb to_float(const DAabb& box) {
 
 class FrameBuilder {
  public:
-  FrameBuilder(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m, const LightLayout* layout)
+  FrameBuilder(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
+               const DevicePose& on_device)
       : scene_(scene),
         pose_(pose),
         view_(view),
         drawn_(scene, pose, relative_from_world(view.position)),
         lamp_radius_m_(float(lamp_radius_m)),
-        layout_(layout) {
+        on_device_(on_device) {
     frame_.perspective = view.perspective;
     reserve();
   }
@@ -44,8 +45,9 @@ class FrameBuilder {
     for (int n : scene_.order) {
       const size_t node = size_t(n);
       lights += scene_.nodes[node].light >= 0;
-      if (scene_.nodes[node].light_instances && !layout_) lights += scene_.nodes[node].light_instances->count();
-      if (!drawn_.has_visible_mesh(node)) continue;
+      if (scene_.nodes[node].light_instances && !on_device_.lights)
+        lights += scene_.nodes[node].light_instances->count();
+      if (!drawn_.has_visible_mesh(node) || group_of(node)) continue;
       transforms += drawn_.instance_count(node) + 1;
       items += drawn_.instance_count(node) * scene_.meshes[size_t(scene_.nodes[node].mesh)].sections.size();
     }
@@ -60,6 +62,11 @@ class FrameBuilder {
     if (node.light >= 0) add_light(node, n);
     if (node.light_instances) add_light_instances(*node.light_instances, n);
     if (node.mesh < 0) return;
+    if (const auto group = group_of(n)) {
+      frame_.item_groups.push_back(*group);
+      frame_.item_groups.back().before = uint32_t(frame_.items.size());
+      return;
+    }
     const std::vector<MeshSection>& sections = scene_.meshes[size_t(node.mesh)].sections;
     deformations_.clear();
     deformations_.resize(sections.size());
@@ -74,6 +81,26 @@ class FrameBuilder {
     }
     if (any_skinned) add_skinned(node, n, sections);
     if (any_rigid) add_rigid(n, sections);
+  }
+
+  // Where a pass can pose the node's instances: all are drawn in any order, and lie where their boxes are finite.
+  std::optional<ItemGroup> group_of(size_t n) const {
+    if (!on_device_.instances || on_device_.instances->set_of_node[n] < 0) return std::nullopt;
+    const InstanceSet& set = on_device_.instances->sets[size_t(on_device_.instances->set_of_node[n])];
+    const uint32_t mesh = uint32_t(scene_.nodes[n].mesh);
+    for (const uint32_t s : set.sections) {
+      const int material = scene_.meshes[mesh].sections[s].material;
+      if (material < 0) continue;
+      const Material& m = pose_.materials[size_t(material)];
+      if (m.alpha_mode == AlphaMode::blend || m.has(Lobe::transmission)) return std::nullopt;
+    }
+    ItemGroup group{&set, 0, uint32_t(n), mesh, set.mirrored, drawn_.target_from_node(n)};
+    if (!turns_surely(group.relative_from_node)) return std::nullopt;
+    if (glm::determinant(glm::dmat3(group.relative_from_node)) < 0) group.mirrored = !group.mirrored;
+    const DAabb box = relative_box(group, set.all);
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(box.min[axis] > -1e15 && box.max[axis] < 1e15)) return std::nullopt;
+    return group;
   }
 
   // Skinned vertices come out in relative space: the node's transform and its instancing do not apply.
@@ -193,9 +220,9 @@ class FrameBuilder {
     const glm::dvec3 origin = glm::dvec3(world[3]) - view_.position;
     LightItem item = light_item(light, n);
     const glm::vec3 direction = shining_direction(world);
-    if (layout_ && layout_->set_of_node[n] >= 0) {
+    if (on_device_.lights && on_device_.lights->set_of_node[n] >= 0) {
       item.direction = direction;
-      const LightSet& set = layout_->sets[size_t(layout_->set_of_node[n])];
+      const LightSet& set = on_device_.lights->sets[size_t(on_device_.lights->set_of_node[n])];
       const LightGroup group{&set,  uint32_t(frame_.lights.size()), item, light.color, double(light.intensity), origin,
                              linear};
       if (all_shine(group, instances)) {
@@ -250,7 +277,7 @@ class FrameBuilder {
   const View& view_;
   DrawnSections drawn_;
   float lamp_radius_m_;
-  const LightLayout* layout_;
+  const DevicePose& on_device_;
   FrameData frame_;
   // Of the node at hand, kept to save allocations.
   std::vector<SectionDeformation> deformations_;
@@ -287,9 +314,31 @@ size_t FrameData::light_count() const {
   return count;
 }
 
+size_t FrameData::item_count() const {
+  size_t count = items.size();
+  for (const ItemGroup& group : item_groups) count += group.item_count();
+  return count;
+}
+
+// The items' own padding, and as much again for what their boxes and this one are rounded by.
+DAabb relative_box(const ItemGroup& group, const InstanceCluster& cluster) {
+  DAabb box = transformed(cluster.box, group.relative_from_node);
+  glm::dvec3 magnitude = glm::abs(glm::dvec3(group.relative_from_node[3]));
+  for (int i = 0; i < 3; ++i) magnitude += glm::abs(glm::dvec3(group.relative_from_node[i])) * cluster.magnitude[i];
+  const glm::dvec3 pad = magnitude * 0x1p-19 + 1e-30;
+  box.min -= pad, box.max += pad;
+  return box;
+}
+
+Aabb bounds_of(const Scene& scene, const ItemGroup& group, uint32_t instance, uint32_t section) {
+  const Aabb& box = scene.meshes[group.mesh].sections[section].bounds;
+  return to_float(padded_bounds({glm::dvec3(box.min), glm::dvec3(box.max)},
+                                group.relative_from_node * group.set->node_from_instance[instance]));
+}
+
 FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
-                          const LightLayout* layout) {
-  return FrameBuilder(scene, pose, view, lamp_radius_m, layout).build();
+                          const DevicePose& on_device) {
+  return FrameBuilder(scene, pose, view, lamp_radius_m, on_device).build();
 }
 
 }  // namespace candela

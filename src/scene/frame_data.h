@@ -1,9 +1,12 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
+#include "scene/instance_layout.h"
 #include "scene/light_layout.h"
 #include "scene/pose.h"
 #include "scene/scene.h"
@@ -52,9 +55,20 @@ struct LightGroup {
   glm::dmat3 linear{1.0};
 };
 
+// The instances of a node, which a compute pass poses (passes/geometry/pose_items.h); each shows the set's sections.
+struct ItemGroup {
+  const InstanceSet* set;
+  uint32_t before = 0;  // of FrameData::items, those that come first
+  uint32_t node = 0, mesh = 0;
+  bool mirrored = false;
+  glm::dmat4 relative_from_node{1.0};
+  size_t item_count() const { return size_t(set->count) * set->sections.size(); }
+};
+
 struct FrameData {
   std::vector<glm::mat4> relative_from_local;  // composed in double, cast once
   std::vector<DrawItem> items;                 // node order; blended ones not yet sorted
+  std::vector<ItemGroup> item_groups;          // in node order; items that are not among `items`
   std::vector<Deformation> deformations;
   std::vector<glm::mat4> joint_matrices;  // relative_from_bind
   std::vector<float> morph_weights;
@@ -64,14 +78,50 @@ struct FrameData {
   std::optional<LightItem> first_sun;
   bool perspective = true;  // of the view
   size_t light_count() const;
+  size_t item_count() const;
 };
 
 // World bounds of everything visible at this pose.
 DAabb world_bounds(const Scene& scene, const Pose& pose);
 
+// The instances that may become groups; null: none.
+struct DevicePose {
+  const LightLayout* lights = nullptr;
+  const InstanceLayout* instances = nullptr;
+};
+
 // Flattens a posed scene for one view. Pure; the same input gives the same bytes. lamp_radius_m: of point and spot
-// lights that say nothing of it. layout: the light instances that may become groups; null: all become lights.
+// lights that say nothing of it.
 FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m = 0,
-                          const LightLayout* layout = nullptr);
+                          const DevicePose& on_device = {});
+
+// A box about all that a cluster of the group shows, in relative space: about its items' boxes, however they are
+// rounded.
+DAabb relative_box(const ItemGroup& group, const InstanceCluster& cluster);
+// The box that an item of the group has (DrawItem::bounds_relative).
+Aabb bounds_of(const Scene& scene, const ItemGroup& group, uint32_t instance, uint32_t section);
+
+// The largest score of the groups' items, by their boxes; -infinity without any. most: no less than what any box within
+// the given one scores.
+template <class Most, class Score>
+double largest_score(const Scene& scene, const FrameData& data, Most most, Score score) {
+  double largest = -std::numeric_limits<double>::infinity();
+  std::vector<double> bounds;
+  for (const ItemGroup& group : data.item_groups) {
+    if (!(most(relative_box(group, group.set->all)) > largest)) continue;
+    const std::vector<InstanceCluster>& clusters = group.set->clusters;
+    bounds.clear();
+    for (const InstanceCluster& cluster : clusters) bounds.push_back(most(relative_box(group, cluster)));
+    const auto look_at = [&](size_t c) {
+      if (!(bounds[c] > largest)) return;
+      for (uint32_t i = 0; i < clusters[c].count; ++i)
+        for (const uint32_t section : group.set->sections)
+          largest = std::max(largest, score(bounds_of(scene, group, group.set->order[clusters[c].first + i], section)));
+    };
+    look_at(size_t(std::max_element(bounds.begin(), bounds.end()) - bounds.begin()));  // it spares most others
+    for (size_t c = 0; c < clusters.size(); ++c) look_at(c);
+  }
+  return largest;
+}
 
 }  // namespace candela

@@ -1,24 +1,15 @@
 #include "scene/light_layout.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "math/bounds.h"
+#include "scene/spatial_order.h"
 
 namespace candela {
 namespace {
 
 constexpr uint32_t cluster_size = 32;
-
-// Ten bits of each coordinate in turn (Morton 1966): neighbours along the curve are neighbours in space.
-uint32_t morton(glm::uvec3 cell) {
-  uint32_t code = 0;
-  for (uint32_t bit = 0; bit < 10; ++bit)
-    for (int axis = 0; axis < 3; ++axis) code |= (cell[axis] >> bit & 1) << (3 * bit + uint32_t(axis));
-  return code;
-}
 
 LightCluster cluster_of(const LightSet& set, uint32_t first, uint32_t count) {
   const auto members = std::span(set.places).subspan(first, count);
@@ -35,18 +26,9 @@ LightCluster cluster_of(const LightSet& set, uint32_t first, uint32_t count) {
 }
 
 void add_clusters(const LightInstances& instances, LightSet& set) {
-  Aabb box;
-  for (const glm::vec3& p : instances.translation) box.add(p);
-  const glm::dvec3 sides = glm::dvec3(box.max) - glm::dvec3(box.min);
-  const double side = std::max({sides.x, sides.y, sides.z, 1e-30});
-  std::vector<std::pair<uint32_t, uint32_t>> order(instances.count());  // place on the curve, instance
-  for (uint32_t i = 0; i < order.size(); ++i) {
-    const glm::dvec3 share = (glm::dvec3(instances.translation[i]) - glm::dvec3(box.min)) / side;
-    order[i] = {morton(glm::uvec3(glm::clamp(share, 0.0, 1.0) * 1023.0)), i};
-  }
-  tbb::parallel_sort(order);
+  const std::vector<uint32_t> order = spatial_order(instances.translation);
   set.places.reserve(order.size());
-  for (const auto& [code, i] : order)
+  for (const uint32_t i : order)
     set.places.emplace_back(instances.translation[i], instances.range_m.empty() ? 0 : instances.range_m[i]);
   for (uint32_t first = 0; first < order.size(); first += cluster_size)
     set.clusters.push_back(cluster_of(set, first, std::min(cluster_size, uint32_t(order.size()) - first)));

@@ -149,19 +149,27 @@ SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, 
   const auto alike = [](const DrawItem& a, const DrawItem& b) {
     return a.mesh == b.mesh && a.section == b.section && a.material == b.material && a.deformed == b.deformed;
   };
-  for (size_t i = 0, end = 0; i < frame.items.size(); i = end) {
-    const DrawItem& item = frame.items[i];
-    while (end < frame.items.size() && alike(item, frame.items[end])) ++end;
+  const auto look_at = [&](const DrawItem& item, uint64_t times) {
     const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
     const bool has_material = item.material >= 0;
     const Material& material = has_material ? pose.materials[size_t(item.material)] : scene.default_material;
-    count_item(facts, item, end - i, section, material, frame, refraction);
+    count_item(facts, item, times, section, material, frame, refraction);
     if (has_material && !facts.material_used[size_t(item.material)]) {
       facts.material_used[size_t(item.material)] = true;
       use_material(facts, material, refraction);
     }
     if (!has_material) use_material(facts, material, refraction);
+  };
+  for (size_t i = 0, end = 0; i < frame.items.size(); i = end) {
+    while (end < frame.items.size() && alike(frame.items[i], frame.items[end])) ++end;
+    look_at(frame.items[i], end - i);
   }
+  for (const ItemGroup& group : frame.item_groups)
+    for (const uint32_t section : group.set->sections) {
+      DrawItem item{.mesh = group.mesh, .section = section, .node = group.node};
+      item.material = scene.meshes[group.mesh].sections[section].material;
+      look_at(item, group.set->count);
+    }
   for (const Deformation& deformation : frame.deformations)
     add(facts.deformed_vertices, scene.meshes[deformation.mesh].sections[deformation.section].position.size());
   count_lights(facts, frame);

@@ -59,6 +59,9 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
 
 void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& technique) {
   SceneInputs scene = inputs;
+  const PoseItems::Out items = frame.add(PoseItems{.on_device = scene.item_group_count > 0}, {scene});
+  if (scene.item_group_count > 0)
+    scene.transforms = items.transforms, scene.items = items.items, scene.batches = items.batches;
   const BufferHandle posed = frame.add(PoseLights{.on_device = scene.light_group_count > 0}, {scene}).lights;
   if (scene.light_group_count > 0) scene.lights = posed;
   const Supersample::Knobs& supersample = frame.knobs.get<Supersample::Knobs>();

@@ -173,7 +173,7 @@ TEST_F(PoseLightsPass, RoundsToTheHostsFloats) {
   for (const double time_s : {0.0, 0.77, 1.9, 12345.678}) {
     const Pose pose = evaluate_pose(*scene, *choose_animations(*scene, "all"), time_s);
     const auto upload_of = [&](const LightLayout* lights) {
-      const FrameData data = make_frame_data(*scene, pose, view, 0.05, lights);
+      const FrameData data = make_frame_data(*scene, pose, view, 0.05, {lights});
       return make_frame_upload(*scene, pose, view, data, make_draw_list(*scene, pose, data, false), geometry, {}, {});
     };
     const FrameUpload expected = upload_of(nullptr), given = upload_of(&layout);

@@ -83,6 +83,38 @@ TEST(FrameViews, RegionsFollowOneAnotherAndHoldWhatIsDrawn) {
   EXPECT_GT(placed->first_command.back(), 0u);
 }
 
+// Of clusters all items have room where any may be kept; the host's items of the other runs keep theirs.
+TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
+  Rng rng(7);
+  auto items = random_items(300, 10, rng);
+  for (size_t i = 100; i < 200; ++i) items[i] = items[i / 4 * 4];  // a cluster is at one place
+  const std::vector<DrawRun> runs = {run(0, 100), run(100, 100, AlphaMode::mask), run(200, 100)};
+  std::vector<shared::View> views;
+  add_cube({3, 1, -4}, 12, views);
+  const auto expected = place_views(views, items, runs, true, 1 << 20);
+  std::vector<shared::Item> host(items.begin(), items.begin() + 100);
+  host.insert(host.end(), items.begin() + 200, items.end());
+  std::vector<ItemCluster> clusters;
+  for (uint32_t first = 100; first < 200; first += 4) {
+    DAabb box;
+    for (uint32_t i = first; i < first + 4; ++i)
+      box.add(DAabb{glm::dvec3(items[i].bounds_centre) - glm::dvec3(items[i].bounds_extent),
+                    glm::dvec3(items[i].bounds_centre) + glm::dvec3(items[i].bounds_extent)});
+    clusters.push_back({1, 4, box.centre(), box.extent()});
+  }
+  const auto placed = place_views(views, host, runs, true, 1 << 20, "sun.draws", false, clusters);
+  const auto unculled = place_views(views, host, runs, false, 1 << 20, "sun.draws", false, clusters);
+  ASSERT_TRUE(expected && placed && unculled);
+  EXPECT_EQ(unculled->first_command.back(), 6 * 300u);
+  for (size_t region = 0; region < 6 * 3; ++region) {
+    const auto room = [&](const FrameViews& v) { return v.first_command[region + 1] - v.first_command[region]; };
+    if (region % 3 == 1)
+      EXPECT_GE(room(*placed), room(*expected)) << region;
+    else
+      EXPECT_EQ(room(*placed), room(*expected)) << region;
+  }
+}
+
 TEST(FrameViews, TooManyDrawsAreAnErrorThatNamesTheNeedAndTheKnob) {
   Rng rng(32);
   const auto items = random_items(300, 5, rng);

@@ -30,7 +30,7 @@ struct OneNode {
   }
   FrameData frame() {
     layout = layout_lights(made());
-    return make_frame_data(scene, evaluate_pose(scene, {}, 0), {}, 0, &layout);
+    return make_frame_data(scene, evaluate_pose(scene, {}, 0), {}, 0, {&layout});
   }
   LightLayout layout;  // as long as groups of it
 };

@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "frame/caster_hash.h"
+#include "frame/device_pose.h"
 #include "frame/frame_fog.h"
 #include "frame/frame_knobs.h"
 #include "frame/job_look.h"
@@ -138,37 +139,6 @@ bool soft_suns(const PlannedFrame& f, const SunKnobs& knobs) {
 }
 bool soft_lamps(const PlannedFrame& f, const LampKnobs& knobs) {
   return f.facts.sized_lights > 0 && (f.lamps.traced || (f.lamps.image && knobs.soft == LampKnobs::pcss));
-}
-
-// The host looks at each light where it chooses lamps for shadow maps, and where it measures the air that lights reach.
-bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs, bool is_cpu) {
-  const LampKnobs& lamps = knobs.get<LampKnobs>();
-  const bool maps =
-      request.wants_true(DepthViews::effect) && lamps.method != LampKnobs::by_rays && lamps.lights != LampKnobs::none;
-  return knobs.get<PoseLights::Knobs>().on_device(is_cpu) && !maps && !request.draws_fog() &&
-         !request.draws_volumetric();
-}
-
-// What looks at each item on the host: trees for rays, and the time before.
-bool poses_items_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique) {
-  const bool occlusion = knobs.get<AmbientOcclusion::Knobs>().method == AmbientOcclusion::Knobs::by_rays &&
-                         (request.has_layer("occlusion") || request.wants_true(AmbientOcclusion::effect));
-  const bool reflections =
-      knobs.get<Reflections::Knobs>().method == Reflections::Knobs::by_rays && request.draws_reflections();
-  const bool refraction =
-      knobs.get<Refraction::Knobs>().method == Refraction::Knobs::by_rays && request.wants_true(Refraction::effect);
-  const bool shadows =
-      request.wants_true(DepthViews::effect) &&
-      (knobs.get<LampKnobs>().method == LampKnobs::by_rays || SunMode(knobs.get<SunKnobs>().mode) == SunMode::traced);
-  const bool rays = technique.keys == Technique::Keys::traced || shows_trees(request) || shadows || occlusion ||
-                    reflections || refraction;
-  return knobs.get<PoseItems::Knobs>().enabled != 0 && !rays && !request.has_layer("motion");
-}
-
-DevicePose posed_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique,
-                           const DevicePose& able, bool is_cpu) {
-  return {poses_lights_on_device(request, knobs, is_cpu) ? able.lights : nullptr,
-          poses_items_on_device(request, knobs, technique) ? able.instances : nullptr};
 }
 
 // Trees, where shading sends rays, and how it does.

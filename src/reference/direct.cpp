@@ -6,6 +6,7 @@
 #include "reference/glass_light.h"
 #include "reference/integrator.h"
 #include "reference/microfacet.h"
+#include "reference/visibility.h"
 
 namespace candela::reference {
 namespace {
@@ -78,21 +79,41 @@ HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dve
           {}};
 }
 
-PixelSample Integrator::sample(int x, int y, uint64_t index, TermSample* terms) const {
-  SampleStream stream(settings_.sampler, x, y, index);
-  return sample_through(glm::dvec2(x, y) + stream.pixel(), stream, terms);
+void Integrator::sample(std::span<const glm::ivec2> pixels, uint64_t index, bool counted, std::span<PixelSample> out,
+                        std::span<TermSample> terms) const {
+  const size_t count = pixels.size();
+  std::vector<SampleStream> streams;
+  std::vector<CameraRay> cameras;
+  std::vector<Ray> rays;
+  streams.reserve(count), cameras.reserve(count), rays.reserve(count);
+  for (const glm::ivec2 pixel : pixels) {
+    streams.emplace_back(settings_.sampler, pixel.x, pixel.y, index);
+    cameras.push_back(world_.camera_ray(glm::dvec2(pixel) + streams.back().pixel(), width_px_, height_px_));
+    rays.push_back(rounded(cameras.back()));
+  }
+  std::vector<std::optional<Hit>> first(count);
+  const SurfaceFilter filter(world_, true);
+  if (!counted) world_.accel().closest(rays, first, &filter);
+  for (size_t i = 0; i < count; ++i) {
+    TraceCounts counts;
+    if (counted) first[i] = world_.accel().closest(rays[i], &filter, &counts);
+    out[i] = sample_along(cameras[i], first[i], streams[i], terms.empty() ? nullptr : &terms[i],
+                          counted ? &counts : nullptr);
+    if (counted) out[i].traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
+  }
 }
 
 PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index, TermSample* terms) const {
   SampleStream stream(settings_.sampler, int(std::floor(place_px.x)), int(std::floor(place_px.y)), index);
-  return sample_through(place_px, stream, terms);
+  const CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
+  return sample_along(ray, next_surface(world_, rounded(ray), true, nullptr, nullptr), stream, terms, nullptr);
 }
 
-PixelSample Integrator::sample_through(glm::dvec2 place_px, SampleStream& stream, TermSample* terms) const {
-  const CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
-  PixelSample out =
-      settings_.mode == Mode::direct ? sample_direct(ray, stream, terms) : sample_path(ray, stream, terms);
-  if (world_.volumetric()) add_volumetric(ray, stream, out, terms);
+PixelSample Integrator::sample_along(const CameraRay& ray, const std::optional<Hit>& first, SampleStream& stream,
+                                     TermSample* terms, TraceCounts* counts) const {
+  PixelSample out = settings_.mode == Mode::direct ? sample_direct(ray, first, stream, terms, counts)
+                                                   : sample_path(ray, first, stream, terms, counts);
+  if (world_.volumetric()) add_volumetric(ray, first, stream, out, terms);
   return out;
 }
 
@@ -104,14 +125,14 @@ std::optional<RayDifferential> Integrator::footprint() const {
   return steps;
 }
 
-PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
+PixelSample Integrator::sample_direct(const CameraRay& camera, const std::optional<Hit>& first, SampleStream& stream,
+                                      TermSample* terms, TraceCounts* counts) const {
   PixelSample out;
   const Ray ray = rounded(camera);
   const glm::dvec3 onward = glm::normalize(camera.direction);
   glm::dvec3 to_viewer = -onward;
   double through = 1, before_m = 0;
-  TraceCounts counts;
-  std::optional<Hit> hit = next_surface(world_, ray, true, nullptr, &counts);
+  std::optional<Hit> hit = first;
   // Front to back: each surface covers what the ones before left open.
   bool opaque_met = false;
   const std::optional<RayDifferential> part = footprint();
@@ -159,7 +180,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     }
     if (!(through > 0)) break;
     const Hit passed = *hit;
-    hit = next_surface(world_, ray, true, &passed, &counts);
+    hit = next_surface(world_, ray, true, &passed, counts);
   }
   if (through > 0) {
     const glm::dvec4 background = world_.background(camera.direction);
@@ -170,7 +191,6 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, SampleStream& str
     out.fog_through += through * (clear - 1.0);
     out.alpha += through * (!world_.media().empty() ? 1 - luminance(clear) * (1 - background.w) : background.w);
   }
-  out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <mutex>
 
 #include "base/files.h"
+#include "bvh/trace.h"
 
 namespace candela::reference {
 namespace {
@@ -24,12 +26,17 @@ struct FileHead {
   Hash128 content;  // of the sums: a file cut short or spoilt is refused
 };
 
+// Pixels of a tile that are traced side by side: a square.
+constexpr int group_px = 4;
+static_assert(group_px * group_px == packet_rays && tile_px % group_px == 0);
+
 }  // namespace
 
 Film::Film(int width_px, int height_px, FilmParts parts)
     : width_(width_px),
       height_(height_px),
       wants_lamp_shadow_(parts.lamp_shadow),
+      wants_traversal_(parts.traversal),
       sums_(size_t(width_px) * size_t(height_px)),
       fog_(parts.fog ? sums_.size() : 0),
       terms_(parts.terms ? sums_.size() : 0) {}
@@ -111,34 +118,43 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
   std::atomic<bool> stopped = false;
   std::mutex reporting;
   int done = 0;
+  const auto add_group = [&](glm::ivec2 first) {
+    std::vector<glm::ivec2> pixels;
+    for (int y = first.y; y < std::min(first.y + group_px, height_); ++y)
+      for (int x = first.x; x < std::min(first.x + group_px, width_); ++x) pixels.emplace_back(x, y);
+    std::vector<PixelSample> samples(pixels.size());
+    std::vector<TermSample> divided;
+    for (uint64_t i = samples_; i < samples_ + uint64_t(count); ++i) {
+      if (!terms.empty()) divided.assign(pixels.size(), {.wants_lamp_shadow = wants_lamp_shadow_});
+      integrator.sample(pixels, i, wants_traversal_, samples, divided);
+      for (size_t k = 0; k < pixels.size(); ++k) {
+        const size_t at = size_t(pixels[k].y) * size_t(width_) + size_t(pixels[k].x);
+        Sums& pixel = sums[at];
+        const PixelSample& s = samples[k];
+        for (int c = 0; c < 3; ++c) {
+          pixel.value[c] += s.radiance[c];
+          pixel.square[c] += s.radiance[c] * s.radiance[c];
+          if (i % 2 == 0) pixel.even[c] += s.radiance[c];
+        }
+        pixel.value[3] += s.alpha;
+        pixel.traversal += s.traversal;
+        for (int c = 0; c < 3 && !fog.empty(); ++c)
+          fog[at].light[c] += s.fog_light[c], fog[at].through[c] += s.fog_through[c];
+        if (terms.empty()) continue;
+        TermSums& parts = terms[at];
+        for (size_t t = 0; t < term_count; ++t)
+          for (int c = 0; c < 3; ++c) parts.light[t][c] += divided[k].light[t][c];
+        parts.shadow += divided[k].shadow;
+        parts.occlusion += divided[k].occlusion;
+        parts.lamp_shadow += divided[k].lamp_shadow;
+      }
+    }
+  };
   tbb::parallel_for(0, tiles, [&](int tile) {
     if (stopped) return;
     const int left = tile % tiles_x * tile_px, top = tile / tiles_x * tile_px;
-    for (int y = top; y < std::min(top + tile_px, height_); ++y)
-      for (int x = left; x < std::min(left + tile_px, width_); ++x) {
-        const size_t at = size_t(y) * size_t(width_) + size_t(x);
-        Sums& pixel = sums[at];
-        for (uint64_t i = samples_; i < samples_ + uint64_t(count); ++i) {
-          TermSample divided;
-          divided.wants_lamp_shadow = wants_lamp_shadow_;
-          const PixelSample s = integrator.sample(x, y, i, terms.empty() ? nullptr : &divided);
-          for (int c = 0; c < 3; ++c) {
-            pixel.value[c] += s.radiance[c];
-            pixel.square[c] += s.radiance[c] * s.radiance[c];
-            if (i % 2 == 0) pixel.even[c] += s.radiance[c];
-          }
-          pixel.value[3] += s.alpha;
-          pixel.traversal += s.traversal;
-          for (int c = 0; c < 3 && !fog.empty(); ++c)
-            fog[at].light[c] += s.fog_light[c], fog[at].through[c] += s.fog_through[c];
-          if (terms.empty()) continue;
-          for (size_t t = 0; t < term_count; ++t)
-            for (int c = 0; c < 3; ++c) terms[at].light[t][c] += divided.light[t][c];
-          terms[at].shadow += divided.shadow;
-          terms[at].occlusion += divided.occlusion;
-          terms[at].lamp_shadow += divided.lamp_shadow;
-        }
-      }
+    for (int y = top; y < std::min(top + tile_px, height_); y += group_px)
+      for (int x = left; x < std::min(left + tile_px, width_); x += group_px) add_group({x, y});
     const std::lock_guard lock(reporting);
     if (!keep_going(double(++done) / tiles)) stopped = true;
   });
@@ -190,6 +206,9 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
     body = body.subspan(sums.size());
   }
   film.samples_ = head.samples;
+  if (parts.traversal && std::ranges::any_of(film.sums_, [](const Sums& s) { return std::isnan(s.traversal); }))
+    return fail(ErrorKind::input, path.string(),
+                "was made without the layer heatmap.traversal, which needs the cost of every sample");
   return film;
 }
 

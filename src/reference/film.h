@@ -13,6 +13,7 @@ namespace candela::reference {
 struct FilmParts {
   bool fog = false, terms = false;
   bool lamp_shadow = false;  // with terms
+  bool traversal = false;    // costs of camera rays
 };
 
 // Sums over the samples of each pixel, in double, added in the order of the samples: any sharing of the work gives the
@@ -26,7 +27,7 @@ class Film {
 
   glm::dvec4 mean(size_t pixel) const;      // premultiplied radiance, alpha
   glm::dvec3 variance(size_t pixel) const;  // of that mean: sample variance over the count; 0 for one sample
-  double traversal(size_t pixel) const;     // mean cost of the camera ray
+  double traversal(size_t pixel) const;     // mean cost of the camera ray; NaN where a sample was not counted
   bool has_fog() const { return !fog_.empty(); }
   glm::dvec3 fog_light(size_t pixel) const;    // mean light of fog, a part of mean(); 0 without fog
   glm::dvec3 fog_through(size_t pixel) const;  // mean transmittance; 1 without fog
@@ -69,7 +70,7 @@ class Film {
   double mean_of_halves(Scale&& scale) const;
 
   int width_, height_;
-  bool wants_lamp_shadow_;
+  bool wants_lamp_shadow_, wants_traversal_;
   uint64_t samples_ = 0;
   std::vector<Sums> sums_;
   std::vector<FogSums> fog_;     // empty: none

@@ -1,6 +1,9 @@
 #pragma once
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "reference/interior.h"
@@ -47,7 +50,8 @@ struct TraceSettings {
 struct PixelSample {
   glm::dvec3 radiance{0};  // premultiplied by alpha
   double alpha = 0;
-  double traversal = 0;       // of the camera ray: a quarter for each node, one for each triangle tested
+  // Of the camera ray: a quarter for each node, one for each triangle tested. NaN: not counted.
+  double traversal = std::numeric_limits<double>::quiet_NaN();
   glm::dvec3 fog_light{0};    // of radiance, what fog scatters or emits towards the camera
   glm::dvec3 fog_through{1};  // what fog leaves of the light of whatever lies at the end of the camera ray
 };
@@ -57,8 +61,12 @@ class Integrator {
  public:
   Integrator(const World& world, const TraceSettings& settings, int width_px, int height_px)
       : world_(world), settings_(settings), width_px_(width_px), height_px_(height_px) {}
-  // terms: adds the sample's terms. They have sums of their own, so that asking for them changes no bit of the rest.
-  PixelSample sample(int x, int y, uint64_t index, TermSample* terms = nullptr) const;
+  // One sample of each of the pixels. Their camera rays go side by side (Accel::closest), so pixels that lie together
+  // are quicker; what a pixel gets does not depend on the others. counted: with PixelSample::traversal, by rays alone.
+  // terms: empty, or one for each pixel, to which the sample's are added. They have sums of their own, so that asking
+  // for them changes no bit of the rest.
+  void sample(std::span<const glm::ivec2> pixels, uint64_t index, bool counted, std::span<PixelSample> out,
+              std::span<TermSample> terms) const;
   // Through a place of the image in pixels, y down.
   PixelSample sample_at(glm::dvec2 place_px, uint64_t index, TermSample* terms = nullptr) const;
 
@@ -67,9 +75,13 @@ class Integrator {
                           TermSample* terms = nullptr) const;
 
  private:
-  PixelSample sample_through(glm::dvec2 place_px, SampleStream& stream, TermSample* terms) const;
-  PixelSample sample_direct(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
-  PixelSample sample_path(const CameraRay& ray, SampleStream& stream, TermSample* terms) const;
+  // first: the surface that the ray meets first. counts: of the ray behind that; null: not wanted.
+  PixelSample sample_along(const CameraRay& ray, const std::optional<Hit>& first, SampleStream& stream,
+                           TermSample* terms, TraceCounts* counts) const;
+  PixelSample sample_direct(const CameraRay& ray, const std::optional<Hit>& first, SampleStream& stream,
+                            TermSample* terms, TraceCounts* counts) const;
+  PixelSample sample_path(const CameraRay& ray, const std::optional<Hit>& first_hit, SampleStream& stream,
+                          TermSample* terms, TraceCounts* counts) const;
   // `terms` may be null in all of these.
   glm::dvec3 punctual(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream& stream,
                       TermSample* terms) const;
@@ -175,7 +187,8 @@ class Integrator {
   glm::dvec3 fog_ambient(glm::dvec3 position, glm::dvec3 direction, double g, SampleStream& stream) const;
   // volumetric.cpp: the look's light of lamps in the air along a camera ray.
   glm::dvec3 volumetric_light(glm::dvec3 origin, glm::dvec3 direction, double end_m, SampleStream& stream) const;
-  void add_volumetric(const CameraRay& camera, SampleStream& stream, PixelSample& out, TermSample* terms) const;
+  void add_volumetric(const CameraRay& camera, const std::optional<Hit>& first, SampleStream& stream, PixelSample& out,
+                      TermSample* terms) const;
   // A point of an emissive triangle as `from` sees it; empty where it gives no light there.
   struct EmissivePoint {
     glm::dvec3 l{0};                 // unit, towards it

@@ -174,11 +174,11 @@ bool Integrator::joins_lamps(int bounce) const {
   return settings_.most_bounces == 0 || bounce + 1 < settings_.most_bounces;
 }
 
-PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& stream, TermSample* terms) const {
+PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional<Hit>& first_hit, SampleStream& stream,
+                                    TermSample* terms, TraceCounts* counts) const {
   PixelSample out;
   glm::dvec3 through(1), origin = camera.origin, direction = camera.direction;
   Ray ray = rounded(camera);
-  TraceCounts counts;
   std::optional<Hit> passed;
   // Of the bounce that the ray comes from; the camera's first ray meets lights by itself alone, and so does one from a
   // mirror.
@@ -205,7 +205,8 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
     const std::optional<Hit> hit =
-        next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? &counts : nullptr);
+        event == 0 ? first_hit
+                   : next_surface(world_, ray, first, passed ? &*passed : nullptr, first ? counts : nullptr);
     Surface s = hit ? world_.surface(*hit, origin, direction, first && part ? &*part : nullptr) : Surface{};
     const glm::dvec3 v = -glm::normalize(direction);
     const double here_m = hit ? glm::dot(s.position - origin, -v) : endless;
@@ -381,7 +382,6 @@ PixelSample Integrator::sample_path(const CameraRay& camera, SampleStream& strea
     way.start_ray();
   }
   if (in_fog) out.fog_light = out.radiance - before_fog;
-  out.traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
   return out;
 }
 

@@ -77,10 +77,10 @@ glm::dvec3 Integrator::volumetric_light(glm::dvec3 origin, glm::dvec3 direction,
   return sum;
 }
 
-void Integrator::add_volumetric(const CameraRay& camera, SampleStream& stream, PixelSample& out,
-                                TermSample* terms) const {
+void Integrator::add_volumetric(const CameraRay& camera, const std::optional<Hit>& first, SampleStream& stream,
+                                PixelSample& out, TermSample* terms) const {
   const glm::dvec3 onward = glm::normalize(camera.direction);
-  std::optional<Hit> hit = next_surface(world_, rounded(camera), true, nullptr, nullptr);
+  std::optional<Hit> hit = first;
   while (hit && world_.is_blended(hit->item)) {
     const Hit passed = *hit;
     hit = next_surface(world_, rounded(camera), true, &passed, nullptr);

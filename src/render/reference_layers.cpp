@@ -114,7 +114,8 @@ const std::vector<std::string>& term_layer_names() {
 reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<std::string>& layers) {
   return {.fog = !frame.world->media().empty(),
           .terms = std::ranges::any_of(term_layer_names(), is_in(layers)),
-          .lamp_shadow = is_in(layers)("shadow.lamps")};
+          .lamp_shadow = is_in(layers)("shadow.lamps"),
+          .traversal = is_in(layers)("heatmap.traversal")};
 }
 
 namespace {

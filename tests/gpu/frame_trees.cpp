@@ -94,7 +94,7 @@ TEST_F(FrameTrees, CostsAreThoseOfTheReference) {
     ASSERT_TRUE(frame);
     reference::TraceSettings settings;
     settings.sampler = {reference::SamplerKind::uniform, 1};  // the pixel's middle
-    reference::Film film(width, height, {});
+    reference::Film film(width, height, {.traversal = true});
     film.add(reference::Integrator(*(*frame)->world, settings, width, height), 1, [](double) { return true; });
     const std::vector<float> truth = reference_counts(film, **frame, "heatmap.traversal");
     const auto cost = images_of(job)["heatmap.traversal"].values<float>();

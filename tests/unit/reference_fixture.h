@@ -61,8 +61,8 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
 }
 
 inline Film traced(const TestWorld& t, const TraceSettings& settings, const TestCamera& camera, int spp,
-                   bool with_terms = false) {
-  Film film(camera.width, camera.height, {.fog = !t.world->media().empty(), .terms = with_terms});
+                   bool with_terms = false, bool counted = false) {
+  Film film(camera.width, camera.height, {.fog = !t.world->media().empty(), .terms = with_terms, .traversal = counted});
   const Integrator integrator(*t.world, settings, camera.width, camera.height);
   EXPECT_TRUE(film.add(integrator, spp, [](double) { return true; }));
   return film;

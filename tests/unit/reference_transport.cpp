@@ -214,6 +214,56 @@ TEST(Transport, AnyNumberOfThreadsGivesTheSameBytes) {
   }
 }
 
+// Costs of camera rays are counted by rays alone, else those of a square of pixels go side by side. Sizes that squares
+// do not fill.
+TEST(Transport, CountingChangesNoPixel) {
+  const TestCamera camera{.eye = camera_of_furnished.eye, .width = 21, .height = 10};
+  const auto t = make_world(furnished(), camera, Sky::neutral(), true);
+  for (const Mode mode : {Mode::direct, Mode::path}) {
+    TraceSettings settings;
+    settings.mode = mode;
+    const Film beside = traced(*t, settings, camera, 3), counted = traced(*t, settings, camera, 3, false, true);
+    for (size_t i = 0; i < beside.pixels(); ++i) {
+      EXPECT_EQ(beside.mean(i), counted.mean(i)) << i;
+      EXPECT_EQ(beside.variance(i), counted.variance(i)) << i;
+      EXPECT_TRUE(std::isnan(beside.traversal(i))) << i;
+      EXPECT_GT(counted.traversal(i), 0) << i;
+    }
+  }
+}
+
+// Only a film all of whose samples were counted tells costs; one without goes on from either.
+TEST(Transport, CostsAreOfEverySampleOrRefused) {
+  const TestCamera& c = camera_of_furnished;
+  const auto t = make_world(furnished(), c, Sky::neutral(), true);
+  const Integrator integrator(*t->world, TraceSettings{}, c.width, c.height);
+  const std::filesystem::path file = ::testing::TempDir() + "candela_reference_costs";
+  const Hash128 identity = hash128("this picture");
+  const FilmParts costs{.traversal = true};
+  const auto go_on = [](const Progress&) { return true; };
+  const auto add_to_file = [&](FilmParts parts, uint64_t spp) {
+    auto film = Film::load(file, identity, c.width, c.height, parts);
+    EXPECT_TRUE(film) << film.error().text();
+    if (!film) return Film(c.width, c.height);
+    refine(*film, integrator, {.spp = spp}, go_on);
+    EXPECT_TRUE(film->save(file, identity));
+    return *film;
+  };
+  Film whole(c.width, c.height, costs);
+  refine(whole, integrator, {.spp = 6}, go_on);
+  ASSERT_TRUE(Film(c.width, c.height, costs).save(file, identity));
+  add_to_file(costs, 2);
+  EXPECT_EQ(bytes_of(add_to_file(costs, 6)), bytes_of(whole));
+
+  const Film longer = add_to_file({}, 8);
+  const auto refused = Film::load(file, identity, c.width, c.height, costs);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text().find("heatmap.traversal"), std::string::npos) << refused.error().text();
+  Film plain(c.width, c.height);
+  refine(plain, integrator, {.spp = 8}, go_on);
+  for (size_t i = 0; i < plain.pixels(); ++i) EXPECT_EQ(longer.mean(i), plain.mean(i)) << i;
+}
+
 TEST(Transport, AResumedFilmIsTheUninterruptedOne) {
   const auto t = make_world(furnished(), camera_of_furnished, Sky::neutral(), true);
   const TestCamera& c = camera_of_furnished;
@@ -261,8 +311,12 @@ TEST(Transport, VarianceAndNoiseAreThoseOfTheSamples) {
     double square = 0, relative = 0;
     for (size_t i = 0; i < film.pixels(); ++i) {
       std::vector<glm::dvec3> x;
-      for (int s = 0; s < count; ++s)
-        x.push_back(integrator.sample(int(i) % camera.width, int(i) / camera.width, uint64_t(s)).radiance);
+      const glm::ivec2 pixel(int(i) % camera.width, int(i) / camera.width);
+      for (int s = 0; s < count; ++s) {
+        PixelSample sample;
+        integrator.sample({&pixel, 1}, uint64_t(s), false, {&sample, 1}, {});
+        x.push_back(sample.radiance);
+      }
       for (int c = 0; c < 3; ++c) {
         double mean = 0, half[2] = {}, scatter = 0;
         for (int s = 0; s < count; ++s) mean += x[size_t(s)][c] / count;

@@ -9,8 +9,8 @@
 namespace candela {
 namespace {
 
-Expected<ProbeFace> draw_face(const Job& job, const PlanContext& context, PlannedFrame& planned,
-                              gpu::FrameRunner& runner, GpuScene& gpu_scene, std::vector<std::string>& warnings) {
+Expected<ProbeFace> draw_face(const Job& job, PlannedFrame& planned, gpu::FrameRunner& runner, GpuScene& gpu_scene,
+                              std::vector<std::string>& warnings) {
   GpuScene::Uploaded uploaded = gpu_scene.upload(planned);
   warnings.insert(warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
   if (const auto prepared = runner.prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
@@ -38,7 +38,7 @@ Expected<DecodedImage> draw_probe(const ReflectionProbe& probe, const ProbeKnobs
     if (!planned) return std::unexpected(planned.error());
     context.rays = planned->rays;
     pre_exposure = planned->upload.constants.pre_exposure;
-    auto face = draw_face(job, context, *planned, runner, gpu_scene, warnings);
+    auto face = draw_face(job, *planned, runner, gpu_scene, warnings);
     if (!face) return std::unexpected(face.error());
     faces[size_t(f)] = std::move(*face);
   }

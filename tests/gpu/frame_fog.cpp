@@ -154,8 +154,10 @@ TEST_F(FrameFog, AnythingGoes) {
         job.settings = {{"fog", "method", method}, {"fog", "grid", "32x18x24"}, {"fog", "steps", "16"}};
         job.layers = {"fog", "fog.transmittance"};
         expect_finite(images_of(job));
-        job.width_px = job.height_px = 1;
-        expect_finite(images_of(job));
+        if (away == 0) {
+          job.width_px = job.height_px = 1;
+          expect_finite(images_of(job));
+        }
         if (HasFailure()) return;
       }
 }

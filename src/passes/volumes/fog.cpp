@@ -8,9 +8,8 @@ namespace {
 
 constexpr uint32_t slices_a_thread = 4;  // FOG_RUN
 
-// Slices of the lights' grid in which a thread's lie, where those have ten octaves and four slices an octave; nearer
-// ones share a slice.
-uint32_t most_cells(uint32_t depths) { return (slices_a_thread * 40 + depths - 3) / (depths - 2) + 1; }
+// Slices of the lights' grid, four an octave, in which a thread's lie, where the fog's reach over twelve octaves.
+uint32_t most_cells(uint32_t depths) { return (slices_a_thread * 48 + depths - 3) / (depths - 2) + 1; }
 
 }  // namespace
 

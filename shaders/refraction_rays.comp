@@ -191,7 +191,8 @@ Followed follow(TraceRay ray, int light, float roughest) {
         // The specular extension scales what is reflected at normal and at grazing incidence.
         const float normal = (eta - 1.0) * (eta - 1.0) / ((eta + 1.0) * (eta + 1.0));
         const float air = (in_air - 1.0) * (in_air - 1.0) / ((in_air + 1.0) * (in_air + 1.0));
-        const vec3 f0 = s.dielectric_f0 * (air > 0.0 ? normal / air : 0.0);
+        // Index 0 reflects all, and index 1 nothing.
+        const vec3 f0 = s.dielectric_f0 * (air > 0.0 ? normal / air : 1.0);
         const vec3 reflected =
             mix(f0, vec3(s.dielectric_f90), normal < 1.0 ? (exact - normal) / (1.0 - normal) : 1.0);
         const float most = clamp(max(reflected.r, max(reflected.g, reflected.b)), 0.0, 1.0);

@@ -11,6 +11,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/shade.glsl"
 #include "lib/gbuffer.glsl"
 #include "lib/gbuffer_read.glsl"
+#include "lib/store_samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
 vec4 shade_point(SurfacePoint p, vec3 to_viewer) {
@@ -26,13 +27,6 @@ vec4 shade_point(SurfacePoint p, vec3 to_viewer) {
 #else
   return vec4(radiance * frame.pre_exposure, 1.0);
 #endif
-}
-
-void put_samples(ivec2 pixel, uint which, vec4 radiance) {
-  SamplesRef samples = SamplesRef(pc.deformed_before);
-  const uint first = (uint(pixel.y) * frame.size_px.x + uint(pixel.x)) * uint(SAMPLES);
-  for (int s = 0; s < SAMPLES; ++s)
-    if ((which >> s & 1u) != 0u) samples.s[first + uint(s)] = radiance;
 }
 
 // What a workgroup's tile of 8x8 pixels shades: a place in the tile, 3 bits x and 3 bits y; a sample of it, 3 bits; the
@@ -62,7 +56,7 @@ void main() {
       items[is_first ? t : atomicAdd(item_count, 1u)] = t | uint(s) << 6u | same << 9u;
       is_first = false;
     } else {
-      put_samples(own, same, vec4(0.0));
+      store_samples(own, same, vec4(0.0));
     }
   }
   barrier();
@@ -73,6 +67,6 @@ void main() {
     pixel_middle = vec2(at) + 0.5;
     const vec3 to_viewer = direction_to_viewer();
     const GBufferSample g = load_gbuffer(at, int(item >> 6u & 7u));
-    put_samples(at, item >> 9u, shade_point(surface_point_of(g, to_viewer), to_viewer));
+    store_samples(at, item >> 9u, shade_point(surface_point_of(g, to_viewer), to_viewer));
   }
 }

@@ -11,11 +11,12 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/triangle.glsl"
 #include "lib/shade.glsl"
 #include "lib/sample_places.glsl"
-#ifdef WHOLE
 #include "lib/sky_seen.glsl"
-#endif
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 30) const int SAMPLES = 1;
+#ifndef WHOLE
+#include "lib/store_samples.glsl"
+#endif
 
 vec4 shade_triangle(uint triangle, vec2 place) {
   const TriangleBatch batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
@@ -52,7 +53,6 @@ vec4 shade_triangle(uint triangle, vec2 place) {
 #endif
 }
 
-#ifdef WHOLE
 vec4 behind_all(vec2 place) {
   const vec2 ndc = 2.0 * place / vec2(frame.size_px) - 1.0;
 #ifdef FOG
@@ -73,7 +73,6 @@ vec4 behind_all(vec2 place) {
   return behind;
 #endif
 }
-#endif
 
 void main() {
   const uvec2 pixel = gl_GlobalInvocationID.xy;
@@ -86,18 +85,20 @@ void main() {
   for (int s = 0; s < SAMPLES; ++s) {
     seen[s] = uint(keys.k[first + uint(s)]);
     if (seen[s] != 0u) left |= 1u << s;
-#ifndef WHOLE
-    if (seen[s] == 0u) SamplesRef(pc.deformed_before).s[first + uint(s)] = vec4(0.0);
-#endif
   }
   const uint all_samples = (1u << SAMPLES) - 1u;
 #ifdef WHOLE
   vec4 sum = vec4(0.0);
-  if (left != all_samples) {
-    const int covered = SAMPLES - bitCount(left);
-    sum = behind_all(pixel_middle) * (float(covered) / float(SAMPLES));
-  }
 #endif
+  if (left != all_samples) {
+    const vec4 behind = behind_all(pixel_middle);
+#ifdef WHOLE
+    const int covered = SAMPLES - bitCount(left);
+    sum = behind * (float(covered) / float(SAMPLES));
+#else
+    store_samples(ivec2(pixel), all_samples & ~left, behind);
+#endif
+  }
   while (left != 0u) {
     const uint triangle = seen[findLSB(left)];
     uint covered = 0u;
@@ -113,8 +114,7 @@ void main() {
 #ifdef WHOLE
     sum += radiance * (float(bitCount(covered)) / float(SAMPLES));
 #else
-    for (int s = 0; s < SAMPLES; ++s)
-      if ((covered >> s & 1u) != 0u) SamplesRef(pc.deformed_before).s[first + uint(s)] = radiance;
+    store_samples(ivec2(pixel), covered, radiance);
 #endif
   }
 #ifdef WHOLE

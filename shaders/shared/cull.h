@@ -11,6 +11,7 @@ struct CullGroup {
   uint first_group;  // of the run: the groups from here to before this one give the offset
   uint is_last;      // of its run: writes the run's draw count
   uint hides;        // 1: opaque or masked triangles, which hide what is behind them and may be hidden
+  uint is_blended;
 };
 // As VkDrawIndexedIndirectCommand.
 struct DrawCommand {
@@ -84,7 +85,7 @@ inline uvec2 cull_threads(uint groups) {
   const uint row = groups < 65535 ? groups : 65535;
   return {row * cull_group_size, (groups + 65534) / 65535};
 }
-static_assert(sizeof(CullGroup) == 24 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 72);
+static_assert(sizeof(CullGroup) == 28 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 72);
 static_assert(sizeof(View) == 252 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
 }  // namespace candela::shared
 #else

@@ -62,8 +62,16 @@ struct TreeBoxesPush {
 };
 struct SamplesPush {  // of passes that put a buffer's samples into images
   uint64_t source;
+  uint64_t tiles;  // TilesRef; only where tiles are drawn
   uvec2 size_px;
   uint sample_number;
+};
+struct BlendedTilesPush {
+  uint64_t groups;  // CullGroup
+  uint64_t kept;    // masks of culling
+  uint64_t tiles;
+  vec2 subsample_ndc;
+  uint group_count;
 };
 SHARED_END
 
@@ -71,11 +79,13 @@ SHARED_END
 namespace candela::shared {
 enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u };
 inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 8;
+inline constexpr uint depth_tile_px = 16;
 static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 96);
 }  // namespace candela::shared
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;
 const uint triangle_batch_size = 64u, raster_tile_px = 16u, raster_chunk = 8u;
+const uint depth_tile_px = 16u;
 const uint large_tile_bits = 40u;
 const uint64_t large_tile_mask = (1ul << large_tile_bits) - 1ul;
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BatchesRef { TriangleBatch b[]; };
@@ -87,5 +97,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LargeRef {
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileGroupsRef { TileGroups g; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SamplesRef { vec4 s[]; };
+// A word for each tile of depth_tile_px; not 0: something blended may be there.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TilesRef { uint t[]; };
 #endif
 #endif

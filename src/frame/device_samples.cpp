@@ -27,6 +27,18 @@ Expected<void> check_samples(const Job& job, const std::vector<int>& possible, c
               joined(names));
 }
 
+Expected<bool> stores_samples(const Job& job, const gpu::Device& device) {
+  const auto knobs = frame_knobs(job);
+  if (!knobs) return std::unexpected(knobs.error());
+  const int samples = knobs->get<Resolve::Knobs>().samples;
+  const bool can = gpu::stores_samples(device, color_format, uint32_t(samples));
+  if (!can && samples > 1 && knobs->get<SampleStoreKnobs>().in == SampleStoreKnobs::image)
+    return fail(ErrorKind::device, "--set sample_store.in",
+                "{} has no multisampled storage images of {} samples; set sample_store.in=buffer", device.info().name,
+                samples);
+  return can;
+}
+
 Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::RayExtensions& has, const std::string& device) {
   const bool by_query = knobs.traversal == BvhKnobs::by_query;
   if (!knobs.on_device() || (by_query ? has.queries : has.pipelines)) return {};

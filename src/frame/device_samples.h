@@ -19,6 +19,10 @@ bool shades_on_cpu(const gpu::Device& device);
 // out, and light with them, and say nothing.
 Expected<void> check_samples(const Job& job, const std::vector<int>& possible, const std::string& device);
 
+// Whether compute stores into multisampled images of the job's samples. An error (device) where a knob asks for it and
+// the device does not.
+Expected<bool> stores_samples(const Job& job, const gpu::Device& device);
+
 // An error (device) where rays are to be traced in a way that the device lacks.
 Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::RayExtensions& has, const std::string& device);
 

@@ -170,7 +170,7 @@ void add_groups(const DrawList& draws, FrameUpload& upload) {
     for (uint32_t at = 0; at < run.count; at += shared::cull_group_size) {
       const uint32_t count = std::min(shared::cull_group_size, run.count - at);
       upload.groups.push_back({run.first + at, count, r, first_group, at + count == run.count ? 1u : 0u,
-                               run.solid() && !run.is_lines() ? 1u : 0u});
+                               run.solid() && !run.is_lines() ? 1u : 0u, run.alpha == AlphaMode::blend ? 1u : 0u});
     }
   }
 }

@@ -247,6 +247,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.width_px = uint32_t(f.request.width_px);
   s.height_px = uint32_t(f.request.height_px);
   s.samples = uint32_t(f.request.samples);
+  s.stores_samples = f.stores_samples;
   if (f.facts.blend_items + f.facts.refracting_items > 0)
     std::tie(s.blended_near_m, s.blended_far_m) = blended_depths(f.data, f.draws, f.view);
   if (f.request.draws_volumetric()) s.volumetric_reach_m = volumetric_reach_m(*f.request.look.volumetric, f.data);
@@ -343,6 +344,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   f.light_instances = on_device.lights ? on_device.lights->instance_count : 0;
   f.mesh_instances = on_device.instances ? on_device.instances->instance_count : 0;
+  f.stores_samples = context.stores_samples && knobs->get<SampleStoreKnobs>().in != SampleStoreKnobs::buffer;
   f.textures = knobs->get<TextureKnobs>();
   f.surfaces = knobs->get<SurfaceKnobs>();
   f.image_light = knobs->get<IblKnobs>();

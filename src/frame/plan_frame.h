@@ -48,6 +48,7 @@ struct PlannedFrame {
   std::shared_ptr<const FrameRays> rays;          // null: nothing is traced
   std::vector<shared::RaySettings> ray_settings;  // one, where shading sends rays or shadows are soft
   TracedRays traced;                              // without handles
+  bool stores_samples = true;                     // as SceneInputs has it
   TextureKnobs textures;
   SurfaceKnobs surfaces;
   IblKnobs image_light;
@@ -88,6 +89,7 @@ struct PlanContext {
   std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
   // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
   bool cpu = true;
+  bool stores_samples = true;  // the device has multisampled storage images of the job's samples
 };
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);

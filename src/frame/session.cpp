@@ -73,6 +73,7 @@ class DeviceSession : public Session {
   std::optional<JobSky> sky_;
   std::string left_out_;  // of the look
   bool has_probes_ = false;
+  bool stores_samples_ = true;  // of the job, on the device
   Hash128 scene_content_;
   std::optional<LookFile> look_;
   std::shared_ptr<const FrameRays> rays_;  // of the last frame that had some
@@ -134,6 +135,9 @@ Expected<void> DeviceSession::open() {
     log::info("technique auto: {}, because {}", chosen.name, chosen.why);
   }
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
+  const auto stores = stores_samples(job_, *device_);
+  if (!stores) return std::unexpected(stores.error());
+  stores_samples_ = *stores;
   try {
     const StageTimer timer(opening_, "upload");
     // An image may be uploaded twice, as sRGB and as linear; the split sum is one more.
@@ -165,6 +169,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   context.on_device = on_device_;
   context.rays = rays_;
   context.cpu = shades_on_cpu(*device_);
+  context.stores_samples = stores_samples_;
   auto planned = plan_frame(job_, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
@@ -178,7 +183,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     if (planned->facts.probes > 0 && !gpu_scene_->probes().loaded()) {
       const StageTimer timer(result.timings, "probes");
       PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
-      without_rays.cpu = context.cpu;
+      without_rays.cpu = context.cpu, without_rays.stores_samples = context.stores_samples;
       if (auto drawn = draw_probes(job_, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
         return std::unexpected(drawn.error());
     }

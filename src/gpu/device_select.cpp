@@ -37,6 +37,8 @@ constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
     {"textureCompressionBC", &VkPhysicalDeviceFeatures::textureCompressionBC},
     {"shaderFloat64", &VkPhysicalDeviceFeatures::shaderFloat64},
     {"shaderInt16", &VkPhysicalDeviceFeatures::shaderInt16},
+    // Samples that compute shades; without it they go through a buffer.
+    {"shaderStorageImageMultisample", &VkPhysicalDeviceFeatures::shaderStorageImageMultisample},
     {"imageCubeArray", &VkPhysicalDeviceFeatures::imageCubeArray},
 };
 constexpr Feature<VkPhysicalDeviceVulkan11Features> required_11[] = {

@@ -22,4 +22,11 @@ std::vector<int> sample_counts(const Device& device, VkFormat color, VkFormat de
   return possible;
 }
 
+bool stores_samples(const Device& device, VkFormat color, uint32_t samples) {
+  VkPhysicalDeviceFeatures features;
+  vkGetPhysicalDeviceFeatures(device.physical(), &features);
+  return features.shaderStorageImageMultisample &&
+         (counts_of(device, color, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT) & samples) != 0;
+}
+
 }  // namespace candela::gpu

@@ -9,4 +9,7 @@ namespace candela::gpu {
 // promises 1 and 4. Drawn with another count, a device may leave samples out.
 std::vector<int> sample_counts(const Device& device, VkFormat color, VkFormat depth);
 
+// Whether compute may store into images of `samples` a pixel that are drawn into and sampled too.
+bool stores_samples(const Device& device, VkFormat color, uint32_t samples);
+
 }  // namespace candela::gpu

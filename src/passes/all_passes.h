@@ -14,6 +14,7 @@
 #include "passes/geometry/depth_prepass.h"
 #include "passes/geometry/depth_pyramid.h"
 #include "passes/geometry/depth_views.h"
+#include "passes/geometry/key_depth.h"
 #include "passes/geometry/occlusion_cull.h"
 #include "passes/geometry/pose_items.h"
 #include "passes/geometry/rasterize.h"
@@ -73,13 +74,13 @@ struct PassList {
 // and the layers derive from it.
 using AllPasses =
     PassList<PoseItems, Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize, RasterizeViews,
-             TraceKeys, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, TileDepth, PoseLights, LightBoundsPass,
-             LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer,
-             ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward, ShadeUnlit, Sky, Background,
-             Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological,
-             Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat, LightVolumeLayer,
-             TraversalHeat, TreeBoxes, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight,
-             Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             TraceKeys, BlendedTiles, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, TileDepth, PoseLights,
+             LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch,
+             ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward, ShadeUnlit,
+             Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments,
+             Phenomenological, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+             LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
+             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 namespace knobs_detail {
 template <class Tuple, class K>

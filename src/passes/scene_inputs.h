@@ -57,6 +57,7 @@ struct SceneInputs {
   std::vector<uint32_t> deform_vertices;  // vertex count of each deform job
   uint32_t deformed_words = 0;            // size of the deformed buffer
   uint32_t width_px = 0, height_px = 0, samples = 1;
+  bool stores_samples = true;  // compute stores into multisampled images, of as many samples
   // Of one picture of a supersampled frame: normalised device coordinates off the middle of the pixel, and a sample's
   // side in pixels.
   bool is_subsample = false;

@@ -76,18 +76,22 @@ Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surf
                     const Shaded& shaded, std::string_view instance) {
   const ImageHandle depth = surfaces.depth;
   Composite out;
+  ImageHandle color = shaded.color;
+  if (shaded.has_background) {
+    if (is_first_picture(instance))
+      for (const std::string_view pass : {Sky::name, Background::name})
+        frame.builder.leave_out(std::string(pass), "surfaces are shaded with what is behind them (shade_visible)");
+  } else {
+    const CellLists fog = fog_to_infinity(lighting.lists);
+    color = newest(frame.add(Sky{}, {scene, depth, color, fog}, instance).color, color);
+    color = newest(frame.add(Background{}, {scene, depth, color, fog}, instance).color, color);
+  }
   if (shaded.whole) {
-    for (const std::string_view pass : {Sky::name, Background::name})
-      frame.builder.leave_out(std::string(pass), "surfaces are shaded with what is behind them (shade_visible)");
     out.radiance = shaded.color;
     out.depth = depth;
     out.resolved = true;
     return out;
   }
-  ImageHandle color = newest(
-      frame.add(Sky{}, {scene, depth, shaded.color, fog_to_infinity(lighting.lists)}, instance).color, shaded.color);
-  color =
-      newest(frame.add(Background{}, {scene, depth, color, fog_to_infinity(lighting.lists)}, instance).color, color);
   out.reflected = reflections(frame, scene, surfaces, lighting, color, instance);
   color = newest(frame.add(ReflectionsOver{}, {scene, out.reflected, depth, color}, instance).color, color);
   out.radiance = color;

@@ -15,8 +15,7 @@ Shaded deferred(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces
                 std::string_view instance) {
   const CellLists lists = lighting.of_opaque();
   const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
-  const BufferHandle samples = frame.add(ShadeGBuffer{}, {scene, gbuffer, lists}, instance).samples;
-  return {frame.add(PutSamples{}, {scene, samples}, instance).color};
+  return {sampled_image(frame, scene, frame.add(ShadeGBuffer{}, {scene, gbuffer, lists}, instance).samples, instance)};
 }
 
 // The same, light by light (Hargreaves and Harris, "Deferred Shading", 2004).

@@ -55,6 +55,15 @@ void find_visible_depths(Frame& frame, const SceneInputs& scene, Surfaces& surfa
   find_depths(frame, scene, compact(culled.rest, culled.rest_survivors, "rest"), surfaces, instance);
 }
 
+// Whether nothing asks for depths but blended surfaces, where they are drawn. What bends light or reflects looks
+// beside them, and layers look everywhere.
+bool tests_blended_alone(const Frame& frame, const SceneInputs& scene) {
+  const FrameRequest& request = frame.request;
+  return frame.facts.blend_items > 0 && request.transparency != Phenomenological::method && request.layers.empty() &&
+         request.view == "beauty" && !request.wants_term("emission") && !draws_lines(scene) &&
+         !Refraction{}.needed(frame.facts, request) && !Reflections{}.needed(frame.facts, request);
+}
+
 // Depths of the surfaces, and, where compute rasterizes triangles, which are seen.
 void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, std::string_view instance = {}) {
   surfaces.keys = {}, surfaces.depth = {};
@@ -83,12 +92,14 @@ void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, st
     }
   }
   if (scene.batch_count == 0) {
-    for (const std::string_view pass : {Rasterize::name, KeyDepth::name})
+    for (const std::string_view pass : {Rasterize::name, BlendedTiles::name, KeyDepth::name})
       leave_out(pass, "the hardware draws what the camera sees (--technique visibility, hybrid, ray)");
     return;
   }
+  const bool in_tiles = frame.knobs.get<KeyDepth::Knobs>().tiles != 0 && tests_blended_alone(frame, scene);
+  const BufferHandle tiles = frame.add(BlendedTiles{in_tiles}, {scene, surfaces.kept_items}, instance).tiles;
   surfaces.depth =
-      frame.add(KeyDepth{}, {surfaces.keys, scene.width_px, scene.height_px, scene.samples}, instance).depth;
+      frame.add(KeyDepth{}, {surfaces.keys, tiles, scene.width_px, scene.height_px, scene.samples}, instance).depth;
   if (!draws_lines(scene)) {
     leave_out(DepthPrepass::name, "keys of triangles tell depths (rasterize, trace_keys)");
     return;

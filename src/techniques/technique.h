@@ -56,7 +56,8 @@ bool shades_occluded(const Frame& frame);
 // The opaque and masked surfaces as a technique shades them; empty: there are none.
 struct Shaded {
   ImageHandle color;
-  bool whole = false;  // what is behind them is in it, and the pixels' samples are resolved: nothing is drawn over it
+  bool has_background = false;  // what is behind them is in it
+  bool whole = false;           // and the pixels' samples are resolved: nothing is drawn over it
 };
 // Everything that is not an opaque or masked surface, over and behind them, in order, and what the surfaces reflect of
 // each other. `shaded` may be empty.
@@ -135,6 +136,10 @@ LayerForm layer_form(std::string_view layer);
 
 // The whole frame.
 void build_frame(Frame& frame, const SceneInputs& scene, const Technique& technique);
+
+// The samples that a pass in compute has shaded, as an image.
+ImageHandle sampled_image(Frame& frame, const SceneInputs& scene, const SampleStore& samples,
+                          std::string_view instance);
 
 Shaded forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                std::string_view instance);

@@ -12,6 +12,14 @@ bool drawn_over(const Frame& frame, const SceneInputs& scene) {
 
 }  // namespace
 
+ImageHandle sampled_image(Frame& frame, const SceneInputs& scene, const SampleStore& samples,
+                          std::string_view instance) {
+  if (samples.buffer) return frame.add(PutSamples{}, {scene, samples}, instance).color;
+  if (is_first_picture(instance))
+    frame.builder.leave_out(std::string(PutSamples::name), "shaded samples are stored into an image (sample_store.in)");
+  return samples.color;
+}
+
 Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   std::string_view instance) {
   if (!surfaces.keys) return forward(frame, scene, surfaces, lighting, instance);
@@ -27,10 +35,10 @@ Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
       leave_out(pass, "surfaces are shaded in compute (shade_visible)");
   if (in.whole) {
     leave_out(PutSamples::name, "nothing is drawn over the surfaces: their samples are resolved as they are shaded");
-    return {shaded.color, true};
+    return {shaded.color, true, true};
   }
-  const ImageHandle color = frame.add(PutSamples{}, {scene, shaded.samples}, instance).color;
-  return {draws_lines(scene) ? draw_forward(frame, scene, surfaces, lighting, color, true, instance) : color};
+  const ImageHandle color = sampled_image(frame, scene, shaded.samples, instance);
+  return {draws_lines(scene) ? draw_forward(frame, scene, surfaces, lighting, color, true, instance) : color, true};
 }
 
 }  // namespace candela

@@ -149,13 +149,13 @@ GraphicsPipelineDesc samples_pipeline(std::string fragment_shader, uint32_t samp
   return desc;
 }
 
-void record_samples(CommandList& commands, PipelineHandle pipeline, BufferHandle source, glm::uvec2 size_px,
-                    uint32_t samples) {
+void record_samples(CommandList& commands, PipelineHandle pipeline, shared::SamplesPush push, uint32_t samples,
+                    uint32_t tiles) {
   commands.bind(pipeline);
   commands.set_cull(false, false);
-  for (uint32_t sample = 0; sample < samples; ++sample) {
-    commands.push(shared::SamplesPush{commands.address(source), size_px, sample});
-    commands.draw(3);
+  for (push.sample_number = 0; push.sample_number < samples; ++push.sample_number) {
+    commands.push(push);
+    commands.draw(tiles > 0 ? 6 : 3, tiles > 0 ? tiles : 1);
   }
 }
 

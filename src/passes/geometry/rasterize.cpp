@@ -158,23 +158,4 @@ void RasterizeViews::record(CommandList& commands, const In& in, const Out& out)
   record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, knobs, in.views.count, push);
 }
 
-KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {
-  builder.read(in.keys, Access::fragment_read, "keys");
-  GraphicsPipelineDesc desc = samples_pipeline("key_depth.frag", in.samples);
-  desc.depth_format = depth_format;
-  desc.depth_test = desc.depth_write = true;
-  desc.depth_compare = VK_COMPARE_OP_ALWAYS;
-  Out out;
-  out.pipeline = builder.pipeline(desc);
-  out.depth = builder.write(builder.create(ImageDesc{"depth", depth_format, in.width_px, in.height_px, in.samples}),
-                            Access::depth_attachment);
-  return out;
-}
-
-void KeyDepth::record(CommandList& commands, const In& in, const Out& out) const {
-  commands.begin_rendering({}, out.depth);
-  record_samples(commands, out.pipeline, in.keys, {in.width_px, in.height_px}, in.samples);
-  commands.end_rendering();
-}
-
 }  // namespace candela

@@ -74,20 +74,4 @@ struct RasterizeViews {
   Knobs knobs;
 };
 
-// The depths of keys as an image, for passes that test against it or sample it.
-struct KeyDepth {
-  static constexpr std::string_view name = "key_depth";
-  struct In {
-    BufferHandle keys;
-    uint32_t width_px = 0, height_px = 0, samples = 1;
-  };
-  struct Out {
-    ImageHandle depth;
-    PipelineHandle pipeline;
-  };
-  Need needed(const SceneFacts&, const FrameRequest&) const { return {}; }
-  Out declare(GraphBuilder& builder, const In& in) const;
-  void record(CommandList& commands, const In& in, const Out& out) const;
-};
-
 }  // namespace candela

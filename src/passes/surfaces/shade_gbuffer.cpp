@@ -22,16 +22,15 @@ ShadeGBuffer::Out ShadeGBuffer::declare(GraphBuilder& builder, const In& in) con
   desc.constants.push_back({30, "SAMPLES", s.samples});
   desc.shader += surface_definitions(desc.constants);
   Out out;
+  out.samples = declare_sample_store(builder, s, name, desc.shader);
   out.pipeline = builder.pipeline(desc);
-  const uint64_t samples = uint64_t(s.width_px) * s.height_px * s.samples;
-  out.samples = builder.write(builder.create(BufferDesc{"shade_gbuffer.samples", samples * 16}), Access::compute_write);
   return out;
 }
 
 void ShadeGBuffer::record(CommandList& commands, const In& in, const Out& out) const {
   OwnInputs own;
   own.word = gbuffer_places(commands, in.gbuffer);
-  own.deformed_before = out.samples;
+  push_sample_store(commands, out.samples, own);
   commands.bind(out.pipeline);
   commands.push(draw_push(commands, in.scene, {}, &in.lists, &in.lists, own));
   commands.dispatch(in.scene.width_px, in.scene.height_px);

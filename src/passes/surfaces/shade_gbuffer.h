@@ -2,16 +2,16 @@
 #include "passes/pass.h"
 #include "passes/scene_inputs.h"
 #include "passes/surfaces/gbuffer_images.h"
+#include "passes/surfaces/sample_store.h"
 
 namespace candela {
 
 // Radiance of what a G-buffer holds, in compute, by the same functions as ShadeForward and ShadeUnlit: of a pixel's
 // samples those that hold the same bits once; what pixels with edges have more of is put into a list of their tile,
-// which all its threads share. Units: cd/m2 times the pre-exposure. A colour for each sample, which PutSamples makes an
-// image of.
+// which all its threads share. Units: cd/m2 times the pre-exposure. A colour for each sample.
 struct ShadeGBuffer {
   static constexpr std::string_view name = "shade_gbuffer";
-  using SharedKnobs = GBufferShadingKnobs;
+  using SharedKnobs = decltype(std::tuple_cat(GBufferShadingKnobs{}, std::tuple<SampleStoreKnobs>{}));
   static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};  // image-based light
   struct In {
     SceneInputs scene;
@@ -19,7 +19,7 @@ struct ShadeGBuffer {
     CellLists lists;  // empty: every light for every pixel
   };
   struct Out {
-    BufferHandle samples;  // of vec4
+    SampleStore samples;
     PipelineHandle pipeline;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

@@ -3,6 +3,7 @@
 #include "passes/scene_inputs.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/sample_store.h"
 #include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
@@ -10,12 +11,12 @@ namespace candela {
 
 // Radiance of the surfaces that a visibility buffer names (passes/geometry/rasterize.h), in compute, by the same
 // functions as ShadeForward and ShadeUnlit: each triangle of a pixel once, at the middle of its samples there, with
-// attributes and their slopes by the camera's ray and its differential. Units: cd/m2 times the pre-exposure.
-// whole: nothing is drawn over it but by depth: with sky or background behind, the pixel's mean of samples.
-// Otherwise a colour for each sample, which PutSamples makes an image of.
+// attributes and their slopes by the camera's ray and its differential, and sky or background where there is none.
+// Units: cd/m2 times the pre-exposure. whole: nothing is drawn over it: the pixel's mean of samples.
+// Otherwise a colour for each sample.
 struct ShadeVisible {
   static constexpr std::string_view name = "shade_visible";
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, SampleStoreKnobs>;
   static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};
   struct In {
     SceneInputs scene;
@@ -25,27 +26,11 @@ struct ShadeVisible {
     bool whole = false, draws_sky = false;
   };
   struct Out {
-    ImageHandle color;     // whole: one sample
-    BufferHandle samples;  // else: of vec4
+    ImageHandle color;    // whole: one sample
+    SampleStore samples;  // else
     PipelineHandle pipeline;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
-  Out declare(GraphBuilder& builder, const In& in) const;
-  void record(CommandList& commands, const In& in, const Out& out) const;
-};
-
-// A buffer's samples as an image that passes draw over.
-struct PutSamples {
-  static constexpr std::string_view name = "put_samples";
-  struct In {
-    SceneInputs scene;
-    BufferHandle samples;
-  };
-  struct Out {
-    ImageHandle color;
-    PipelineHandle pipeline;
-  };
-  Need needed(const SceneFacts&, const FrameRequest&) const { return {}; }
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
 };

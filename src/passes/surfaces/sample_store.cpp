@@ -1,0 +1,63 @@
+#include "passes/surfaces/sample_store.h"
+
+namespace candela {
+
+std::span<const Knob<SampleStoreKnobs>> SampleStoreKnobs::table() {
+  static const Knob<SampleStoreKnobs> table[] = {
+      {"in",
+       &SampleStoreKnobs::in,
+       "",
+       automatic,
+       buffer,
+       {automatic},
+       "where compute puts the samples of a multisampled picture that others draw over: the image, or a buffer that "
+       "fragment shaders copy; auto: the image where the device can",
+       {"auto", "image", "buffer"},
+       Trades::time,
+       {image, buffer, automatic},
+       {"shade_visible", "shade_gbuffer", "put_samples"}},
+  };
+  return table;
+}
+
+SampleStore declare_sample_store(GraphBuilder& builder, const SceneInputs& scene, std::string_view pass,
+                                 std::string& shader) {
+  SampleStore store;
+  if (scene.samples == 1 || scene.stores_samples) {
+    shader += scene.samples == 1 ? "#STORE=1" : "#STORE=2";
+    const ImageDesc desc{"color", color_format, scene.width_px, scene.height_px, scene.samples};
+    store.color = builder.write(builder.create(desc), Access::storage_image_write);
+  } else {
+    const uint64_t samples = uint64_t(scene.width_px) * scene.height_px * scene.samples;
+    const BufferDesc desc{fmt::format("{}.samples", pass), samples * sizeof(glm::vec4)};
+    store.buffer = builder.write(builder.create(desc), Access::compute_write);
+  }
+  return store;
+}
+
+void push_sample_store(CommandList& commands, const SampleStore& store, OwnInputs& own) {
+  own.deformed_before = store.buffer;
+  if (store.color) own.number = commands.storage(store.color);
+}
+
+PutSamples::Out PutSamples::declare(GraphBuilder& builder, const In& in) const {
+  builder.read(in.samples.buffer, Access::fragment_read, "the shaded samples");
+  GraphicsPipelineDesc desc = samples_pipeline("put_samples.frag", in.scene.samples);
+  desc.color_formats = {color_format};
+  Out out;
+  out.pipeline = builder.pipeline(desc);
+  out.color = write_color(builder, in.scene, {});
+  return out;
+}
+
+void PutSamples::record(CommandList& commands, const In& in, const Out& out) const {
+  const CommandList::Attachment color{out.color};
+  commands.begin_rendering({&color, 1}, {});
+  shared::SamplesPush push{};
+  push.source = commands.address(in.samples.buffer);
+  push.size_px = {in.scene.width_px, in.scene.height_px};
+  record_samples(commands, out.pipeline, push, in.scene.samples);
+  commands.end_rendering();
+}
+
+}  // namespace candela

@@ -195,6 +195,8 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"rasterize", "small_px", {"1", "8", "64"}},
       {"rasterize", "list", {"1", "262144"}},
       {"pose_lights", "enabled", {"off", "on"}},
+      {"key_depth", "tiles", {"0", "1"}},
+      {"sample_store", "in", {"image", "buffer"}},
       {"pose_items", "enabled", {"0", "1"}},
       {"bvh", "builder", {"equal-counts", "sah", "sbvh"}},
       {"bvh", "buckets", {"12", "32"}},

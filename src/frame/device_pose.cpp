@@ -4,11 +4,11 @@ namespace candela {
 namespace {
 
 // The host looks at each light where it chooses lamps for shadow maps, and where it measures the air that lights reach.
-bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs, bool is_cpu) {
+bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs, bool is_cpu, uint32_t instances) {
   const LampKnobs& lamps = knobs.get<LampKnobs>();
   const bool maps =
       request.wants_true(DepthViews::effect) && lamps.method != LampKnobs::by_rays && lamps.lights != LampKnobs::none;
-  return knobs.get<PoseLights::Knobs>().on_device(is_cpu) && !maps && !request.draws_fog() &&
+  return knobs.get<PoseLights::Knobs>().on_device(is_cpu, instances) && !maps && !request.draws_fog() &&
          !request.draws_volumetric();
 }
 
@@ -32,7 +32,8 @@ bool poses_items_on_device(const FrameRequest& request, const KnobValues& knobs,
 
 DevicePose posed_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique,
                            const DevicePose& able, bool is_cpu) {
-  return {poses_lights_on_device(request, knobs, is_cpu) ? able.lights : nullptr,
+  const uint32_t lights = able.lights ? able.lights->instance_count : 0;
+  return {poses_lights_on_device(request, knobs, is_cpu, lights) ? able.lights : nullptr,
           poses_items_on_device(request, knobs, technique) ? able.instances : nullptr};
 }
 

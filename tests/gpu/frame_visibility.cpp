@@ -104,6 +104,31 @@ TEST_F(Visibility, TakesAnyWayToTheSameBytes) {
   }
 }
 
+// Where depths are put into the tiles of blended surfaces alone, and whichever way samples take into their image.
+TEST_F(Visibility, DrawsBlendedSurfacesOverPartsOfADepth) {
+  Job job = of_scene("alpha", 4);
+  job.width_px = 101, job.height_px = 67;
+  for (const std::string method : {"sorted", "weighted", "moments", "fragments"})
+    for (const bool near : {false, true}) {
+      if (near) look(job, {0.1, 1.0, 0.9}, {0.0, 0.9, -1.0});
+      job.transparency = method;
+      const Image tiles = picture(job, "visibility");
+      EXPECT_EQ(tiles, with(job, "key_depth", "tiles", "0")) << method << near;
+      EXPECT_EQ(tiles, with(job, "sample_store", "in", "buffer")) << method << near;
+      EXPECT_NE(tiles, picture(job, "clustered")) << "nothing was compared";
+    }
+}
+
+TEST_F(Visibility, StoresSamplesOfAnyTechniqueEitherWay) {
+  for (const auto& [name, technique] :
+       {std::pair("animated", "visibility"), std::pair("street", "deferred-clustered")}) {
+    Job job = of_scene(name, 4);
+    const Image stored = picture(job, technique);
+    job.settings.push_back({"sample_store", "in", "buffer"});
+    EXPECT_EQ(stored, picture(job, technique)) << name;
+  }
+}
+
 // A plane under the eye: corners behind it, and far outside of what fixed point holds.
 TEST_F(Visibility, ClipsWhatPassesTheEye) {
   Job job = of_scene("spheres");

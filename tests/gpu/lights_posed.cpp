@@ -128,8 +128,17 @@ TEST_F(PosedLights, GiveTheBytesOfTheHostsPose) {
 }
 
 // Nothing is gained where the device is a CPU, whose lists need the host's pose to be filled in light order.
-TEST_F(PosedLights, StayWithTheHostOfACpu) {
-  const Lamps scene(glm::dvec3(0), 150);
+TEST_F(PosedLights, StayWithTheHostOfACpuOrWhereTheyAreFew) {
+  constexpr uint32_t few = PoseLights::Knobs::few;
+  const auto on_device = [](int enabled, bool is_cpu, uint32_t instances) {
+    return PoseLights::Knobs{enabled}.on_device(is_cpu, instances);
+  };
+  EXPECT_TRUE(on_device(PoseLights::Knobs::automatic, false, few));
+  EXPECT_FALSE(on_device(PoseLights::Knobs::automatic, false, few - 1));
+  EXPECT_FALSE(on_device(PoseLights::Knobs::automatic, true, few));
+  EXPECT_TRUE(on_device(PoseLights::Knobs::on, true, 1));
+  EXPECT_FALSE(on_device(PoseLights::Knobs::off, false, few));
+  const Lamps scene(glm::dvec3(0), few / 2);
   Job job = job_of(scene, glm::dvec3(0), "clustered", true);
   job.settings.pop_back();
   const auto session = open(job);

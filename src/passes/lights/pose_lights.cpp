@@ -4,7 +4,9 @@
 
 namespace candela {
 
-bool PoseLights::Knobs::on_device(bool is_cpu) const { return enabled == on || (enabled == automatic && !is_cpu); }
+bool PoseLights::Knobs::on_device(bool is_cpu, uint32_t instances) const {
+  return enabled == on || (enabled == automatic && !is_cpu && instances >= few);
+}
 
 std::span<const Knob<PoseLights::Knobs>> PoseLights::Knobs::table() {
   static const Knob<Knobs> table[] = {
@@ -14,7 +16,7 @@ std::span<const Knob<PoseLights::Knobs>> PoseLights::Knobs::table() {
        off,
        automatic,
        {automatic},
-       "pose light instances on the device; off: on the host; auto: on the device unless it is a CPU",
+       "pose light instances on the device; off: on the host; auto: on a GPU, 2,048 or more",
        {"off", "on", "auto"},
        Trades::time,
        {off, on, automatic}},

@@ -13,10 +13,11 @@ struct PoseLights {
   struct Knobs {
     static constexpr std::string_view name = "pose_lights";
     // automatic: a CPU gains nothing by a pass, and lists of lights that the host has posed take it half the time
-    // (lights.order).
+    // (lights.order); a GPU poses `few` or more, for finding the bounds of fewer takes it longer than the host.
     enum Enabled : int { off, on, automatic };
     int enabled = automatic;
-    bool on_device(bool is_cpu) const;
+    static constexpr uint32_t few = 2048;
+    bool on_device(bool is_cpu, uint32_t instances) const;
     static std::span<const Knob<Knobs>> table();
   };
   Knobs knobs;

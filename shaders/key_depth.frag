@@ -6,5 +6,4 @@ layout(push_constant, scalar) uniform Push { SamplesPush pc; };
 
 void main() {
   gl_FragDepth = uintBitsToFloat(uint(KeysRef(pc.source).k[place_of_sample()] >> 32));
-  cover_sample();
 }

@@ -6,5 +6,4 @@ layout(location = 0) out vec4 out_radiance;
 
 void main() {
   out_radiance = SamplesRef(pc.source).s[place_of_sample()];
-  cover_sample();
 }

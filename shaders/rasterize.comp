@@ -47,13 +47,12 @@ void rasterize_alone(Triangle t, Piece piece, PixelBounds at) {
     }
 }
 
-void main() {
-  const uint batch = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
-  if (batch >= pc.batch_count) return;
-  const TriangleBatch b = BatchesRef(pc.batches).b[batch];
+bool stays(TriangleBatch b) {
   const uint bit = b.cull_bit + gl_WorkGroupID.z * pc.view_masks;
-  if ((MasksRef(pc.masks).m[bit / 32u] >> (bit & 31u) & 1u) == 0u) return;
-  begin_view(gl_WorkGroupID.z);
+  return (MasksRef(pc.masks).m[bit / 32u] >> (bit & 31u) & 1u) != 0u;
+}
+
+void rasterize_batch(uint batch, TriangleBatch b) {
   const Item item = load_item(b.item);
   if (3u * (b.first_triangle + gl_LocalInvocationIndex) + 2u >= item.index_count) return;
   const Triangle t = load_triangle(b, item, batch * triangle_batch_size + gl_LocalInvocationIndex);
@@ -71,9 +70,45 @@ void main() {
     const PixelBounds at = piece_bounds(piece);
     const ivec2 size = at.high - at.low + 1;
     if (any(lessThanEqual(size, ivec2(0)))) continue;
-    if (!clipped && all(lessThanEqual(piece_size(piece), ivec2(pc.small_px))))
+    const ivec2 extent = clipped ? ivec2(2 * raster_most_small_px) : piece_size(piece);
+    if (all(lessThanEqual(extent, ivec2(pc.small_px)))) {
       rasterize_small(t, piece, at);
-    else if (!put_large(t, piece, at))
-      rasterize_alone(t, piece, at);
+    } else if (!put_large(t, piece, at)) {
+      if (all(lessThanEqual(extent, ivec2(raster_most_small_px))))
+        rasterize_small(t, piece, at);
+      else
+        rasterize_alone(t, piece, at);
+    }
   }
 }
+
+#ifdef VIEWS
+// Most batches are out of most views: a workgroup looks at raster_view_batches of them and goes through those that stay.
+shared uint staying;
+
+void main() {
+  const uint t = gl_LocalInvocationIndex;
+  const uint first = (gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x) * raster_view_batches;
+  if (t == 0u) staying = 0u;
+  barrier();
+  if (t < raster_view_batches && first + t < pc.batch_count && stays(BatchesRef(pc.batches).b[first + t]))
+    atomicOr(staying, 1u << t);
+  barrier();
+  const uint all = staying;
+  if (all == 0u) return;
+  begin_view(gl_WorkGroupID.z);
+  for (uint left = all; left != 0u; left &= left - 1u) {
+    const uint batch = first + uint(findLSB(left));
+    rasterize_batch(batch, BatchesRef(pc.batches).b[batch]);
+  }
+}
+#else
+void main() {
+  const uint batch = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+  if (batch >= pc.batch_count) return;
+  const TriangleBatch b = BatchesRef(pc.batches).b[batch];
+  if (!stays(b)) return;
+  begin_view(0u);
+  rasterize_batch(batch, b);
+}
+#endif

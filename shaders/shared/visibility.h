@@ -64,7 +64,6 @@ struct SamplesPush {  // of passes that put a buffer's samples into images
   uint64_t source;
   uint64_t tiles;  // TilesRef; only where tiles are drawn
   uvec2 size_px;
-  uint sample_number;
 };
 struct BlendedTilesPush {
   uint64_t groups;  // CullGroup
@@ -79,12 +78,16 @@ SHARED_END
 namespace candela::shared {
 enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u };
 inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 8;
+inline constexpr uint raster_view_batches = 8;  // that a workgroup looks at, of a view
+inline constexpr int raster_most_small_px = 64;  // a side of what 32-bit edge functions hold
 inline constexpr uint depth_tile_px = 16;
 static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 96);
 }  // namespace candela::shared
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;
 const uint triangle_batch_size = 64u, raster_tile_px = 16u, raster_chunk = 8u;
+const uint raster_view_batches = 8u;
+const int raster_most_small_px = 64;
 const uint depth_tile_px = 16u;
 const uint large_tile_bits = 40u;
 const uint64_t large_tile_mask = (1ul << large_tile_bits) - 1ul;

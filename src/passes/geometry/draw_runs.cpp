@@ -149,14 +149,11 @@ GraphicsPipelineDesc samples_pipeline(std::string fragment_shader, uint32_t samp
   return desc;
 }
 
-void record_samples(CommandList& commands, PipelineHandle pipeline, shared::SamplesPush push, uint32_t samples,
-                    uint32_t tiles) {
+void record_samples(CommandList& commands, PipelineHandle pipeline, const shared::SamplesPush& push, uint32_t tiles) {
   commands.bind(pipeline);
   commands.set_cull(false, false);
-  for (push.sample_number = 0; push.sample_number < samples; ++push.sample_number) {
-    commands.push(push);
-    commands.draw(tiles > 0 ? 6 : 3, tiles > 0 ? tiles : 1);
-  }
+  commands.push(push);
+  commands.draw(tiles > 0 ? 6 : 3, tiles > 0 ? tiles : 1);
 }
 
 ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHandle color) {

@@ -38,9 +38,9 @@ NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs&
                                        std::string vertex_shader = "draw.vert");
 
 // Puts a buffer's samples, one for each of the image that is drawn into (shaders/lib/sample_of_buffer.glsl), into that
-// image: a pipeline without formats, and its draws, inside begin_rendering; tiles: how many, 0: all of the picture.
+// image: a pipeline without formats, and its draw, inside begin_rendering; tiles: how many, 0: all of the picture.
 GraphicsPipelineDesc samples_pipeline(std::string fragment_shader, uint32_t samples);
-void record_samples(CommandList& commands, PipelineHandle pipeline, shared::SamplesPush push, uint32_t samples,
+void record_samples(CommandList& commands, PipelineHandle pipeline, const shared::SamplesPush& push,
                     uint32_t tiles = 0);
 
 // The colour image of a shading pass: `color` written again, or a new one where there is none yet. It is not cleared:

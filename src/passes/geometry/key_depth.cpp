@@ -72,7 +72,7 @@ void KeyDepth::record(CommandList& commands, const In& in, const Out& out) const
   push.source = commands.address(in.keys);
   push.size_px = {in.width_px, in.height_px};
   if (in.tiles) push.tiles = commands.address(in.tiles);
-  record_samples(commands, out.pipeline, push, in.samples, in.tiles ? tile_count(in.width_px, in.height_px) : 0);
+  record_samples(commands, out.pipeline, push, in.tiles ? tile_count(in.width_px, in.height_px) : 0);
   commands.end_rendering();
 }
 

@@ -17,7 +17,7 @@ std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
        .member = &RasterKnobs::small_px,
        .unit = "px",
        .lowest = 1,
-       .highest = 64,
+       .highest = shared::raster_most_small_px,
        .ladder = {8},
        .trades = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
        .kind = Trades::time,
@@ -96,8 +96,9 @@ void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks
   commands.bind(commands.step() == 0 ? steps.batches : steps.tiles);
   commands.push(push);
   if (commands.step() == 2) return commands.dispatch_indirect(steps.groups);
-  const uint32_t row = std::min(s.batch_count, most_groups);
-  commands.dispatch(row * shared::triangle_batch_size, (s.batch_count + row - 1) / row, views);
+  const uint32_t of_group = push.views ? shared::raster_view_batches : 1;
+  const uint32_t groups = (s.batch_count + of_group - 1) / of_group, row = std::min(groups, most_groups);
+  commands.dispatch(row * shared::triangle_batch_size, (groups + row - 1) / row, views);
 }
 
 }  // namespace

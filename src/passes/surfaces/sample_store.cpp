@@ -56,7 +56,7 @@ void PutSamples::record(CommandList& commands, const In& in, const Out& out) con
   shared::SamplesPush push{};
   push.source = commands.address(in.samples.buffer);
   push.size_px = {in.scene.width_px, in.scene.height_px};
-  record_samples(commands, out.pipeline, push, in.scene.samples);
+  record_samples(commands, out.pipeline, push);
   commands.end_rendering();
 }
 

@@ -19,10 +19,12 @@ void rasterize_small(Triangle t, Piece piece, PixelBounds at) {
     }
 }
 
+uint large_listed() { return uint(LargeRef(pc.large).ends >> large_tile_bits); }
+
 // False: the list is full. Its order is that of arrival, which no key depends on.
 bool put_large(Triangle t, Piece piece, PixelBounds at) {
   LargeRef large = LargeRef(pc.large);
-  if (uint(large.ends >> large_tile_bits) >= pc.most_large) return false;
+  if (large_listed() >= pc.most_large) return false;
   const ivec2 tiles = at.high / int(raster_tile_px) - at.low / int(raster_tile_px) + 1;
   const uint64_t before =
       atomicAdd(large.ends, (1ul << large_tile_bits) + uint64_t(tiles.x) * uint64_t(tiles.y));
@@ -71,14 +73,12 @@ void rasterize_batch(uint batch, TriangleBatch b) {
     const ivec2 size = at.high - at.low + 1;
     if (any(lessThanEqual(size, ivec2(0)))) continue;
     const ivec2 extent = clipped ? ivec2(2 * raster_most_small_px) : piece_size(piece);
-    if (all(lessThanEqual(extent, ivec2(pc.small_px)))) {
+    const bool is_small = all(lessThanEqual(extent, ivec2(raster_most_small_px)));
+    // What a thread can do alone leaves most of the list to what it cannot.
+    if (all(lessThanEqual(extent, ivec2(pc.small_px))) || (is_small && large_listed() >= pc.most_large / 4u))
       rasterize_small(t, piece, at);
-    } else if (!put_large(t, piece, at)) {
-      if (all(lessThanEqual(extent, ivec2(raster_most_small_px))))
-        rasterize_small(t, piece, at);
-      else
-        rasterize_alone(t, piece, at);
-    }
+    else if (!put_large(t, piece, at))
+      rasterize_alone(t, piece, at);
   }
 }
 

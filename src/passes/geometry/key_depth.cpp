@@ -47,7 +47,8 @@ std::span<const Knob<KeyDepth::Knobs>> KeyDepth::Knobs::table() {
        "depths of a visibility buffer are put into an image where blended surfaces may be, and not in all of the "
        "picture",
        {},
-       Trades::time},
+       Trades::time,
+       {0, 1}},
   };
   return table;
 }

@@ -38,7 +38,8 @@ class FrameLight : public FrameTest {
     const int material = add_material(b, diffuse_material(albedo.x, albedo.y, albedo.z));
     add_node(b, {{"mesh", add_square_mesh(b, 4, material)}});
     add_light(b, light, node);
-    Job job = with_layers(job_for(write(b), width, height));
+    Job job = job_for(write(b), width, height);
+    job.layers = {"direct"};
     look(job, eye, eye - glm::dvec3(0, 0, 1), yfov_deg);
     return images_of(job);
   }

@@ -83,7 +83,8 @@ TEST_F(FrameLightSums, ALampCloseToTheSurface) {
 TEST_F(FrameLightSums, ExposureScalesTheDirectLayerToo) {
   GltfBuilder b = plane();
   add_light(b, {{"type", "point"}, {"intensity", 3.0}}, {{"translation", {0, 0, 1}}});
-  Job job = with_layers(job_for(write(b), 16, 12));
+  Job job = job_for(write(b), 16, 12);
+  job.layers = {"direct"};
   look(job, {0, 0, 3}, {0, 0, 0}, yfov_deg);
   const auto plain = images_of(job)["direct"].values<glm::vec4>();
   job.exposure_ev = 2;

@@ -20,7 +20,8 @@ class FrameMaterialTextures : public FrameTest {
     return b;
   }
   static Job front_view(const GltfBuilder& b, int size_px = 16) {
-    Job job = with_layers(job_for(write(b), size_px, size_px));
+    Job job = job_for(write(b), size_px, size_px);
+    job.layers = {"normal", "ambient.diffuse", "emission"};
     look(job, {0, 0, 3}, {0, 0, 0}, 20);
     return job;
   }

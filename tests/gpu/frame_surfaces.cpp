@@ -36,7 +36,8 @@ TEST_F(FrameSurfaces, LayersOfATiltedPlane) {
   const double angle = 0.6;
   add_node(b, {{"mesh", square}, {"rotation", {0, std::sin(angle / 2), 0, std::cos(angle / 2)}}});
   for (const int samples : {1, 4}) {
-    Job job = with_layers(job_for(write(b), width, height, samples));
+    Job job = job_for(write(b), width, height, samples);
+    job.layers = {"depth", "normal", "object_id", "material_id", "albedo", "emission"};
     look(job, {0, 0, 4}, {0, 0, 0}, 60);
     const Images images = images_of(job);
     const double tan_y = std::tan(std::numbers::pi / 6), tan_x = tan_y * width / height;
@@ -160,7 +161,8 @@ TEST_F(FrameSurfaces, AMaskKeepsWhatEqualsItsCutoff) {
     Json material = with_alpha(unlit ? unlit_material(1, 1, 1, 1) : diffuse_material(1, 1, 1), "MASK", 0.375);
     material["alphaCutoff"] = 0.375;
     add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, material))}});
-    Job job = with_layers(job_for(write(b), 16, 16));
+    Job job = job_for(write(b), 16, 16);
+    job.layers = {"object_id"};
     look(job, {0, 0, 5}, {0, 0, 0}, 10);
     const Images images = images_of(job);
     EXPECT_EQ(centre(images).w, 1.0f);
@@ -218,7 +220,8 @@ TEST_F(FrameSurfaces, AMaskCutsAtItsCutoff) {
       b.accessor<float>("VEC4", {0.5, 0.25, 0.125, 1, 0.5, 0.25, 0.125, 0, 0.5, 0.25, 0.125, 0, 0.5, 0.25, 0.125, 1});
   add_node(b, {{"mesh", square}});
   for (const int samples : {1, 4}) {
-    Job job = with_layers(job_for(write(b), 64, 36, samples));
+    Job job = job_for(write(b), 64, 36, samples);
+    job.layers = {"object_id"};
     look(job, {0, 0, 3}, {0, 0, 0});
     const Images images = images_of(job);
     const double tan_x = std::tan(std::numbers::pi / 8) * 64 / 36;
@@ -245,7 +248,8 @@ TEST_F(FrameSurfaces, BacksAreShadedWhenDoubleSidedAndAbsentOtherwise) {
     add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, material))}});
     add_light(b, {{"type", "point"}, {"intensity", 10.0}}, {{"translation", {0.5, 0.25, 2}}});
     add_light(b, {{"type", "point"}, {"intensity", 10.0}}, {{"translation", {-0.5, 0.25, -2}}});  // turned about Y
-    Job job = with_layers(job_for(write(b), 32, 32));
+    Job job = job_for(write(b), 32, 32);
+    job.layers = {"normal"};
     look(job, {0, 0, 4}, {0, 0, 0});
     const Images front = images_of(job);
     look(job, {0, 0, -4}, {0, 0, 0});
@@ -287,7 +291,8 @@ TEST_F(FrameSurfaces, MirroredTransformsShadeLikeMirroredGeometry) {
     add_light(b, {{"type", "point"}, {"intensity", 30.0}}, {{"translation", {1.5, 1, 2}}});
     return b;
   };
-  Job job = with_layers(job_for("", 64, 48));
+  Job job = job_for("", 64, 48);
+  job.layers = {"object_id", "normal", "depth"};
   look(job, {0.5, 0.3, 4}, {0, 0, 0}, 40);
   job.scene = write(build(true));
   const Images geometry = images_of(job);
@@ -312,7 +317,8 @@ TEST_F(FrameSurfaces, AnOrthographicCameraMeasuresInMetres) {
   b.json["cameras"] = {
       {{"type", "orthographic"}, {"orthographic", {{"xmag", 4.0}, {"ymag", 2.0}, {"znear", 0.5}, {"zfar", 20.0}}}}};
   add_node(b, {{"camera", 0}, {"translation", {0, 0, 2}}});
-  Job job = with_layers(job_for(write(b), 64, 32));
+  Job job = job_for(write(b), 64, 32);
+  job.layers = {"object_id", "depth"};
   const Images images = images_of(job);
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 64; ++x) {

@@ -95,7 +95,8 @@ TEST_F(FrameTextures, NormalMapsFollowMirroredTransforms) {
     add_node(b, {{"mesh", add_unit_square(b, add_material(b, material))},
                  {"scale", {t.scale.x, t.scale.y, t.scale.z}},
                  {"rotation", {0, 0, std::sin(t.turn_rad / 2), std::cos(t.turn_rad / 2)}}});
-    Job job = with_layers(job_for(write(b), 16, 16));
+    Job job = job_for(write(b), 16, 16);
+    job.layers = {"normal"};
     look(job, {0, 0, 3 * t.side}, {0, 0, 0}, 20);
     const Images images = images_of(job);
     const glm::dvec3 local = glm::normalize(t.scale) * mapped;
@@ -123,7 +124,8 @@ TEST_F(FrameTextures, NormalMapsFollowTheirTangents) {
     for (int i = 0; i < 4; ++i) tangents.insert(tangents.end(), {0.6f, 0.8f, 0, handedness});
     b.json["meshes"][size_t(square)]["primitives"][0]["attributes"]["TANGENT"] = b.accessor<float>("VEC4", tangents);
     add_node(b, {{"mesh", square}});
-    Job job = with_layers(job_for(write(b), 16, 16));
+    Job job = job_for(write(b), 16, 16);
+    job.layers = {"normal"};
     look(job, {0, 0, 3}, {0, 0, 0}, 20);
     const glm::dvec3 n(images_of(job)["normal"].at<glm::vec4>(8, 8));
     const glm::dvec3 tangent(0.6, 0.8, 0), bitangent = glm::dvec3(-0.8, 0.6, 0) * double(handedness);

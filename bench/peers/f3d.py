@@ -3,7 +3,7 @@
 
 usage: xvfb-run bench/peers/f3d.py [--build DIR] [--scene NAME] [--lights N] [--sizes WxH,...] [--runs N] [--pictures DIR] [-o FILE.json]
 
-`apt install f3d xvfb`; f3d draws by Mesa's llvmpipe. The camera is the file's. See bench/README.md.
+`apt install f3d xvfb`; f3d draws by Mesa's llvmpipe. Instances are nodes in the file (plain_glb.py), and the camera is the file's. See bench/README.md.
 """
 import argparse
 import json
@@ -13,6 +13,7 @@ import tempfile
 import time
 
 import lights
+import plain_glb
 
 
 def main():
@@ -29,7 +30,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         bench = lights.Bench(options, pathlib.Path(folder))
         result["f3d"] = bench.run("f3d", "--version").splitlines()[3].strip()
-        scene = bench.scene(options.scene, options.lights)
+        scene = plain_glb.plain(bench, options.scene, options.lights)
         for size in options.sizes.split(","):
             files = {name: bench.picture_file(options.scene, size, name) for name in ("candela", "f3d")}
             commands = {"candela": [bench.program("candela"), "render", scene, "--size", size, "--device", "cpu", "--effects", "none",

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Candela against three.js in Chromium: the time of a frame of the same file, in turn.
+"""Candela against three.js in Chromium: the time of a frame of the same file, in turn. Instances are nodes in it (plain_glb.py).
 
 usage: bench/peers/three_lights.py --three node_modules/three [--build DIR] [--scenes NAME,...] [--lights N,...] [--samples N,...]
                                    [--gl swiftshader|gl] [--runs N] [--pictures DIR] [-o FILE.json]
 
 Needs a build with -DCANDELA_BENCH_PEERS=ON, `npm install three` in a folder of one's own, and chromium; for --gl gl a display too
-(xvfb-run): Chromium then draws by Mesa's llvmpipe, else by its own SwiftShader. See bench/README.md.
+(xvfb-run), and Chromium then draws by Mesa's llvmpipe, else by its own SwiftShader. See bench/README.md.
 """
 import argparse
 import base64
@@ -19,6 +19,7 @@ import tempfile
 import threading
 
 import lights
+import plain_glb
 
 PAGE = pathlib.Path(__file__).with_name("three_page.html")
 FLAGS = {"swiftshader": ["--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
@@ -119,9 +120,10 @@ def main():
         for scene in options.scenes.split(","):
             for samples in (int(n) for n in options.samples.split(",")):
                 for count in (int(n) for n in options.lights.split(",")):
-                    case = lights.Case(scene, samples)
+                    file = plain_glb.plain(bench, scene, count)
+                    case = lights.Case(file, samples)
                     servers = {"candela": bench.candela(case, count, "clustered"),
-                               "three": Three(options, bench.scene(scene, count), samples, os.environ, folder)}
+                               "three": Three(options, file, samples, os.environ, folder)}
                     for name, server in servers.items():
                         result["programs"].setdefault(name, server.about)
                     apart = bench.apart(*(bench.picture(server, case.name, name, count) for name, server in servers.items()))

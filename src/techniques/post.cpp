@@ -62,8 +62,10 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);
   if (frame.request.view != "beauty") show_layer(frame, shown);
   shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;
+  // Where nothing else reads the resolved picture, its samples are read once, and it is left out.
   const bool only_shown = !request.want_linear && !request.look_nonfinite && !shown.automatic;
-  if (only_shown && shown.color == picture && !resolved) shown.color = radiance, shown.samples = scene.samples;
+  if (only_shown && shown.color == picture && picture != radiance)
+    shown.color = radiance, shown.samples = scene.samples;
   const ImageHandle display = frame.add(Tonemap{}, shown).display;
 
   const std::optional<Bloom>& bloom = frame.request.look.bloom;

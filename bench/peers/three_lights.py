@@ -15,8 +15,10 @@ import os
 import pathlib
 import queue
 import subprocess
+import struct
 import tempfile
 import threading
+import zlib
 
 import lights
 import plain_glb
@@ -25,6 +27,18 @@ PAGE = pathlib.Path(__file__).with_name("three_page.html")
 FLAGS = {"swiftshader": ["--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
          "gl": ["--ozone-platform=x11", "--use-gl=angle", "--use-angle=gl", "--ignore-gpu-blocklist"]}
 PATIENCE_S = 900  # for a page that compiles a shader of many lights
+
+
+def write_png(file, width, height, rgba):
+    """Of rows upwards, without their alpha."""
+    rows = [rgba[4 * width * y:4 * width * (y + 1)] for y in reversed(range(height))]
+    body = b"".join(b"\0" + b"".join(row[i:i + 3] for i in range(0, len(row), 4)) for row in rows)
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0))
+    pathlib.Path(file).write_bytes(b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", zlib.compress(body)) + chunk(b"IEND", b""))
 
 
 class Page(http.server.BaseHTTPRequestHandler):
@@ -60,7 +74,7 @@ class Three:
         self.server.scene, self.server.three = scene, pathlib.Path(options.three)
         self.server.answers, self.server.requests = queue.Queue(), queue.Queue()
         threading.Thread(target=self.server.serve_forever, daemon=True).start()
-        width, height = options.size.split("x")
+        width, height = self.size = options.size.split("x")
         self.process = subprocess.Popen(
             ["chromium", "--no-sandbox", "--disable-gpu-watchdog", f"--user-data-dir={work}/chromium-{samples}", *FLAGS[options.gl],
              f"http://127.0.0.1:{self.server.server_port}/?width={width}&height={height}&samples={samples}"],
@@ -88,11 +102,11 @@ class Three:
     def ask(self, request):
         command, argument = request.split()
         if command == "save":
-            pathlib.Path(argument).write_bytes(base64.b64decode(self.png.split(",")[1]))
+            write_png(argument, *map(int, self.size), base64.b64decode(self.pixels))
             return {}
         self.server.requests.put({"time": float(argument), "save": True} if float(argument) == lights.FIRST_TIME_S else {"time": float(argument)})
         answer = self.answer()
-        self.png = answer.pop("png", getattr(self, "png", ""))
+        self.pixels = answer.pop("pixels", getattr(self, "pixels", ""))
         return answer | {"cpu_ms": {}}
 
     def close(self):

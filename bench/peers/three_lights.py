@@ -80,6 +80,9 @@ class Three:
              f"http://127.0.0.1:{self.server.server_port}/?width={width}&height={height}&samples={samples}"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment, start_new_session=True)
         self.about = self.answer()
+        if self.about["errors"]:
+            self.close()
+            raise SystemExit(f"three.js cannot draw {self.about['lights']} lights here: {self.about['errors'][0]}")
 
     def answer(self):
         answer = self.server.answers.get(timeout=PATIENCE_S)

@@ -8,6 +8,7 @@ Needs a build with -DCANDELA_BENCH_PEERS=ON, `npm install three` in a folder of 
 (xvfb-run), and Chromium then draws by Mesa's llvmpipe, else by its own SwiftShader. See bench/README.md.
 """
 import argparse
+import atexit
 import base64
 import http.server
 import json
@@ -79,9 +80,9 @@ class Three:
             ["chromium", "--no-sandbox", "--disable-gpu-watchdog", f"--user-data-dir={work}/chromium-{samples}", *FLAGS[options.gl],
              f"http://127.0.0.1:{self.server.server_port}/?width={width}&height={height}&samples={samples}"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment, start_new_session=True)
+        atexit.register(self.close)  # a browser does not end with its pipe
         self.about = self.answer()
         if self.about["errors"]:
-            self.close()
             raise SystemExit(f"three.js cannot draw {self.about['lights']} lights here: {self.about['errors'][0]}")
 
     def answer(self):
@@ -113,9 +114,10 @@ class Three:
         return answer | {"cpu_ms": {}}
 
     def close(self):
-        os.killpg(self.process.pid, 9)
-        self.process.wait()
-        self.server.shutdown()
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, 9)
+            self.process.wait()
+            self.server.shutdown()
 
 
 def main():

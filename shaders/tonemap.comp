@@ -1,52 +1,14 @@
 #version 460
-// Linear premultiplied radiance to display values: exposure, tone curve, sRGB encoding, dither; alpha comes out
-// straight.
+// Radiance to display values.
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { TonemapPush pc; };
 #include "shared/types.h"
 #include "lib/bindless.glsl"
-#include "lib/tone_curves.glsl"
-#include "shared/exposure.h"
+#include "lib/display_value.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;  // rows, as in resolve.comp
-layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/post/tonemap.h
-layout(constant_id = 1) const int AUTOMATIC = 0;  // exposure by the frame's luminance
-layout(constant_id = 2) const int COVERS = 0;  // the source has no alpha
-
-vec3 srgb_encode(vec3 c) {
-  return mix(1.055 * pow(max(c, vec3(1e-7)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308)));
-}
-
-// PCG in three dimensions (Jarzynski and Olano, "Hash Functions for GPU Rendering", 2020).
-uvec3 pcg3d(uvec3 v) {
-  v = v * 1664525u + 1013904223u;
-  v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
-  v ^= v >> 16u;
-  v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
-  return v;
-}
-vec3 unit(uvec3 v) { return vec3(v >> 8u) * (1.0 / 16777216.0); }
 
 void main() {
   const uvec2 p = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(p, pc.size_px))) return;
-  const vec4 source = texelFetch(pass_images[pc.source], ivec2(p), 0);
-  const float alpha = COVERS != 0 ? 1.0 : clamp(source.a, 0.0, 1.0);
-  vec3 c = max(source.rgb, vec3(0.0)) * pc.exposure;
-  if (AUTOMATIC != 0) c *= ExposureResultRef(pc.automatic).r.factor;
-  c = min(alpha > 0.0 ? c / alpha : c, vec3(1e30));
-  if (CURVE == 1) c = agx(c, pc.agx_min_ev, pc.agx_max_ev);
-  if (CURVE == 2) c = reinhard(c);
-  if (CURVE == 3) c = aces_hill(c);
-  if (CURVE == 4) c = khronos_neutral(c);
-  if (CURVE == 5) c = rec709_luminance(c);
-  c = srgb_encode(clamp(c, 0.0, 1.0));
-  if (pc.dither_levels > 0u) {
-    // Triangular noise of two code values' width; within half a code value of black and white uniform noise of one,
-    // which rounding takes without clipping and so without bias. Black and white themselves stay.
-    const vec3 a = unit(pcg3d(uvec3(p, pc.seed))), b = unit(pcg3d(uvec3(p, pc.seed ^ 0x9e3779b9u)));
-    const vec3 room = min(c, 1.0 - c) * float(pc.dither_levels);
-    const vec3 noise = mix(a - b, a - 0.5, lessThan(room, vec3(0.5))) * vec3(greaterThan(room, vec3(0.0)));
-    c += noise / float(pc.dither_levels);
-  }
-  imageStore(storage_images[pc.target], ivec2(p), vec4(clamp(c, 0.0, 1.0), alpha));
+  imageStore(storage_images[pc.target], ivec2(p), display_value(p));
 }

@@ -47,6 +47,7 @@ void show_layer(const Frame& frame, Tonemap::In& shown) {
 
 void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
           ImageHandle radiance, bool resolved, ImageHandle emission) {
+  const FrameRequest& request = frame.request;
   ImageHandle picture = radiance;
   if (resolved)
     frame.builder.leave_out(std::string(Resolve::name), "surfaces are shaded and resolved at once (shade_visible)");
@@ -61,6 +62,10 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);
   if (frame.request.view != "beauty") show_layer(frame, shown);
   shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;
+  // Where nothing else reads the resolved picture, its samples are read once, and it is left out.
+  const bool only_shown = !request.want_linear && !request.look_nonfinite && !shown.automatic;
+  if (only_shown && shown.color == picture && picture != radiance)
+    shown.color = radiance, shown.samples = scene.samples;
   const ImageHandle display = frame.add(Tonemap{}, shown).display;
 
   const std::optional<Bloom>& bloom = frame.request.look.bloom;

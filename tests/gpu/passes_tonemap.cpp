@@ -243,43 +243,57 @@ TEST_F(ToneMapping, SixteenBitsAreNotDithered) {
   for (size_t i = 4; i < codes.size(); ++i) EXPECT_EQ(codes[i], codes[i % 4]);
 }
 
-class Resolving : public PassTest {};
+class Resolving : public PassTest {
+ protected:
+  static constexpr uint32_t width = 19, height = 7, samples = 4;
+
+  // Of sizes from 2^-10 to 2^16.
+  static std::vector<glm::vec4> any_samples() {
+    Rng rng(1);
+    std::vector<glm::vec4> values;
+    for (uint32_t i = 0; i < width * height * samples; ++i) {
+      const float size = float(std::exp2(rng.uniform(-10, 16)));
+      values.push_back(glm::vec4(rng.uniform(), rng.uniform(), rng.uniform(), i % 3 ? 1 : rng.uniform()) * size);
+    }
+    return values;
+  }
+
+  // An image whose samples are those of the buffer.
+  ImageHandle draw_samples(GraphBuilder& builder, const Buffer& buffer) {
+    const BufferHandle source = import(builder, buffer, "samples");
+    builder.begin_pass("draw samples");
+    builder.read(source, Access::fragment_read, "samples");
+    ImageHandle color = builder.create(ImageDesc{"color", color_format, width, height, samples});
+    color = builder.write(color, Access::color_attachment);
+    const PipelineHandle pipeline = builder.pipeline(GraphicsPipelineDesc{.vertex_shader = "fullscreen.vert",
+                                                                          .fragment_shader = "one_sample.frag",
+                                                                          .color_formats = {color_format},
+                                                                          .samples = samples});
+    const CommandList::Attachment target{color};
+    builder.end_pass([=](CommandList& commands) {
+      commands.begin_rendering({&target, 1}, {});
+      commands.bind(pipeline);
+      for (uint32_t s = 0; s < samples; ++s) {
+        struct {
+          uint64_t source;
+          uint32_t width, samples, which;
+        } const push{commands.address(source), width, samples, s};
+        commands.push(push);
+        commands.draw(3);
+      }
+      commands.end_rendering();
+    });
+    return color;
+  }
+};
 
 // The sum runs in sample order without contraction and the division is by a power of two, so the result is known
 // exactly.
 TEST_F(Resolving, IsTheMeanOfFourSamplesExactly) {
-  const uint32_t width = 19, height = 7, samples = 4;
-  Rng rng(1);
-  std::vector<glm::vec4> values;
-  for (uint32_t i = 0; i < width * height * samples; ++i) {
-    const float size = float(std::exp2(rng.uniform(-10, 16)));
-    values.push_back(glm::vec4(rng.uniform(), rng.uniform(), rng.uniform(), i % 3 ? 1 : rng.uniform()) * size);
-  }
+  const std::vector<glm::vec4> values = any_samples();
   const Buffer buffer = upload(values, "samples");
   GraphBuilder builder;
-  const BufferHandle source = import(builder, buffer, "samples");
-  builder.begin_pass("draw samples");
-  builder.read(source, Access::fragment_read, "samples");
-  ImageHandle color = builder.create(ImageDesc{"color", color_format, width, height, samples});
-  color = builder.write(color, Access::color_attachment);
-  const PipelineHandle pipeline = builder.pipeline(GraphicsPipelineDesc{.vertex_shader = "fullscreen.vert",
-                                                                        .fragment_shader = "one_sample.frag",
-                                                                        .color_formats = {color_format},
-                                                                        .samples = samples});
-  const CommandList::Attachment target{color};
-  builder.end_pass([=](CommandList& commands) {
-    commands.begin_rendering({&target, 1}, {});
-    commands.bind(pipeline);
-    for (uint32_t s = 0; s < samples; ++s) {
-      struct {
-        uint64_t source;
-        uint32_t width, samples, which;
-      } const push{commands.address(source), width, samples, s};
-      commands.push(push);
-      commands.draw(3);
-    }
-    commands.end_rendering();
-  });
+  const ImageHandle color = draw_samples(builder, buffer);
   const ImageHandle resolved = add(builder, Resolve{}, {color, width, height, samples}).resolved;
   const BufferHandle bytes = add_readback(builder, "resolved", resolved, width * height * 16);
   const auto means = values_of<glm::vec4>(*run_all(builder).readbacks.at(bytes.resource));
@@ -288,6 +302,27 @@ TEST_F(Resolving, IsTheMeanOfFourSamplesExactly) {
     for (int c = 0; c < 4; ++c)
       EXPECT_EQ(means[p][c], (((v[0][c] + v[1][c]) + v[2][c]) + v[3][c]) / 4) << "pixel " << p;
   }
+}
+
+// A display value of samples is that of their mean, bit for bit: a frame that shows them alone resolves nothing.
+TEST_F(Resolving, TonesOfSamplesAreThoseOfTheirMean) {
+  const Buffer buffer = upload(any_samples(), "samples");
+  const auto tones = [&](bool resolved) {
+    imports.clear();
+    GraphBuilder builder;
+    Tonemap::In in{draw_samples(builder, buffer), width, height, ToneCurve::agx, 16};
+    in.exposure = 0.01f;
+    if (resolved)
+      in.color = add(builder, Resolve{}, {in.color, width, height, samples}).resolved;
+    else
+      in.samples = samples;
+    const ImageHandle display = add(builder, Tonemap{}, in).display;
+    const BufferHandle bytes = add_readback(builder, "display", display, width * height * 8);
+    return values_of<uint16_t>(*run_all(builder).readbacks.at(bytes.resource));
+  };
+  const auto shown = tones(false);
+  EXPECT_EQ(shown, tones(true));
+  EXPECT_GT(std::ranges::count_if(shown, [](uint16_t code) { return code > 0 && code < 65535; }), width * height);
 }
 
 }  // namespace candela::gpu::test

@@ -193,6 +193,16 @@ TEST(Plan, WhatIsNotWrittenIsNotReadBack) {
   EXPECT_NE(plan_hash(png.graph.plan), plan_hash(exr.graph.plan));
 }
 
+TEST(Plan, SamplesThatAreOnlyShownAreNotResolved) {
+  const Scene scene = generated("spheres");
+  Job job = small_job();
+  job.samples = 4;
+  EXPECT_FALSE(has(plan(scene, job, {.linear = false, .display = true}), "resolve"));
+  EXPECT_TRUE(has(plan(scene, job, {.linear = true, .display = true}), "resolve"));
+  EXPECT_TRUE(has(plan(scene, job, {.linear = false, .display = true, .files = true}), "resolve"))
+      << "pixels that are not finite are counted in the mean";
+}
+
 // Layers go into EXR alone; only those asked for have memory.
 TEST(Plan, LayersAreMadeForLinearOutputsOnly) {
   Job job = small_job();

@@ -22,6 +22,7 @@ struct Tonemap {
     bool dither = true;
     uint32_t seed = 0;
     bool covers = false;     // there is no alpha: 1 is taken for it
+    uint32_t samples = 1;    // of the colour; the mean of more is shown
     float exposure = 1;      // what is left to apply after pre-exposure
     BufferHandle automatic;  // optional: a factor on top (passes/post/exposure.h)
     float agx_min_ev = float(agx_lowest_ev), agx_max_ev = float(agx_highest_ev);

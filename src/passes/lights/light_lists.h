@@ -44,6 +44,7 @@ struct TracedRays {
   BvhKnobs tree;                     // how they are built, for the plan
   bool blended = false;              // something lets a part of the light through
   bool suns = false, lamps = false;  // whose shadows are traced
+  bool suns_by_voxels = false, lamps_by_voxels = false;  // where cells of the view do not know them (LightVoxels)
   bool surfaces = false;             // rays look for surfaces, which are shaded where they are met
   // Lights with a size, whose shadows are soft; with maps they need the settings alone.
   bool soft_suns = false, soft_lamps = false;
@@ -58,6 +59,12 @@ struct ShadowColors {
   bool bent = false;  // with the light that bodies bend
 };
 
+// Cells of the view that know which lights are seen from them (passes/shadows/light_voxels.h); empty: rays tell.
+struct LightVoxels {
+  BufferHandle states;
+  bool halve = false;  // where a cell's points differ it lets half of the light through, and no ray is sent
+};
+
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
 // that all is seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
@@ -70,6 +77,7 @@ struct CellLists {
   FogView fog;
   OcclusionTexels occlusion;   // for opaque and masked surfaces alone
   ShadowColors shadow_colors;  // the same
+  LightVoxels voxels;          // the same
 };
 
 }  // namespace candela

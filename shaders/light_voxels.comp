@@ -19,7 +19,7 @@ const ivec2 OUTWARDS[8] = ivec2[](ivec2(-1, -1), ivec2(1, 1), ivec2(1, -1), ivec
                                   ivec2(0, -1), ivec2(0, 1));
 
 shared float depths[BORDERED * BORDERED];  // metres along the view axis, with a border of a pixel; 0: no surface
-shared uint least;
+shared uint least, pixels;
 shared uint outermost[voxel_tile_cells][POINTS];  // 1 + how far out, 12 bits up; and the pixel
 
 // As lib/view_ray.glsl, of the frame's own picture.
@@ -65,19 +65,28 @@ void main() {
     const vec3 normal = cross(along(corner, p, ivec2(0, 1)), along(corner, p, ivec2(1, 0)));
     keys[i] = voxel_key(depth_in_tile(p), slice_shift, voxel_side(normal));
   }
-  // Cells in the order of their keys; more than a tile has room for are left out.
+  // Cells in the order of their keys; more than a tile has room for are left out, and those of so few pixels that rays
+  // from all of them are hardly more.
   const uint place = tile.x + pc.tiles.x * tile.y;
   VoxelTilesRef tiles = VoxelTilesRef(voxel_tiles_at(pc.voxels));
   uint count = 0u, last = 0u;
   while (count < voxel_tile_cells) {
-    if (t == 0) least = 0xffffffffu;
+    if (t == 0) {
+      least = 0xffffffffu;
+      pixels = 0u;
+    }
     barrier();
     for (int i = 0; i < OWN; ++i)
       if (keys[i] > last) atomicMin(least, keys[i]);
     barrier();
     last = least;
-    barrier();
     if (last == 0xffffffffu) break;
+    for (int i = 0; i < OWN; ++i)
+      if (keys[i] == last) atomicAdd(pixels, 1u);
+    barrier();
+    const bool pays = pixels >= 2u * uint(POINTS);
+    barrier();
+    if (!pays) continue;
     if (t == 0) tiles.t[place].keys[count] = last;
     for (int i = 0; i < OWN; ++i) {
       if (keys[i] != last) continue;

@@ -16,6 +16,29 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/traced_light.glsl"
 #include "lib/light_voxels.glsl"
 layout(local_size_x = 64) in;
+
+// The cells that a point tells what it sees: its own, and those beside it in which its surface may go on, by side and
+// depth, so that a shadow's edge between two cells is seen by both.
+const uint most_beside = 16u;
+uint beside[most_beside];
+uint find_beside(uint64_t voxels, VoxelGrid grid, ivec2 tile, uint key) {
+  const ivec2 steps[5] = ivec2[](ivec2(0), ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
+  VoxelTilesRef tiles = VoxelTilesRef(voxel_tiles_at(voxels));
+  uint count = 0u;
+  for (int i = 0; i < 5; ++i) {
+    const ivec2 at = tile + steps[i];
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(grid.tiles)))) continue;
+    const uint number = uint(at.x) + grid.tiles.x * uint(at.y);
+    const uint cells = min(tiles.t[number].count, voxel_tile_cells);
+    for (uint k = 0u; k < cells && count < most_beside; ++k) {
+      const int off = int(tiles.t[number].keys[k]) - int(key);
+      const uint cell = tiles.t[number].first + k;
+      if ((off == 0 || abs(off) == 8) && cell < grid.capacity) beside[count++] = cell;
+    }
+  }
+  return count;
+}
+
 layout(constant_id = 30) const int SAMPLES = 1;
 layout(constant_id = 32) const int POINTS = 4;
 
@@ -40,6 +63,7 @@ void main() {
   const uint key = VoxelTilesRef(voxel_tiles_at(voxels)).t[tile].keys[(place - 1u) % voxel_tile_cells];
   if (voxel_side(rays_side) != ((key - 1u) & 7u)) return;
   const uint64_t states = voxel_states_at(voxels, grid.tiles, grid.capacity);
+  const uint told = find_beside(voxels, grid, ivec2(tile % grid.tiles.x, tile / grid.tiles.x), key);
   for (LightWalk w = begin_lights(position); next_light(w);) {
     LightRef light = light_at(pc.lights, w.light);
     const bool is_sun = floatBitsToUint(light_word(light, 3u).y) == light_directional;
@@ -49,7 +73,8 @@ void main() {
     if (light_arriving(light, position, l) == 0.0 || !(dot(rays_side, l) > 0.0)) continue;
     const float share = traced_visibility(light, w.light);
     const uint state = share >= 1.0 ? voxel_lit : share > 0.0 ? voxel_both : voxel_dark;
-    atomicOr(VoxelWordRef(voxel_word_at(states, grid.words, cell, w.light / voxel_lights_a_word)).u,
-        state << 2u * (w.light % voxel_lights_a_word));
+    for (uint i = 0u; i < told; ++i)
+      atomicOr(VoxelWordRef(voxel_word_at(states, grid.words, beside[i], w.light / voxel_lights_a_word)).u,
+          state << 2u * (w.light % voxel_lights_a_word));
   }
 }

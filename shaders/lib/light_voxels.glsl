@@ -18,8 +18,8 @@ uint voxel_slice_shift(uint tile_px) {
   precise float an_octave = float(frame.size_px.y) / (8.0 * float(tile_px) * frame.tan_half.y);
   return 23u - (frame.perspective != 0u ? clamp((floatBitsToUint(an_octave) >> 23u) - 126u, 3u, 12u) : 4u);
 }
-// A point of a cell: its pixel in the tile, x + y * tile_px, and how far off it is, with 14 bits behind the first, which
-// tells surfaces apart. 0: none.
+// A point of a cell: its pixel in the tile, x + y * tile_px, and how far off it is, with 14 bits behind the first
+// place, which tell surfaces apart. 0: none.
 uint voxel_point(uint pixel, float depth_m) { return floatBitsToUint(depth_m) >> 9u << 10u | pixel; }
 float voxel_point_depth_m(uint point) { return uintBitsToFloat(point >> 10u << 9u); }
 uint voxel_point_pixel(uint point) { return point & 1023u; }

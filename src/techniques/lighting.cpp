@@ -99,8 +99,9 @@ OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const 
 }
 
 LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists) {
-  return frame.add(FillLightVoxels{.wanted = scene.rays.suns_by_voxels || scene.rays.lamps_by_voxels},
-                   {scene, lists, surfaces.looked_up})
+  return frame
+      .add(FillLightVoxels{.wanted = scene.rays.suns_by_voxels || scene.rays.lamps_by_voxels},
+           {scene, lists, surfaces.looked_up})
       .voxels;
 }
 

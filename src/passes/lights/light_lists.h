@@ -41,11 +41,11 @@ struct OcclusionTexels {
 struct TracedRays {
   BufferHandle trees, settings;
   uint32_t stack = 0;
-  BvhKnobs tree;                     // how they are built, for the plan
-  bool blended = false;              // something lets a part of the light through
-  bool suns = false, lamps = false;  // whose shadows are traced
+  BvhKnobs tree;                                         // how they are built, for the plan
+  bool blended = false;                                  // something lets a part of the light through
+  bool suns = false, lamps = false;                      // whose shadows are traced
   bool suns_by_voxels = false, lamps_by_voxels = false;  // where cells of the view do not know them (LightVoxels)
-  bool surfaces = false;             // rays look for surfaces, which are shaded where they are met
+  bool surfaces = false;                                 // rays look for surfaces, which are shaded where they are met
   // Lights with a size, whose shadows are soft; with maps they need the settings alone.
   bool soft_suns = false, soft_lamps = false;
   // What reaches shaders through the settings, for the plan.

@@ -29,6 +29,8 @@ layout(constant_id = 24) const int LOBE_TEXTURES = 0;      // those that have te
 layout(constant_id = 25) const int HAS_EMISSION = 0;
 layout(constant_id = 26) const int BLINN_PHONG = 0;        // some have that lobe
 layout(constant_id = 27) const int SPECULAR_AA = 0;        // passes/surfaces/surface_knobs.h
+layout(constant_id = 29) const int LIGHT_VOXELS = 0;       // only with VOXELS: whose shadows they know; and how
+const int voxels_of_suns = 1, voxels_of_lamps = 2, voxels_halve = 4;
 const int specular_aa_normals = 1, specular_aa_maps = 2;
 const int lobe_clearcoat = 1, lobe_sheen = 2, lobe_iridescence = 4, lobe_anisotropy = 8, lobe_diffuse_transmission = 32,
     lobe_scattering = 64;

@@ -29,7 +29,7 @@ vec3 rays_begin;         // its place; rays to lights behind a body's slab begin
 const float BEFORE_END = 1.0 - 4e-6;  // keeps a ray off what it is aimed at
 
 // position: of the fragment, relative; normal: of its triangle, on the viewer's side.
-void begin_rays(vec3 position, vec3 normal) {
+void find_origin(vec3 position, vec3 normal) {
   const float reach = trace_largest(position);
   TraceRay ray = TraceRay(vec3(0.0), 0.999, position, 1.001);
   if (frame.perspective == 0u) {
@@ -49,6 +49,58 @@ void begin_rays(vec3 position, vec3 normal) {
 #endif
   rays_side = dot(rays_from.normal, normal) < 0.0 ? -rays_from.normal : rays_from.normal;
 }
+
+#ifdef VOXELS
+#include "lib/light_voxels.glsl"
+// What the fragment's cell knows (passes/shadows/light_voxels.h). Where that is all the light there is, no ray is sent,
+// not even the one that finds where rays begin.
+uint voxel;         // its cell
+uint voxel_word;    // which word of the states is loaded
+uint voxel_states;
+vec3 voxel_normal;  // of the triangle, on the viewer's side
+bool rays_wait;     // nothing has been sent yet
+float rays_known;   // share of a light that its rays would find, below 0: they are to be sent
+
+void begin_rays(vec3 position, vec3 normal) {
+  voxel = find_voxel(pc.rays, VoxelGridRef(pc.rays).g, position, voxel_side(normal));
+  voxel_word = no_voxel;
+  voxel_normal = normal;
+  rays_from = TracePoint(position, normal, 0.0);
+  rays_side = normal;
+  rays_known = -1.0;
+  rays_wait = true;
+#ifdef SCATTERS
+  find_origin(position, normal);
+  rays_wait = false;
+#endif
+}
+void send_rays() {
+  if (!rays_wait) return;
+  rays_wait = false;
+  find_origin(rays_from.position, rays_from.normal);
+}
+// The share of a light that arrives, as far as the cell knows; below 0: rays must tell.
+float known_visibility(LightRef light, uint number) {
+  const vec2 z_type = light_word(light, 3u);
+  const bool is_sun = floatBitsToUint(z_type.y) == light_directional;
+  if ((LIGHT_VOXELS & (is_sun ? voxels_of_suns : voxels_of_lamps)) == 0 || voxel == no_voxel) return -1.0;
+  const VoxelGrid grid = VoxelGridRef(pc.rays).g;
+  if (voxel_word != number / voxel_lights_a_word) {
+    voxel_word = number / voxel_lights_a_word;
+    voxel_states = VoxelWordRef(voxel_word_at(voxel_states_at(pc.rays, grid.tiles, grid.capacity), grid.words, 
+        min(voxel, grid.capacity - 1u), min(voxel_word, grid.words - 1u))).u;
+  }
+  const uint state = voxel_states >> 2u * (number % voxel_lights_a_word) & 3u;
+  if (state == voxel_dark) return 0.0;
+  if (state == voxel_unknown || (state == voxel_both && (LIGHT_VOXELS & voxels_halve) == 0)) return -1.0;
+  const vec3 l = is_sun ? -vec3(light_word(light, 2u), z_type.x)
+      : vec3(light_word(light, 0u), light_word(light, 1u).x) - rays_from.position;
+  return !(dot(voxel_normal, l) > 0.0) ? -1.0 : state == voxel_lit ? 1.0 : 0.5;
+}
+#else
+void begin_rays(vec3 position, vec3 normal) { find_origin(position, normal); }
+void send_rays() {}
+#endif
 
 // The same of what a ray has met.
 void begin_rays_at(TraceHit hit, vec3 to_viewer) {
@@ -167,6 +219,9 @@ float ray_seen(TraceRay ray, vec3 l, bool is_lamp) {
   const bool through = false;
 #endif
   if (!through && !(dot(rays_side, l) > 0.0)) return 0.0;
+#ifdef VOXELS
+  if (rays_known >= 0.0) return rays_known;
+#endif
   if (!(dot(ray.direction, l) > 0.0)) return 1.0;  // closer than what keeps it off the surface
   return rays_through(ray, is_lamp ? TRACE_TO_LAMP : 0u, 0.0, 0.0);
 }
@@ -178,6 +233,11 @@ uint light_samples(LightCap cap) {
 
 // 1: lit, 0: in shadow; of lights with a size the part of the directions to it that are open. number: the light's.
 float traced_visibility(LightRef light, uint number) {
+#ifdef VOXELS
+  rays_known = known_visibility(light, number);
+  if (rays_known >= 0.0) return rays_known;
+#endif
+  send_rays();
   const LightCap cap = light_cap(light, rays_from.position);
   const uint count = light_samples(cap);
   const uvec2 own = rays_own(1u + number);
@@ -197,6 +257,12 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
   vec3 to_middle;
   float arriving = light_arriving(light, position, to_middle);
   if (arriving == 0.0) return vec3(0.0);
+#ifdef VOXELS
+  rays_known = known_visibility(light, number);
+  if (rays_known == 0.0) return vec3(0.0);
+  if (rays_known < 0.0)
+#endif
+    send_rays();
   const LightCap cap = light_cap(light, position);
   if (cap.radius_m > MIN_LIGHT_DISTANCE_M && cap.centre_m < cap.radius_m) {
     const float held = max(cap.centre_m, MIN_LIGHT_DISTANCE_M);
@@ -219,6 +285,7 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 
 // The share of the sky's diffuse light that near surfaces leave, over the hemisphere about the triangle's normal.
 Openness traced_open() {
+  send_rays();
   const RaySettings s = RaySettingsRef(pc.rays).s;
   const mat3 axes = axes_about(rays_side);
   const uvec2 own = rays_own(0u);

@@ -6,8 +6,7 @@ namespace {
 // The host looks at each light where it chooses lamps for shadow maps, and where it measures the air that lights reach.
 bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs, bool is_cpu, uint32_t instances) {
   const LampKnobs& lamps = knobs.get<LampKnobs>();
-  const bool maps =
-      request.wants_true(DepthViews::effect) && lamps.method != LampKnobs::by_rays && lamps.lights != LampKnobs::none;
+  const bool maps = request.wants_true(DepthViews::effect) && !lamps.traced() && lamps.lights != LampKnobs::none;
   return knobs.get<PoseLights::Knobs>().on_device(is_cpu, instances) && !maps && !request.draws_fog() &&
          !request.draws_volumetric();
 }
@@ -20,9 +19,8 @@ bool poses_items_on_device(const FrameRequest& request, const KnobValues& knobs,
       knobs.get<Reflections::Knobs>().method == Reflections::Knobs::by_rays && request.draws_reflections();
   const bool refraction =
       knobs.get<Refraction::Knobs>().method == Refraction::Knobs::by_rays && request.wants_true(Refraction::effect);
-  const bool shadows =
-      request.wants_true(DepthViews::effect) &&
-      (knobs.get<LampKnobs>().method == LampKnobs::by_rays || SunMode(knobs.get<SunKnobs>().mode) == SunMode::traced);
+  const bool shadows = request.wants_true(DepthViews::effect) &&
+                       (knobs.get<LampKnobs>().traced() || sends_rays(SunMode(knobs.get<SunKnobs>().mode)));
   const bool rays = technique.keys == Technique::Keys::traced || shows_trees(request) || shadows || occlusion ||
                     reflections || refraction;
   return knobs.get<PoseItems::Knobs>().enabled != 0 && !rays && !request.has_layer("motion");

@@ -19,7 +19,7 @@ std::string why_none(const SceneFacts& facts, const FrameRequest& request, const
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
   if (!facts.takes_light() && !request.draws_fog() && !request.draws_volumetric())
     return "nothing that is drawn takes light";
-  const bool traced = knobs.method == LampKnobs::by_rays;
+  const bool traced = knobs.traced();
   if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
     return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
@@ -140,10 +140,11 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   FrameLamps out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
-  out.traced = knobs.method == LampKnobs::by_rays;
+  out.traced = knobs.traced();
+  out.by_voxels = knobs.method == LampKnobs::by_voxels;
   const bool in_air = request.draws_fog() || request.draws_volumetric();
   if (out.traced && (!in_air || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
-    out.absence = "shadows.method is traced: shading sends rays";
+    out.absence = fmt::format("shadows.method is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
     return out;
   }
   const FrustumPlanes planes = frustum_planes(view.clip_from_relative);

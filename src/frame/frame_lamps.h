@@ -16,6 +16,7 @@ namespace candela {
 // The frame's shadow maps of point and spot lights, decided before the graph is built.
 struct FrameLamps {
   bool traced = false;                      // shading sends rays; maps, where there are any, are for fog
+  bool by_voxels = false;                   // where cells of the view do not know what these find
   std::string absence;                      // why there are none; empty: there are
   std::vector<shared::LampShadow> shadows;  // the most important light's first
   FrameViews views;

@@ -13,7 +13,7 @@ namespace {
 std::string why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs) {
   if (facts.directional_lights == 0) return "no directional light shines";
   if (!facts.takes_light()) return "nothing that is drawn takes light";
-  const bool traced = SunMode(knobs.mode) == SunMode::traced;
+  const bool traced = sends_rays(SunMode(knobs.mode));
   if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
     return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
@@ -70,9 +70,10 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const V
   FrameSuns out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
-  out.traced = SunMode(knobs.mode) == SunMode::traced;
+  out.traced = sends_rays(SunMode(knobs.mode));
+  out.by_voxels = SunMode(knobs.mode) == SunMode::voxels;
   if (out.traced && (!request.draws_fog() || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
-    out.absence = "sun.mode is traced: shading sends rays";
+    out.absence = fmt::format("sun.mode is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
     return out;
   }
   std::vector<size_t> suns;

@@ -15,6 +15,7 @@ namespace candela {
 // The frame's shadow maps of directional lights, decided before the graph is built.
 struct FrameSuns {
   bool traced = false;                     // shading sends rays; maps, where there are any, are for fog
+  bool by_voxels = false;                  // where cells of the view do not know what these find
   std::string absence;                     // why there are none; empty: there are
   std::vector<shared::SunShadow> shadows;  // the brightest light's first
   FrameViews views;

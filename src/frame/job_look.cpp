@@ -30,7 +30,7 @@ std::string left_out_of(const Job& job, const Look& look) {
   const auto knobs = frame_knobs(job);
   if (!knobs) return {};
   const SunKnobs& suns = knobs->get<SunKnobs>();
-  if (SunMode(suns.mode) == SunMode::traced || suns.soft == SunKnobs::pcss) return {};
+  if (sends_rays(SunMode(suns.mode)) || suns.soft == SunKnobs::pcss) return {};
   return fmt::format("the sun's disc of {} is left out: sun.soft is hard", job.look);
 }
 

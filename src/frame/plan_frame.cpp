@@ -197,6 +197,7 @@ void plan_rays(PlannedFrame& f, const PlanContext& context, const KnobValues& kn
   traced.stack = (f.rays->stack + 7) / 8 * 8;
   traced.blended = f.rays->blended;
   traced.suns = f.suns.traced, traced.lamps = f.lamps.traced;
+  traced.suns_by_voxels = f.suns.by_voxels, traced.lamps_by_voxels = f.lamps.by_voxels;
   if (traced.surfaces) add_drawn_items(f.draws, f.upload);
 }
 

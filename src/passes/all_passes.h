@@ -38,6 +38,7 @@
 #include "passes/post/tonemap.h"
 #include "passes/reflections/reflections.h"
 #include "passes/shadows/lamp_layers.h"
+#include "passes/shadows/light_voxels.h"
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
@@ -75,10 +76,10 @@ struct PassList {
 using AllPasses =
     PassList<PoseItems, Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize, RasterizeViews,
              TraceKeys, BlendedTiles, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, TileDepth, PoseLights,
-             LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, AmbientOcclusion, FogGrid, FogMarch,
-             ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward, ShadeUnlit,
-             Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments, Fragments,
-             Phenomenological, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+             LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels, AmbientOcclusion, FogGrid,
+             FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward,
+             ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments,
+             Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
              LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
              VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 

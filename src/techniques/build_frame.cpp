@@ -38,6 +38,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, pictures);
     lit.lists.lamp_maps = lighting.lists.lamp_maps;
     lit.shadow_colors = lighting.shadow_colors;
+    lit.voxels = lighting.voxels;
     const Shaded shaded = technique.shade(frame, sample, seen, lit, instance);
     const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(seen_all.radiance, sum, instance);
@@ -76,6 +77,7 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   lighting.lists.rays = scene.rays;
   lighting.lists.rays.surfaces = false;  // not where the camera's surfaces are shaded
   lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
+  lighting.voxels = light_voxels(frame, scene, surfaces, lighting.lists);
   shadow_maps(frame, scene, surfaces, lighting);
   lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);
   ImageHandle radiance;

@@ -98,6 +98,13 @@ OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const 
   return {frame.add(pass, in, instance).open, pass.shape(scene), pass.traced(frame.facts, frame.request)};
 }
 
+LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists) {
+  return frame
+      .add(FillLightVoxels{.wanted = scene.rays.suns_by_voxels || scene.rays.lamps_by_voxels},
+           {scene, lists, surfaces.looked_up})
+      .voxels;
+}
+
 bool shades_occluded(const Frame& frame) { return bool(AmbientOcclusion::shades(frame.facts, frame.request)); }
 
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view instance) {

@@ -142,8 +142,10 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   Layers::In wanted{scene, surfaces.draws, surfaces.deformed, lighting.lists};
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(Layers::layers[i].name);
   frame.add(Layers{}, wanted);
-  frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
-  frame.add(LampLayers{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
+  CellLists shadows = lighting.lists;
+  shadows.voxels = lighting.voxels;
+  frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, shadows});
+  frame.add(LampLayers{}, {scene, surfaces.draws, surfaces.deformed, shadows});
   frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.lists.rays});
   frame.add(MotionLayer{}, {scene, surfaces.draws, surfaces.deformed, deformed_before(frame, scene, surfaces)});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});

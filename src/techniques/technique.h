@@ -25,11 +25,13 @@ struct Lighting {
   CellLists lists;
   OcclusionTexels occlusion;   // empty: nothing hides the sky
   ShadowColors shadow_colors;  // empty: see-through surfaces let all light through
+  LightVoxels voxels;          // empty: rays alone tell what is lit
   // As opaque and masked surfaces take it.
   CellLists of_opaque() const {
     CellLists with = lists;
     with.occlusion = occlusion;
     with.shadow_colors = shadow_colors;
+    with.voxels = voxels;
     return with;
   }
 };
@@ -43,6 +45,8 @@ CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands 
 void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, Lighting& lighting);
 // Whether they are drawn: the views of maps have room for see-through surfaces too.
 bool draws_shadow_colors(const SceneFacts& facts, const FrameRequest& request, const KnobValues& knobs);
+// Cells of the view that know which lights are seen from them; empty: none does.
+LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists);
 Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                         std::string_view instance = {});
 

@@ -75,6 +75,7 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellL
       builder.knob(fmt::format("{}.{}", BvhKnobs::name, row.name), row.text(row.value(rays.tree)));
   }
   if (takes_settings(lists)) builder.read(rays.settings, by.buffer, "how rays are sent");
+  builder.read_optional(lists.voxels.states, by.buffer);
   const auto count = [&](bool used, const char* knob, uint32_t value) {
     if (used) builder.knob(knob, fmt::format("{} a picture", value));
   };
@@ -100,6 +101,8 @@ std::vector<SpecConstant> light_constants(const CellLists& lists) {
   const std::vector<SpecConstant> more =
       ray_constants(rays.stack, rays.blended, rays.tree.traversal == BvhKnobs::by_query);
   constants.insert(constants.end(), more.begin(), more.end());
+  if (lists.voxels.states)
+    constants.push_back(light_voxels_constant(rays.suns_by_voxels, rays.lamps_by_voxels, lists.voxels.halve));
   return constants;
 }
 
@@ -198,7 +201,8 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
   if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   if (lists && traces(*lists)) push.trees = commands.address(lists->rays.trees);
   if (lists && takes_settings(*lists)) {
-    push.rays = commands.address(lists->rays.settings);
+    // The cells begin with the settings.
+    push.rays = commands.address(lists->voxels.states ? lists->voxels.states : lists->rays.settings);
     push.subsample = scene.subsample;
   }
   return push;

@@ -36,7 +36,8 @@ SpecConstant constant(Feature f, uint32_t value = 1) {
                                       "HAS_EMISSION",
                                       "BLINN_PHONG",
                                       "SPECULAR_AA",
-                                      "RAY_QUERY"};
+                                      "RAY_QUERY",
+                                      "LIGHT_VOXELS"};
   return {uint32_t(f), names[uint32_t(f)], value};
 }
 bool concerns_base_color(const SpecConstant& c) {
@@ -97,6 +98,10 @@ SpecConstant occlusion_constant(uint32_t shape, bool traced) {
   return constant(Feature::occlusion, traced ? (bent ? ~1u : ~0u) : shape);
 }
 
+SpecConstant light_voxels_constant(bool suns, bool lamps, bool halve) {
+  return constant(Feature::light_voxels, (suns ? 1u : 0u) + (lamps ? 2u : 0u) + (halve ? 4u : 0u));
+}
+
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended, bool by_query) {
   std::vector<SpecConstant> list = {constant(Feature::ray_stack, stack)};
   if (blended) list.push_back(constant(Feature::rays_meet_blended));
@@ -125,7 +130,8 @@ std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& 
 }
 std::string surface_definitions(const std::vector<SpecConstant>& constants) {
   return std::string(sends_rays(constants) ? "#TRACES=1" : "") +
-         (holds(constants, Feature::ray_query) ? "#TRACE_QUERY=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "") +
+         (holds(constants, Feature::ray_query) ? "#TRACE_QUERY=1" : "") +
+         (holds(constants, Feature::light_voxels) ? "#VOXELS=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "") +
          (scatters_in_bodies(constants) ? "#SCATTERS=1" : "");
 }
 

@@ -38,6 +38,7 @@ enum class Feature : uint32_t {
   blinn_phong,
   specular_aa,
   ray_query,  // of no shader: what asks the device is compiled apart (surface_definitions)
+  light_voxels,
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -64,6 +65,8 @@ bool shades_lobes(const std::vector<SpecConstant>& constants);        // visible
 bool scatters_in_bodies(const std::vector<SpecConstant>& constants);  // one of them does (lib/scattering.glsl)
 // Those that a surface's base colour depends on.
 std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& features);
+// Of a pass that asks cells which lights are seen from them (passes/shadows/light_voxels.h).
+SpecConstant light_voxels_constant(bool suns, bool lamps, bool halve);
 // What is compiled into a shading shader only where the constants need it, behind its name.
 std::string surface_definitions(const std::vector<SpecConstant>& constants);
 // The constants of one run's pipeline: those its shaders read. A depth-only pipeline without fragment shader needs

@@ -41,10 +41,11 @@ struct OcclusionTexels {
 struct TracedRays {
   BufferHandle trees, settings;
   uint32_t stack = 0;
-  BvhKnobs tree;                     // how they are built, for the plan
-  bool blended = false;              // something lets a part of the light through
-  bool suns = false, lamps = false;  // whose shadows are traced
-  bool surfaces = false;             // rays look for surfaces, which are shaded where they are met
+  BvhKnobs tree;                                         // how they are built, for the plan
+  bool blended = false;                                  // something lets a part of the light through
+  bool suns = false, lamps = false;                      // whose shadows are traced
+  bool suns_by_voxels = false, lamps_by_voxels = false;  // where cells of the view do not know them (LightVoxels)
+  bool surfaces = false;                                 // rays look for surfaces, which are shaded where they are met
   // Lights with a size, whose shadows are soft; with maps they need the settings alone.
   bool soft_suns = false, soft_lamps = false;
   // What reaches shaders through the settings, for the plan.
@@ -56,6 +57,12 @@ struct TracedRays {
 struct ShadowColors {
   ImageHandle suns, lamps;
   bool bent = false;  // with the light that bodies bend
+};
+
+// Cells of the view that know which lights are seen from them (passes/shadows/light_voxels.h); empty: rays tell.
+struct LightVoxels {
+  BufferHandle states;
+  bool halve = false;  // where a cell's points differ it lets half of the light through, and no ray is sent
 };
 
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
@@ -70,6 +77,7 @@ struct CellLists {
   FogView fog;
   OcclusionTexels occlusion;   // for opaque and masked surfaces alone
   ShadowColors shadow_colors;  // the same
+  LightVoxels voxels;          // the same
 };
 
 }  // namespace candela

@@ -11,7 +11,7 @@ namespace candela {
 // draw and read the maps.
 struct LampKnobs {
   static constexpr std::string_view name = "shadows";
-  static constexpr int maps = 0, by_rays = 1, hard = 0, pcss = 1;
+  static constexpr int maps = 0, by_voxels = 1, by_rays = 2, hard = 0, pcss = 1;
   int method = maps;
   int soft = hard;
   int samples = 16;
@@ -20,7 +20,8 @@ struct LampKnobs {
   int budget_mb = 128;
   int size_px = 1024;
   int draws = 1 << 21;
-  static bool matter(const SceneFacts& facts);  // without point and spot lights they do nothing
+  bool traced() const { return method != maps; }  // cells keep what rays find
+  static bool matter(const SceneFacts& facts);    // without point and spot lights they do nothing
   static std::span<const Knob<LampKnobs>> table();
 };
 

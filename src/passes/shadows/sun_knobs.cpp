@@ -10,12 +10,12 @@ std::span<const Knob<SunKnobs>> SunKnobs::table() {
       {.name = "mode",
        .member = &SunKnobs::mode,
        .lowest = 0,
-       .highest = 3,
-       .ladder = {2, 2, 2, 3},
-       .trades =
-           "shadows of directional lights: none, one map fitted to the scene, cascades fitted to the view, or rays",
-       .choices = {"off", "single", "cascades", "traced"},
-       .walk = {0, 1, 2, 3},
+       .highest = 4,
+       .ladder = {2, 2, 2, 4},
+       .trades = "shadows of directional lights: none; one map fitted to the scene; cascades fitted to the view; or "
+                 "rays, from points of cells where these agree or from all points",
+       .choices = {"off", "single", "cascades", "voxels", "traced"},
+       .walk = {0, 1, 2, 3, 4},
        .passes = drawing},
       {.name = "soft",
        .member = &SunKnobs::soft,

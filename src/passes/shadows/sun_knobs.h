@@ -8,7 +8,8 @@ namespace candela {
 
 // Shadow maps of directional lights: the knobs `sun.*`, shared by the fit of the cascades and the passes that draw and
 // read them.
-enum class SunMode : int { off, single, cascades, traced };
+enum class SunMode : int { off, single, cascades, voxels, traced };
+inline bool sends_rays(SunMode mode) { return mode == SunMode::voxels || mode == SunMode::traced; }
 struct SunKnobs {
   static constexpr std::string_view name = "sun";
   static constexpr int hard = 0, pcss = 1;

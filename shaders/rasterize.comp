@@ -74,8 +74,8 @@ void rasterize_batch(uint batch, TriangleBatch b) {
     if (any(lessThanEqual(size, ivec2(0)))) continue;
     const ivec2 extent = clipped ? ivec2(2 * raster_most_small_px) : piece_size(piece);
     const bool is_small = all(lessThanEqual(extent, ivec2(raster_most_small_px)));
-    // What a thread can do alone leaves most of the list to what it cannot.
-    if (all(lessThanEqual(extent, ivec2(pc.small_px))) || (is_small && large_listed() >= pc.most_large / 4u))
+    // What a thread can do alone leaves half of the list to what it cannot.
+    if (all(lessThanEqual(extent, ivec2(pc.small_px))) || (is_small && large_listed() >= pc.most_large / 2u))
       rasterize_small(t, piece, at);
     else if (!put_large(t, piece, at))
       rasterize_alone(t, piece, at);
@@ -83,15 +83,16 @@ void rasterize_batch(uint batch, TriangleBatch b) {
 }
 
 #ifdef VIEWS
-// Most batches are out of most views: a workgroup looks at raster_view_batches of them and goes through those that stay.
+// Most batches are out of most views: a workgroup looks at several of them and goes through those that stay.
 shared uint staying;
 
 void main() {
   const uint t = gl_LocalInvocationIndex;
-  const uint first = (gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x) * raster_view_batches;
+  const uint batches = gl_NumWorkGroups.z >= raster_many_views ? raster_view_batches : 1u;
+  const uint first = (gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x) * batches;
   if (t == 0u) staying = 0u;
   barrier();
-  if (t < raster_view_batches && first + t < pc.batch_count && stays(BatchesRef(pc.batches).b[first + t]))
+  if (t < batches && first + t < pc.batch_count && stays(BatchesRef(pc.batches).b[first + t]))
     atomicOr(staying, 1u << t);
   barrier();
   const uint all = staying;

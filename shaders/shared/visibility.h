@@ -78,7 +78,8 @@ SHARED_END
 namespace candela::shared {
 enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u };
 inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 8;
-inline constexpr uint raster_view_batches = 8;  // that a workgroup looks at, of a view
+// Batches that a workgroup looks at, of one of many views, most of which hold little; of few views, one.
+inline constexpr uint raster_view_batches = 8, raster_many_views = 64;
 inline constexpr int raster_most_small_px = 64;  // a side of what 32-bit edge functions hold
 inline constexpr uint depth_tile_px = 16;
 static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 96);
@@ -86,7 +87,7 @@ static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && size
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;
 const uint triangle_batch_size = 64u, raster_tile_px = 16u, raster_chunk = 8u;
-const uint raster_view_batches = 8u;
+const uint raster_view_batches = 8u, raster_many_views = 64u;
 const int raster_most_small_px = 64;
 const uint depth_tile_px = 16u;
 const uint large_tile_bits = 40u;

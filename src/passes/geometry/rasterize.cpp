@@ -27,11 +27,11 @@ std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
        .member = &RasterKnobs::list,
        .lowest = 1,
        .highest = 1048576,
-       .ladder = {262144},
+       .ladder = {524288},
        .trades = "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
                  "never the image",
        .kind = Trades::time,
-       .walk = {1024, 262144},
+       .walk = {1024, 524288},
        .passes = {"rasterize", "rasterize_views"}},
   };
   return table;
@@ -96,7 +96,7 @@ void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks
   commands.bind(commands.step() == 0 ? steps.batches : steps.tiles);
   commands.push(push);
   if (commands.step() == 2) return commands.dispatch_indirect(steps.groups);
-  const uint32_t of_group = push.views ? shared::raster_view_batches : 1;
+  const uint32_t of_group = push.views && views >= shared::raster_many_views ? shared::raster_view_batches : 1;
   const uint32_t groups = (s.batch_count + of_group - 1) / of_group, row = std::min(groups, most_groups);
   commands.dispatch(row * shared::triangle_batch_size, (groups + row - 1) / row, views);
 }

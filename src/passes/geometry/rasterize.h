@@ -9,7 +9,7 @@ namespace candela {
 
 struct RasterKnobs {
   static constexpr std::string_view name = "rasterize";
-  int small_px = 8, list = 262144;
+  int small_px = 8, list = 524288;
   static std::span<const Knob<RasterKnobs>> table();
 };
 // What both passes below do by.

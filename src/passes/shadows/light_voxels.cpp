@@ -51,7 +51,7 @@ std::span<const Knob<FillLightVoxels::Knobs>> FillLightVoxels::Knobs::table() {
        .member = &Knobs::points,
        .lowest = 1,
        .highest = int(shared::most_voxel_points),
-       .ladder = {4, 4, 8, 8},
+       .ladder = {4, 4, 4, 8},
        .trades = "points of a cell that send rays to its lights; fewer miss more of what is small",
        .walk = {1, 2, 4, 8},
        .passes = {FillLightVoxels::name},

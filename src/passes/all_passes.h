@@ -43,6 +43,7 @@
 #include "passes/sky/background.h"
 #include "passes/sky/sky.h"
 #include "passes/surfaces/gbuffer.h"
+#include "passes/surfaces/put_samples.h"
 #include "passes/surfaces/refraction.h"
 #include "passes/surfaces/shade_gbuffer.h"
 #include "passes/surfaces/shade_visible.h"

@@ -104,9 +104,9 @@ TEST_F(Visibility, TakesAnyWayToTheSameBytes) {
   }
 }
 
-// Depths are put into the tiles of blended surfaces alone.
+// Depths are put into the tiles of blended surfaces alone: glass without refraction, behind and before bodies.
 TEST_F(Visibility, DrawsBlendedSurfacesOverPartsOfADepth) {
-  Job job = of_scene("alpha", 4);
+  Job job = of_scene("glass", 4);
   job.width_px = 101, job.height_px = 67;
   for (const std::string method : {"sorted", "weighted", "moments", "layers", "near"}) {
     if (method == "near") look(job, {0.1, 1.0, 0.9}, {0.0, 0.9, -1.0});

@@ -71,9 +71,9 @@ std::span<const Knob<FillLightVoxels::Knobs>> FillLightVoxels::Knobs::table() {
        .unit = "MB",
        .lowest = 1,
        .highest = 16384,
-       .ladder = {64},
+       .ladder = {64, 64, 64, 1024},
        .trades = "most memory for what cells know; points of cells without room send their own rays, which a note says",
-       .walk = {16, 64, 256},
+       .walk = {16, 64, 256, 1024},
        .passes = {FillLightVoxels::name},
        .beside = in_use},
   };

@@ -1,6 +1,9 @@
 #version 460
 // One thread a point of a cell: which lights of its list it sees, by the rays that shading it would send.
 #define TRIANGLES
+#ifndef TRACES  // as frames say that send rays
+#define TRACES
+#endif
 #include "shared/draw.h"
 #include "shared/voxels.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };

@@ -82,6 +82,7 @@ void put_sky_slice(SkySlice v) { put(v.offset); put(v.scale); }
 void put_sky_light(SkyLight v) { put(v.direction); put(v.illuminance); }
 void put_group(CullGroup v) {
   put(v.first_item); put(v.item_count); put(v.run); put(v.first_group); put(v.is_last); put(v.hides);
+  put(v.is_blended);
 }
 void put_command(DrawCommand v) {
   put(v.index_count); put(v.instance_count); put(v.first_index); put(v.vertex_offset); put(v.first_instance);

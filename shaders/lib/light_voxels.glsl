@@ -30,7 +30,7 @@ uint voxel_key(float depth_m, uint slice_shift, uint side) {
 
 uint64_t voxel_tiles_at(uint64_t voxels) { return voxels + uint64_t(voxel_grid_bytes); }
 uint64_t voxel_places_at(uint64_t voxels, uvec2 tiles) {
-  return voxel_tiles_at(voxels) + 40ul * uint64_t(tiles.x * tiles.y);
+  return voxel_tiles_at(voxels) + uint64_t(voxel_tile_bytes) * uint64_t(tiles.x * tiles.y);
 }
 uint64_t voxel_states_at(uint64_t voxels, uvec2 tiles, uint capacity) {
   return voxel_places_at(voxels, tiles) + 4ul * uint64_t(capacity);

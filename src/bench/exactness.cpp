@@ -193,7 +193,7 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"fragments", "memory_mib", {"128", "256"}},
       {"fragments", "rounds", {"16", "32"}},
       {"rasterize", "small_px", {"1", "8", "64"}},
-      {"rasterize", "list", {"1", "262144"}},
+      {"rasterize", "list", {"1", "524288"}},
       {"pose_lights", "enabled", {"off", "on"}},
       {"key_depth", "tiles", {"0", "1"}},
       {"sample_store", "in", {"image", "buffer"}},

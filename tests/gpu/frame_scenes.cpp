@@ -43,10 +43,9 @@ TEST_F(FrameScenes, RenderCleanAndFiniteWithAndWithoutCulling) {
 // A layer asked for alone is the layer among all others: attachments and shader outputs fit for every choice of layers.
 TEST_F(FrameScenes, EveryLayerAloneIsTheLayerAmongAll) {
   for (const std::string name : {"spheres", "unlit-box"}) {
-    Job job = job_for(scene(name), 32, 18);
-    job.quality = "draft";
-    const Images all = images_of(with_layers(job));
+    const Images all = images_of(with_layers(job_for(scene(name), 32, 18)));
     for (const std::string& layer : with_layers(Job{}).layers) {
+      Job job = job_for(scene(name), 32, 18);
       job.layers = {layer};
       EXPECT_TRUE(images_of(job)[layer] == all[layer]) << name << " " << layer;
     }

@@ -31,7 +31,6 @@ TEST_F(FrameViews, EveryLayerHasAPicture) {
   for (const std::string& view : view_names()) {
     Job job = viewed("spheres", view);
     job.background = "0.1,0.1,0.1";
-    job.quality = "draft";
     const DisplayImage packed = picture_of(job);
     EXPECT_EQ(packed.width, 96) << view;
     EXPECT_EQ(packed.channels, 3) << view;

@@ -164,7 +164,8 @@ TEST_F(Visibility, HybridTracesShadows) {
 
 TEST_F(Visibility, RasterizesShadowMaps) {
   for (const auto& [name, layer] : {std::pair("spheres", "shadow"), std::pair("spheres", "shadow.lamps"),
-                                    std::pair("alpha", "shadow"), std::pair("alpha", "shadow.lamps")}) {
+                                    std::pair("alpha", "shadow"), std::pair("alpha", "shadow.lamps"),
+                                    std::pair("street", "shadow.lamps")}) {  // of as many views as share workgroups
     Job job = of_scene(name);
     job.effects = "shadows";
     const Image a = picture(job, "clustered", layer), b = picture(job, "visibility", layer);

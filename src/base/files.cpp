@@ -1,27 +1,30 @@
 #include "base/files.h"
 
+#include <dirent.h>
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <map>
 #include <optional>
 #include <set>
 
+#include "base/file_uses.h"
 #include "base/hash.h"
+#include "base/input.h"
 #include "base/prepared_file.h"
 
 namespace candela {
 namespace fs = std::filesystem;
 
 Expected<std::vector<std::byte>> read_file(const fs::path& path) {
-  // Not blocked: a FIFO without a writer would hold the program.
+  // Not blocked: a FIFO without a writer would hold the program. Opened first, so that what is checked is what is read.
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return fail(ErrorKind::input, path.string(), "cannot open: {}", std::strerror(errno));
   struct stat info {};
@@ -32,6 +35,11 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path) {
                 : S_ISFIFO(info.st_mode) ? "a FIFO"
                                          : "a device");
   }
+  if (auto allowed = check_opened_file(file, path); !allowed) {
+    close(file);
+    return std::unexpected(allowed.error());
+  }
+  note_read(file, path);
   std::vector<std::byte> bytes(size_t(info.st_size) + 1);  // one more, to see the end without growing
   size_t done = 0;
   for (;;) {
@@ -60,14 +68,6 @@ std::string target_mark(const fs::path& target) {
   return hash128(target.filename().string()).hex().substr(0, target_digits);
 }
 
-// Links are written through: the file that they name is the target.
-fs::path without_link(const fs::path& path) {
-  std::error_code failed;
-  if (!fs::is_symlink(path, failed)) return path;
-  const fs::path target = fs::weakly_canonical(path, failed);
-  return failed ? path : target;
-}
-
 // Who may ask the kernel whether a process lives: this boot of this machine, this space of process numbers. In
 // containers everybody may be process 1, and folders are shared.
 std::string machine_mark() {
@@ -87,7 +87,7 @@ struct Temporary {
   std::string_view target, machine;  // marks
   int process = 0;
 };
-// The parts of ".candela-TARGET-MACHINE-PROCESS-NUMBER.tmp.exr"; nothing: no such name.
+// The parts of ".candela-TARGET-MACHINE-PROCESS-RANDOM.tmp.exr"; nothing: no such name.
 std::optional<Temporary> temporary_of(std::string_view name) {
   if (!name.starts_with(temporary_prefix)) return {};
   const size_t machine = temporary_prefix.size() + target_digits + 1, process = machine + machine_digits + 1;
@@ -101,105 +101,148 @@ std::optional<Temporary> temporary_of(std::string_view name) {
 }
 
 // Nobody is writing it any more. Of other machines only the clock of the file tells: nothing is written for a day.
-bool is_stale(const Temporary& temporary, const fs::path& file) {
+bool is_stale(const Temporary& temporary, int folder, const std::string& name) {
   if (temporary.machine == machine_mark()) return kill(temporary.process, 0) != 0 && errno == ESRCH;
+  struct stat info {};
+  constexpr int64_t day_s = 24 * 60 * 60;
+  return fstatat(folder, name.c_str(), &info, AT_SYMLINK_NOFOLLOW) == 0 &&
+         int64_t(time(nullptr)) - int64_t(info.st_mtime) > day_s;
+}
+
+// A name for what becomes the target once it is whole. Its length does not depend on the target's, whose ending is kept
+// last, and nobody can guess it.
+Expected<std::string> temporary_name(const fs::path& target) {
+  uint64_t random = 0;
+  if (getrandom(&random, sizeof random, 0) != ssize_t(sizeof random))
+    return fail(ErrorKind::output, target.string(), "the system has no random numbers: {}", std::strerror(errno));
+  constexpr size_t longest_ending = 16;
+  std::string ending = target.extension().string();  // programs choose the format by it
+  if (ending.size() > longest_ending) ending.clear();
+  return fmt::format("{}{}-{}-{}-{:016x}.tmp{}", temporary_prefix, target_mark(target), machine_mark(), getpid(),
+                     random, ending);
+}
+
+fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+// As a place that openat() and others take; -1 with the reason in errno.
+int open_folder(const fs::path& folder, int how) {
+  return open(folder.c_str(), how | O_DIRECTORY | O_CLOEXEC);
+}
+
+// What is to be written over, through any links: the path of a regular file or of none. A link of the kernel's, as
+// /proc/self/fd/1, may name what is no path.
+Expected<fs::path> target_of(const fs::path& path) {
+  struct stat given {}, found {};
+  const bool there = stat(path.c_str(), &given) == 0;
+  if (there && !S_ISREG(given.st_mode))
+    return fail(ErrorKind::output, path.string(), "is there and is no regular file; nothing is written over it");
   std::error_code failed;
-  const auto written = fs::last_write_time(file, failed);
-  return !failed && fs::file_time_type::clock::now() - written > std::chrono::hours(24);
+  if (!fs::is_symlink(path, failed)) return path;
+  const fs::path target = links_followed(path);
+  if (target.empty())
+    return fail(ErrorKind::output, path.string(), "is a link that leads to no file: {}", std::strerror(ELOOP));
+  if (there && (stat(target.c_str(), &found) != 0 || found.st_dev != given.st_dev || found.st_ino != given.st_ino))
+    return fail(ErrorKind::output, path.string(), "is a link to a file that has no name; name a file");
+  return target;
 }
 
 }  // namespace
 
-fs::path temporary_beside(const fs::path& target) {
-  static std::atomic<unsigned> counter{0};
-  constexpr size_t longest_ending = 16;
-  std::string ending = target.extension().string();  // programs choose the format by it
-  if (ending.size() > longest_ending) ending.clear();
-  return target.parent_path() / fmt::format("{}{}-{}-{}-{}.tmp{}", temporary_prefix, target_mark(target),
-                                            machine_mark(), getpid(), counter++, ending);
-}
-
 void remove_stale_temporaries(std::span<const fs::path> targets) {
   std::map<fs::path, std::set<std::string>> marks_in;
   for (const fs::path& path : targets) {
-    const fs::path target = without_link(path);
-    marks_in[target.has_parent_path() ? target.parent_path() : fs::path(".")].insert(target_mark(target));
+    const auto target = target_of(path);
+    if (target) marks_in[folder_of(*target)].insert(target_mark(*target));
   }
   for (const auto& [folder, marks] : marks_in) {
-    std::error_code failed, ignored;
-    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
-      const std::string name = entry->path().filename().string();
-      const auto temporary = temporary_of(name);
-      if (temporary && marks.contains(std::string(temporary->target)) && is_stale(*temporary, entry->path()))
-        fs::remove(entry->path(), ignored);
+    const int there = open_folder(folder, O_RDONLY);
+    DIR* entries = there < 0 ? nullptr : fdopendir(there);
+    if (!entries) {
+      if (there >= 0) close(there);
+      continue;
     }
+    while (const dirent* entry = readdir(entries)) {
+      const std::string name = entry->d_name;
+      const auto temporary = temporary_of(name);
+      if (temporary && marks.contains(std::string(temporary->target)) && is_stale(*temporary, there, name))
+        unlinkat(there, name.c_str(), 0);
+    }
+    closedir(entries);
   }
 }
 
-PreparedFile::PreparedFile(PreparedFile&& other) noexcept
-    : path_(std::move(other.path_)), temporary_(std::exchange(other.temporary_, {})) {}
+PreparedFile::PreparedFile(PreparedFile&& other) noexcept { *this = std::move(other); }
 PreparedFile& PreparedFile::operator=(PreparedFile&& other) noexcept {
   std::swap(path_, other.path_);
+  std::swap(name_, other.name_);
   std::swap(temporary_, other.temporary_);
+  std::swap(folder_, other.folder_);
+  std::swap(file_, other.file_);
   return *this;
 }
 PreparedFile::~PreparedFile() {
-  if (temporary_.empty()) return;
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
+  if (file_ >= 0) close(file_);
+  if (!temporary_.empty()) unlinkat(folder_, temporary_.c_str(), 0);
+  if (folder_ >= 0) close(folder_);
+}
+
+Expected<PreparedFile> PreparedFile::create(const fs::path& path) {
+  const auto target = target_of(path);
+  if (!target) return std::unexpected(target.error());
+  PreparedFile prepared;
+  prepared.path_ = path;
+  prepared.name_ = target->filename().string();
+  const fs::path folder = folder_of(*target);
+  prepared.folder_ = open_folder(folder, O_PATH);
+  for (int tries = 0; prepared.folder_ >= 0 && prepared.file_ < 0 && tries < 8; ++tries) {
+    const auto name = temporary_name(*target);
+    if (!name) return std::unexpected(name.error());
+    prepared.file_ =
+        openat(prepared.folder_, name->c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (prepared.file_ >= 0) prepared.temporary_ = *name;
+    if (prepared.file_ < 0 && errno != EEXIST) break;
+  }
+  if (prepared.file_ < 0)
+    return fail(ErrorKind::output, path.string(), "cannot write in {}: {}", folder.string(), std::strerror(errno));
+  return prepared;
+}
+
+Expected<void> PreparedFile::failed(const char* what) const {
+  return fail(ErrorKind::output, path_.string(), "{}: {}", what, std::strerror(errno));
+}
+
+Expected<void> PreparedFile::write(std::span<const std::byte> bytes) {
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t n = ::write(file_, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return failed("cannot write");
+    done += size_t(n);
+  }
+  return {};
+}
+
+Expected<void> PreparedFile::flush() {
+  if (fsync(file_) != 0) return failed("cannot write");
+  note_written(file_);
+  if (close(std::exchange(file_, -1)) != 0) return failed("cannot write");
+  return {};
 }
 
 Expected<void> PreparedFile::put_in_place() {
-  if (rename(temporary_.c_str(), path_.c_str()) != 0)
-    return fail(ErrorKind::output, path_.string(), "cannot put the finished file in place: {}", std::strerror(errno));
+  if (renameat(folder_, temporary_.c_str(), folder_, name_.c_str()) != 0)
+    return failed("cannot put the finished file in place");
   temporary_.clear();
   return {};
 }
 
-Expected<PreparedFile> prepare_file(const fs::path& path, const WriteFile& write) {
-  if (const fs::path target = without_link(path); target != path) return prepare_file(target, write);
-  std::error_code absent;
-  const fs::file_status status = fs::status(path, absent);
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    return fail(ErrorKind::output, path.string(), "is there and is no regular file; nothing is written over it");
-  const fs::path temporary = temporary_beside(path);
-  PreparedFile prepared(path, temporary);  // removes it on every way out
-  if (auto written = write(temporary); !written) return std::unexpected(written.error());
-  const int file = open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0 || fsync(file) != 0) {
-    const int reason = errno;
-    if (file >= 0) close(file);
-    return fail(ErrorKind::output, path.string(), "cannot write: {}", std::strerror(reason));
-  }
-  close(file);
+Expected<PreparedFile> prepare_file(const fs::path& path, std::span<const std::byte> bytes) {
+  auto prepared = PreparedFile::create(path);
+  if (!prepared) return prepared;
+  if (auto written = prepared->write(bytes); !written) return std::unexpected(written.error());
+  if (auto flushed = prepared->flush(); !flushed) return std::unexpected(flushed.error());
   return prepared;
 }
 
-Expected<PreparedFile> prepare_file(const fs::path& path, std::span<const std::byte> bytes) {
-  return prepare_file(path, [&](const fs::path& temporary) -> Expected<void> {
-    const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file < 0) return fail(ErrorKind::output, path.string(), "cannot create: {}", std::strerror(errno));
-    size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t n = ::write(file, bytes.data() + done, bytes.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) {
-        const int reason = errno;
-        close(file);
-        return fail(ErrorKind::output, path.string(), "cannot write: {}", std::strerror(reason));
-      }
-      done += size_t(n);
-    }
-    if (close(file) != 0) return fail(ErrorKind::output, path.string(), "cannot write: {}", std::strerror(errno));
-    return {};
-  });
-}
-
-Expected<void> write_atomically(const fs::path& path, const std::function<Expected<void>(const fs::path&)>& write) {
-  auto prepared = prepare_file(path, write);
-  if (!prepared) return std::unexpected(prepared.error());
-  return prepared->put_in_place();
-}
 Expected<void> write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
   auto prepared = prepare_file(path, bytes);
   if (!prepared) return std::unexpected(prepared.error());

@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,17 +12,12 @@ namespace candela {
 // The whole file. Errors (input): absent, no regular file, unreadable; the message names what it is or the reason.
 Expected<std::vector<std::byte>> read_file(const std::filesystem::path& path);
 
-// A name in the target's folder for what becomes the target once it is whole. Its length does not depend on the
-// target's, whose ending is kept last. A new one at each call.
-std::filesystem::path temporary_beside(const std::filesystem::path& target);
-// Removes the temporaries that runs which were killed left beside these targets: those whose process is gone from this
-// machine. Of other targets none, because they may be written by another machine.
+// Removes the temporaries (base/prepared_file.h) that runs which were killed left beside these targets: those whose
+// process is gone from this machine. Of other targets none, because they may be written by another machine.
 void remove_stale_temporaries(std::span<const std::filesystem::path> targets);
 
-// Calls write(temporary path in the same folder), flushes to disk, then renames over `path`: a reader sees the old file
-// or the new one, never a part. On any failure the temporary file is removed and the error has kind output.
-Expected<void> write_atomically(const std::filesystem::path& path,
-                                const std::function<Expected<void>(const std::filesystem::path&)>& write);
+// Writes a temporary in the same folder, flushes it to disk, then renames it over `path`: a reader sees the old file or
+// the new one, never a part. On any failure the temporary is removed and the error has kind output.
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 

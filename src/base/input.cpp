@@ -5,6 +5,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <map>
+#include <mutex>
+#include <set>
+
+#include "base/file_uses.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -27,28 +32,67 @@ fs::path resolved(const fs::path& path) {
   return real.has_filename() ? real : real.parent_path();
 }
 
+// Files that other files name, and the folders of these, links resolved.
+struct Named {
+  std::mutex mutex;
+  std::map<fs::path, std::set<fs::path>> homes;
+};
+Named& named() {
+  static Named of_the_process;
+  return of_the_process;
+}
+
+Expected<void> check_place(const fs::path& real, const fs::path& home) {
+  const auto holds = [&](const fs::path& allowed) { return lies_below(real, resolved(allowed)); };
+  if (!home.empty() && (lies_below(real, home) ||
+                        std::any_of(rules().allowed_folders.begin(), rules().allowed_folders.end(), holds)))
+    return {};
+  return fail(ErrorKind::input, "",
+              "{} lies outside {}: a file may name only files below its own folder (--allow-path DIR allows another "
+              "folder)",
+              real.string(), home.string());
+}
+
 }  // namespace
 
 const InputRules& input_rules() { return rules(); }
 void set_input_rules(InputRules given) { rules() = std::move(given); }
 
-Expected<void> check_named_file(const fs::path& file, const fs::path& folder) {
+Expected<void> check_named_file(const fs::path& file, const fs::path& folder, const fs::path& namer) {
   const fs::path real = resolved(file), home = resolved(folder);
   if (real.empty()) return fail(ErrorKind::input, "", "{} cannot be followed to a file", file.string());
-  const auto holds = [&](const fs::path& allowed) { return lies_below(real, resolved(allowed)); };
-  if (home.empty() ||
-      (!lies_below(real, home) && std::none_of(rules().allowed_folders.begin(), rules().allowed_folders.end(), holds)))
-    return fail(ErrorKind::input, "",
-                "{} lies outside {}: a file may name only files below its own folder (--allow-path DIR allows another "
-                "folder)",
-                real.string(), home.string());
+  if (auto allowed = check_place(real, home); !allowed) return allowed;
   std::error_code failed;
   if (fs::exists(real, failed) && !fs::is_regular_file(real, failed))
     return fail(ErrorKind::input, "", "{} is no regular file, and others are not read", real.string());
+  note_read({namer.string(), file});
+  const std::scoped_lock lock(named().mutex);
+  std::set<fs::path> homes = {home};
+  if (const auto of_namer = named().homes.find(namer); of_namer != named().homes.end())
+    homes.insert(of_namer->second.begin(), of_namer->second.end());
+  named().homes[file].merge(homes);
+  return {};
+}
+
+Expected<void> check_opened_file(int descriptor, const fs::path& file) {
+  std::set<fs::path> homes;
+  {
+    const std::scoped_lock lock(named().mutex);
+    const auto found = named().homes.find(file);
+    if (found == named().homes.end()) return {};
+    homes = found->second;
+  }
+  std::error_code failed;
+  const fs::path real = fs::read_symlink(fmt::format("/proc/self/fd/{}", descriptor), failed);
+  if (failed) return fail(ErrorKind::input, file.string(), "cannot be followed to a file: {}", failed.message());
+  for (const fs::path& home : homes)
+    if (auto allowed = check_place(real, home); !allowed)
+      return fail(ErrorKind::input, file.string(), "{}", allowed.error().message);
   return {};
 }
 
 Expected<void> check_regular_file(const fs::path& file) {
+  note_read({"", file});
   if (access(file.c_str(), R_OK) != 0)
     return fail(ErrorKind::input, file.string(), "cannot open: {}", std::strerror(errno));
   std::error_code failed;

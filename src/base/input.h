@@ -17,10 +17,14 @@ struct InputRules {
 const InputRules& input_rules();
 void set_input_rules(InputRules rules);
 
-// A file that another file names (a texture, the scene of a suite) must lie, links resolved, below `folder` or an
-// allowed folder, and be a regular file where it is there at all. The error (input) says which rule it breaks; its
-// place is empty.
-Expected<void> check_named_file(const std::filesystem::path& file, const std::filesystem::path& folder);
+// A file that another file, `namer`, names (a texture, the scene of a suite) must lie, links resolved, below `folder` or
+// an allowed folder, and be a regular file where it is there at all. The error (input) says which rule it breaks; its
+// place is empty. Whether it lies there, and where the namer had to lie, is seen again when read_file() has opened it
+// under this path, for links may have changed in between. It is noted as read (base/file_uses.h).
+Expected<void> check_named_file(const std::filesystem::path& file, const std::filesystem::path& folder,
+                                const std::filesystem::path& namer = {});
+// That of what was opened: `descriptor` of `file`. Files that no file named are free.
+Expected<void> check_opened_file(int descriptor, const std::filesystem::path& file);
 
 // A file that another program is going to read: there, regular and readable. Errors (input) name it.
 Expected<void> check_regular_file(const std::filesystem::path& file);

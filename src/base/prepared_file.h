@@ -1,31 +1,35 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <span>
 
 #include "base/error.h"
 
 namespace candela {
 
-// A file that is whole and flushed to disk under a temporary name in its folder. Without put_in_place() nothing is
-// left.
+// A file that is written under a temporary name in its folder. Without put_in_place() nothing is left. The name cannot
+// be guessed, and the file is made anew, relative to the folder's descriptor: a link that somebody placed there is never
+// followed. Links that `path` itself goes through are followed once, when it is made.
 class PreparedFile {
  public:
-  PreparedFile(std::filesystem::path path, std::filesystem::path temporary)
-      : path_(std::move(path)), temporary_(std::move(temporary)) {}
+  // Makes the temporary, empty. Error output: the folder is not there or takes no files, `path` is no regular file.
+  static Expected<PreparedFile> create(const std::filesystem::path& path);
   PreparedFile(PreparedFile&& other) noexcept;
   PreparedFile& operator=(PreparedFile&& other) noexcept;
   ~PreparedFile();
+  int file() const { return file_; }  // open for writing until it is flushed
+  Expected<void> write(std::span<const std::byte> bytes);
+  Expected<void> flush();         // to disk; nothing can be written afterwards
   Expected<void> put_in_place();  // by a rename: a reader sees the old file or the new one, never a part
 
  private:
-  std::filesystem::path path_, temporary_;  // temporary_: empty once there is none
+  PreparedFile() = default;
+  Expected<void> failed(const char* what) const;  // with the reason in errno
+  std::filesystem::path path_;                    // for messages
+  std::string name_, temporary_;                  // in the folder; temporary_: empty once there is none
+  int folder_ = -1, file_ = -1;
 };
-// Calls write(temporary path) and flushes what it wrote. On any failure the temporary file is removed and the error has
-// kind output.
-using WriteFile = std::function<Expected<void>(const std::filesystem::path&)>;
-Expected<PreparedFile> prepare_file(const std::filesystem::path& path, const WriteFile& write);
+// Written whole and flushed. Errors have kind output.
 Expected<PreparedFile> prepare_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace candela

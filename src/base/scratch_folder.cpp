@@ -1,19 +1,18 @@
 #include "base/scratch_folder.h"
 
-#include <unistd.h>
-
-#include <atomic>
+#include <stdlib.h>
 
 namespace candela {
 
 ScratchFolder::ScratchFolder(std::string_view purpose) {
-  static std::atomic<int> count = 0;
   std::error_code failed;
-  path_ = std::filesystem::temp_directory_path(failed) / fmt::format("candela-{}-{}-{}", purpose, getpid(), count++);
-  std::filesystem::create_directories(path_, failed);
+  std::string path = (std::filesystem::temp_directory_path(failed) / fmt::format("candela-{}-XXXXXX", purpose)).string();
+  if (mkdtemp(path.data())) made_ = true;
+  path_ = path;
 }
 
 ScratchFolder::~ScratchFolder() {
+  if (!made_) return;
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
 }

@@ -4,8 +4,8 @@
 
 namespace candela {
 
-// A folder of this process below the system's temporary one, removed with everything in it. Where it cannot be made,
-// what is written into it says so.
+// A folder of this process below the system's temporary one, removed with everything in it. Its name cannot be guessed,
+// and nobody else may open it. Where it cannot be made, what is written into it says so.
 class ScratchFolder {
  public:
   explicit ScratchFolder(std::string_view purpose);  // a part of its name
@@ -16,6 +16,7 @@ class ScratchFolder {
 
  private:
   std::filesystem::path path_;
+  bool made_ = false;
 };
 
 }  // namespace candela

@@ -65,7 +65,7 @@ Expected<void> read_named_file(const Json& j, const SuitePlace& place, SuiteScen
     scene.missing = fmt::format("there is no folder of assets at {}", home.string());
     return {};
   }
-  if (auto allowed = check_named_file(file, home); !allowed)
+  if (auto allowed = check_named_file(file, home, place.at); !allowed)
     return fail(ErrorKind::input, place.at, "{}", allowed.error().message);
   return {};
 }
@@ -75,7 +75,7 @@ Expected<SuiteScene> named_scene(const std::string& text, const SuitePlace& plac
   SuiteScene scene = suite_scene(text, place.folder, place.assets);
   if (scene.file.empty() || !scene.missing.empty()) return scene;
   const fs::path& home = text.starts_with(assets_prefix) ? place.assets : place.folder;
-  if (auto allowed = check_named_file(scene.file, home); !allowed)
+  if (auto allowed = check_named_file(scene.file, home, place.at); !allowed)
     return fail(ErrorKind::input, place.at, "{}", allowed.error().message);
   return scene;
 }

@@ -52,7 +52,7 @@ Expected<std::string> resolve(const Json& j, const char* key, const std::string&
     return text;
   }
   const fs::path named = home / text.substr(asset ? prefix.size() : 0);
-  if (auto allowed = check_named_file(named, home); !allowed)
+  if (auto allowed = check_named_file(named, home, file); !allowed)
     return fail(ErrorKind::input, file + ": /" + key, "{}", allowed.error().message);
   return named.string();
 }
@@ -99,7 +99,7 @@ Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& roo
   golden.job.scene = *scene;
   golden.job.sky = *sky;
   if (const fs::path look = root.parent_path() / golden.job.look; !golden.job.look.empty()) {
-    if (auto allowed = check_named_file(look, root.parent_path()); !allowed)
+    if (auto allowed = check_named_file(look, root.parent_path(), file); !allowed)
       return fail(ErrorKind::input, file + ": /job/look", "{}", allowed.error().message);
     golden.job.look = look.string();
   }

@@ -42,7 +42,7 @@ Expected<std::string> named_by_look(const Job& job, const std::string& name) {
     files.assign(faces->begin(), faces->end());
   }
   for (const fs::path& one : files)
-    if (auto allowed = check_named_file(one, folder.empty() ? "." : folder); !allowed)
+    if (auto allowed = check_named_file(one, folder.empty() ? "." : folder, job.look); !allowed)
       return fail(ErrorKind::input, job.look + ": /sky", "{}", allowed.error().message);
   return file.string();
 }

@@ -8,6 +8,7 @@
 #include "gltf/lights.h"
 #include "gltf/materials.h"
 #include "gltf/meshes.h"
+#include "gltf/named_files.h"
 #include "gltf/nodes.h"
 #include "gltf/variants.h"
 #include "scene/deformation_bounds.h"
@@ -50,6 +51,7 @@ Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const st
   std::set<std::string> earlier;
   try {
     gltf::Document document = gltf::open_document(bytes, name, folder);
+    gltf::note_named_files(document);
     earlier = document.finding_codes;
     Scene scene = import_scene(document, options);
     prepare_deformation_bounds(scene);

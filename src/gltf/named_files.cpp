@@ -1,5 +1,6 @@
 #include "gltf/named_files.h"
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/input.h"
 #include "gltf/uri.h"
@@ -18,7 +19,7 @@ Expected<std::vector<std::byte>> read_named_file(Document& document, const std::
   if (!relative || relative->empty() || relative->find('\0') != std::string::npos)
     document.refuse(path, "'{}' is not a valid URI (INVALID_URI)", uri);
   const std::filesystem::path file = document.folder / *relative;
-  if (auto allowed = check_named_file(file, document.folder); !allowed)
+  if (auto allowed = check_named_file(file, document.folder, document.name); !allowed)
     document.refuse(path, "{} (IO_ERROR)", allowed.error().message);
   Expected<std::vector<std::byte>> bytes = read_file(file);
   if (!bytes) return bytes;
@@ -29,6 +30,24 @@ Expected<std::vector<std::byte>> read_named_file(Document& document, const std::
     document.charge(bytes->size(), 1, path);  // read again: a copy that no bytes on disk pay for
   }
   return bytes;
+}
+
+void note_named_files(const Document& document) {
+  std::vector<const Json*> open = {&document.json};
+  while (!open.empty()) {
+    const Json& json = *open.back();
+    open.pop_back();
+    if (!json.is_structured()) continue;
+    for (const auto& [key, value] : json.items()) {
+      open.push_back(&value);
+      if (key != "uri" || !value.is_string()) continue;
+      const std::string& uri = value.get_ref<const std::string&>();
+      if (is_data_uri(uri) || has_scheme(uri)) continue;
+      const std::optional<std::string> relative = percent_decoded(uri);
+      if (relative && !relative->empty() && relative->find('\0') == std::string::npos)
+        note_read({document.name, document.folder / *relative});
+    }
+  }
 }
 
 std::span<const std::byte> buffer_bytes(Document& document, size_t buffer) {

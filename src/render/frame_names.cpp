@@ -1,8 +1,6 @@
 #include "render/frame_names.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "base/files.h"
+#include "base/prepared_file.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -124,13 +123,8 @@ Expected<void> prepare_output(const fs::path& path) {
   if (fs::is_directory(path, failed)) return fail(ErrorKind::output, path.string(), "is a folder; name a file");
   // A file is really made: permission bits say nothing to root or about a read-only file system.
   remove_stale_temporaries(std::span(&path, 1));
-  const fs::path probe = folder / temporary_beside(path).filename();
-  const int file = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file < 0)
-    return fail(ErrorKind::output, path.string(), "cannot write in {}: {}", folder.string(), std::strerror(errno));
-  close(file);
-  unlink(probe.c_str());
-  return {};
+  const auto probe = PreparedFile::create(path);
+  return probe ? Expected<void>{} : std::unexpected(probe.error());
 }
 
 Expected<Shard> parse_shard(const std::string& text) {

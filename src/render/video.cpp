@@ -28,7 +28,15 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-std::vector<std::string> arguments(const fs::path& out, const fs::path& audio, int width_px, int height_px,
+// The film has this number in ffmpeg, which opens it by that: its name in the folder may be somebody else's by then.
+constexpr int film_file = 3;
+
+std::string muxer_of(const fs::path& film) {
+  const std::string ending = film.extension().string();
+  return ending == ".mkv" ? "matroska" : ending.substr(1);
+}
+
+std::vector<std::string> arguments(const fs::path& film, const fs::path& audio, int width_px, int height_px,
                                    FrameRate rate) {
   // H.264 with 4:2:0 chroma wants even sides: odd ones grow by a black row or column. Rec.709 is said in the stream,
   // because players guess it from the height otherwise.
@@ -75,16 +83,19 @@ std::vector<std::string> arguments(const fs::path& out, const fs::path& audio, i
                      "+bitexact",
                      "-flags:v",
                      "+bitexact",
-                     out.string()});
+                     "-f",
+                     muxer_of(film),
+                     fmt::format("/proc/self/fd/{}", film_file)});
   return a;
 }
 
 // ffmpeg gets a process group of its own: an interrupt at the terminal is ours to handle.
-int spawn_reading(int pipe_end, std::vector<std::string> arguments, int& error) {
+int spawn_reading(int pipe_end, int film, std::vector<std::string> arguments, int& error) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, pipe_end, STDIN_FILENO);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, film, film_file);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -124,9 +135,10 @@ Expected<void> check_video(const fs::path& path, const fs::path& audio) {
 Expected<std::unique_ptr<VideoWriter>> VideoWriter::open(const fs::path& path, const fs::path& audio, int width_px,
                                                          int height_px, FrameRate rate) {
   if (auto good = check_video(path, audio); !good) return std::unexpected(good.error());
-  std::unique_ptr<VideoWriter> writer(new VideoWriter);
+  auto film = PreparedFile::create(path);
+  if (!film) return std::unexpected(film.error());
+  std::unique_ptr<VideoWriter> writer(new VideoWriter(std::move(*film)));
   writer->path_ = path;
-  writer->temporary_ = temporary_beside(path);
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     return fail(ErrorKind::output, path.string(), "cannot make a pipe: {}", std::strerror(errno));
@@ -134,7 +146,7 @@ Expected<std::unique_ptr<VideoWriter>> VideoWriter::open(const fs::path& path, c
   // A relative name that begins with a dash would be an option to ffmpeg.
   const fs::path audio_name = audio.empty() ? audio : fs::absolute(audio);
   writer->process_ =
-      spawn_reading(ends[0], arguments(fs::absolute(writer->temporary_), audio_name, width_px, height_px, rate), error);
+      spawn_reading(ends[0], writer->film_.file(), arguments(path, audio_name, width_px, height_px, rate), error);
   close(ends[0]);
   writer->pipe_ = ends[1];
   if (writer->process_ < 0)
@@ -148,8 +160,6 @@ VideoWriter::~VideoWriter() {
     waitpid(process_, nullptr, 0);
   }
   if (pipe_ >= 0) close(pipe_);
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
 }
 
 Expected<void> VideoWriter::wait_for_exit() {
@@ -191,9 +201,8 @@ Expected<void> VideoWriter::add(const DisplayImage& image) {
 
 Expected<void> VideoWriter::finish() {
   if (auto ended = wait_for_exit(); !ended) return ended;
-  if (rename(temporary_.c_str(), path_.c_str()) != 0)
-    return fail(ErrorKind::output, path_.string(), "cannot put the finished file in place: {}", std::strerror(errno));
-  return {};
+  if (auto flushed = film_.flush(); !flushed) return flushed;
+  return film_.put_in_place();
 }
 
 }  // namespace candela

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/prepared_file.h"
 #include "frame/job.h"
 #include "image/image.h"
 
@@ -21,9 +22,10 @@ class VideoWriter {
   Expected<void> finish();
 
  private:
-  VideoWriter() = default;
   Expected<void> wait_for_exit();
-  std::filesystem::path path_, temporary_;
+  explicit VideoWriter(PreparedFile film) : film_(std::move(film)) {}
+  std::filesystem::path path_;
+  PreparedFile film_;
   int pipe_ = -1, process_ = -1;
 };
 Expected<void> check_video(const std::filesystem::path& path, const std::filesystem::path& audio);

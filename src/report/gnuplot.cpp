@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "base/files.h"
+#include "base/scratch_folder.h"
 #include "base/text.h"
 
 extern char** environ;
@@ -60,13 +61,10 @@ bool has_gnuplot() {
 }
 
 std::optional<std::string> gnuplot_svg(const std::string& script) {
-  static int count = 0;
-  const fs::path file = fs::temp_directory_path() / fmt::format("candela-plot-{}-{}.gp", getpid(), count++);
+  const ScratchFolder scratch("plot");
+  const fs::path file = scratch.path() / "figure.gp";
   if (!write_file_atomically(file, std::string_view(script))) return std::nullopt;
-  auto svg = output_of_gnuplot(file);
-  std::error_code ignored;
-  fs::remove(file, ignored);
-  return svg;
+  return output_of_gnuplot(file);
 }
 
 }  // namespace candela

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <fstream>
 
+#include "base/prepared_file.h"
 #include "base/process.h"
 
 namespace candela {
@@ -25,6 +26,16 @@ class Files : public ::testing::Test {
     fs::create_directories(folder);
   }
   void TearDown() override { fs::remove_all(folder); }
+  std::vector<std::string> temporaries() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().string().find(".tmp") != std::string::npos) names.push_back(entry.path().filename().string());
+    return names;
+  }
+  static std::string text_of(const fs::path& file) {
+    const auto bytes = read_file(file);
+    return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()) : bytes.error().text();
+  }
   fs::path folder;
 };
 
@@ -83,30 +94,34 @@ TEST_F(Files, TemporariesOfDeadProcessesAreRemovedAndNoOthers) {
   const fs::path target = folder / "film.mp4", other = folder / "other.mp4";
   const auto left_by_a_child = [&](const fs::path& path) {
     EXPECT_EQ(in_a_child([&] {
-                std::ofstream(temporary_beside(path)) << "part";
+                const auto file = PreparedFile::create(path);
+                _exit(file ? 0 : 1);  // without the destructor
                 return 0;
               }),
               0);
   };
   left_by_a_child(target);
   left_by_a_child(other);
-  const fs::path alive = temporary_beside(target);
-  std::ofstream(alive) << "part";
+  const auto alive = PreparedFile::create(target);
+  ASSERT_TRUE(alive);
   std::ofstream(folder / ".candela-notes") << "mine";
   remove_stale_temporaries(std::span(&target, 1));
   size_t left = 0;
   for (const auto& entry : fs::directory_iterator(folder)) left += entry.is_regular_file();
   EXPECT_EQ(left, 3u);  // of the living process, of the other target, and what is no temporary
-  EXPECT_TRUE(fs::exists(alive));
   remove_stale_temporaries(std::span(&other, 1));
   EXPECT_TRUE(fs::exists(folder / ".candela-notes"));
-  EXPECT_TRUE(fs::exists(alive));
+  EXPECT_EQ(temporaries().size(), 1u);
 }
 
 // On a shared folder, process 7 of one container is not process 7 of another.
 TEST_F(Files, TemporariesOfOtherMachinesStayForADay) {
   const fs::path target = folder / "frame.exr";
-  std::string name = temporary_beside(target).filename().string();  // .candela-TARGET-MACHINE-PROCESS-NUMBER.tmp.exr
+  std::string name;  // .candela-TARGET-MACHINE-PROCESS-RANDOM.tmp.exr
+  {
+    const auto made = PreparedFile::create(target);
+    name = temporaries().front();
+  }
   const size_t machine = name.find('-', std::string(".candela-").size()) + 1;
   name.replace(machine, 8, name[machine] == '0' ? "11111111" : "00000000");
   const size_t process = machine + 9;
@@ -117,6 +132,64 @@ TEST_F(Files, TemporariesOfOtherMachinesStayForADay) {
   fs::last_write_time(folder / name, fs::file_time_type::clock::now() - std::chrono::hours(25));
   remove_stale_temporaries(std::span(&target, 1));
   EXPECT_FALSE(fs::exists(folder / name));
+}
+
+// Whoever may write in the folder could guess names that count, and place links to what only we may write.
+TEST_F(Files, TemporariesFollowNoLinkThatWasPlantedForThem) {
+  const fs::path target = folder / "frame.exr", victim = folder / "victim";
+  std::ofstream(victim) << "mine";
+  std::string before;
+  {
+    const auto made = PreparedFile::create(target);
+    before = temporaries().front();
+  }
+  const size_t last = before.find(".tmp"), number = before.rfind('-', last) + 1;
+  for (int i = 0; i < 100; ++i) {
+    std::string name = before;
+    fs::create_symlink(victim, folder / name.replace(number, last - number, std::to_string(i)));
+  }
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(write_file_atomically(target, std::string_view("picture")));
+  EXPECT_EQ(text_of(victim), "mine");
+  EXPECT_EQ(text_of(target), "picture");
+  EXPECT_EQ(before.substr(number, last - number).size(), 16u);
+  const auto a = PreparedFile::create(folder / "a"), b = PreparedFile::create(folder / "a");
+  EXPECT_EQ(temporaries().size(), 102u);
+}
+
+TEST_F(Files, AFolderThatIsExchangedForALinkKeepsItsFile) {
+  fs::create_directories(folder / "frames");
+  fs::create_directories(folder / "victims");
+  auto file = PreparedFile::create(folder / "frames/a.exr");
+  ASSERT_TRUE(file);
+  fs::rename(folder / "frames", folder / "moved");
+  fs::create_symlink("victims", folder / "frames");
+  const std::string text = "picture";
+  ASSERT_TRUE(file->write(std::as_bytes(std::span(text))));
+  ASSERT_TRUE(file->flush());
+  ASSERT_TRUE(file->put_in_place());
+  EXPECT_EQ(text_of(folder / "moved/a.exr"), "picture");
+  EXPECT_TRUE(fs::is_empty(folder / "victims"));
+}
+
+TEST_F(Files, LinksThatAreTheOutputAreWrittenThrough) {
+  fs::create_directories(folder / "there");
+  fs::create_symlink("there/old", folder / "to-old");
+  fs::create_symlink("there/new", folder / "to-new");
+  std::ofstream(folder / "there/old") << "before";
+  for (const char* name : {"old", "new"}) {
+    const auto written = write_file_atomically(folder / (std::string("to-") + name), std::string_view("after"));
+    ASSERT_TRUE(written) << written.error().text();
+    EXPECT_TRUE(fs::is_symlink(folder / (std::string("to-") + name)));
+    EXPECT_EQ(text_of(folder / "there" / name), "after");
+  }
+  fs::create_symlink("loop", folder / "loop");
+  for (const fs::path& no_file : {folder / "loop", fs::path("/dev/null"), fs::path("/proc/self/cwd"), folder / "there"})
+    EXPECT_FALSE(write_file_atomically(no_file, std::string_view("x"))) << no_file;
+  const int unnamed = open((folder / "gone").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  fs::remove(folder / "gone");
+  EXPECT_FALSE(write_file_atomically(fmt::format("/proc/self/fd/{}", unnamed), std::string_view("x")));
+  close(unnamed);
+  EXPECT_EQ(temporaries().size(), 0u);
 }
 
 }  // namespace

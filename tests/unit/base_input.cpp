@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <fstream>
+#include <thread>
 
 #include "base/files.h"
 
@@ -59,6 +61,60 @@ TEST_F(Input, FurtherFoldersCanBeAllowed) {
   EXPECT_NE(refusal("../secret"), "");
   set_input_rules({.allowed_folders = {folder}});
   EXPECT_EQ(refusal("link-out"), "");
+}
+
+// A link that changes between the check and the opening.
+TEST_F(Input, WhatWasOpenedIsChecked) {
+  const fs::path link = folder / "scene/turning";
+  fs::create_symlink("a.bin", link);
+  ASSERT_TRUE(check_named_file(link, folder / "scene"));
+  ASSERT_TRUE(read_file(link));
+  fs::remove(link);
+  fs::create_symlink("../secret", link);
+  const auto outside = read_file(link);
+  ASSERT_FALSE(outside);
+  EXPECT_NE(outside.error().message.find("lies outside"), std::string::npos) << outside.error().text();
+  EXPECT_TRUE(read_file(folder / "secret")) << "the user may name it";
+  set_input_rules({.allowed_folders = {folder}});
+  EXPECT_TRUE(read_file(link));
+}
+
+TEST_F(Input, ATurningLinkNeverLeadsOutside) {
+  const fs::path link = folder / "scene/turning", other = folder / "scene/other";
+  std::ofstream(folder / "secret") << "secret";
+  fs::create_symlink("a.bin", link);
+  std::atomic<bool> done = false;
+  std::thread turn([&] {
+    for (int i = 0; !done; ++i) {
+      fs::create_symlink(i % 2 ? "a.bin" : "../secret", other);
+      fs::rename(other, link);
+    }
+  });
+  int inside = 0, refused = 0, secret = 0;
+  for (int i = 0; i < 3000; ++i) {
+    if (!check_named_file(link, folder / "scene")) continue;
+    const auto bytes = read_file(link);
+    ++(!bytes ? refused : bytes->size() == 6 ? secret : inside);
+  }
+  done = true;
+  turn.join();
+  EXPECT_EQ(secret, 0) << inside << " inside, " << refused << " refused";
+  EXPECT_GT(inside, 0);
+}
+
+// The folder of what names a file may turn too.
+TEST_F(Input, AFileIsHeldToThePlaceOfWhatNamesIt) {
+  fs::create_directories(folder / "scene/sub");
+  fs::create_directories(folder / "outside");
+  std::ofstream(folder / "scene/sub/s.gltf") << "{}";
+  std::ofstream(folder / "outside/t.png") << "secret";
+  const fs::path turning = folder / "scene/turning";
+  fs::create_symlink("sub", turning);
+  ASSERT_TRUE(check_named_file(turning / "s.gltf", folder / "scene", "suite.json"));
+  fs::remove(turning);
+  fs::create_symlink("../outside", turning);
+  ASSERT_TRUE(check_named_file(turning / "t.png", turning, turning / "s.gltf"));
+  EXPECT_FALSE(read_file(turning / "t.png"));
 }
 
 TEST_F(Input, TheWorkingFolderIsAFolderToo) {

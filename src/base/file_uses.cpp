@@ -127,7 +127,8 @@ void note_read(const NamedFile& input) {
   const auto identity = file_identity(input.file);
   if (!identity) return;
   const std::scoped_lock lock(uses().mutex);
-  uses().read[*identity] = input;
+  NamedFile& noted = uses().read[*identity];
+  if (noted.option.empty() || !still_there(noted, *identity)) noted = input;
 }
 
 void note_read(int descriptor, const fs::path& file) {
@@ -176,10 +177,12 @@ Expected<void> check_outputs() {
   return {};
 }
 
-Expected<void> check_output(const NamedFile& output) {
-  const auto identity = file_identity(output.file);
+Expected<void> check_output(const fs::path& output) {
+  const auto identity = file_identity(output);
+  if (!identity) return {};
   const std::scoped_lock lock(uses().mutex);
-  return identity ? check_read(*identity, output) : Expected<void>{};
+  const auto declared = uses().written.find(*identity);
+  return check_read(*identity, declared != uses().written.end() ? declared->second : NamedFile{output.string(), output});
 }
 
 void forget_file_uses() {

@@ -39,8 +39,8 @@ void note_written(int descriptor);                                      // by th
 Expected<void> declare_outputs(std::span<const NamedFile> outputs);
 // That no declared output is a file that was read since, as the textures of a scene.
 Expected<void> check_outputs();
-// The same of one file that is written over on purpose once it was compared, and is not declared.
-Expected<void> check_output(const NamedFile& output);
+// The same of one file, which may be no declared one.
+Expected<void> check_output(const std::filesystem::path& output);
 void forget_file_uses();
 
 }  // namespace candela

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -13,6 +14,7 @@
 #include "cli/report_files.h"
 #include "cli/result.h"
 #include "cli/signals.h"
+#include "gltf/gltf.h"
 #include "render/frame_names.h"
 #include "report/bench_report.h"
 #include "report/bench_rows.h"
@@ -67,7 +69,14 @@ Expected<void> prepare_files(const BenchOptions& o) {
   for (const std::string& file : {o.json, o.csv})
     if (!file.empty() && file != "-")
       if (auto ready = prepare_output(file); !ready) return ready;
-  return prepare_report(o.report);
+  if (auto ready = prepare_report(o.report); !ready) return ready;
+  return check_outputs();
+}
+
+// What the scenes of a suite name, before an hour is spent on them.
+void note_files_of(const Suite& suite) {
+  for (const SuiteScene& scene : suite.scenes)
+    if (!scene.file.empty()) note_scene_files(scene.file);
 }
 
 // 0 when every row that a suite does not leave out was measured.
@@ -115,6 +124,7 @@ std::string error_sentences(const BenchRun& run) {
 Expected<int> run_errors(const BenchOptions& o) {
   const auto sweep = error_sweep_of(o);
   if (!sweep) return std::unexpected(sweep.error());
+  note_files_of(sweep->base);
   if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
   const HeldSignals signals;
   auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; });
@@ -136,6 +146,7 @@ Expected<int> run_errors(const BenchOptions& o) {
 Expected<int> run_measure(const BenchOptions& o) {
   const auto suites = suites_of(o);
   if (!suites) return std::unexpected(suites.error());
+  for (const Suite& suite : *suites) note_files_of(suite);
   if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
   const HeldSignals signals;
   auto run = run_suites(*suites, bench_settings(o), [&] { return signals.pending() != 0; });

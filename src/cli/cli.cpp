@@ -4,10 +4,12 @@
 #include <cstdlib>
 #include <exception>
 
+#include "base/file_uses.h"
 #include "base/log.h"
 #include "base/process.h"
 #include "base/text.h"
 #include "cli/command.h"
+#include "cli/file_options.h"
 #include "cli/help.h"
 #include "cli/version.h"
 #include "render/current_error.h"
@@ -24,21 +26,14 @@ void build_parser(CLI::App& app, VersionOptions& o, Action& action) {
   CLI::Option* version = app.add_flag("--version", o.version, "Print the version and exit");
   app.add_flag("--json", o.json, "With --version: what was built in, as JSON")->needs(version);
   app.set_help_all_flag("--help-all", "Print the help of every command");
-  add_render(app, action);
-  add_sequence(app, action);
-  add_farm(app, action);
-  add_reference(app, action);
-  add_plan(app, action);
-  add_facts(app, action);
-  add_compare(app, action);
-  add_sheet(app, action);
-  add_golden(app, action);
-  add_bench(app, action);
-  add_tune(app, action);
-  add_make_scene(app, action);
-  add_list(app, action);
-  add_manual(app, action);
+  add_commands(app, action);
   complete_help(app);
+}
+
+// The command that was chosen: `check` of `golden check`.
+const CLI::App& leaf_of(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? app : leaf_of(*chosen.front());
 }
 
 std::string command_of(const CLI::App& app) {
@@ -116,6 +111,7 @@ int failed(const CLI::App& app, const Error& error) {
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv) {
+  forget_file_uses();
   Action action;
   VersionOptions version;
   build_parser(app, version, action);
@@ -129,11 +125,29 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
     log::write(log::Level::error, "no command given\n" + app.help());
     return int(ErrorKind::usage);
   }
-  const Expected<int> result = action();
+  const Expected<void> files = check_file_options(leaf_of(app));
+  const Expected<int> result = files ? action() : std::unexpected(files.error());
   return result ? *result : failed(app, result.error());
 }
 
 }  // namespace
+
+void add_commands(CLI::App& app, Action& action) {
+  add_render(app, action);
+  add_sequence(app, action);
+  add_farm(app, action);
+  add_reference(app, action);
+  add_plan(app, action);
+  add_facts(app, action);
+  add_compare(app, action);
+  add_sheet(app, action);
+  add_golden(app, action);
+  add_bench(app, action);
+  add_tune(app, action);
+  add_make_scene(app, action);
+  add_list(app, action);
+  add_manual(app, action);
+}
 
 int run(int argc, char** argv) {
   if (!prepare_process()) return int(ErrorKind::output);

@@ -30,6 +30,7 @@ void add_bench(CLI::App& app, Action& action);
 void add_make_scene(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_manual(CLI::App& app, Action& action);
+void add_commands(CLI::App& app, Action& action);  // all of them
 
 // The only ways to stdout. An error when it cannot be written (a full disk behind a redirection).
 Expected<void> print(const std::string& text);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/json.h"
 #include "base/log.h"
@@ -17,6 +18,7 @@
 #include "farm/film.h"
 #include "farm/quote.h"
 #include "farm/writers.h"
+#include "gltf/gltf.h"
 
 extern char** environ;
 
@@ -90,6 +92,7 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   job.arguments = given_words(command, own);
   if (auto given = give_film_frames(job); !given) return std::unexpected(given.error());
   s.outputs = job.outputs;
+  note_scene_files(job.scene);
   const auto settings = read_sequence(s, *decided);
   if (!settings) return std::unexpected(settings.error());
   if (auto good = check_sequence(*settings); !good) return std::unexpected(good.error());
@@ -117,6 +120,7 @@ Expected<int> run_writer(CLI::App& command, FarmOptions& o, const std::set<std::
   if (!job) return std::unexpected(job.error());
   const auto files = writer(*job);
   if (!files) return std::unexpected(files.error());
+  if (auto fine = check_outputs(); !fine) return std::unexpected(fine.error());
   if (auto written = write_farm_job(*job); !written) return std::unexpected(written.error());
   for (const FarmFile& file : *files)
     if (auto written = write_file_atomically(job->folder / file.name, file.text); !written)

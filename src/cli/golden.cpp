@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/json.h"
 #include "base/log.h"
@@ -98,10 +99,26 @@ Json outcome_json(const GoldenManifest& golden, const GoldenOutcome& outcome) {
           {"seconds", outcome.seconds}};
 }
 
+// What a report may hold of each golden (golden_run.cpp), and that it is no file of a golden.
+Expected<void> declare_report(const std::string& folder, const std::vector<GoldenManifest>& goldens) {
+  if (folder.empty()) return {};
+  std::vector<NamedFile> files;
+  for (const GoldenManifest& golden : goldens) {
+    std::error_code failed;
+    for (fs::directory_iterator entry(golden.folder, failed), end; !failed && entry != end; entry.increment(failed))
+      note_read({"--root", entry->path()});
+    for (const std::string ending : {golden.ending(), "-new.png", "-golden.png", "-heat.png"})
+      files.push_back({"--report", fs::path(folder) / (golden.name + ending)});
+  }
+  if (auto fine = declare_outputs(files); !fine) return fine;
+  return check_outputs();
+}
+
 Expected<int> run_check(const GoldenOptions& o) {
   if (o.quiet) log::set_level(log::Level::warning);
   const auto goldens = goldens_of(o);
   if (!goldens) return std::unexpected(goldens.error());
+  if (auto fine = declare_report(o.report, *goldens); !fine) return std::unexpected(fine.error());
   const ScratchFolder scratch("golden");
   if (!o.report.empty())
     if (auto ready = prepare_output(fs::path(o.report) / "index.html"); !ready) return std::unexpected(ready.error());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/json.h"
 #include "base/text.h"
@@ -106,6 +107,7 @@ Expected<bool> update_golden(const GoldenManifest& golden, const GoldenUpdate& u
                 "was made on {}, this device is {}; --device-class {} keeps a picture of its own for it",
                 golden.made_on, picture.device_class, picture.device_class);
   const fs::path kept = other ? golden.own_picture(picture.device_class) : golden.picture();
+  if (auto fine = check_output(kept); !fine) return std::unexpected(fine.error());
   const auto bytes = read_file(fresh);
   if (!bytes) return std::unexpected(bytes.error());
   std::error_code failed;

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/log_form.h"
 #include "base/text.h"
+#include "cli/file_options.h"
 #include "cli/input_options.h"
 #include "scene/look.h"
 
@@ -250,7 +251,7 @@ Expected<void> read_config(CLI::App& command, const std::string& file) {
       return fail(ErrorKind::input, file, "{}: {}", item.name, error.what());
     }
   }
-  return {};
+  return check_file_options(command);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/file_uses.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cli/command.h"
@@ -26,6 +27,8 @@ Expected<int> run_make_scene(const MakeSceneOptions& o) {
   if (std::filesystem::path(o.output).extension() != ".glb")
     return fail(ErrorKind::usage, "-o", "'{}' does not end in .glb", o.output);
   if (o.lights < 0) return fail(ErrorKind::usage, "--lights", "{} is below 0", o.lights);
+  const NamedFile files[] = {{"-o", o.output}, {"-o", sky_beside(o.output)}};
+  if (auto fine = declare_outputs(files); !fine) return std::unexpected(fine.error());
   if (auto ready = prepare_output(o.output); !ready) return std::unexpected(ready.error());
   if (auto made = make_scene(o.name, o.seed, o.lights, o.output); !made) return std::unexpected(made.error());
   log::info("wrote {}", o.output);

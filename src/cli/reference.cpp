@@ -2,6 +2,7 @@
 #include <tbb/info.h>
 #include <CLI/CLI.hpp>
 
+#include "base/file_uses.h"
 #include "base/json.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -49,6 +50,9 @@ Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
   auto paths = output_paths(o.outputs, plan.moment.frame.value_or(0));
   if (!paths) return std::unexpected(paths.error());
   plan.paths = std::move(*paths);
+  std::vector<NamedFile> files;
+  for (const fs::path& path : plan.paths) files.push_back({"-o", path});
+  if (auto fine = declare_outputs(files); !fine) return fine;
   for (const fs::path& path : plan.paths)
     if (auto ready = prepare_output(path); !ready) return ready;
   return o.state.empty() ? Expected<void>{} : prepare_output(o.state);

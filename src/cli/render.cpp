@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/file_uses.h"
 #include "base/log.h"
 #include "cli/budget.h"
 #include "cli/command.h"
@@ -77,6 +78,9 @@ Expected<void> plan_dumps(const RenderOptions& o, RenderPlan& plan) {
   auto all = output_paths(files, plan.moments.front().frame.value_or(0));
   if (!all) return std::unexpected(all.error());
   plan.dump_paths.assign(all->begin() + long(o.outputs.size()), all->end());
+  std::vector<NamedFile> named;
+  for (const fs::path& path : plan.dump_paths) named.push_back({"--dump", path});
+  if (auto fine = declare_outputs(named); !fine) return fine;
   for (const fs::path& path : plan.dump_paths)
     if (auto ready = prepare_output(path); !ready) return ready;
   return {};
@@ -102,6 +106,7 @@ Expected<std::vector<Moment>> moments_of(const RenderOptions& o) {
 // Fills the paths in, which must differ, and makes sure that they can be written.
 Expected<void> name_shots(const RenderOptions& o, std::vector<Shot>& shots) {
   std::set<fs::path> seen;
+  std::vector<NamedFile> files;
   for (Shot& shot : shots) {
     auto paths = output_paths(o.outputs, shot.moment.frame.value_or(0), shot.camera_name);
     if (!paths) return std::unexpected(paths.error());
@@ -111,9 +116,12 @@ Expected<void> name_shots(const RenderOptions& o, std::vector<Shot>& shots) {
         return fail(ErrorKind::usage, "-o", "'{}' would hold several pictures; write {}", path.string(),
                     shot.camera.empty() ? "#### where the frame number goes"
                                         : "{camera} where the camera's name goes, and #### for the frame number");
-      if (auto ready = prepare_output(path); !ready) return ready;
+      files.push_back({"-o", path});
     }
   }
+  if (auto fine = declare_outputs(files); !fine) return fine;
+  for (const NamedFile& output : files)
+    if (auto ready = prepare_output(output.file); !ready) return ready;
   return {};
 }
 
@@ -368,7 +376,7 @@ void add_render(CLI::App& app, Action& action) {
           "Also any image of the plan as it stands behind a pass, PASS.IMAGE[mip,layer]=FILE.exr; may be given "
           "again; candela plan lists passes and images")
       ->allow_extra_args(false)
-      ->type_name("PASS.IMAGE");
+      ->type_name("PASS.IMAGE=FILE.exr");
   add_budget_options(*command, o->budget);
   command->add_option("--timings", o->timings, "Times of every pass and stage as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "cli/build_info.h"
@@ -29,6 +30,10 @@ Expected<void> write_report(const std::string& folder, const std::vector<std::pa
   const auto write = [&](const fs::path& file, const std::string& bytes) {
     return write_file_atomically(fs::path(folder) / file, std::string_view(bytes));
   };
+  std::vector<NamedFile> named = {{"--report", fs::path(folder) / "index.html"}};
+  for (const auto& [name, bytes] : figures.files()) named.push_back({"--report", fs::path(folder) / "figures" / name});
+  for (const auto& [name, bytes] : files) named.push_back({"--report", fs::path(folder) / name});
+  if (auto fine = declare_outputs(named); !fine) return fine;
   for (const auto& [name, bytes] : figures.files())
     if (auto written = write(fs::path("figures") / name, bytes); !written) return written;
   for (const auto& [name, bytes] : files)

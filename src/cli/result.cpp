@@ -1,5 +1,6 @@
 #include "cli/result.h"
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/json.h"
 #include "base/log.h"
@@ -67,6 +68,7 @@ Expected<void> check_layers(const Job& job, bool exr_output) {
 }
 
 Expected<void> write_text_output(const std::string& file, const std::string& text) {
+  if (auto fine = check_output(file); !fine) return fine;
   return file == "-" ? print(text) : write_file_atomically(file, text);
 }
 

@@ -1,5 +1,6 @@
 #include "farm/film.h"
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "image/io.h"
 #include "render/video.h"
@@ -34,6 +35,9 @@ Expected<void> make_farm_film(const FarmJob& job) {
   const int output = film_output(job.outputs);
   if (output < 0) return fail(ErrorKind::input, farm_job_file(job.folder).string(), "a film needs frames as PNG");
   const fs::path film = job.work / job.video, audio = job.audio.empty() ? fs::path() : job.work / job.audio;
+  if (!audio.empty()) note_read({"--audio", audio});
+  const NamedFile output_file{"--video", film};
+  if (auto fine = declare_outputs(std::span(&output_file, 1)); !fine) return fine;
   std::unique_ptr<VideoWriter> video;
   for (const int64_t frame : job.frame_list()) {
     const fs::path file = job.files(frame)[size_t(output)];

@@ -3,6 +3,7 @@
 #include <future>
 
 #include "base/check.h"
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "base/statistics.h"
@@ -112,7 +113,7 @@ Expected<void> DeviceSession::load() {
   auto content = hash_files(scene_.files, *skies, job_.look);
   if (!content) return std::unexpected(content.error());
   scene_content_ = *content;
-  return {};
+  return check_outputs();
 }
 
 Expected<void> DeviceSession::open() {

@@ -46,6 +46,16 @@ Expected<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& 
   return scene;
 }
 
+void note_scene_files(const std::filesystem::path& path) {
+  const Expected<std::vector<std::byte>> bytes = read_file(path);
+  if (!bytes) return;
+  try {
+    gltf::note_named_files(gltf::open_document(*bytes, path.string(), path.parent_path()));
+  } catch (const std::exception&) {
+  } catch (const gltf::Failure&) {
+  }
+}
+
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
                                       const std::filesystem::path& folder, const LoadOptions& options) {
   std::set<std::string> earlier;

@@ -29,4 +29,7 @@ Expected<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& 
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
                                       const std::filesystem::path& folder, const LoadOptions& options = {});
 
+// Notes the files that a scene names as read (base/file_uses.h), without loading it. What is no glTF names none.
+void note_scene_files(const std::filesystem::path& path);
+
 }  // namespace candela

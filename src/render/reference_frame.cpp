@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "base/file_uses.h"
 #include "base/text.h"
 #include "frame/content_hash.h"
 #include "frame/job_sky.h"
@@ -158,6 +159,7 @@ Expected<std::shared_ptr<const ReferenceScene>> load_reference(const Job& job, r
   const auto content = hash_files(loaded->scene.files, *skies, job.look);
   if (!content) return std::unexpected(content.error());
   loaded->content = *content;
+  if (auto fine = check_outputs(); !fine) return std::unexpected(fine.error());
   return loaded;
 }
 

@@ -5,6 +5,7 @@
 #include <future>
 #include <set>
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "image/prepare.h"
@@ -287,6 +288,17 @@ class Run {
 
 }  // namespace
 
+namespace {
+Expected<void> declare_files(const SequenceSettings& settings) {
+  if (!settings.audio.empty()) note_read({"--audio", settings.audio});
+  std::vector<NamedFile> files;
+  for (const int64_t frame : settings.frames)
+    for (fs::path& path : paths_of(settings, frame)) files.push_back({"-o", std::move(path)});
+  if (!settings.video.empty()) files.push_back({"--video", settings.video});
+  return declare_outputs(files);
+}
+}  // namespace
+
 Expected<void> check_sequence(const SequenceSettings& settings) {
   if (settings.patterns.empty() && settings.video.empty())
     return fail(ErrorKind::usage, "-o", "no output given; name files such as 'out/%04d.exr', or --video FILE.mp4");
@@ -304,6 +316,7 @@ Expected<void> check_sequence(const SequenceSettings& settings) {
       if (!names.emplace(name, frame).second) return fail(ErrorKind::usage, "-o", "'{}' would be written twice", name);
     }
   }
+  if (auto fine = declare_files(settings); !fine) return fine;
   std::set<fs::path> folders;
   for (const int64_t frame : settings.frames)
     for (const fs::path& path : paths_of(settings, frame))

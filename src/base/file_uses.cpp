@@ -75,9 +75,7 @@ Expected<void> overwrites(const NamedFile& output, const NamedFile& input) {
 }
 
 // Inodes are used again: what was read may be gone since.
-bool still_there(const NamedFile& input, const FileIdentity& identity) {
-  return file_identity(input.file) == identity;
-}
+bool still_there(const NamedFile& input, const FileIdentity& identity) { return file_identity(input.file) == identity; }
 
 Expected<void> check_read(const FileIdentity& identity, const NamedFile& output) {
   const auto input = uses().read.find(identity);
@@ -160,7 +158,7 @@ Expected<void> declare_outputs(std::span<const NamedFile> outputs) {
     const auto declared = uses().written.find(*identity);
     const NamedFile* other = !fresh ? before->second : declared != uses().written.end() ? &declared->second : nullptr;
     if (other && (!fresh || other->option != output.option || other->file != output.file))
-      return fail(ErrorKind::usage, output.option, "{} is written for {} too; name two files", called(output, *other),
+      return fail(ErrorKind::usage, output.option, "{} is written twice, for {} too; name two files", called(output, *other),
                   other->option);
   }
   for (const auto& [identity, output] : these) uses().written.emplace(identity, *output);
@@ -182,7 +180,8 @@ Expected<void> check_output(const fs::path& output) {
   if (!identity) return {};
   const std::scoped_lock lock(uses().mutex);
   const auto declared = uses().written.find(*identity);
-  return check_read(*identity, declared != uses().written.end() ? declared->second : NamedFile{output.string(), output});
+  return check_read(*identity,
+                    declared != uses().written.end() ? declared->second : NamedFile{output.string(), output});
 }
 
 void forget_file_uses() {

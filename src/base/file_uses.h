@@ -31,9 +31,9 @@ struct NamedFile {
   std::filesystem::path file;
 };
 
-void note_read(const NamedFile& input);                                 // also one that is not there
-void note_read(int descriptor, const std::filesystem::path& file);      // whoever named it
-void note_written(int descriptor);                                      // by this process: it may be read again
+void note_read(const NamedFile& input);                             // also one that is not there
+void note_read(int descriptor, const std::filesystem::path& file);  // whoever named it
+void note_written(int descriptor);                                  // by this process: it may be read again
 // Before any of them is opened. An error (usage) where one is a file that was noted as read, or another output; an
 // output that was declared before, by the same option and path, may be declared again.
 Expected<void> declare_outputs(std::span<const NamedFile> outputs);

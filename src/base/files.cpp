@@ -125,14 +125,13 @@ Expected<std::string> temporary_name(const fs::path& target) {
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
 // As a place that openat() and others take; -1 with the reason in errno.
-int open_folder(const fs::path& folder, int how) {
-  return open(folder.c_str(), how | O_DIRECTORY | O_CLOEXEC);
-}
+int open_folder(const fs::path& folder, int how) { return open(folder.c_str(), how | O_DIRECTORY | O_CLOEXEC); }
 
 // What is to be written over, through any links: the path of a regular file or of none. A link of the kernel's, as
 // /proc/self/fd/1, may name what is no path.
 Expected<fs::path> target_of(const fs::path& path) {
-  struct stat given {}, found {};
+  struct stat given {
+  }, found{};
   const bool there = stat(path.c_str(), &given) == 0;
   if (there && !S_ISREG(given.st_mode))
     return fail(ErrorKind::output, path.string(), "is there and is no regular file; nothing is written over it");
@@ -186,8 +185,8 @@ PreparedFile::~PreparedFile() {
   if (folder_ >= 0) close(folder_);
 }
 
-Expected<PreparedFile> PreparedFile::create(const fs::path& path) {
-  const auto target = target_of(path);
+Expected<PreparedFile> PreparedFile::create(const fs::path& path, Links links) {
+  const auto target = links == Links::followed ? target_of(path) : Expected<fs::path>(path);
   if (!target) return std::unexpected(target.error());
   PreparedFile prepared;
   prepared.path_ = path;
@@ -235,8 +234,8 @@ Expected<void> PreparedFile::put_in_place() {
   return {};
 }
 
-Expected<PreparedFile> prepare_file(const fs::path& path, std::span<const std::byte> bytes) {
-  auto prepared = PreparedFile::create(path);
+Expected<PreparedFile> prepare_file(const fs::path& path, std::span<const std::byte> bytes, Links links) {
+  auto prepared = PreparedFile::create(path, links);
   if (!prepared) return prepared;
   if (auto written = prepared->write(bytes); !written) return std::unexpected(written.error());
   if (auto flushed = prepared->flush(); !flushed) return std::unexpected(flushed.error());
@@ -245,6 +244,11 @@ Expected<PreparedFile> prepare_file(const fs::path& path, std::span<const std::b
 
 Expected<void> write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
   auto prepared = prepare_file(path, bytes);
+  if (!prepared) return std::unexpected(prepared.error());
+  return prepared->put_in_place();
+}
+Expected<void> replace_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+  auto prepared = prepare_file(path, bytes, Links::replaced);
   if (!prepared) return std::unexpected(prepared.error());
   return prepared->put_in_place();
 }

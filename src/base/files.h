@@ -20,6 +20,8 @@ void remove_stale_temporaries(std::span<const std::filesystem::path> targets);
 // the new one, never a part. On any failure the temporary is removed and the error has kind output.
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
+// The same for a name that the program chose (a cache, a record): a link that stands there is replaced.
+Expected<void> replace_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 // $CANDELA_CACHE_DIR, else $XDG_CACHE_HOME/candela, else ~/.cache/candela; empty when none can be made (then nothing is
 // cached).

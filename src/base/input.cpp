@@ -44,8 +44,8 @@ Named& named() {
 
 Expected<void> check_place(const fs::path& real, const fs::path& home) {
   const auto holds = [&](const fs::path& allowed) { return lies_below(real, resolved(allowed)); };
-  if (!home.empty() && (lies_below(real, home) ||
-                        std::any_of(rules().allowed_folders.begin(), rules().allowed_folders.end(), holds)))
+  if (!home.empty() &&
+      (lies_below(real, home) || std::any_of(rules().allowed_folders.begin(), rules().allowed_folders.end(), holds)))
     return {};
   return fail(ErrorKind::input, "",
               "{} lies outside {}: a file may name only files below its own folder (--allow-path DIR allows another "

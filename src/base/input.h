@@ -17,10 +17,10 @@ struct InputRules {
 const InputRules& input_rules();
 void set_input_rules(InputRules rules);
 
-// A file that another file, `namer`, names (a texture, the scene of a suite) must lie, links resolved, below `folder` or
-// an allowed folder, and be a regular file where it is there at all. The error (input) says which rule it breaks; its
-// place is empty. Whether it lies there, and where the namer had to lie, is seen again when read_file() has opened it
-// under this path, for links may have changed in between. It is noted as read (base/file_uses.h).
+// A file that another file, `namer`, names (a texture, the scene of a suite) must lie, links resolved, below `folder`
+// or an allowed folder, and be a regular file where it is there at all. The error (input) says which rule it breaks;
+// its place is empty. Whether it lies there, and where the namer had to lie, is seen again when read_file() has opened
+// it under this path, for links may have changed in between. It is noted as read (base/file_uses.h).
 Expected<void> check_named_file(const std::filesystem::path& file, const std::filesystem::path& folder,
                                 const std::filesystem::path& namer = {});
 // That of what was opened: `descriptor` of `file`. Files that no file named are free.

@@ -7,13 +7,17 @@
 
 namespace candela {
 
+// Of the path of an output: a person's link is written through; a link at a name that the program chose, in a folder
+// that others may write in, is somebody else's, and the file takes its place.
+enum class Links { followed, replaced };
+
 // A file that is written under a temporary name in its folder. Without put_in_place() nothing is left. The name cannot
-// be guessed, and the file is made anew, relative to the folder's descriptor: a link that somebody placed there is never
-// followed. Links that `path` itself goes through are followed once, when it is made.
+// be guessed, and the file is made anew, relative to the folder's descriptor: a link that somebody placed there is
+// never followed. Links that `path` itself goes through are followed once, when it is made.
 class PreparedFile {
  public:
   // Makes the temporary, empty. Error output: the folder is not there or takes no files, `path` is no regular file.
-  static Expected<PreparedFile> create(const std::filesystem::path& path);
+  static Expected<PreparedFile> create(const std::filesystem::path& path, Links links = Links::followed);
   PreparedFile(PreparedFile&& other) noexcept;
   PreparedFile& operator=(PreparedFile&& other) noexcept;
   ~PreparedFile();
@@ -30,6 +34,7 @@ class PreparedFile {
   int folder_ = -1, file_ = -1;
 };
 // Written whole and flushed. Errors have kind output.
-Expected<PreparedFile> prepare_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+Expected<PreparedFile> prepare_file(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                                    Links links = Links::followed);
 
 }  // namespace candela

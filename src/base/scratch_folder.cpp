@@ -6,7 +6,8 @@ namespace candela {
 
 ScratchFolder::ScratchFolder(std::string_view purpose) {
   std::error_code failed;
-  std::string path = (std::filesystem::temp_directory_path(failed) / fmt::format("candela-{}-XXXXXX", purpose)).string();
+  std::string path =
+      (std::filesystem::temp_directory_path(failed) / fmt::format("candela-{}-XXXXXX", purpose)).string();
   if (mkdtemp(path.data())) made_ = true;
   path_ = path;
 }

@@ -56,8 +56,7 @@ const std::map<std::string, FileUse>& uses_of_options() {
 
 // What is written into the folder of an option whatever the job is.
 Names fixed_files(const std::string& option) {
-  if (option == "--report")
-    return {"index.html", "rows.json", "rows.csv", "tune.json", "stability.json", "junit.xml"};
+  if (option == "--report") return {"index.html", "rows.json", "rows.csv", "tune.json", "stability.json", "junit.xml"};
   if (option == "--job") return {"job.json", "job.sbatch", "job.py", "task.sh", "job.mk", "job.sh"};
   return {};
 }
@@ -109,7 +108,7 @@ void add_written(const std::string& option, const std::string& shown, FileUse us
 
 std::optional<FileUse> file_use(const std::string& command, const std::string& option) {
   if (option == "--output" && (command == "plan" || command == "facts")) return FileUse::neither;
-  if (option == "--output" && command == "bench") return {};                   // exr, png or both
+  if (option == "--output" && command == "bench") return {};  // exr, png or both
   if (option == "--output" && (command == "sheet" || command == "make-scene")) return FileUse::written;
   const auto found = uses_of_options().find(option);
   return found == uses_of_options().end() ? std::nullopt : std::optional(found->second);

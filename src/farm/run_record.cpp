@@ -118,7 +118,8 @@ void RunRecorder::end(int code, const std::string& error) {
 
 void RunRecorder::write() {
   written_s_ = record_.updated_s = unix_seconds();
-  const auto written = write_file_atomically(file_, record_json(record_));
+  const std::string text = record_json(record_);
+  const auto written = replace_file_atomically(file_, std::as_bytes(std::span(text)));
   if (written || std::exchange(warned_, true)) return;
   log::warning("this run is not on record: {}", written.error().text());
 }

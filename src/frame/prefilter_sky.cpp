@@ -482,7 +482,7 @@ FilteredSky filtered_sky(const DecodedImage& image, const IblKnobs& knobs, const
   if (const auto bytes = read_file(file); bytes && decode(*bytes, sky)) return sky;
   sky = prefilter_sky(image, knobs);
   // Whoever cannot keep it filters it again.
-  (void)write_file_atomically(file, encode(sky));
+  (void)replace_file_atomically(file, encode(sky));
   return sky;
 }
 

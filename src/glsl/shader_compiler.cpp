@@ -63,7 +63,7 @@ void write_cached(const std::filesystem::path& path, const Hash128& key, const s
   std::memcpy(bytes.data() + sizeof head, words.data(), words.size());
   std::error_code error;
   std::filesystem::create_directories(path.parent_path(), error);
-  if (const auto written = write_file_atomically(path, bytes); !written)
+  if (const auto written = replace_file_atomically(path, bytes); !written)
     log::debug("shader cache: {}", written.error().text());
 }
 

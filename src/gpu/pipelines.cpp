@@ -152,7 +152,7 @@ void Pipelines::save_cache() {
   std::memcpy(bytes.data(), &hash, sizeof hash);
   std::error_code error;
   std::filesystem::create_directories(path.parent_path(), error);
-  if (const auto written = write_file_atomically(path, bytes); !written)
+  if (const auto written = replace_file_atomically(path, bytes); !written)
     log::debug("pipeline cache: {}", written.error().text());
   else
     on_disk_ = hash;

@@ -83,7 +83,6 @@ TEST_F(Outputs, WhatTheSceneNamesIsNotOverwritten) {
   refused({"reference", "q.gltf", "-o", "tex.png", "--spp", "1", "--size", "16x9"}, {"-o: ", "tex.png"});
   refused({"bench", "suite.json", "--csv", "q.bin"}, {"--csv: ", "q.bin"});
   refused({"bench", "suite.json", "--csv", "q.gltf"}, {"--csv: ", "q.gltf"});
-  refused({"farm", "shell", "q.gltf", "--frames", "0-2", "-o", "%d.png", "--job", "job", "--record", "x"}, {});
   fs::copy_file(folder / "tex.png", folder / "7.png");
   std::ofstream(folder / "n.gltf") << R"({"asset": {"version": "2.0"}, "images": [{"uri": "7.png"}]})";
   refused({"sequence", "n.gltf", "--frames", "0-9", "-o", "%d.png", "--size", "16x9"}, {"-o: ", "7.png"});
@@ -118,10 +117,10 @@ TEST_F(Outputs, WhatAConfigurationFileNamesIsCheckedToo) {
 
 TEST_F(Outputs, WhatIsOnesOwnIsWrittenAgain) {
   for (int i = 0; i < 2; ++i) passes(render({"-o", "y.exr", "-o", "y.png", "--timings", "t.json"}));
-  const Arguments film = {"sequence", "q.gltf",     "--frames", "0-1",      "-o",    "f#.png",    "--size", "16x9",
-                          "--quality", "draft", "--quiet",  "--resume", "--timings", "t.json"};
+  const Arguments film = {"sequence", "q.gltf",    "--frames", "0-1",     "-o",       "f#.png",    "--size",
+                          "16x9",     "--quality", "draft",    "--quiet", "--resume", "--timings", "t.json"};
   for (int i = 0; i < 2; ++i) passes(film);
-  const Arguments traced = {"reference", "q.gltf", "-o",     "r.exr",   "--spp",    "1",
+  const Arguments traced = {"reference", "q.gltf", "-o",      "r.exr",   "--spp",    "1",
                             "--size",    "16x9",   "--state", "r.state", "--resume", "--quiet"};
   for (int i = 0; i < 2; ++i) passes(traced);
 }

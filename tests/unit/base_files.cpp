@@ -182,6 +182,10 @@ TEST_F(Files, LinksThatAreTheOutputAreWrittenThrough) {
     EXPECT_TRUE(fs::is_symlink(folder / (std::string("to-") + name)));
     EXPECT_EQ(text_of(folder / "there" / name), "after");
   }
+  const std::string text = "mine";
+  ASSERT_TRUE(replace_file_atomically(folder / "to-old", std::as_bytes(std::span(text))));
+  EXPECT_FALSE(fs::is_symlink(folder / "to-old")) << "the program chose this name";
+  EXPECT_EQ(text_of(folder / "there/old"), "after");
   fs::create_symlink("loop", folder / "loop");
   for (const fs::path& no_file : {folder / "loop", fs::path("/dev/null"), fs::path("/proc/self/cwd"), folder / "there"})
     EXPECT_FALSE(write_file_atomically(no_file, std::string_view("x"))) << no_file;

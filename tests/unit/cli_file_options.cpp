@@ -48,12 +48,45 @@ class FileOptions : public ::testing::Test {
 
 // What follows an option that names no file. A word that is not here says a file, or what it says has to be decided.
 bool is_no_file(const std::string& value) {
-  static const std::set<std::string> words = {
-      "",        "N",          "X",       "S",      "MS",    "EV",      "NAME", "LIST",          "RATE",
-      "SECONDS", "DEGREES",    "WxH",     "X,Y,Z",  "COLOR", "X,Y,W,H", "MIB",  "I/N",           "SET",
-      "TEXT",    "NAME=VALUE", "DEVICE",  "FORMAT", "SHELL", "METRES",  "M",    "METRIC=VALUE",  "PASS.KNOB=VALUE",
-      "INT",     "UINT",       "FLOAT",   "%",      "SPP",   "PERCENT", "OFF",  "bvh.NAME=VALUE", "PASS.KNOB=A,B,C",
-      "auto|off|START,STOP,COUNT", "auto|START,STOP,COUNT"};
+  static const std::set<std::string> words = {"",
+                                              "N",
+                                              "X",
+                                              "S",
+                                              "MS",
+                                              "EV",
+                                              "NAME",
+                                              "LIST",
+                                              "RATE",
+                                              "SECONDS",
+                                              "DEGREES",
+                                              "WxH",
+                                              "X,Y,Z",
+                                              "COLOR",
+                                              "X,Y,W,H",
+                                              "MIB",
+                                              "I/N",
+                                              "SET",
+                                              "SHARE",
+                                              "TEXT",
+                                              "NAME=VALUE",
+                                              "DEVICE",
+                                              "FORMAT",
+                                              "SHELL",
+                                              "METRES",
+                                              "M",
+                                              "METRIC=VALUE",
+                                              "PASS.KNOB=VALUE",
+                                              "INT",
+                                              "UINT",
+                                              "FLOAT",
+                                              "%",
+                                              "SPP",
+                                              "PERCENT",
+                                              "OFF",
+                                              "bvh.NAME=VALUE",
+                                              "PASS.KNOB=A,B,C",
+                                              "auto|off|START,STOP,COUNT",
+                                              "auto|START,STOP,COUNT"};
   return words.contains(value);
 }
 
@@ -65,9 +98,8 @@ TEST_F(FileOptions, OfEachItIsKnownWhetherItIsReadOrWritten) {
       const auto use = file_use(command.name, option.names.back());
       const bool names_files = option.files != OptionEntry::Files::none;
       if (option.value.empty() && !option.positional) continue;  // a flag
-      EXPECT_EQ(names_files, use.has_value())
-          << command.path << " " << option.names.back() << " " << option.value
-          << ": say in cli/file_options.cpp whether the file is read or written";
+      EXPECT_EQ(names_files, use.has_value()) << command.path << " " << option.names.back() << " " << option.value
+                                              << ": say in cli/file_options.cpp whether the file is read or written";
       if (!names_files)
         EXPECT_TRUE(is_no_file(option.value) || !option.choices.empty())
             << command.path << " " << option.names.back() << " takes " << option.value << ": a file?";
@@ -80,7 +112,9 @@ bool reads(FileUse use) { return use == FileUse::read || use == FileUse::scene |
 bool writes(FileUse use) { return use >= FileUse::written; }
 
 // A name inside, of folders; with what stands before it, of others.
-std::string value_of(FileUse use, const std::string& file) { return use == FileUse::dump ? "pass.image=" + file : file; }
+std::string value_of(FileUse use, const std::string& file) {
+  return use == FileUse::dump ? "pass.image=" + file : file;
+}
 
 // Every pair of an option that is written and another of the same command, at one file.
 TEST_F(FileOptions, NoOutputIsAnInputOrAnotherOutput) {
@@ -94,10 +128,10 @@ TEST_F(FileOptions, NoOutputIsAnInputOrAnotherOutput) {
         if (!from || &other == &written || other.value.empty()) continue;
         if (!reads(*from) && (!writes(*from) || *from == FileUse::written_folder)) continue;
         // Folders: of the files in them, one that this command writes.
-        const fs::path file = *to != FileUse::written_folder ? folder / "file"
+        const fs::path file = *to != FileUse::written_folder       ? folder / "file"
                               : written.names.back() == "--report" ? folder / "index.html"
-                              : written.names.back() == "--job" ? folder / "job.json"
-                                                                : fs::path();
+                              : written.names.back() == "--job"    ? folder / "job.json"
+                                                                   : fs::path();
         if (file.empty()) continue;  // --record and --pictures: their files have names of their own
         std::ofstream(file) << "before";
         const std::string target = *to == FileUse::written_folder ? folder.string() : file.string();

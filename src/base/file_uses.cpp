@@ -13,9 +13,16 @@ namespace candela {
 namespace fs = std::filesystem;
 namespace {
 
+struct Declared {
+  NamedFile output;
+  int call = 0;  // of declare_outputs()
+};
+
 struct Uses {
   std::mutex mutex;
-  std::map<FileIdentity, NamedFile> read, written;
+  std::map<FileIdentity, NamedFile> read;
+  std::map<FileIdentity, Declared> written;
+  int calls = 0;
   std::set<FileIdentity> own;  // files that this process made
 };
 Uses& uses() {
@@ -148,20 +155,31 @@ void note_written(int descriptor) {
 
 Expected<void> declare_outputs(std::span<const NamedFile> outputs) {
   Identities identities;
-  std::map<FileIdentity, const NamedFile*> these;
   const std::scoped_lock lock(uses().mutex);
+  auto& written = uses().written;
+  const int call = ++uses().calls;
+  std::vector<decltype(uses().written)::iterator> added;
+  const auto refuse = [&](const Error& error) -> Expected<void> {
+    for (const auto& place : added) written.erase(place);
+    return std::unexpected(error);
+  };
   for (const NamedFile& output : outputs) {
     const auto identity = identities.of(output.file);
     if (!identity) continue;
-    if (auto fine = check_read(*identity, output); !fine) return fine;
-    const auto [before, fresh] = these.emplace(*identity, &output);
-    const auto declared = uses().written.find(*identity);
-    const NamedFile* other = !fresh ? before->second : declared != uses().written.end() ? &declared->second : nullptr;
-    if (other && (!fresh || other->option != output.option || other->file != output.file))
-      return fail(ErrorKind::usage, output.option, "{} is written twice, for {} too; name two files", called(output, *other),
-                  other->option);
+    if (auto fine = check_read(*identity, output); !fine) return refuse(fine.error());
+    const auto [place, fresh] = written.try_emplace(*identity, Declared{output, call});
+    if (fresh) {
+      added.push_back(place);
+      continue;
+    }
+    const NamedFile& other = place->second.output;
+    if (place->second.call == call || other.option != output.option || other.file != output.file)
+      return refuse(
+          {ErrorKind::usage,
+           fmt::format("{} is written twice, for {} too; name two files", called(output, other), other.option),
+           output.option});
+    place->second.call = call;
   }
-  for (const auto& [identity, output] : these) uses().written.emplace(identity, *output);
   return {};
 }
 
@@ -171,7 +189,7 @@ Expected<void> check_outputs() {
   for (const auto& [identity, input] : uses().read)
     if (const auto output = uses().written.find(identity);
         output != uses().written.end() && still_there(input, identity))
-      return overwrites(output->second, input);
+      return overwrites(output->second.output, input);
   return {};
 }
 
@@ -181,7 +199,7 @@ Expected<void> check_output(const fs::path& output) {
   const std::scoped_lock lock(uses().mutex);
   const auto declared = uses().written.find(*identity);
   return check_read(*identity,
-                    declared != uses().written.end() ? declared->second : NamedFile{output.string(), output});
+                    declared != uses().written.end() ? declared->second.output : NamedFile{output.string(), output});
 }
 
 void forget_file_uses() {

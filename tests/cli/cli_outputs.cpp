@@ -115,6 +115,18 @@ TEST_F(Outputs, WhatAConfigurationFileNamesIsCheckedToo) {
   refused(render({"-o", "y.exr", "--config", "c.toml", "--timings", "c.toml"}), {"--timings: ", "--config"});
 }
 
+// A report holds NAME.png: of a golden named "golden", in the golden's folder, the golden itself.
+TEST_F(Outputs, AReportOverwritesNoGolden) {
+  passes({"golden", "add", "q.gltf", "--root", "goldens", "--name", "golden", "--size", "16x9", "--quality", "draft",
+          "--allow-blank", "--quiet"});
+  const std::string kept = bytes_of(folder / "goldens/golden/golden.png");
+  refused({"golden", "check", "--root", "goldens", "--report", "goldens/golden"},
+          {"--report: ", "golden.png", "--root"});
+  EXPECT_EQ(bytes_of(folder / "goldens/golden/golden.png"), kept);
+  passes({"golden", "check", "--root", "goldens", "--report", "report", "--allow-blank", "--quiet"});
+  passes({"golden", "update", "--root", "goldens", "--why", "again", "--allow-blank", "--quiet"});
+}
+
 TEST_F(Outputs, WhatIsOnesOwnIsWrittenAgain) {
   for (int i = 0; i < 2; ++i) passes(render({"-o", "y.exr", "-o", "y.png", "--timings", "t.json"}));
   const Arguments film = {"sequence", "q.gltf",    "--frames", "0-1",     "-o",       "f#.png",    "--size",

@@ -160,7 +160,7 @@ TEST_F(FileOptions, NoOutputIsAnInputOrAnotherOutput) {
   EXPECT_GT(pairs, 150u);
 }
 
-TEST_F(FileOptions, WhatIsNoConflictIsNone) {
+TEST_F(FileOptions, FoldersAreTheirFilesAndWhatIsNoConflictIsNone) {
   const std::string scene = (folder / "s.gltf").string(), out = (folder / "y.exr").string();
   std::ofstream(scene) << "{}";
   const auto fine = [&](Words words) {
@@ -181,6 +181,15 @@ TEST_F(FileOptions, WhatIsNoConflictIsNone) {
   EXPECT_TRUE(fine({"render", scene, "-o", (folder / "####.exr").string(), "--frames", "0-1"}));
   EXPECT_TRUE(fine({"plan", scene, "-o", out, "-o", out}));
   EXPECT_TRUE(fine({"render", scene, "--sky", "none", "--look", "none", "-o", out, "--json"}));
+  fs::create_directories(folder / "shaders/lib");
+  fs::create_directories(folder / "faces");
+  std::ofstream(folder / "shaders/lib/noise.glsl") << "";
+  for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"})
+    std::ofstream(folder / "faces" / (std::string(face) + ".png")) << "";
+  const std::string shaders = (folder / "shaders").string(), faces = (folder / "faces").string();
+  EXPECT_FALSE(fine({"render", scene, "-o", out, "--shader-dir", shaders, "--trace", shaders + "/lib/noise.glsl"}));
+  EXPECT_FALSE(fine({"render", scene, "-o", faces + "/ny.png", "--sky", faces}));
+  EXPECT_TRUE(fine({"render", scene, "-o", faces + "/other.png", "--sky", faces}));
   EXPECT_FALSE(fine({"render", scene, "-o", out, "--timings", (folder / "s.look.json").string()}))
       << "it would be the scene's look from then on";
 }

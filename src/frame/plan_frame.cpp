@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "frame/caster_hash.h"
+#include "frame/choose_transparency.h"
 #include "frame/device_pose.h"
 #include "frame/frame_fog.h"
 #include "frame/frame_knobs.h"
@@ -255,18 +256,20 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   return s;
 }
 
-// Layers that divide beauty composite blended surfaces in the order of `sorted`: by another method their sum would be
+// Layers that divide beauty composite blended surfaces by `sorted` or `layers`: by another method their sum would be
 // another picture.
 Expected<void> check_divided(const PlannedFrame& f) {
   const bool glass = f.facts.refracting_items > 0 && f.request.transparency == Phenomenological::method;
-  if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method) return {};
+  if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method ||
+      f.request.transparency == Fragments::method)
+    return {};
   std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
   parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
   for (const LayerName& part : parts)
     if (f.request.has_layer(part.name))
       return fail(ErrorKind::usage, "--layers",
-                  "{} is a part of beauty whose see-through surfaces are drawn by the method sorted; leave it out, or "
-                  "--transparency {}",
+                  "{} is a part of beauty, which --transparency {} does not divide; leave it out, or take "
+                  "--transparency layers or sorted",
                   part.name, f.request.transparency);
   return {};
 }
@@ -327,6 +330,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     if (planned)
       planned->notes.push_back("technique auto: without a device the plan is that of " + any_device.technique);
     return planned;
+  }
+  if (job.transparency == auto_transparency) {
+    Job any_device = job;
+    any_device.transparency = choose_transparency(context.scene, job, 1, {}).name;
+    return plan_frame(any_device, context, wanted, time_s);
   }
   auto start = Clock::now();
   PlannedFrame f;

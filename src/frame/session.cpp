@@ -6,6 +6,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "base/statistics.h"
+#include "frame/choose_transparency.h"
 #include "frame/content_hash.h"
 #include "frame/device_samples.h"
 #include "frame/draw_probes.h"
@@ -47,9 +48,12 @@ class DeviceSession : public Session {
     FrameResult result;
     std::vector<FrameReport> reports;
     std::string refusal;  // why the device's picture is not the frame's
+    std::vector<KnobSetting> enlarged;  // with which it would be
+    bool hash_outputs = false;
     int counts = -1;
     double submit_us = 0;  // when recording began
   };
+  Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
   struct KeptImages {
     std::vector<std::shared_ptr<gpu::KeptImage>> held;
@@ -62,6 +66,7 @@ class DeviceSession : public Session {
   void take_run(gpu::FrameRun run, Begun& begun);
 
   Job job_;
+  bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
   WantedOutputs wanted_;
   RunSettings settings_;
   Timings opening_;
@@ -134,6 +139,15 @@ Expected<void> DeviceSession::open() {
     job_.technique = chosen.name;
     log::info("technique auto: {}, because {}", chosen.name, chosen.why);
   }
+  if (job_.transparency == auto_transparency) {
+    const auto limits = transparency_device(job_, *device_);
+    if (!limits) return std::unexpected(limits.error());
+    const ChosenTransparency chosen = choose_transparency(scene_, job_, limits->samples, limits->device);
+    job_.transparency = chosen.name;
+    chose_transparency_ = true;
+    if (!chosen.why.empty())
+      log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
+  }
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   const auto stores = stores_samples(job_, *device_);
   if (!stores) return std::unexpected(stores.error());
@@ -163,6 +177,10 @@ Expected<void> DeviceSession::open() {
 }
 
 Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
+  return begin_job(job_, time_s, hash_outputs);
+}
+
+Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
   const double start = process_clock_us();
   PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
@@ -170,7 +188,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   context.rays = rays_;
   context.cpu = shades_on_cpu(*device_);
   context.stores_samples = stores_samples_;
-  auto planned = plan_frame(job_, context, wanted_, time_s);
+  auto planned = plan_frame(job, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
   const gpu::RayExtensions rays = gpu::ray_extensions(device_->physical());
@@ -184,7 +202,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
       const StageTimer timer(result.timings, "probes");
       PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
       without_rays.cpu = context.cpu, without_rays.stores_samples = context.stores_samples;
-      if (auto drawn = draw_probes(job_, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
+      if (auto drawn = draw_probes(job, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
         return std::unexpected(drawn.error());
     }
     result.time_s = time_s;
@@ -213,6 +231,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.notes = std::move(planned->notes);
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
     begun.reports = std::move(planned->reports);
+    begun.hash_outputs = hash_outputs;
     begun.counts = planned->counts;
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
@@ -318,6 +337,15 @@ Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
+  if (!begun.refusal.empty() && chose_transparency_ && !begun.enlarged.empty()) {
+    Job larger = job_;
+    larger.settings.insert(larger.settings.end(), begun.enlarged.begin(), begun.enlarged.end());
+    chose_transparency_ = false;  // once: what was counted does not change
+    const auto again = begin_job(larger, begun.result.time_s, begun.hash_outputs);
+    auto result = again ? finish(*again) : Expected<FrameResult>(std::unexpected(again.error()));
+    chose_transparency_ = true;
+    return result;
+  }
   if (!begun.refusal.empty()) return fail(ErrorKind::out_of_memory, "", "{}", begun.refusal);
   if (settings_.validate)
     if (const auto messages = device_->validation_messages(); !messages.empty())
@@ -350,6 +378,8 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
     if (found == result.readbacks.end()) continue;
     const std::span<const std::byte> bytes = found->second->bytes();
     for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (report.enlarged && report.refusal && begun.enlarged.empty() && !report.refusal(bytes).empty())
+      begun.enlarged = report.enlarged(bytes);
     if (report.refusal && begun.refusal.empty()) begun.refusal = report.refusal(bytes);
     if (!report.notes) continue;
     for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));

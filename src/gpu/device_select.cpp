@@ -311,6 +311,12 @@ bool has_float64(VkPhysicalDevice physical) {
   return present.shaderFloat64;
 }
 
+bool has_primitive_ids(VkPhysicalDevice physical) {
+  VkPhysicalDeviceFeatures present;
+  vkGetPhysicalDeviceFeatures(physical, &present);
+  return present.geometryShader;
+}
+
 Error start_error(VkResult result, std::string message) {
   const bool no_memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
   const std::string missing = no_memory ? "memory" : what_runs_out();

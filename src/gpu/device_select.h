@@ -34,6 +34,8 @@ struct RayExtensions {
 RayExtensions ray_extensions(VkPhysicalDevice physical);
 // shaderBufferInt64Atomics, which is on where it is present.
 bool has_int64_atomics(VkPhysicalDevice physical);
+// Whether fragment shaders know their primitive (geometryShader, for gl_PrimitiveID).
+bool has_primitive_ids(VkPhysicalDevice physical);
 // Whether shaders can compute in double.
 bool has_float64(VkPhysicalDevice physical);
 

@@ -148,10 +148,11 @@ void main() {
 #if defined(BACKGROUND) && defined(REFRACTION)
 #ifdef FOG
   const FogSeen nearer = fog_before(v.relative_position);  // its light is no term
-  out_background = vec4(refracted_through(behind, nearer.light, nearer.through), 1.0);
+  const vec3 seen = refracted_through(behind, nearer.light, nearer.through);
 #else
-  out_background = vec4(behind.tint * behind.light.rgb, 1.0);
+  const vec3 seen = behind.tint * behind.light.rgb;
 #endif
+  out_background = covering_picture(vec4(seen, 1.0), coverage);
 #elif defined(BACKGROUND)
   out_background = covering(vec3(0.0), coverage);
 #endif

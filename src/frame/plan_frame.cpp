@@ -342,7 +342,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!knobs) return std::unexpected(knobs.error());
   const auto technique = std::find_if(techniques().begin(), techniques().end(),
                                       [&](const Technique& t) { return t.name == job.technique; });
-  auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
+  auto look = context.look ? context.look->at(time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
   if (context.face) look = seen_by_probe(std::move(*look));
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));

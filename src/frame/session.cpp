@@ -103,7 +103,7 @@ Expected<void> DeviceSession::load() {
     if (!read) return std::unexpected(read.error());
     look_ = std::move(*read);
   }
-  const auto look = look_ ? look_from_json(look_->text, look_->place) : Expected<Look>(Look{});
+  const auto look = look_ ? look_->at() : Expected<Look>(Look{});
   if (!look) return std::unexpected(look.error());
   left_out_ = left_out_of(job_, *look);
   has_probes_ = !look->probes.empty();

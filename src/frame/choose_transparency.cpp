@@ -22,8 +22,7 @@ uint64_t primitives(const MeshSection& section) {
 }
 
 bool is_blended(const Scene& scene, const MeshSection& section) {
-  const Material& material =
-      section.material < 0 ? scene.default_material : scene.materials[size_t(section.material)];
+  const Material& material = section.material < 0 ? scene.default_material : scene.materials[size_t(section.material)];
   return material.alpha_mode == AlphaMode::blend;
 }
 
@@ -52,7 +51,8 @@ ChosenTransparency choose_transparency(const Scene& scene, const Job& job, int s
   most.knobs = Fragments::most();
   constexpr uint64_t pixels_of_a_quad = 4;
   if (count > most.room() / pixels_of_a_quad)
-    return moments(fmt::format("{} blended triangles are more than layers, the exact method, holds in four pixels", count));
+    return moments(
+        fmt::format("{} blended triangles are more than layers, the exact method, holds in four pixels", count));
   const uint64_t needed =
       Fragments::memory_bytes(count * pixels_of_a_quad, uint64_t(job.width_px) * uint64_t(job.height_px), samples);
   constexpr uint64_t mib = 1024 * 1024;

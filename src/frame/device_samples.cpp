@@ -44,8 +44,8 @@ Expected<TransparencyLimits> transparency_device(const Job& job, const gpu::Devi
   if (!knobs) return std::unexpected(knobs.error());
   TransparencyLimits limits;
   limits.samples = knobs->get<Resolve::Knobs>().samples;
-  limits.device.stores_fragments = gpu::has_primitive_ids(device.physical()) &&
-                                   (limits.samples == 1 || gpu::has_post_depth_coverage(device.physical()));
+  limits.device.stores_fragments =
+      gpu::has_primitive_ids(device.physical()) && (limits.samples == 1 || device.info().post_depth_coverage);
   limits.device.memory_bytes = device.info().memory_bytes;
   return limits;
 }

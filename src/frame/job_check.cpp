@@ -1,6 +1,6 @@
 #include "base/text.h"
-#include "frame/job.h"
 #include "frame/choose_transparency.h"
+#include "frame/job.h"
 #include "frame/plan_frame.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"

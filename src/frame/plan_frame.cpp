@@ -336,8 +336,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     any_device.transparency = choose_transparency(context.scene, job, 1, {}).name;
     return plan_frame(any_device, context, wanted, time_s);
   }
-  auto start = Clock::now();
   PlannedFrame f;
+  f.clock.begin("animate");
   const Expected<KnobValues> knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
   const auto technique = std::find_if(techniques().begin(), techniques().end(),
@@ -390,9 +390,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     add_motion(f.data, f.view, before->data, before->view, f.upload);
   }
   place_probes(std::span(f.request.look.probes).first(f.facts.probes), f.view, f.upload.constants.probes);
-  f.animate_ms = ms_since(start);
 
-  start = Clock::now();
+  f.clock.begin("light_grid");
   const DrawnExtent extent = drawn_extent(context.scene, f.data, f.view);
   LightKnobs lists = knobs->get<LightKnobs>();
   if (LightOrder(lists.order) == LightOrder::automatic)
@@ -401,31 +400,35 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
       make_light_grid(technique->light_grid, f.data, f.upload.constants, extent.farthest_m, extent.reach_m, lists);
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
+
+  f.clock.begin("sun_shadows");
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
   f.shadow_colors = draws_shadow_colors(f.facts, f.request, *knobs);
   auto suns = plan_suns(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling,
                         f.shadow_colors, f.upload);
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
+
   if (f.request.draws_fog()) {
+    f.clock.begin("fog");
     const FogKnobs& fog = knobs->get<FogKnobs>();
     f.upload.constants.fog =
         frame_fog(f.request.look, f.view, f.data, extent.farthest_m,
                   fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
   }
+
+  f.clock.begin("lamp_shadows");
   const Supersample::Knobs& supersample = knobs->get<Supersample::Knobs>();
   auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),
                           f.request.height_px * int(supersample.grid().y), culling, f.shadow_colors, f.upload);
   if (!lamps) return std::unexpected(lamps.error());
   f.lamps = std::move(*lamps);
   for (const auto* notes : {&f.suns.notes, &f.lamps.notes}) f.notes.insert(f.notes.end(), notes->begin(), notes->end());
-  f.light_grid_ms = ms_since(start);
 
-  start = Clock::now();
+  f.clock.begin("trees");
   plan_rays(f, context, *knobs, traces_keys);
-  f.trees_ms = ms_since(start);
 
-  start = Clock::now();
+  f.clock.begin("plan");
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
   f.upload.constants.background = {(*background)[0], (*background)[1], (*background)[2], (*background)[3]};
@@ -464,7 +467,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     build(*(builder = std::make_unique<GraphBuilder>()));
   }
   add_notes(f, *knobs);
-  f.plan_ms = ms_since(start);
+  f.clock.end();
   return f;
 }
 

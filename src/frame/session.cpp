@@ -43,11 +43,12 @@ class DeviceSession : public Session {
 
  private:
   Expected<void> load();
+  Expected<void> choose_by_device();
   // What a frame's result needs beside what the device leaves.
   struct Begun {
     FrameResult result;
     std::vector<FrameReport> reports;
-    std::string refusal;  // why the device's picture is not the frame's
+    std::string refusal;                // why the device's picture is not the frame's
     std::vector<KnobSetting> enlarged;  // with which it would be
     bool hash_outputs = false;
     int counts = -1;
@@ -120,6 +121,29 @@ Expected<void> DeviceSession::load() {
   return {};
 }
 
+// What the job leaves to us or asks of the device. GpuError where it does not say what it has.
+Expected<void> DeviceSession::choose_by_device() {
+  if (job_.technique == auto_technique) {
+    const ChosenTechnique chosen =
+        quickest_technique(device_->info().is_cpu, gpu::has_int64_atomics(device_->physical()));
+    job_.technique = chosen.name;
+    log::info("technique auto: {}, because {}", chosen.name, chosen.why);
+  }
+  if (job_.transparency == auto_transparency) {
+    const auto limits = transparency_device(job_, *device_);
+    if (!limits) return std::unexpected(limits.error());
+    const ChosenTransparency chosen = choose_transparency(scene_, job_, limits->samples, limits->device);
+    job_.transparency = chosen.name;
+    chose_transparency_ = true;
+    if (!chosen.why.empty()) log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
+  }
+  if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
+  const auto stores = stores_samples(job_, *device_);
+  if (!stores) return std::unexpected(stores.error());
+  stores_samples_ = *stores;
+  return {};
+}
+
 Expected<void> DeviceSession::open() {
   // The device opens while the scene loads; an error of the scene is the more useful one to name.
   auto opening_device = std::async(std::launch::async, [&] {
@@ -133,26 +157,8 @@ Expected<void> DeviceSession::open() {
   if (!loaded) return loaded;
   if (!device) return std::unexpected(device.error());
   device_ = std::move(*device);
-  if (job_.technique == auto_technique) {
-    const ChosenTechnique chosen =
-        quickest_technique(device_->info().is_cpu, gpu::has_int64_atomics(device_->physical()));
-    job_.technique = chosen.name;
-    log::info("technique auto: {}, because {}", chosen.name, chosen.why);
-  }
-  if (job_.transparency == auto_transparency) {
-    const auto limits = transparency_device(job_, *device_);
-    if (!limits) return std::unexpected(limits.error());
-    const ChosenTransparency chosen = choose_transparency(scene_, job_, limits->samples, limits->device);
-    job_.transparency = chosen.name;
-    chose_transparency_ = true;
-    if (!chosen.why.empty())
-      log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
-  }
-  if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
-  const auto stores = stores_samples(job_, *device_);
-  if (!stores) return std::unexpected(stores.error());
-  stores_samples_ = *stores;
   try {
+    if (auto chosen = choose_by_device(); !chosen) return chosen;
     const StageTimer timer(opening_, "upload");
     // An image may be uploaded twice, as sRGB and as linear; the split sum is one more.
     const size_t textures =
@@ -191,8 +197,7 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
   auto planned = plan_frame(job, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
-  const gpu::RayExtensions rays = gpu::ray_extensions(device_->physical());
-  if (auto fine = check_traversal(planned->traced.tree, rays, device_->info().name); !fine)
+  if (auto fine = check_traversal(planned->traced.tree, device_->info().rays, device_->info().name); !fine)
     return std::unexpected(fine.error());
   try {
     Begun begun;
@@ -206,14 +211,12 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
         return std::unexpected(drawn.error());
     }
     result.time_s = time_s;
-    result.timings.spans = {
-        {"animate", "cpu", start, planned->animate_ms * 1000},
-        {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
-        {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms + planned->trees_ms) * 1000,
-         planned->plan_ms * 1000}};
-    if (planned->rays)
-      result.timings.spans.push_back(
-          {"trees", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->trees_ms * 1000});
+    double at_us = start;
+    for (const auto& [stage, ms] : planned->clock.stages()) {
+      result.timings.add(stage, ms);
+      result.timings.spans.push_back({stage, "cpu", at_us, ms * 1000});
+      at_us += ms * 1000;
+    }
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
@@ -259,10 +262,6 @@ DeviceSession::KeptImages DeviceSession::kept_images(const PlannedFrame& planned
 
 Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
   Timings& t = begun.result.timings;
-  t.add("animate", planned.animate_ms);
-  if (planned.light_grid.shape.reason.empty()) t.add("light_grid", planned.light_grid_ms);
-  if (planned.rays) t.add("trees", planned.trees_ms);
-  t.add("plan", planned.plan_ms);
   // Pipelines know nothing of texels and memory: they are made while textures are decoded and images allocated.
   const bool fresh = !runner_->is_compiled(planned.graph);
   Timings compiling_times;

@@ -426,7 +426,8 @@ Expected<void> check_at_keys(const LookFile::Parsed& parsed) {
     Json tree = parsed.tree;
     for (size_t i = range.begin(); i != range.end() && i < first; ++i) {
       if (look_at(parsed, tree, times[i])) continue;
-      for (size_t known = first; i < known && !first.compare_exchange_weak(known, i);) {}
+      for (size_t known = first; i < known && !first.compare_exchange_weak(known, i);) {
+      }
       return;
     }
   });
@@ -452,8 +453,7 @@ Expected<Look> look_from_json(const std::string& text, const std::string& place,
 Expected<LookFile> read_look_file(const std::filesystem::path& file) {
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(bytes.error());
-  const auto parsed =
-      parse_look({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, file.string());
+  const auto parsed = parse_look({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, file.string());
   if (!parsed) return std::unexpected(parsed.error());
   const LookFile look(*parsed);
   if (auto first = look.at(0); !first) return std::unexpected(first.error());

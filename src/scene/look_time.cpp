@@ -60,8 +60,8 @@ double between_keys(std::span<const double> time, std::span<const double> value,
   if (between == Between::step) return a;
   if (between == Between::linear) return (1 - s) * a + s * b;
   const double s2 = s * s, s3 = s2 * s;
-  const double v = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * h * tangent(time, value, i) +
-                   (3 * s2 - 2 * s3) * b + (s3 - s2) * h * tangent(time, value, i + 1);
+  const double v = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * h * tangent(time, value, i) + (3 * s2 - 2 * s3) * b +
+                   (s3 - s2) * h * tangent(time, value, i + 1);
   return std::clamp(v, std::min(a, b), std::max(a, b));  // rounding alone
 }
 

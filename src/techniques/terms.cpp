@@ -27,8 +27,7 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
   if (over.lists.fog) over.lists.fog.light = FogLight::nothing;
   for (uint32_t i = 0; i < term_count; ++i) {
     over.color = images[i];
-    if (images[i])
-      images[i] = part_behind_blended(frame, over, Terms::stored_part(i), Terms::layers[i].name, instance);
+    if (images[i]) images[i] = part_behind_blended(frame, over, Terms::stored_part(i), Terms::layers[i].name, instance);
   }
   return images;
 }

@@ -31,7 +31,8 @@ ImageHandle draw_phenomenologically(Frame& frame, const BlendedIn& in, std::stri
 
 std::span<const TransparencyMethod> transparency_methods() {
   static constexpr TransparencyMethod table[] = {
-      {Transparent::method, "back to front by the middles of their bounds: wrong where bounds overlap, and among triangles of one mesh",
+      {Transparent::method,
+       "back to front by the middles of their bounds: wrong where bounds overlap, and among triangles of one mesh",
        draw_by<Transparent>},
       {Weighted::method, "sums weighted by distance, in any order: the cheapest, and the least exact",
        draw_by<Weighted>},

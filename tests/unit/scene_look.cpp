@@ -284,8 +284,7 @@ TEST(Look, OfAHundredThousandKeysIsReadOnce) {
   write(77'777);
   const auto wrong = read_look_file(file);
   ASSERT_FALSE(wrong);
-  EXPECT_NE(wrong.error().text().find("/exposure/ev: at 77777 s: 78777 is"), std::string::npos)
-      << wrong.error().text();
+  EXPECT_NE(wrong.error().text().find("/exposure/ev: at 77777 s: 78777 is"), std::string::npos) << wrong.error().text();
 }
 
 TEST(Look, SaysHowBrightThePictureIsAndHowItIsShown) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Counts what becomes of frames when things go wrong in the middle of a sequence: kill -9 at random moments, a full disk, a
-Vulkan call that fails, a texture whose upload ends in the middle, two writers, folders that cannot be written, and 10,000
+Vulkan call that fails, a driver that does not start, a texture whose upload ends in the middle, two writers, folders that cannot be written, and 10,000
 frames of one process. Each part ends with the bytes of an undisturbed run, or says how many frames are lost, half or
 different. Exit 1 when there is one."""
 import argparse
@@ -18,7 +18,7 @@ import time
 import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-HOST_MEMORY, DEVICE_MEMORY, DEVICE_LOST = -1, -2, -4
+HOST_MEMORY, DEVICE_MEMORY, INITIALIZATION_FAILED, DEVICE_LOST, INCOMPATIBLE_DRIVER = -1, -2, -3, -4, -9
 MAY_BE_LOST = {"vkCreateDevice", "vkQueueSubmit2", "vkWaitForFences", "vkDeviceWaitIdle", "vkGetQueryPoolResults"}
 DEVICE_TOO = {"vkAllocateMemory", "vkCreateBuffer", "vkCreateImage", "vkCreateGraphicsPipelines", "vkQueueSubmit2"}
 
@@ -202,6 +202,45 @@ class Faults:
         return self.result(len(faults), different, lost, calls=len(names), functions=len(set(names)), exit_codes=codes,
                            wrong_exit_codes=wrong_codes, wrong_files=wrong_files)
 
+    def starts(self, _):
+        """Vulkan that does not start is told from Vulkan that is not installed; and a process that draws many settings opens
+        one instance and one device."""
+        if not self.options.layer:
+            return {"skipped": "no --layer"}
+        layer = {"VK_LAYER_PATH": self.options.layer, "VK_INSTANCE_LAYERS": "VK_LAYER_CANDELA_fault"}
+        scene, names_file = ROOT / "scenes/unlit-box/unlit-box.glb", self.base / "calls"
+
+        def candela(words, environment):
+            return subprocess.run([self.options.program, *map(str, words)], capture_output=True, text=True,
+                                  env={**os.environ, **environment})
+
+        draw = ["render", scene, "--size", "16x9", "--device", self.options.device, "-o", self.base / "starts.png"]
+        self.check(candela(draw, {**layer, "FAULT_LIST": str(names_file)}), 0, "the layer alone")
+        names = names_file.read_text().split()
+        wrong, tries = [], 0
+        for name in ("vkCreateInstance", "vkEnumeratePhysicalDevices", "vkEnumerateDeviceExtensionProperties",
+                     "vkGetPhysicalDeviceImageFormatProperties", "vkCreateDevice"):
+            for result, code in ((HOST_MEMORY, 6), (INITIALIZATION_FAILED, 4), (INCOMPATIBLE_DRIVER, 4)):
+                last = len(names) - names[::-1].index(name)  # the loader asks too, before the program
+                ended = candela(draw, {**layer, "FAULT_AT": str(last), "FAULT_RESULT": str(result)})
+                tries += 1
+                if ended.returncode != code or "no Vulkan driver found" in ended.stderr:
+                    wrong.append({"function": name, "result": result, "exit": ended.returncode, "stderr": ended.stderr[-300:]})
+        (self.base / "starts.png").unlink(missing_ok=True)
+        absent = candela(draw, {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"})
+        if absent.returncode != 4 or "no Vulkan driver found; install" not in absent.stderr:
+            wrong.append({"function": "none", "exit": absent.returncode, "stderr": absent.stderr[-300:]})
+        many = candela(["bench", scene, "--techniques", "clustered,brute-force,deferred-clustered", "--size", "16x9", "--quality",
+                        "draft,normal", "--samples", "1,4", "--min-runs", "1", "--max-runs", "1", "--warm-up-s", "0.001",
+                        "--max-sessions", "2", "--device", self.options.device, "--json", "-"],
+                       {**layer, "FAULT_LIST": str(names_file)})
+        self.check(many, 0, "twelve settings")
+        rows = len(json.loads(many.stdout)["rows"])
+        opened = {name: names_file.read_text().split().count(name) for name in ("vkCreateInstance", "vkCreateDevice")}
+        if rows < 12 or any(count != 1 for count in opened.values()):
+            wrong.append({"rows": rows, **opened})
+        return self.result(tries + 2, 0, 0, wrong_exit_codes=wrong)
+
     def uploads(self, step):
         """A texture larger than the staging buffer, and each call between its creation and the end of its upload that
         fails: the error names the file, and no picture is left."""
@@ -323,13 +362,13 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="runs side by side, of kills and of failing calls")
     parser.add_argument("--soak", type=int, default=10000)
-    parser.add_argument("--only", default="kills,disks,vulkan,uploads,writers,read_only,soak")
+    parser.add_argument("--only", default="kills,disks,vulkan,starts,uploads,writers,read_only,soak")
     parser.add_argument("--quick", action="store_true", help="a few of each, as a test")
     parser.add_argument("--json")
     options = parser.parse_args()
     few = options.quick
     faults = Faults(options)
-    parts = {"kills": 6 if few else 200, "disks": 3 if few else 50, "vulkan": 40 if few else 1, "uploads": 2 if few else 1, "writers": 1 if few else 20,
+    parts = {"kills": 6 if few else 200, "disks": 3 if few else 50, "vulkan": 40 if few else 1, "starts": 0, "uploads": 2 if few else 1, "writers": 1 if few else 20,
              "read_only": 2 if few else 20, "soak": 150 if few else options.soak}
     results, failed = {}, False
     try:

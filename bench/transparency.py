@@ -18,7 +18,7 @@ import tempfile
 METHODS = ["sorted", "weighted", "moments", "layers", "phenomenological"]
 # Parts of a picture by name, in shares of its width and height: left, top, width, height.
 SCENES = {
-    "sheets": {}, "crossing": {}, "foliage": {}, "smoke": {},
+    "sheets": {}, "crossing": {}, "foliage": {}, "smoke": {}, "hair": {}, "windows": {},
     "panes": {"coloured sheets": (0.04, 0.2, 0.36, 0.65), "frosted sheets and slabs": (0.66, 0.15, 0.33, 0.72),
               "ball and lens": (0.42, 0.16, 0.2, 0.68)},
     "glass": {"frosted sheets": (0.1, 0.1, 0.35, 0.75), "ball": (0.6, 0.55, 0.15, 0.32),

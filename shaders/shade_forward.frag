@@ -52,10 +52,11 @@ void main() {
 #ifdef FOG
   const FogSeen fog = fog_before(v.relative_position);
   const vec3 through = refracted_through(behind, fog.light, fog.through);
-  put_out(vec4(radiance * frame.pre_exposure * fog.through + through + fog.light, covered), v.relative_position);
+  const vec3 seen = radiance * frame.pre_exposure * fog.through + through + fog.light;
 #else
-  put_out(vec4(radiance * frame.pre_exposure + behind.tint * behind.light.rgb, covered), v.relative_position);
+  const vec3 seen = radiance * frame.pre_exposure + behind.tint * behind.light.rgb;
 #endif
+  put_out(covering_picture(vec4(seen, covered), coverage), v.relative_position);
 #elif defined(GLASS)
   radiance *= frame.pre_exposure;
 #ifdef FOG

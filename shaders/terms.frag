@@ -1,6 +1,7 @@
 #version 460
 // The terms whose sum shade_forward.frag and shade_unlit.frag put out, each into an attachment of its own and
-// premultiplied as they do it, so that the same blending composites every term as it does the sum.
+// premultiplied as they do it, so that the same blending composites every term as it does the sum. With STORED the one
+// term TERM of a blended surface is stored instead (passes/transparency/fragments.h).
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
@@ -15,6 +16,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/occlusion.glsl"
 #include "lib/draw.frag.glsl"
 #include "lib/covered.glsl"
+#include "lib/term_output.glsl"
 #ifdef FOG
 #include "lib/fog.glsl"
 #include "lib/fog_lamps.glsl"
@@ -25,28 +27,28 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 
 // Each wanted term is defined as its attachment's number; an unwanted one has no output.
 #ifdef DIRECT_SUN
-layout(location = DIRECT_SUN) out vec4 out_direct_sun;
+TERM_OUTPUT(DIRECT_SUN) vec4 out_direct_sun;
 #endif
 #ifdef DIRECT_POINT
-layout(location = DIRECT_POINT) out vec4 out_direct_point;
+TERM_OUTPUT(DIRECT_POINT) vec4 out_direct_point;
 #endif
 #ifdef DIRECT_SPOT
-layout(location = DIRECT_SPOT) out vec4 out_direct_spot;
+TERM_OUTPUT(DIRECT_SPOT) vec4 out_direct_spot;
 #endif
 #ifdef AMBIENT_DIFFUSE
-layout(location = AMBIENT_DIFFUSE) out vec4 out_ambient_diffuse;
+TERM_OUTPUT(AMBIENT_DIFFUSE) vec4 out_ambient_diffuse;
 #endif
 #ifdef AMBIENT_SPECULAR
-layout(location = AMBIENT_SPECULAR) out vec4 out_ambient_specular;
+TERM_OUTPUT(AMBIENT_SPECULAR) vec4 out_ambient_specular;
 #endif
 #ifdef EMISSION
-layout(location = EMISSION) out vec4 out_emission;
+TERM_OUTPUT(EMISSION) vec4 out_emission;
 #endif
 #ifdef BACKGROUND
-layout(location = BACKGROUND) out vec4 out_background;
+TERM_OUTPUT(BACKGROUND) vec4 out_background;
 #endif
 #ifdef REFLECTIONS  // added when all opaque surfaces are drawn (reflections_over.frag)
-layout(location = REFLECTIONS) out vec4 out_reflections;
+TERM_OUTPUT(REFLECTIONS) vec4 out_reflections;
 #endif
 #if defined(DIRECT_SUN) || defined(DIRECT_POINT) || defined(DIRECT_SPOT)
 #define ANY_DIRECT
@@ -64,7 +66,7 @@ vec4 covering(vec3 radiance, float coverage) { return vec4(radiance * frame.pre_
 #endif
 
 void main() {
-  if (!is_any_covered()) return;
+  if (!is_any_covered() || !is_put_out()) return;
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
@@ -146,14 +148,18 @@ void main() {
 #if defined(BACKGROUND) && defined(REFRACTION)
 #ifdef FOG
   const FogSeen nearer = fog_before(v.relative_position);  // its light is no term
-  out_background = vec4(refracted_through(behind, nearer.light, nearer.through), 1.0);
+  const vec3 seen = refracted_through(behind, nearer.light, nearer.through);
 #else
-  out_background = vec4(behind.tint * behind.light.rgb, 1.0);
+  const vec3 seen = behind.tint * behind.light.rgb;
 #endif
+  out_background = covering_picture(vec4(seen, 1.0), coverage);
 #elif defined(BACKGROUND)
   out_background = covering(vec3(0.0), coverage);
 #endif
 #ifdef REFLECTIONS
   out_reflections = covering(vec3(0.0), coverage);
+#endif
+#ifdef STORED
+  put_out(TERM, v.relative_position);
 #endif
 }

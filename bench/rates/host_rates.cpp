@@ -48,7 +48,8 @@ int main(int argc, char** argv) {
   settings.device = argc > 3 ? argv[3] : "";
   auto session = Session::open(job, {}, settings);
   if (!session) return refused(session.error());
-  constexpr const char* stages[] = {"animate", "light_grid", "trees", "plan", "upload"};
+  constexpr const char* stages[] = {"animate", "light_grid", "sun_shadows", "lamp_shadows",
+                                    "fog",     "trees",      "plan",        "upload"};
   std::vector<double> begin_ms;
   std::vector<std::vector<double>> stage_ms(std::size(stages));
   for (int i = 0; i < std::max(std::atoi(argv[2]), 2); ++i) {

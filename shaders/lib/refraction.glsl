@@ -38,6 +38,11 @@ vec2 refraction_place_px(vec3 position, float w) {
   return clamp(ndc * 0.5 + 0.5, vec2(-1.0), vec2(2.0)) * vec2(frame.size_px);
 }
 
+// A surface whose alpha covers a part: through the rest the picture is seen as it is.
+vec4 covering_picture(vec4 seen, float coverage) {
+  return coverage < 1.0 ? mix(refraction_picture(gl_FragCoord.xy, 0.0), seen, coverage) : seen;
+}
+
 // One look-up.
 vec4 seen_through_body(GlassPoint g) {
   const vec3 inside = bent(-g.to_viewer, g.normal, 1.0 / g.ior);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/rng.h"
 #include "base/text.h"
@@ -14,7 +15,6 @@
 namespace candela {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 // One way to render a picture.
 struct Way {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "bench/measured.h"
 #include "bench/picture.h"
@@ -11,7 +12,6 @@
 namespace candela {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 constexpr const char* stopped_before = "the run was stopped before this was measured";
 

@@ -80,14 +80,14 @@ Expected<void> SharedRenderer::read_sky(const std::string& sky_file, const std::
 Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs& wanted, double time_s) {
   if (job.look != look_file_)  // which may have a sky
     if (auto read = read_sky(sky_file_, job.look); !read) return std::unexpected(read.error());
-  if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine)
-    return std::unexpected(fine.error());
-  PlanContext context{scene_, layout_, &sky_};
-  context.cpu = shades_on_cpu(*device_);
-  context.on_device = on_device_;
-  auto planned = plan_frame(job, context, wanted, time_s);
-  if (!planned) return std::unexpected(planned.error());
   try {
+    if (auto fine = check_samples(job, device_samples(*device_), device_->info().name); !fine)
+      return std::unexpected(fine.error());
+    PlanContext context{scene_, layout_, &sky_};
+    context.cpu = shades_on_cpu(*device_);
+    context.on_device = on_device_;
+    auto planned = plan_frame(job, context, wanted, time_s);
+    if (!planned) return std::unexpected(planned.error());
     std::vector<std::string> of_probes;
     if (planned->facts.probes > 0)  // of each job its own
       if (auto drawn = draw_probes(job, context, *planned, *runner_, *gpu_scene_, of_probes); !drawn)

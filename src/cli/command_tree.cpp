@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "frame/choose_transparency.h"
 #include "frame/plan_frame.h"
 #include "render/reference_frame.h"
 #include "scene/cut_outs.h"
@@ -45,7 +46,7 @@ Names choices_of(const std::string& command, const std::string& option) {
     return with(technique_names(), {std::string(auto_technique), traced_technique});
   if (option == "--technique") return with(technique_names(), {std::string(auto_technique)});
   if (option == "--techniques") return technique_names();
-  if (option == "--transparency") return transparency_names();
+  if (option == "--transparency") return with(transparency_names(), {std::string(auto_transparency)});
   if (option == "--mode") return {"direct", "path"};
   if (option == "--bvh") return {"equal-counts", "sah", "sbvh"};
   if (option == "--sampler") return {"sobol", "jittered", "uniform"};

@@ -95,7 +95,7 @@ Expected<int> run_add(CLI::App& command, AddOptions& o) {
   golden.frame = moment->frame, golden.rate = moment->rate, golden.time_s = moment->time_s;
   golden.text = manifest->dump();
   const ScratchFolder scratch("golden");
-  GoldenPicture picture;
+  GoldenDevice picture;
   const auto made = update_golden(golden, {*settings, o.job.allow_blank, /*device_class=*/{}}, scratch.path(), picture);
   if (!made) {
     fs::remove(folder, failed);  // where it is empty

@@ -64,13 +64,23 @@ Expected<void> read_accepted(const Json& j, const std::string& file, GoldenManif
   for (const auto& [device_class, digests] : j["accepted"].items()) {
     if (!digests.is_array())
       return fail(ErrorKind::input, file + ": /accepted/" + device_class, "is not a list of digests");
-    for (const Json& digest : digests) {
+    for (const Json& entry : digests) {
+      const Json digest = entry.is_object() ? entry.value("digest", Json()) : entry;
       if (!digest.is_string())
-        return fail(ErrorKind::input, file + ": /accepted/" + device_class, "holds something other than a digest");
+        return fail(ErrorKind::input, file + ": /accepted/" + device_class,
+                    "holds something other than a digest or an object with one");
       golden.accepted[device_class].push_back(digest.get<std::string>());
     }
   }
   return {};
+}
+
+GoldenDevice read_device(const Json& made) {
+  const auto text = [&](const char* key) {
+    const Json value = made.is_object() ? made.value(key, Json()) : Json();
+    return value.is_string() ? value.get<std::string>() : std::string();
+  };
+  return {text("device_class"), text("device"), text("driver")};
 }
 
 Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& root, const fs::path& assets) {
@@ -108,8 +118,9 @@ Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& roo
   if (auto good = read_time(j, file, golden); !good) return std::unexpected(good.error());
   if (auto good = read_accepted(j, file, golden); !good) return std::unexpected(good.error());
   golden.exr = j.value("format", Json("png")) == "exr";
-  if (j.contains("made") && j["made"].is_object() && j["made"].value("device_class", Json()).is_string())
-    golden.made_on = j["made"]["device_class"].get<std::string>();
+  golden.made = read_device(j.value("made", Json()));
+  if (j.contains("also_made") && j["also_made"].is_object())
+    for (const auto& [device_class, made] : j["also_made"].items()) golden.also_made[device_class] = read_device(made);
   return golden;
 }
 

@@ -11,7 +11,7 @@
 namespace candela::cli {
 namespace fs = std::filesystem;
 
-Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
+Expected<GoldenDevice> render_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
                                       const fs::path& picture) {
   const WantedOutputs wanted{
       .linear = golden.exr, .display = !golden.exr, .display_bits = golden.job.png_bits, .files = true};
@@ -32,7 +32,7 @@ Expected<GoldenPicture> render_golden(const GoldenManifest& golden, const RunSet
   if (auto written = write_outputs(*frame, job, **session, golden.frame, golden.rate, {picture}); !written)
     return std::unexpected(written.error());
   const gpu::DeviceInfo& device = (*session)->device().info();
-  return GoldenPicture{device.device_class, device.name, device.driver};
+  return GoldenDevice{device.device_class, device.name, device.driver};
 }
 
 std::string picture_digest(const FloatImage& image) {
@@ -71,22 +71,24 @@ void write_pictures(const GoldenManifest& golden, const FloatImage* expected, co
 
 void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   const auto fail_with = [&](std::string message) { outcome.message = std::move(message); };
-  const auto limits = parse_gate_limits(golden.text, outcome.device_class, (golden.folder / "golden.json").string());
+  const std::string& device_class = outcome.device.device_class;
+  const auto limits = parse_gate_limits(golden.text, device_class, (golden.folder / "golden.json").string());
   if (!limits) return fail_with(limits.error().text());
   const auto actual = read_image(outcome.actual);
   if (!actual) return fail_with(actual.error().text());
-  const auto accepted = golden.accepted.find(outcome.device_class);
-  if (accepted != golden.accepted.end()) {
-    const std::string digest = picture_digest(*actual);
-    if (std::find(accepted->second.begin(), accepted->second.end(), digest) != accepted->second.end()) {
+  outcome.digest = picture_digest(*actual);
+  const GoldenDevice& made = golden.made_for(device_class);
+  outcome.same_device = made == outcome.device;
+  const auto accepted = golden.accepted.find(device_class);
+  if (accepted != golden.accepted.end())
+    if (std::ranges::find(accepted->second, outcome.digest) != accepted->second.end()) {
       outcome.kind = GoldenOutcome::Kind::passed;
       outcome.gate.rung = GateRung::identical;
-      outcome.message = "an accepted picture of " + outcome.device_class;
+      outcome.message = "an accepted picture of " + device_class;
       return;
     }
-  }
   std::error_code failed;
-  const fs::path kept = golden.picture_for(outcome.device_class);
+  const fs::path kept = golden.picture_for(device_class);
   if (!fs::exists(kept, failed)) {
     outcome.missing = true;
     write_pictures(golden, nullptr, *actual, outcome.actual.parent_path(), outcome);
@@ -98,17 +100,19 @@ void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   outcome.limits = *limits;
   outcome.gate = judge_golden(*expected, *actual, *limits, golden.exr ? Encoding::linear : Encoding::display);
   outcome.message = outcome.gate.message;
-  if (exact && outcome.gate.rung != GateRung::identical && outcome.gate.rung != GateRung::failed) {
-    outcome.message =
-        fmt::format("not the same pixels; without --exact it is {}{}{}", gate_rung_name(outcome.gate.rung),
-                    outcome.message.empty() ? "" : ": ", outcome.message);
+  const bool tolerated = outcome.gate.rung != GateRung::identical && outcome.gate.passed();
+  const auto and_message = [&] { return outcome.message.empty() ? "" : ": " + outcome.message; };
+  if (tolerated && (exact || outcome.same_device)) {
+    outcome.message = fmt::format("not the same pixels, {}; its limits would call it {}{}",
+                                  outcome.same_device ? "on the device that the golden was made on" : "and --exact asks "
+                                                                                                     "for them",
+                                  gate_rung_name(outcome.gate.rung), and_message());
     outcome.gate.rung = GateRung::failed;
+  } else if (tolerated) {
+    outcome.message = fmt::format("by its limits, since it was made on {} ({}){}", made.device, made.driver,
+                                  and_message());
   }
-  if (outcome.gate.passed())
-    outcome.kind = GoldenOutcome::Kind::passed;
-  else if (!outcome.gate.blank)  // for whoever looked at it and finds it right (golden_manifest.h)
-    outcome.message +=
-        fmt::format(" (digest for \"accepted\" of {}: {})", outcome.device_class, picture_digest(*actual));
+  if (outcome.gate.passed()) outcome.kind = GoldenOutcome::Kind::passed;
   if (outcome.gate.rung >= GateRung::warned || outcome.gate.blank)
     write_pictures(golden, &*expected, *actual, outcome.actual.parent_path(), outcome);
 }
@@ -127,8 +131,7 @@ GoldenOutcome check_golden(const GoldenManifest& golden, const GoldenCheck& how,
   const auto picture = render_golden(golden, how.settings, how.allow_blank, actual);
   if (picture) {
     outcome.actual = actual;
-    outcome.device_class = picture->device_class;
-    outcome.device = picture->device;
+    outcome.device = *picture;
     judge(golden, how.exact, outcome);
   } else {
     outcome.message = picture.error().text();

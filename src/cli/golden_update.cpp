@@ -21,8 +21,33 @@ std::string first_line(const fs::path& file) {
   return text.substr(0, text.find('\n'));
 }
 
+Json made_json(const GoldenManifest& golden, const GoldenDevice& picture) {
+  Json made = {{"device_class", picture.device_class},
+               {"device", picture.device},
+               {"driver", picture.driver},
+               {"version", CANDELA_VERSION}};
+  if (const std::string by = golden_person(); !by.empty()) made["by"] = by;
+  if (const std::string commit = golden_commit(golden.folder); !commit.empty()) made["commit"] = commit;
+  return made;
+}
+
+// The manifest with where its picture was made.
+Expected<void> write_manifest(const GoldenManifest& golden, const GoldenDevice& picture) {
+  Json j = own_json(golden.text);  // read once already
+  // A new golden starts with the limits that the program proposes, written out so that they can be seen and changed.
+  const Json proposed = own_json(gate_limits_json({}));
+  for (const auto& [limit, value] : proposed["gate"].items())
+    if (!j["gate"].contains(limit)) j["gate"][limit] = value;
+  const bool own = golden.made.device_class.empty() || golden.made.device_class == picture.device_class;
+  (own ? j["made"] : j["also_made"][picture.device_class]) = made_json(golden, picture);
+  return write_file_atomically(golden.folder / "golden.json", j.dump(2) + "\n");
+}
+
+}  // namespace
+
 // The commit that the folder's Git checkout stands at; empty outside of one.
-std::string commit_at(fs::path folder) {
+std::string golden_commit(const fs::path& of) {
+  fs::path folder = of;
   std::error_code failed;
   folder = fs::absolute(folder, failed).lexically_normal();
   for (; !fs::exists(folder / ".git", failed); folder = folder.parent_path())
@@ -41,37 +66,13 @@ std::string commit_at(fs::path folder) {
   return commit.substr(0, 12);
 }
 
-std::string person() {
+std::string golden_person() {
   for (const char* name : {"GIT_AUTHOR_NAME", "USER", "LOGNAME"})
     if (const char* value = std::getenv(name); value && *value) return value;
   return {};
 }
 
-Json made_json(const GoldenManifest& golden, const GoldenPicture& picture) {
-  Json made = {{"device_class", picture.device_class},
-               {"device", picture.device},
-               {"driver", picture.driver},
-               {"version", CANDELA_VERSION}};
-  if (const std::string by = person(); !by.empty()) made["by"] = by;
-  if (const std::string commit = commit_at(golden.folder); !commit.empty()) made["commit"] = commit;
-  return made;
-}
-
-// The manifest with where its picture was made.
-Expected<void> write_manifest(const GoldenManifest& golden, const GoldenPicture& picture) {
-  Json j = own_json(golden.text);  // read once already
-  // A new golden starts with the limits that the program proposes, written out so that they can be seen and changed.
-  const Json proposed = own_json(gate_limits_json({}));
-  for (const auto& [limit, value] : proposed["gate"].items())
-    if (!j["gate"].contains(limit)) j["gate"][limit] = value;
-  const bool own = golden.made_on.empty() || golden.made_on == picture.device_class;
-  (own ? j["made"] : j["also_made"][picture.device_class]) = made_json(golden, picture);
-  return write_file_atomically(golden.folder / "golden.json", j.dump(2) + "\n");
-}
-
-}  // namespace
-
-Expected<void> note_changes(const fs::path& root, const std::vector<std::string>& names, const GoldenPicture& picture,
+Expected<void> note_changes(const fs::path& root, const std::vector<std::string>& names, const GoldenDevice& picture,
                             const std::string& why) {
   const fs::path file = root / "CHANGES.md";
   std::string text = "# Why goldens changed\n\nWritten by `candela golden update`, newest first.\n";
@@ -83,7 +84,7 @@ Expected<void> note_changes(const fs::path& root, const std::vector<std::string>
   }
   std::string heading = why;
   std::replace(heading.begin(), heading.end(), '\n', ' ');
-  const std::string by = person(), commit = commit_at(root);
+  const std::string by = golden_person(), commit = golden_commit(root);
   const std::string entry =
       fmt::format("\n## {}\n{} (candela {}, {}{}{})\n", heading, joined(names), CANDELA_VERSION, picture.device_class,
                   by.empty() ? "" : ", by " + by, commit.empty() ? "" : ", at " + commit);
@@ -93,7 +94,7 @@ Expected<void> note_changes(const fs::path& root, const std::vector<std::string>
 }
 
 Expected<bool> update_golden(const GoldenManifest& golden, const GoldenUpdate& update, const fs::path& scratch,
-                             GoldenPicture& picture) {
+                             GoldenDevice& picture) {
   const fs::path fresh = scratch / (golden.name + golden.ending());
   const auto rendered = render_golden(golden, update.settings, update.allow_blank, fresh);
   if (!rendered) return std::unexpected(Error{rendered.error().kind, rendered.error().text(), golden.name});
@@ -101,11 +102,11 @@ Expected<bool> update_golden(const GoldenManifest& golden, const GoldenUpdate& u
   if (!update.device_class.empty() && update.device_class != picture.device_class)
     return fail(ErrorKind::usage, "--device-class", "the device is {} ({}), not {}", picture.device_class,
                 picture.device, update.device_class);
-  const bool other = !golden.made_on.empty() && golden.made_on != picture.device_class;
+  const bool other = !golden.made.device_class.empty() && golden.made.device_class != picture.device_class;
   if (other && update.device_class.empty())
     return fail(ErrorKind::usage, golden.name,
                 "was made on {}, this device is {}; --device-class {} keeps a picture of its own for it",
-                golden.made_on, picture.device_class, picture.device_class);
+                golden.made.device_class, picture.device_class, picture.device_class);
   const fs::path kept = other ? golden.own_picture(picture.device_class) : golden.picture();
   if (auto fine = check_output(kept); !fine) return std::unexpected(fine.error());
   const auto bytes = read_file(fresh);

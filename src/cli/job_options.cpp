@@ -27,8 +27,10 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
       ->capture_default_str()
       ->type_name("NAME");
   command
-      .add_option("--transparency", o.transparency,
-                  "How blended surfaces come over each other (candela list transparency)")
+      .add_option(
+          "--transparency", o.transparency,
+          "How blended surfaces come over each other (candela list transparency), or auto: exactly (layers) where "
+          "the device can, else by moments")
       ->capture_default_str()
       ->type_name("NAME");
   command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")

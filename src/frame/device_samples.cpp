@@ -39,6 +39,17 @@ Expected<bool> stores_samples(const Job& job, const gpu::Device& device) {
   return can;
 }
 
+Expected<TransparencyLimits> transparency_device(const Job& job, const gpu::Device& device) {
+  const auto knobs = frame_knobs(job);
+  if (!knobs) return std::unexpected(knobs.error());
+  TransparencyLimits limits;
+  limits.samples = knobs->get<Resolve::Knobs>().samples;
+  limits.device.stores_fragments =
+      gpu::has_primitive_ids(device.physical()) && (limits.samples == 1 || device.info().post_depth_coverage);
+  limits.device.memory_bytes = device.info().memory_bytes;
+  return limits;
+}
+
 Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::RayExtensions& has, const std::string& device) {
   const bool by_query = knobs.traversal == BvhKnobs::by_query;
   if (!knobs.on_device() || (by_query ? has.queries : has.pipelines)) return {};

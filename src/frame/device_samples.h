@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "frame/choose_transparency.h"
 #include "frame/job.h"
 #include "gpu/device.h"
 #include "gpu/device_select.h"
@@ -22,6 +23,13 @@ Expected<void> check_samples(const Job& job, const std::vector<int>& possible, c
 // Whether compute stores into multisampled images of the job's samples. An error (device) where a knob asks for it and
 // the device does not.
 Expected<bool> stores_samples(const Job& job, const gpu::Device& device);
+
+// What choose_transparency() asks of the device, and the job's samples a pixel.
+struct TransparencyLimits {
+  TransparencyDevice device;
+  int samples = 1;
+};
+Expected<TransparencyLimits> transparency_device(const Job& job, const gpu::Device& device);
 
 // An error (device) where rays are to be traced in a way that the device lacks.
 Expected<void> check_traversal(const BvhKnobs& knobs, const gpu::RayExtensions& has, const std::string& device);

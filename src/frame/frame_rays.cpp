@@ -222,10 +222,12 @@ class LayOut {
       out.flags = item.mirrored ? shared::trace_mirrored : 0;
       if (material) {
         if (material->alpha_mode == AlphaMode::mask) out.flags |= shared::trace_masked;
-        if (material->alpha_mode == AlphaMode::blend) out.flags |= shared::trace_blended;
+        const bool passes = refraction_ && refracts(trees_.section_of(item), *material);
+        const bool blended = material->alpha_mode == AlphaMode::blend && !passes;
+        if (blended) out.flags |= shared::trace_blended;
         if (glows_all_over(*material)) out.flags |= shared::trace_glows;
-        if (refraction_ && refracts(trees_.section_of(item), *material)) out.flags |= shared::trace_refracts;
-        rays_.blended |= material->alpha_mode == AlphaMode::blend;
+        if (passes) out.flags |= shared::trace_refracts;
+        rays_.blended |= blended;
       }
       items[i] = out;
     }

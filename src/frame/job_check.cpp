@@ -1,4 +1,5 @@
 #include "base/text.h"
+#include "frame/choose_transparency.h"
 #include "frame/job.h"
 #include "frame/plan_frame.h"
 #include "scene/cut_outs.h"
@@ -102,9 +103,10 @@ Expected<void> check_job(const Job& job) {
   static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
   if (job.technique != auto_technique)
     if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;
-  if (auto known = check_name("--transparency", "method of transparency", job.transparency, transparency_names());
-      !known)
-    return known;
+  if (job.transparency != auto_transparency)
+    if (auto known = check_name("--transparency", "method of transparency", job.transparency, transparency_names());
+        !known)
+      return known;
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
   if (!job.tonemap.empty())
     if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;

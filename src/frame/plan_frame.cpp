@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "frame/caster_hash.h"
+#include "frame/choose_transparency.h"
 #include "frame/device_pose.h"
 #include "frame/frame_fog.h"
 #include "frame/frame_knobs.h"
@@ -255,18 +256,20 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   return s;
 }
 
-// Layers that divide beauty composite blended surfaces in the order of `sorted`: by another method their sum would be
+// Layers that divide beauty composite blended surfaces by `sorted` or `layers`: by another method their sum would be
 // another picture.
 Expected<void> check_divided(const PlannedFrame& f) {
   const bool glass = f.facts.refracting_items > 0 && f.request.transparency == Phenomenological::method;
-  if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method) return {};
+  if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method ||
+      f.request.transparency == Fragments::method)
+    return {};
   std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
   parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
   for (const LayerName& part : parts)
     if (f.request.has_layer(part.name))
       return fail(ErrorKind::usage, "--layers",
-                  "{} is a part of beauty whose see-through surfaces are drawn by the method sorted; leave it out, or "
-                  "--transparency {}",
+                  "{} is a part of beauty, which --transparency {} does not divide; leave it out, or take "
+                  "--transparency layers or sorted",
                   part.name, f.request.transparency);
   return {};
 }
@@ -328,13 +331,18 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
       planned->notes.push_back("technique auto: without a device the plan is that of " + any_device.technique);
     return planned;
   }
-  auto start = Clock::now();
+  if (job.transparency == auto_transparency) {
+    Job any_device = job;
+    any_device.transparency = choose_transparency(context.scene, job, 1, {}).name;
+    return plan_frame(any_device, context, wanted, time_s);
+  }
   PlannedFrame f;
+  f.clock.begin("animate");
   const Expected<KnobValues> knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
   const auto technique = std::find_if(techniques().begin(), techniques().end(),
                                       [&](const Technique& t) { return t.name == job.technique; });
-  auto look = context.look ? look_from_json(context.look->text, context.look->place, time_s) : look_of(job, time_s);
+  auto look = context.look ? context.look->at(time_s) : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
   if (context.face) look = seen_by_probe(std::move(*look));
   f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
@@ -382,9 +390,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     add_motion(f.data, f.view, before->data, before->view, f.upload);
   }
   place_probes(std::span(f.request.look.probes).first(f.facts.probes), f.view, f.upload.constants.probes);
-  f.animate_ms = ms_since(start);
 
-  start = Clock::now();
+  f.clock.begin("light_grid");
   const DrawnExtent extent = drawn_extent(context.scene, f.data, f.view);
   LightKnobs lists = knobs->get<LightKnobs>();
   if (LightOrder(lists.order) == LightOrder::automatic)
@@ -393,31 +400,35 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
       make_light_grid(technique->light_grid, f.data, f.upload.constants, extent.farthest_m, extent.reach_m, lists);
   f.upload.constants.grid = f.light_grid.constants;
   if (!f.light_grid.note.empty()) f.notes.push_back(f.light_grid.note);
+
+  f.clock.begin("sun_shadows");
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
   f.shadow_colors = draws_shadow_colors(f.facts, f.request, *knobs);
   auto suns = plan_suns(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling,
                         f.shadow_colors, f.upload);
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
+
   if (f.request.draws_fog()) {
+    f.clock.begin("fog");
     const FogKnobs& fog = knobs->get<FogKnobs>();
     f.upload.constants.fog =
         frame_fog(f.request.look, f.view, f.data, extent.farthest_m,
                   fog.nodes(uint32_t(f.request.width_px), uint32_t(f.request.height_px)), uint32_t(fog.sky_directions));
   }
+
+  f.clock.begin("lamp_shadows");
   const Supersample::Knobs& supersample = knobs->get<Supersample::Knobs>();
   auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),
                           f.request.height_px * int(supersample.grid().y), culling, f.shadow_colors, f.upload);
   if (!lamps) return std::unexpected(lamps.error());
   f.lamps = std::move(*lamps);
   for (const auto* notes : {&f.suns.notes, &f.lamps.notes}) f.notes.insert(f.notes.end(), notes->begin(), notes->end());
-  f.light_grid_ms = ms_since(start);
 
-  start = Clock::now();
+  f.clock.begin("trees");
   plan_rays(f, context, *knobs, traces_keys);
-  f.trees_ms = ms_since(start);
 
-  start = Clock::now();
+  f.clock.begin("plan");
   const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
   if (!background) return std::unexpected(background.error());
   f.upload.constants.background = {(*background)[0], (*background)[1], (*background)[2], (*background)[3]};
@@ -456,7 +467,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
     build(*(builder = std::make_unique<GraphBuilder>()));
   }
   add_notes(f, *knobs);
-  f.plan_ms = ms_since(start);
+  f.clock.end();
   return f;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "frame/frame_dumps.h"
 #include "frame/frame_lamps.h"
@@ -64,7 +65,7 @@ struct PlannedFrame {
   std::vector<FrameDump> dumps;
   std::vector<KeptUse> kept;  // images of the plan that outlive it
   std::vector<std::string> notes;
-  double animate_ms = 0, light_grid_ms = 0, trees_ms = 0, plan_ms = 0;
+  StageClock clock;  // the stages of planning; their sum is all of it
 };
 struct WantedOutputs {
   bool linear = true;    // EXR

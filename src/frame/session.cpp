@@ -7,6 +7,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "base/statistics.h"
+#include "frame/choose_transparency.h"
 #include "frame/content_hash.h"
 #include "frame/device_samples.h"
 #include "frame/draw_probes.h"
@@ -43,14 +44,18 @@ class DeviceSession : public Session {
 
  private:
   Expected<void> load();
+  Expected<void> choose_by_device();
   // What a frame's result needs beside what the device leaves.
   struct Begun {
     FrameResult result;
     std::vector<FrameReport> reports;
-    std::string refusal;  // why the device's picture is not the frame's
+    std::string refusal;                // why the device's picture is not the frame's
+    std::vector<KnobSetting> enlarged;  // with which it would be
+    bool hash_outputs = false;
     int counts = -1;
     double submit_us = 0;  // when recording began
   };
+  Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
   struct KeptImages {
     std::vector<std::shared_ptr<gpu::KeptImage>> held;
@@ -63,6 +68,7 @@ class DeviceSession : public Session {
   void take_run(gpu::FrameRun run, Begun& begun);
 
   Job job_;
+  bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
   WantedOutputs wanted_;
   RunSettings settings_;
   Timings opening_;
@@ -99,7 +105,7 @@ Expected<void> DeviceSession::load() {
     if (!read) return std::unexpected(read.error());
     look_ = std::move(*read);
   }
-  const auto look = look_ ? look_from_json(look_->text, look_->place) : Expected<Look>(Look{});
+  const auto look = look_ ? look_->at() : Expected<Look>(Look{});
   if (!look) return std::unexpected(look.error());
   left_out_ = left_out_of(job_, *look);
   has_probes_ = !look->probes.empty();
@@ -116,6 +122,29 @@ Expected<void> DeviceSession::load() {
   return check_outputs();
 }
 
+// What the job leaves to us or asks of the device. GpuError where it does not say what it has.
+Expected<void> DeviceSession::choose_by_device() {
+  if (job_.technique == auto_technique) {
+    const ChosenTechnique chosen =
+        quickest_technique(device_->info().is_cpu, gpu::has_int64_atomics(device_->physical()));
+    job_.technique = chosen.name;
+    log::info("technique auto: {}, because {}", chosen.name, chosen.why);
+  }
+  if (job_.transparency == auto_transparency) {
+    const auto limits = transparency_device(job_, *device_);
+    if (!limits) return std::unexpected(limits.error());
+    const ChosenTransparency chosen = choose_transparency(scene_, job_, limits->samples, limits->device);
+    job_.transparency = chosen.name;
+    chose_transparency_ = true;
+    if (!chosen.why.empty()) log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
+  }
+  if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
+  const auto stores = stores_samples(job_, *device_);
+  if (!stores) return std::unexpected(stores.error());
+  stores_samples_ = *stores;
+  return {};
+}
+
 Expected<void> DeviceSession::open() {
   // The device opens while the scene loads; an error of the scene is the more useful one to name.
   auto opening_device = std::async(std::launch::async, [&] {
@@ -129,17 +158,8 @@ Expected<void> DeviceSession::open() {
   if (!loaded) return loaded;
   if (!device) return std::unexpected(device.error());
   device_ = std::move(*device);
-  if (job_.technique == auto_technique) {
-    const ChosenTechnique chosen =
-        quickest_technique(device_->info().is_cpu, gpu::has_int64_atomics(device_->physical()));
-    job_.technique = chosen.name;
-    log::info("technique auto: {}, because {}", chosen.name, chosen.why);
-  }
-  if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
-  const auto stores = stores_samples(job_, *device_);
-  if (!stores) return std::unexpected(stores.error());
-  stores_samples_ = *stores;
   try {
+    if (auto chosen = choose_by_device(); !chosen) return chosen;
     const StageTimer timer(opening_, "upload");
     // An image may be uploaded twice, as sRGB and as linear; the split sum is one more.
     const size_t textures =
@@ -164,6 +184,10 @@ Expected<void> DeviceSession::open() {
 }
 
 Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
+  return begin_job(job_, time_s, hash_outputs);
+}
+
+Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
   const double start = process_clock_us();
   PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
@@ -171,11 +195,10 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   context.rays = rays_;
   context.cpu = shades_on_cpu(*device_);
   context.stores_samples = stores_samples_;
-  auto planned = plan_frame(job_, context, wanted_, time_s);
+  auto planned = plan_frame(job, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
-  const gpu::RayExtensions rays = gpu::ray_extensions(device_->physical());
-  if (auto fine = check_traversal(planned->traced.tree, rays, device_->info().name); !fine)
+  if (auto fine = check_traversal(planned->traced.tree, device_->info().rays, device_->info().name); !fine)
     return std::unexpected(fine.error());
   try {
     Begun begun;
@@ -185,18 +208,16 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
       const StageTimer timer(result.timings, "probes");
       PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
       without_rays.cpu = context.cpu, without_rays.stores_samples = context.stores_samples;
-      if (auto drawn = draw_probes(job_, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
+      if (auto drawn = draw_probes(job, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
         return std::unexpected(drawn.error());
     }
     result.time_s = time_s;
-    result.timings.spans = {
-        {"animate", "cpu", start, planned->animate_ms * 1000},
-        {"light_grid", "cpu", start + planned->animate_ms * 1000, planned->light_grid_ms * 1000},
-        {"plan", "cpu", start + (planned->animate_ms + planned->light_grid_ms + planned->trees_ms) * 1000,
-         planned->plan_ms * 1000}};
-    if (planned->rays)
-      result.timings.spans.push_back(
-          {"trees", "cpu", start + (planned->animate_ms + planned->light_grid_ms) * 1000, planned->trees_ms * 1000});
+    double at_us = start;
+    for (const auto& [stage, ms] : planned->clock.stages()) {
+      result.timings.add(stage, ms);
+      result.timings.spans.push_back({stage, "cpu", at_us, ms * 1000});
+      at_us += ms * 1000;
+    }
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
@@ -214,6 +235,7 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
     result.notes = std::move(planned->notes);
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
     begun.reports = std::move(planned->reports);
+    begun.hash_outputs = hash_outputs;
     begun.counts = planned->counts;
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
@@ -241,10 +263,6 @@ DeviceSession::KeptImages DeviceSession::kept_images(const PlannedFrame& planned
 
 Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
   Timings& t = begun.result.timings;
-  t.add("animate", planned.animate_ms);
-  if (planned.light_grid.shape.reason.empty()) t.add("light_grid", planned.light_grid_ms);
-  if (planned.rays) t.add("trees", planned.trees_ms);
-  t.add("plan", planned.plan_ms);
   // Pipelines know nothing of texels and memory: they are made while textures are decoded and images allocated.
   const bool fresh = !runner_->is_compiled(planned.graph);
   Timings compiling_times;
@@ -319,6 +337,15 @@ Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }
+  if (!begun.refusal.empty() && chose_transparency_ && !begun.enlarged.empty()) {
+    Job larger = job_;
+    larger.settings.insert(larger.settings.end(), begun.enlarged.begin(), begun.enlarged.end());
+    chose_transparency_ = false;  // once: what was counted does not change
+    const auto again = begin_job(larger, begun.result.time_s, begun.hash_outputs);
+    auto result = again ? finish(*again) : Expected<FrameResult>(std::unexpected(again.error()));
+    chose_transparency_ = true;
+    return result;
+  }
   if (!begun.refusal.empty()) return fail(ErrorKind::out_of_memory, "", "{}", begun.refusal);
   if (settings_.validate)
     if (const auto messages = device_->validation_messages(); !messages.empty())
@@ -351,6 +378,8 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
     if (found == result.readbacks.end()) continue;
     const std::span<const std::byte> bytes = found->second->bytes();
     for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (report.enlarged && report.refusal && begun.enlarged.empty() && !report.refusal(bytes).empty())
+      begun.enlarged = report.enlarged(bytes);
     if (report.refusal && begun.refusal.empty()) begun.refusal = report.refusal(bytes);
     if (!report.notes) continue;
     for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));

@@ -72,8 +72,8 @@ Json memory_json(const Session& session, const FramePlan& plan) {
 Json cpu_json(const Timings& opening, const Timings& frame) {
   // Always all stages, so that a reader need not ask which are there.
   Json cpu = Json::object();
-  for (const char* stage :
-       {"load", "decode", "upload", "animate", "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
+  for (const char* stage : {"load", "decode", "upload", "animate", "light_grid", "sun_shadows", "lamp_shadows", "trees",
+                            "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
     cpu[stage] = 0.0;
   for (const Timings* timings : {&opening, &frame})
     for (const auto& [stage, milliseconds] : timings->cpu_ms) cpu[stage] = cpu.value(stage, 0.0) + milliseconds;

@@ -24,8 +24,14 @@ class GpuError : public std::runtime_error {
     return result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
   }
 };
+std::string result_name(VkResult result);          // "device lost"
 void vk_check(VkResult result, const char* call);  // throws GpuError
 #define VK_CHECK(call) ::candela::gpu::vk_check((call), #call)
+
+// Rays through the device's own trees, which are of no version of Vulkan: on where they are present.
+struct RayExtensions {
+  bool queries = false, pipelines = false;  // with acceleration structures
+};
 
 struct DeviceInfo {
   int index = 0;             // in list_devices order
@@ -37,6 +43,8 @@ struct DeviceInfo {
   uint32_t subpixel_bits = 0;  // corners of triangles are rounded to 2^-bits of a pixel before they are drawn
   uint64_t memory_bytes = 0;
   bool is_cpu = false;
+  bool post_depth_coverage = false;  // a fragment's coverage after the depth test
+  RayExtensions rays;
   std::string unusable;  // empty, or what it lacks and what to install
 };
 
@@ -49,7 +57,8 @@ struct DeviceOptions {
 Expected<std::vector<DeviceInfo>> list_devices();
 
 // The Vulkan instance, device and its graphics+compute queue, and beside it a second one for compute where the device
-// has one. No window, no surface.
+// has one. No window, no surface. Instance and device are the process's own (gpu/shared_device.h): each Device counts
+// what goes through it, and all of them are used by one thread at a time.
 class Device {
  public:
   // Errors (device): no Vulkan, nothing that matches (lists what there is), a feature missing (names it and the fix:

@@ -1,9 +1,12 @@
 #include "gpu/device_select.h"
 
 #include <cctype>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
 #include "base/process.h"
+#include "base/text.h"
 
 namespace candela::gpu {
 
@@ -145,8 +148,44 @@ bool all_digits(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
+// Files that say where drivers are, as the loader looks for them.
+std::vector<std::string> driver_files() {
+  namespace fs = std::filesystem;
+  std::vector<std::string> found;
+  std::error_code failed;
+  for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
+    if (const char* files = std::getenv(name); files && *files) {
+      for (const std::string& file : split(files, ':'))
+        if (fs::is_regular_file(file, failed)) found.push_back(file);
+      return found;
+    }
+  std::string folders = "/etc:/usr/local/etc";
+  const auto add = [&](const char* name, std::string otherwise) {
+    const char* value = std::getenv(name);
+    folders += ":" + (value && *value ? std::string(value) : std::move(otherwise));
+  };
+  const char* home = std::getenv("HOME");
+  if (home) add("XDG_DATA_HOME", fmt::format("{}/.local/share", home));
+  add("XDG_DATA_DIRS", "/usr/local/share:/usr/share");
+  for (const std::string& folder : split(folders, ':'))
+    for (fs::directory_iterator entry(fs::path(folder) / "vulkan/icd.d", failed), end; !failed && entry != end;
+         entry.increment(failed))
+      if (entry->path().extension() == ".json") found.push_back(entry->path().string());
+  return found;
+}
+
+// Loaders report a driver that fails as one that is not there.
+std::string no_driver() {
+  const std::vector<std::string> files = driver_files();
+  if (files.empty()) return "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports";
+  return fmt::format(
+      "no Vulkan driver starts, though {} {} there; the loader's own log says why: VK_LOADER_DEBUG=error in the "
+      "environment",
+      joined(files), files.size() == 1 ? "is" : "are");
+}
+
 std::string describe(std::span<const DeviceInfo> devices) {
-  if (devices.empty()) return "no Vulkan device at all; install mesa-vulkan-drivers from bookworm-backports";
+  if (devices.empty()) return no_driver();
   std::string text = "there is ";
   for (const DeviceInfo& device : devices)
     text += fmt::format("{}{}: {} ({}{})", &device == devices.data() ? "" : ", ", device.index, device.name,
@@ -230,14 +269,59 @@ bool find_queues(Candidate& candidate) {
   return choose_queues(families, candidate);
 }
 
-bool has_validation_layer() {
-  uint32_t count = 0;
-  vkEnumerateInstanceLayerProperties(&count, nullptr);
-  std::vector<VkLayerProperties> layers(count);
-  vkEnumerateInstanceLayerProperties(&count, layers.data());
-  return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
-    return std::strcmp(layer.layerName, validation_layer) == 0;
+// What a function of Vulkan lists. It is asked anew while the list grows between its length and itself.
+template <class T, class List>
+std::expected<std::vector<T>, VkResult> listed(List list) {
+  while (true) {
+    uint32_t count = 0;
+    if (const VkResult result = list(&count, static_cast<T*>(nullptr)); result != VK_SUCCESS)
+      return std::unexpected(result);
+    std::vector<T> all(count);
+    const VkResult result = list(&count, all.data());
+    if (result == VK_INCOMPLETE) continue;
+    if (result != VK_SUCCESS) return std::unexpected(result);
+    all.resize(count);
+    return all;
+  }
+}
+
+std::unexpected<Error> failed_start(VkResult result, const char* call) {
+  return std::unexpected(start_error(result, fmt::format("Vulkan does not start ({}: {})", call, result_name(result))));
+}
+
+Expected<bool> has_validation_layer() {
+  const auto layers = listed<VkLayerProperties>(vkEnumerateInstanceLayerProperties);
+  if (!layers) return failed_start(layers.error(), "vkEnumerateInstanceLayerProperties");
+  return std::ranges::any_of(
+      *layers, [](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, validation_layer) == 0; });
+}
+
+// Extensions of the device that are of no version of Vulkan.
+Expected<void> find_extensions(VkPhysicalDevice physical, DeviceInfo& info) {
+  const auto extensions = listed<VkExtensionProperties>([&](uint32_t* count, VkExtensionProperties* all) {
+    return vkEnumerateDeviceExtensionProperties(physical, nullptr, count, all);
   });
+  if (!extensions) return failed_start(extensions.error(), "vkEnumerateDeviceExtensionProperties");
+  const auto has = [&](std::string_view name) {
+    return std::ranges::any_of(*extensions, [&](const VkExtensionProperties& e) { return name == e.extensionName; });
+  };
+  info.post_depth_coverage = has(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME);
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceRayQueryFeaturesKHR queries{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR pipelines{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
+  const auto look_up = [&](auto& feature, bool present) {
+    VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &feature};
+    if (present) vkGetPhysicalDeviceFeatures2(physical, &core);
+  };
+  look_up(structures,
+          has(VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) && has(VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME));
+  look_up(queries, has(VK_KHR_RAY_QUERY_EXTENSION_NAME));
+  look_up(pipelines, has(VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME));
+  info.rays = {structures.accelerationStructure && queries.rayQuery,
+               structures.accelerationStructure && pipelines.rayTracingPipeline};
+  return {};
 }
 
 }  // namespace
@@ -266,39 +350,6 @@ void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted) {
   enable(wanted.v13, required_13);
 }
 
-namespace {
-bool has_extensions(VkPhysicalDevice physical, std::initializer_list<std::string_view> names) {
-  uint32_t count = 0;
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
-  std::vector<VkExtensionProperties> extensions(count);
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
-  return std::ranges::all_of(names, [&](std::string_view name) {
-    return std::ranges::any_of(extensions, [&](const VkExtensionProperties& e) { return name == e.extensionName; });
-  });
-}
-}  // namespace
-
-bool has_post_depth_coverage(VkPhysicalDevice physical) {
-  return has_extensions(physical, {VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME});
-}
-
-RayExtensions ray_extensions(VkPhysicalDevice physical) {
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
-  VkPhysicalDeviceRayQueryFeaturesKHR queries{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
-  VkPhysicalDeviceRayTracingPipelineFeaturesKHR pipelines{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
-  const auto look_up = [&](auto& feature, std::initializer_list<std::string_view> extensions) {
-    VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &feature};
-    if (has_extensions(physical, extensions)) vkGetPhysicalDeviceFeatures2(physical, &core);
-  };
-  look_up(structures, {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME});
-  look_up(queries, {VK_KHR_RAY_QUERY_EXTENSION_NAME});
-  look_up(pipelines, {VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME});
-  return {structures.accelerationStructure && queries.rayQuery,
-          structures.accelerationStructure && pipelines.rayTracingPipeline};
-}
-
 bool has_int64_atomics(VkPhysicalDevice physical) {
   DeviceFeatures present;
   vkGetPhysicalDeviceFeatures2(physical, &present.core);
@@ -309,6 +360,12 @@ bool has_float64(VkPhysicalDevice physical) {
   VkPhysicalDeviceFeatures present;
   vkGetPhysicalDeviceFeatures(physical, &present);
   return present.shaderFloat64;
+}
+
+bool has_primitive_ids(VkPhysicalDevice physical) {
+  VkPhysicalDeviceFeatures present;
+  vkGetPhysicalDeviceFeatures(physical, &present);
+  return present.geometryShader;
 }
 
 Error start_error(VkResult result, std::string message) {
@@ -323,28 +380,23 @@ Error start_error(VkResult result, std::string message) {
 }
 
 Expected<std::vector<Candidate>> find_candidates(VkInstance instance) {
-  const auto failed = [](VkResult result) {
-    return std::unexpected(start_error(result, fmt::format("vkEnumeratePhysicalDevices: error {}", int(result))));
-  };
-  uint32_t count = 0;
-  if (const VkResult result = vkEnumeratePhysicalDevices(instance, &count, nullptr); result != VK_SUCCESS)
-    return failed(result);
-  std::vector<VkPhysicalDevice> physical(count);
-  if (const VkResult result = vkEnumeratePhysicalDevices(instance, &count, physical.data()); result != VK_SUCCESS)
-    return failed(result);
-  if (count == 0)
+  const auto physical = listed<VkPhysicalDevice>(
+      [&](uint32_t* count, VkPhysicalDevice* all) { return vkEnumeratePhysicalDevices(instance, count, all); });
+  if (!physical) return failed_start(physical.error(), "vkEnumeratePhysicalDevices");
+  if (physical->empty())
     if (Error error = start_error(VK_SUCCESS, "no device"); error.kind == ErrorKind::out_of_memory)
       return std::unexpected(std::move(error));
   std::vector<Candidate> candidates;
-  for (uint32_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < physical->size(); ++i) {
     Candidate candidate;
-    candidate.physical = physical[i];
-    candidate.info = describe_physical(physical[i], int(i));
-    candidate.info.unusable = why_unusable(physical[i], candidate.info);
+    candidate.physical = (*physical)[i];
+    candidate.info = describe_physical(candidate.physical, int(i));
+    candidate.info.unusable = why_unusable(candidate.physical, candidate.info);
+    if (auto found = find_extensions(candidate.physical, candidate.info); !found) return std::unexpected(found.error());
     if (!find_queues(candidate) && candidate.info.unusable.empty())
       candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
     VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(physical[i], &properties);
+    vkGetPhysicalDeviceProperties(candidate.physical, &properties);
     candidate.timestamp_period_ns = properties.limits.timestampPeriod;
     candidates.push_back(std::move(candidate));
   }
@@ -391,8 +443,12 @@ Expected<int> choose_device(std::span<const DeviceInfo> devices, std::string_vie
 Expected<VkInstance> create_instance(bool validate, const void* next) {
   if (Error error = start_error(VK_SUCCESS, "before the driver was opened"); error.kind == ErrorKind::out_of_memory)
     return std::unexpected(std::move(error));
-  if (validate && !has_validation_layer())
-    return fail(ErrorKind::device, "", "{} is not installed; install vulkan-validationlayers", validation_layer);
+  if (validate) {
+    const auto layer = has_validation_layer();
+    if (!layer) return std::unexpected(layer.error());
+    if (!*layer)
+      return fail(ErrorKind::device, "", "{} is not installed; install vulkan-validationlayers", validation_layer);
+  }
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "candela";
   application.pEngineName = "candela";
@@ -408,12 +464,8 @@ Expected<VkInstance> create_instance(bool validate, const void* next) {
   }
   VkInstance instance = VK_NULL_HANDLE;
   const VkResult result = vkCreateInstance(&info, nullptr, &instance);
-  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    return std::unexpected(
-        start_error(result, "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports"));
-  if (result != VK_SUCCESS)
-    return std::unexpected(
-        start_error(result, fmt::format("Vulkan does not start (vkCreateInstance: error {})", int(result))));
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER) return std::unexpected(start_error(result, no_driver()));
+  if (result != VK_SUCCESS) return failed_start(result, "vkCreateInstance");
   return instance;
 }
 

@@ -25,15 +25,10 @@ std::string missing_features(const DeviceFeatures& present);
 // Sets in `wanted` all required features, and the optional ones that `present` has.
 void enable_features(const DeviceFeatures& present, DeviceFeatures& wanted);
 
-// A fragment's coverage after the depth test is of no version of Vulkan, and optional.
-bool has_post_depth_coverage(VkPhysicalDevice physical);
-// Rays through the device's own trees, which are of no version of Vulkan: on where they are present.
-struct RayExtensions {
-  bool queries = false, pipelines = false;  // with acceleration structures
-};
-RayExtensions ray_extensions(VkPhysicalDevice physical);
 // shaderBufferInt64Atomics, which is on where it is present.
 bool has_int64_atomics(VkPhysicalDevice physical);
+// Whether fragment shaders know their primitive (geometryShader, for gl_PrimitiveID).
+bool has_primitive_ids(VkPhysicalDevice physical);
 // Whether shaders can compute in double.
 bool has_float64(VkPhysicalDevice physical);
 

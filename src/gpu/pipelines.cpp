@@ -232,7 +232,7 @@ VkShaderModule Pipelines::module(const std::string& file) const { return shaders
 
 void Pipelines::check_queries(const std::string& file) const {
   constexpr uint32_t ray_query = 4472;  // of SPIR-V
-  if (uses(shaders_.at(file).spirv, ray_query) && !ray_extensions(device_.physical()).queries)
+  if (uses(shaders_.at(file).spirv, ray_query) && !device_.info().rays.queries)
     throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("{}, for {}", VK_KHR_RAY_QUERY_EXTENSION_NAME, file));
 }
 
@@ -287,7 +287,7 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
     const std::vector<uint32_t>& spirv = shaders_.at(desc.fragment_shader).spirv;
     if (uses(spirv, geometry) && !features_.geometryShader)
       throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT, fmt::format("geometryShader, for {}", desc.fragment_shader));
-    if (uses(spirv, post_depth_coverage) && !has_post_depth_coverage(device_.physical()))
+    if (uses(spirv, post_depth_coverage) && !device_.info().post_depth_coverage)
       throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT,
                      fmt::format("{}, for {}", VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME, desc.fragment_shader));
   }
@@ -371,7 +371,7 @@ std::shared_ptr<const ShaderTable> make_shader_table(Device& device, VkPipeline 
 }  // namespace
 
 Pipeline Pipelines::make(const RayPipelineDesc& desc) const {
-  if (!ray_extensions(device_.physical()).pipelines)
+  if (!device_.info().rays.pipelines)
     throw GpuError(VK_ERROR_FEATURE_NOT_PRESENT,
                    fmt::format("{}, for {}", VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME, desc.raygen_shader));
   const Specialization specialization(desc.constants);

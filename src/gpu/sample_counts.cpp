@@ -5,9 +5,11 @@ namespace {
 
 VkSampleCountFlags counts_of(const Device& device, VkFormat format, VkImageUsageFlags usage) {
   VkImageFormatProperties properties{};
-  if (vkGetPhysicalDeviceImageFormatProperties(device.physical(), format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL,
-                                               usage | VK_IMAGE_USAGE_SAMPLED_BIT, 0, &properties) != VK_SUCCESS)
-    return VK_SAMPLE_COUNT_1_BIT;
+  const VkResult result =
+      vkGetPhysicalDeviceImageFormatProperties(device.physical(), format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL,
+                                               usage | VK_IMAGE_USAGE_SAMPLED_BIT, 0, &properties);
+  if (result == VK_ERROR_FORMAT_NOT_SUPPORTED) return VK_SAMPLE_COUNT_1_BIT;
+  vk_check(result, "vkGetPhysicalDeviceImageFormatProperties");
   return properties.sampleCounts;
 }
 

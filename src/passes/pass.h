@@ -112,6 +112,11 @@ template <class P>
 concept Refuses = requires(const P pass, const typename P::Report& report) {
   { pass.refusal(report) } -> std::same_as<std::string>;
 };
+// The same with knobs under which it is to be had; empty: none.
+template <class P>
+concept Enlarges = requires(const P pass, const typename P::Report& report) {
+  { pass.enlarged(report) } -> std::same_as<std::vector<KnobSetting>>;
+};
 // The same with what is worth telling, but no cause for concern.
 template <class P>
 concept ReportsNotes = requires(const P pass, const typename P::Report& report) {

@@ -42,7 +42,7 @@ reference::Sky traced_sky(const FrameSky& sky) {
 }
 
 Expected<Look> look_at(const ReferenceScene& loaded, double time_s) {
-  return loaded.look ? look_from_json(loaded.look->text, loaded.look->place, time_s) : Expected<Look>(Look{});
+  return loaded.look ? loaded.look->at(time_s) : Expected<Look>(Look{});
 }
 
 }  // namespace

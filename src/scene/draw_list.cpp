@@ -11,8 +11,8 @@ bool is_unlit(const MeshSection& section, const Material* material) {
 }
 
 bool refracts(const MeshSection& section, const Material& material) {
-  return section.topology == Topology::triangles && material.alpha_mode != AlphaMode::blend &&
-         !is_unlit(section, &material) && material.has(Lobe::transmission);
+  return section.topology == Topology::triangles && !is_unlit(section, &material) &&
+         material.has(Lobe::transmission);
 }
 
 namespace {
@@ -30,6 +30,7 @@ DrawRun state_of(const Scene& scene, const Pose& pose, const DrawItem& item, boo
   s.cull_back = section.topology == Topology::triangles && !(material && material->double_sided);
   s.mirrored = item.mirrored;
   s.refracts = refraction && material && refracts(section, *material);
+  if (s.refracts && s.alpha == AlphaMode::blend) s.alpha = AlphaMode::opaque;  // its shader covers by alpha
   return s;
 }
 

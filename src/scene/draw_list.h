@@ -44,8 +44,8 @@ struct DrawList {
 // refraction: surfaces that let light through are drawn so.
 DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction = false);
 
-// Whether a section lets light through that was not covered (KHR_materials_transmission). Blended ones do not: what
-// they do not cover is seen behind them as it is.
+// Whether a section lets light through (KHR_materials_transmission). Of blended ones the part that alpha covers does;
+// through the rest the picture behind is seen as it is.
 bool refracts(const MeshSection& section, const Material& material);
 
 // Whether a section is drawn without lighting: its material says so, or it has no normals (lines and points).

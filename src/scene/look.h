@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -199,9 +200,16 @@ std::vector<std::string> switched_on(const Look& look);
 // linear, step, or cubic: monotone pieces (Fritsch and Carlson, "Monotone Piecewise Cubic Interpolation", 1980), which
 // stay between their keys, so that values that are right at the keys are right between them.
 //
-// A file's text as it was read once, for a sequence whose frames evaluate it at their own times.
-struct LookFile {
-  std::string text, place;  // place: the file's name, for errors
+// A look that was read once: frames evaluate it at their own times, in time that does not depend on how many keys there
+// are but for their bisection.
+class LookFile {
+ public:
+  struct Parsed;
+  explicit LookFile(std::shared_ptr<const Parsed> parsed) : parsed_(std::move(parsed)) {}
+  Expected<Look> at(double time_s = 0) const;
+
+ private:
+  std::shared_ptr<const Parsed> parsed_;
 };
 // Read and checked at the times of all keys.
 Expected<LookFile> read_look_file(const std::filesystem::path& file);

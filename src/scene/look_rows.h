@@ -28,12 +28,14 @@ using Rows = std::vector<Row<T>>;
 template <class T>
 Expected<void> read_rows(const Json& j, const std::string& place, const Rows<T>& rows, T& into) {
   if (!j.is_object()) return wrong(place, "the value is not an object");
-  std::vector<std::string> names;
-  for (const Row<T>& row : rows) names.push_back(row.key.name);
   for (const auto& [key, value] : j.items()) {
     const std::string at = place + "/" + key;
     const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row<T>& r) { return r.key.name == key; });
-    if (row == rows.end()) return wrong(at, unknown_name("key", key, names));
+    if (row == rows.end()) {
+      std::vector<std::string> names;
+      for (const Row<T>& known : rows) names.push_back(known.key.name);
+      return wrong(at, unknown_name("key", key, names));
+    }
     if (auto read = row->read(value, at, into); !read) return read;
   }
   return {};
@@ -144,7 +146,19 @@ Row<Look> probes_row();  // look_probes.cpp
 // Keys over time in it are an error (input): it says what does not change.
 Expected<void> check_fixed(const Json& j, const std::string& place);
 
-// {"keys": ...} anywhere in it gives way to its value at a time. times: of all keys, where they are wanted.
-Expected<void> evaluate(Json& j, const std::string& place, double time_s, std::vector<double>* times);
+// A value of a look that changes over time: {"keys": [[time in seconds, value], ...]} as it was read.
+enum class Between : uint8_t { linear, step, cubic };
+struct TimedValue {
+  Json::json_pointer at;  // where in the look it stands
+  bool is_list = false;   // else a number
+  Between between = Between::linear;
+  std::vector<double> time_s;                   // ascending
+  std::vector<std::vector<double>> components;  // of a list its numbers, of a number one; each as long as time_s
+  // Puts what it is at a time in its place.
+  void set(Json& tree, double time_s) const;
+};
+// Takes {"keys": ...} out wherever they stand in j, and leaves their first values. at: of j in the look.
+Expected<void> take_timed_values(Json& j, const std::string& place, const Json::json_pointer& at,
+                                 std::vector<TimedValue>& values);
 
 }  // namespace candela::look_rows

@@ -1,29 +1,30 @@
 // Values over time.
+#include <span>
+
 #include "scene/look_rows.h"
 
 namespace candela::look_rows {
 namespace {
-
-enum class Between : uint8_t { linear, step, cubic };
 
 // Checks the keys of one value; returns how many numbers each has, 0 for a plain number.
 Expected<size_t> check_keys(const Json& keys, const std::string& place) {
   if (!keys.is_array() || keys.empty()) return wrong(place, "the value is not a list of [time, value]");
   double before = -std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < keys.size(); ++i) {
-    const std::string at = fmt::format("{}/{}", place, i);
+    const auto at = [&](const char* part = "") { return fmt::format("{}/{}{}", place, i, part); };
+    const auto finite = [](const Json& n) { return n.is_number() && std::isfinite(float(n.get<double>())); };
     const Json& key = keys[i];
-    if (!key.is_array() || key.size() != 2) return wrong(at, "the value is not [time, value]");
-    const auto time = number(key[0], at + "/0");
-    if (!time) return std::unexpected(time.error());
-    if (!(*time > before)) return wrong(at + "/0", "the times do not ascend");
-    before = *time;
+    if (!key.is_array() || key.size() != 2) return wrong(at(), "the value is not [time, value]");
+    if (!finite(key[0])) return std::unexpected(number(key[0], at("/0")).error());
+    const double time = key[0].get<double>();
+    if (!(time > before)) return wrong(at("/0"), "the times do not ascend");
+    before = time;
     const bool list = key[1].is_array();
     if (list != keys[0][1].is_array() || (list && key[1].size() != keys[0][1].size()))
-      return wrong(at + "/1", "the value is of another kind than the first key's");
+      return wrong(at("/1"), "the value is of another kind than the first key's");
     for (size_t c = 0; c < (list ? key[1].size() : 1); ++c)
-      if (const auto value = number(list ? key[1][c] : key[1], at + "/1"); !value)
-        return std::unexpected(value.error());
+      if (const Json& value = list ? key[1][c] : key[1]; !finite(value))
+        return std::unexpected(number(value, at("/1")).error());
   }
   return keys[0][1].is_array() ? keys[0][1].size() : 0;
 }
@@ -38,60 +39,70 @@ Expected<Between> read_interpolation(const Json& j, const std::string& place) {
   return Between(found - names.begin());
 }
 
-// One component of the keys.
-struct Curve {
-  std::vector<double> time, value;
-  double slope(size_t i) const { return (value[i + 1] - value[i]) / (time[i + 1] - time[i]); }
-  // Fritsch and Butland, "A Method for Constructing Local Monotone Piecewise Cubic Interpolants", 1984: 0 at a turning
-  // point, the weighted harmonic mean of both sides' slopes elsewhere.
-  double tangent(size_t i) const {
-    if (i == 0) return slope(0);
-    if (i + 1 == time.size()) return slope(i - 1);
-    const double before = slope(i - 1), after = slope(i);
-    if (!(before * after > 0)) return 0;
-    const double h0 = time[i] - time[i - 1], h1 = time[i + 1] - time[i];
-    return 3 * (h0 + h1) / ((2 * h1 + h0) / before + (h1 + 2 * h0) / after);
-  }
-  double at(size_t i, double time_s, Between between) const {
-    const double a = value[i], b = value[i + 1], h = time[i + 1] - time[i], s = (time_s - time[i]) / h;
-    if (between == Between::step) return a;
-    if (between == Between::linear) return (1 - s) * a + s * b;
-    const double s2 = s * s, s3 = s2 * s;
-    const double v = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * h * tangent(i) + (3 * s2 - 2 * s3) * b +
-                     (s3 - s2) * h * tangent(i + 1);
-    return std::clamp(v, std::min(a, b), std::max(a, b));  // rounding alone
-  }
-};
+// Fritsch and Butland, "A Method for Constructing Local Monotone Piecewise Cubic Interpolants", 1984: 0 at a turning
+// point, the weighted harmonic mean of both sides' slopes elsewhere.
+double slope(std::span<const double> time, std::span<const double> value, size_t i) {
+  return (value[i + 1] - value[i]) / (time[i + 1] - time[i]);
+}
+double tangent(std::span<const double> time, std::span<const double> value, size_t i) {
+  if (i == 0) return slope(time, value, 0);
+  if (i + 1 == time.size()) return slope(time, value, i - 1);
+  const double before = slope(time, value, i - 1), after = slope(time, value, i);
+  if (!(before * after > 0)) return 0;
+  const double h0 = time[i] - time[i - 1], h1 = time[i + 1] - time[i];
+  return 3 * (h0 + h1) / ((2 * h1 + h0) / before + (h1 + 2 * h0) / after);
+}
 
-Json value_at(const Json& keys, size_t numbers, double time_s, Between between) {
-  size_t next = 0;
-  while (next < keys.size() && keys[next][0].get<double>() <= time_s) ++next;
-  if (next == 0) return keys[0][1];
-  if (next == keys.size()) return keys[next - 1][1];
-  const auto component = [&](size_t c) {
-    Curve curve;
-    for (const Json& key : keys) {
-      curve.time.push_back(key[0].get<double>());
-      curve.value.push_back(numbers > 0 ? key[1][c].get<double>() : key[1].get<double>());
-    }
-    return curve.at(next - 1, time_s, between);
-  };
-  if (numbers == 0) return Json(component(0));
-  Json list = Json::array();
-  for (size_t c = 0; c < numbers; ++c) list.push_back(component(c));
-  return list;
+// Between the keys i and i + 1.
+double between_keys(std::span<const double> time, std::span<const double> value, size_t i, double time_s,
+                    Between between) {
+  const double a = value[i], b = value[i + 1], h = time[i + 1] - time[i], s = (time_s - time[i]) / h;
+  if (between == Between::step) return a;
+  if (between == Between::linear) return (1 - s) * a + s * b;
+  const double s2 = s * s, s3 = s2 * s;
+  const double v = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * h * tangent(time, value, i) + (3 * s2 - 2 * s3) * b +
+                   (s3 - s2) * h * tangent(time, value, i + 1);
+  return std::clamp(v, std::min(a, b), std::max(a, b));  // rounding alone
+}
+
+TimedValue timed_value(const Json& keys, size_t numbers, Between between, const Json::json_pointer& at) {
+  TimedValue value{.at = at, .is_list = keys[0][1].is_array(), .between = between, .time_s = {}, .components = {}};
+  value.components.resize(value.is_list ? numbers : 1);
+  value.time_s.reserve(keys.size());
+  for (std::vector<double>& component : value.components) component.reserve(keys.size());
+  for (const Json& key : keys) {
+    value.time_s.push_back(key[0].get<double>());
+    for (size_t c = 0; c < value.components.size(); ++c)
+      value.components[c].push_back(value.is_list ? key[1][c].get<double>() : key[1].get<double>());
+  }
+  return value;
 }
 
 }  // namespace
 
-Expected<void> evaluate(Json& j, const std::string& place, double time_s, std::vector<double>* times) {
+void TimedValue::set(Json& tree, double t) const {
+  const auto next = size_t(std::upper_bound(time_s.begin(), time_s.end(), t) - time_s.begin());
+  const auto component = [&](const std::vector<double>& value) {
+    if (next == 0) return value.front();
+    if (next == time_s.size()) return value.back();
+    return between_keys(time_s, value, next - 1, t, between);
+  };
+  Json& into = tree.at(at);
+  if (!is_list)
+    into = component(components[0]);
+  else
+    for (size_t c = 0; c < components.size(); ++c) into[c] = component(components[c]);
+}
+
+Expected<void> take_timed_values(Json& j, const std::string& place, const Json::json_pointer& at,
+                                 std::vector<TimedValue>& values) {
   if (j.is_array() && !j.empty() && j[0].is_object())
     for (size_t i = 0; i < j.size(); ++i)
-      if (auto done = evaluate(j[i], fmt::format("{}/{}", place, i), time_s, times); !done) return done;
+      if (auto done = take_timed_values(j[i], fmt::format("{}/{}", place, i), at / i, values); !done) return done;
   if (!j.is_object()) return {};
   if (!j.contains("keys")) {
     for (auto& [key, value] : j.items())
-      if (auto done = evaluate(value, place + "/" + key, time_s, times); !done) return done;
+      if (auto done = take_timed_values(value, place + "/" + key, at / key, values); !done) return done;
     return {};
   }
   const std::vector<std::string> names = {"keys", "interpolation"};
@@ -100,12 +111,11 @@ Expected<void> evaluate(Json& j, const std::string& place, double time_s, std::v
       return wrong(place + "/" + key, unknown_name("key", key, names));
   const auto between = read_interpolation(j, place);
   if (!between) return std::unexpected(between.error());
-  const Json keys = j["keys"];
+  const Json keys = std::move(j["keys"]);
   const auto numbers = check_keys(keys, place + "/keys");
   if (!numbers) return std::unexpected(numbers.error());
-  if (times)
-    for (const Json& key : keys) times->push_back(key[0].get<double>());
-  j = value_at(keys, *numbers, time_s, *between);
+  values.push_back(timed_value(keys, *numbers, *between, at));
+  j = keys[0][1];
   return {};
 }
 

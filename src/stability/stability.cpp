@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/json.h"
@@ -23,7 +24,6 @@ namespace candela {
 namespace fs = std::filesystem;
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 // A picture with what was said when it was made.
 struct Shot {

@@ -46,7 +46,16 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   FogLayers::In in{scene, surfaces.visible, surfaces.deformed, lists, surfaces.depth, {}};
   if (composite.seen) in.nearest = composite.depth;
   for (size_t i = 0; i < in.wanted.size(); ++i) in.wanted[i] = frame.request.has_layer(FogLayers::layers[i].name);
-  return frame.add(FogLayers{}, in, instance).images;
+  in.without_blended = stores_blended(frame);
+  FogImages images = frame.add(FogLayers{}, in, instance).images;
+  if (!in.without_blended) return images;
+  BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.lists), composite.depth, {}};
+  for (size_t i = 0; i < images.size(); ++i) {
+    over.color = images[i];
+    if (images[i])
+      images[i] = part_behind_blended(frame, over, FogLayers::stored_part(i), FogLayers::layers[i].name, instance);
+  }
+  return images;
 }
 
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images) {

@@ -30,6 +30,7 @@ struct FrameReport {
   int resource = -1;
   std::function<std::vector<std::string>(std::span<const std::byte>)> warnings, notes;
   std::function<std::string(std::span<const std::byte>)> refusal = {};
+  std::function<std::vector<KnobSetting>(std::span<const std::byte>)> enlarged = {};
 };
 
 // Of the pictures that a frame is made of, the one that reasons are given with.
@@ -106,6 +107,7 @@ struct Frame {
     FrameReport result{buffer.resource, [pass, read](auto bytes) { return pass.warnings(read(bytes)); }, {}};
     if constexpr (ReportsNotes<P>) result.notes = [pass, read](auto bytes) { return pass.notes(read(bytes)); };
     if constexpr (Refuses<P>) result.refusal = [pass, read](auto bytes) { return pass.refusal(read(bytes)); };
+    if constexpr (Enlarges<P>) result.enlarged = [pass, read](auto bytes) { return pass.enlarged(read(bytes)); };
     return result;
   }
   template <class T>

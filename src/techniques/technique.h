@@ -85,6 +85,12 @@ std::span<const TransparencyMethod> transparency_methods();
 // By the method that the request names.
 ImageHandle transparent(Frame& frame, const BlendedIn& in, std::string_view instance = {});
 
+// The part of beauty that `shader` draws (Fragments::part), where surfaces see and are drawn as beauty's: blended
+// surfaces over `image`, by the method layers. Where another method is chosen the part's own pass draws them.
+bool stores_blended(const Frame& frame);
+ImageHandle part_behind_blended(Frame& frame, BlendedIn in, std::string_view shader, std::string_view layer,
+                                std::string_view instance);
+
 // Layers of the nearest surface and of what lit it, as far as they are asked for. Passes publish them.
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
               const OcclusionTexels& occlusion);

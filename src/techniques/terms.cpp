@@ -18,9 +18,17 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
     in.background =
         newest(frame.add(Background{}, {scene, depth, in.background, clear, false}, behind).color, in.background);
   }
+  in.without_blended = stores_blended(frame);
   TermImages images = frame.add(Terms{}, in, instance).images;
   // Where nothing is visible there is no pass, and the background is all.
   images[background] = newest(images[background], in.background);
+  if (!in.without_blended) return images;
+  BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.lists), composite.depth, {}};
+  if (over.lists.fog) over.lists.fog.light = FogLight::nothing;
+  for (uint32_t i = 0; i < term_count; ++i) {
+    over.color = images[i];
+    if (images[i]) images[i] = part_behind_blended(frame, over, Terms::stored_part(i), Terms::layers[i].name, instance);
+  }
   return images;
 }
 

@@ -31,7 +31,8 @@ ImageHandle draw_phenomenologically(Frame& frame, const BlendedIn& in, std::stri
 
 std::span<const TransparencyMethod> transparency_methods() {
   static constexpr TransparencyMethod table[] = {
-      {Transparent::method, "back to front by the middles of their bounds: the default, exact where none intersect",
+      {Transparent::method,
+       "back to front by the middles of their bounds: wrong where bounds overlap, and among triangles of one mesh",
        draw_by<Transparent>},
       {Weighted::method, "sums weighted by distance, in any order: the cheapest, and the least exact",
        draw_by<Weighted>},
@@ -55,6 +56,16 @@ ImageHandle transparent(Frame& frame, const BlendedIn& in, std::string_view inst
     color = newest(method.draw(frame, in, instance), color);
   }
   return color;
+}
+
+bool stores_blended(const Frame& frame) {
+  return frame.facts.blend_items > 0 && frame.request.transparency == Fragments::method;
+}
+
+ImageHandle part_behind_blended(Frame& frame, BlendedIn in, std::string_view shader, std::string_view layer,
+                                std::string_view instance) {
+  const std::string name = instance.empty() ? std::string(layer) : fmt::format("{}.{}", instance, layer);
+  return newest(frame.add(Fragments{.part = std::string(shader)}, in, name).color, in.color);
 }
 
 }  // namespace candela

@@ -44,6 +44,7 @@ constexpr SceneEntry table[] = {
      make_emissive_strength},
     {"far-world", "near-world, moved by a million metres", make_far_world},
     {"foliage", "a crown of a thousand blended leaves", make_foliage, 0, false},
+    {"hair", "a thousand strands over a head, one blended mesh", make_hair, 0, false},
     {"instanced", "a field of 500 instances of one mesh (EXT_mesh_gpu_instancing)", make_instanced},
     {"light-field", "a few surfaces near and far under lights that are hard to bound, all from the seed",
      make_light_field, most_light_nodes},
@@ -76,6 +77,7 @@ constexpr SceneEntry table[] = {
     {"texture-transform", "KHR_texture_transform, wrap modes, filters and the second UV set", make_texture_transform},
     {"triangles", "five large rectangles aslant: any plane that cuts space cuts them", make_triangles, 0, false},
     {"unlit-box", "a textured unlit box (KHR_materials_unlit)", make_unlit_box},
+    {"windows", "houses with panes in front and behind, each house's panes one blended mesh", make_windows, 0, false},
 };
 
 const SceneEntry* find(std::string_view name) {

@@ -42,6 +42,8 @@ void make_sheets(GlbWriter& out, SceneOptions& options);
 void make_crossing(GlbWriter& out, SceneOptions& options);
 void make_scattering(GlbWriter& out, SceneOptions& options);
 void make_foliage(GlbWriter& out, SceneOptions& options);
+void make_hair(GlbWriter& out, SceneOptions& options);
+void make_windows(GlbWriter& out, SceneOptions& options);
 void make_smoke(GlbWriter& out, SceneOptions& options);
 
 void make_cave(GlbWriter& out, SceneOptions& options);

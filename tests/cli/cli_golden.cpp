@@ -41,6 +41,8 @@ class Golden : public testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return candela(arguments);
   }
+  // As if the golden had been made by another driver: its limits say what passes.
+  static void made_elsewhere(Json& manifest) { manifest["made"]["driver"] = "another driver"; }
   TestFolder folder;
 };
 
@@ -107,6 +109,7 @@ TEST_F(Golden, AWarningPassesAndIsSaidEverywhere) {
   ASSERT_EQ(update("first").code, 0);
   Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));
   manifest["job"]["exposure"] = 0.2;
+  made_elsewhere(manifest);
   manifest["gate"]["flip_mean"] = 1, manifest["gate"]["flip_p99"] = 1;
   manifest["gate"]["warn"] = {{"flip_mean", 0.9}};
   write_manifest(folder, "box", manifest);
@@ -114,6 +117,7 @@ TEST_F(Golden, AWarningPassesAndIsSaidEverywhere) {
   EXPECT_EQ(silent.code, 0) << silent.err;
   EXPECT_EQ(Json::parse(silent.out)["goldens"][0]["verdict"], "similar");
   EXPECT_EQ(Json::parse(silent.out)["warned"], 0);
+  EXPECT_NE(silent.out.find("since it was made on"), std::string::npos) << silent.out;
 
   manifest["gate"]["warn"] = {{"flip_mean", 0.0001}};
   write_manifest(folder, "box", manifest);
@@ -142,10 +146,9 @@ TEST_F(Golden, AWarningPassesAndIsSaidEverywhere) {
   EXPECT_NE(beyond.out.find("beyond what fails"), std::string::npos) << beyond.out;
 }
 
-// Pictures of a device class that are right there besides the golden's own are known by their digest: of size, channel
-// names and the digests of their values.
-// One pixel by one code passes the golden's limits, and not --exact; what is equal passes both.
-TEST_F(Golden, ExactPassesTheSamePixelsAlone) {
+// One pixel by one code fails where the golden was made; elsewhere it passes the golden's limits, and not --exact. What is
+// equal passes all.
+TEST_F(Golden, OnItsOwnDeviceTheSamePixelsPassAlone) {
   ASSERT_EQ(update("first").code, 0);
   EXPECT_EQ(check({"--exact"}).code, 0);
   const std::string kept = folder / "golden/box/golden.png";
@@ -157,13 +160,21 @@ TEST_F(Golden, ExactPassesTheSamePixelsAlone) {
       changed.pixels.push_back(std::byte(std::lround(image->find(channel)->f[i] * 255)));
   changed.pixels[4 * 100] ^= std::byte(1);
   ASSERT_TRUE(write_png(kept, changed, {}));
+  const Ended own = check();
+  EXPECT_EQ(own.code, 1) << own.err;
+  EXPECT_NE(own.out.find("on the device that the golden was made on; its limits would call it nearly identical"),
+            std::string::npos)
+      << own.out;
+  Json manifest = Json::parse(bytes_of(folder / "golden/box/golden.json"));
+  made_elsewhere(manifest);
+  write_manifest(folder, "box", manifest);
   const Ended passed = check(), failed = check({"--exact", "--report", folder / "report"});
   EXPECT_EQ(passed.code, 0) << passed.err;
   EXPECT_EQ(Json::parse(passed.out)["goldens"][0]["verdict"], "nearly identical");
   EXPECT_EQ(failed.code, 1) << failed.err;
   const Json said = Json::parse(failed.out)["goldens"][0];
   EXPECT_EQ(said["verdict"], "failed");
-  EXPECT_NE(std::string(said["message"]).find("without --exact it is nearly identical"), std::string::npos) << said;
+  EXPECT_NE(std::string(said["message"]).find("--exact asks for them; its limits would call it nearly identical"), std::string::npos) << said;
   EXPECT_NE(bytes_of(folder / "report/junit.xml").find("<failure"), std::string::npos);
 }
 
@@ -180,12 +191,12 @@ TEST_F(Golden, OnlyTheAcceptedPictureIsAccepted) {
 
   const auto actual = read_image(folder / "report/box.png");
   ASSERT_TRUE(actual) << actual.error().text();
+  // Of the decoded pixels: size, channel names and the digests of their values.
   std::string digests = "32x18";
   for (const Channel& channel : actual->channels)
     digests += "\n" + channel.name + " " + hash128(std::as_bytes(std::span(channel.f))).hex();
   const std::string digest = hash128(digests).hex();
-  EXPECT_NE(Json::parse(failed.out)["goldens"][0]["message"].get<std::string>().find(digest), std::string::npos)
-      << failed.out;
+  EXPECT_EQ(Json::parse(failed.out)["goldens"][0]["digest"], digest);
   manifest["accepted"][here].push_back(digest);
   write_manifest(folder, "box", manifest);
   const Ended passed = check();
@@ -194,6 +205,38 @@ TEST_F(Golden, OnlyTheAcceptedPictureIsAccepted) {
   manifest["accepted"] = {{"another", manifest["accepted"][here]}};
   write_manifest(folder, "box", manifest);
   EXPECT_EQ(check().code, 1);
+}
+
+// What failed in a run is accepted at once, beside what was right before, with who, where and why.
+TEST_F(Golden, AcceptKeepsTheFailedPicturesOfARun) {
+  write_manifest(folder, "other", box_manifest());
+  ASSERT_EQ(update("first").code, 0);
+  for (const char* name : {"box", "other"}) {
+    Json manifest = Json::parse(bytes_of(folder / ("golden/" + std::string(name) + "/golden.json")));
+    manifest["job"]["exposure"] = 2;
+    write_manifest(folder, name, manifest);
+  }
+  const std::string run = folder / "report";
+  ASSERT_EQ(check({"--report", run}).code, 1);
+  const auto accept = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"golden", "accept", run, "--root", folder / "golden"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return candela(arguments);
+  };
+  EXPECT_EQ(accept({}).code, 2) << "without a reason";
+  EXPECT_EQ(accept({"--why", "brighter", "--filter", "nothing of that name"}).code, 2);
+  ASSERT_EQ(accept({"--why", "brighter"}).code, 0);
+  EXPECT_EQ(check().code, 0);
+  const Json manifest = Json::parse(bytes_of(folder / "golden/other/golden.json"));
+  const std::string here = manifest["made"]["device_class"];
+  ASSERT_EQ(manifest["accepted"][here].size(), 1u) << manifest;
+  const Json& entry = manifest["accepted"][here][0];
+  EXPECT_EQ(entry["why"], "brighter");
+  for (const char* key : {"device", "driver"}) EXPECT_EQ(entry[key], manifest["made"][key]);
+  // A run without failures has nothing to accept.
+  ASSERT_EQ(check({"--report", run}).code, 0);
+  EXPECT_EQ(accept({"--why", "again"}).code, 2);
+  EXPECT_EQ(candela({"golden", "accept", folder / "nowhere", "--why", "x"}).code, 3);
 }
 
 TEST_F(Golden, AnotherDeviceClassIsRefusedUnlessMeant) {
@@ -229,7 +272,7 @@ TEST_F(Golden, AddKeepsAPictureOfAnyJobAndCheckPassesIt) {
   ASSERT_EQ(added.code, 0) << added.err;
   const Json manifest = Json::parse(bytes_of(folder / "golden/turned/golden.json"));
   EXPECT_EQ(manifest["scene"], "scenes/box.glb");
-  EXPECT_EQ(manifest["job"], Json({{"size", "400x200"}, {"azimuth", 200.0}, {"fit", true}, {"exposure", 1.0}}));
+  EXPECT_EQ(manifest["job"], Json({{"size", "400x200"}, {"azimuth", 200.0}, {"fit", true}, {"exposure", 1.0}, {"transparency", "auto"}}));
   EXPECT_TRUE(manifest["gate"].contains("flip_mean"));
   EXPECT_NE(bytes_of(folder / "golden/CHANGES.md").find("## the back of it\nturned ("), std::string::npos);
   const Ended passed = check();

@@ -95,7 +95,8 @@ Void hooked(const char* asked, Void next) {
   X(vkResetFences) X(vkCreateDescriptorPool) X(vkCreateDescriptorSetLayout) X(vkAllocateDescriptorSets) \
   X(vkCreatePipelineLayout) X(vkCreatePipelineCache) X(vkGetPipelineCacheData) X(vkCreateShaderModule) \
   X(vkCreateGraphicsPipelines) X(vkCreateComputePipelines) X(vkQueueSubmit2) X(vkWaitForFences) \
-  X(vkDeviceWaitIdle) X(vkGetQueryPoolResults)
+  X(vkDeviceWaitIdle) X(vkGetQueryPoolResults) X(vkEnumeratePhysicalDevices) \
+  X(vkEnumerateDeviceExtensionProperties) X(vkGetPhysicalDeviceImageFormatProperties)
 // clang-format on
 
 // The function of the layer for that name; null where it passes the call on.

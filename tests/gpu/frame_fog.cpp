@@ -73,6 +73,7 @@ TEST_F(FrameFog, PartsSumToBeautyAndChangeNoBitOfIt) {
                             R"({"extinction": 0.2, "bounds": {"x": [-2, 2], "z": [-6, -1]}})"}) {
       Job job = seen(scene, fog, samples);
       job.background = "0.2,0.3,0.5";
+      job.transparency = samples == 1 ? "layers" : "sorted";
       const Images alone = images_of(job);
       for (const LayerName& term : Terms::layers) job.layers.emplace_back(term.name);
       job.layers.emplace_back("fog"), job.layers.emplace_back("fog.transmittance");

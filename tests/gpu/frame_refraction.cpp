@@ -33,6 +33,32 @@ TEST_F(FrameRefraction, ASheetTintsWhatIsBehind) {
   }
 }
 
+// A blended sheet lets light through where its alpha covers, and beside that shows what is behind as it is; by either
+// method, and in the terms, and where refraction is not wanted it is a blended surface like others.
+TEST_F(FrameRefraction, ABlendedSheetCoversByItsAlpha) {
+  GltfBuilder b = dark();
+  add_wall(b);
+  const glm::dvec3 tint(0.9, 0.5, 0.1);
+  Json pane = glass_material({.color = tint});
+  pane["alphaMode"] = "BLEND", pane["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25;
+  add_sheet(b, pane);
+  const glm::dvec3 expected = wall_colour * (0.25 * tint + 0.75);
+  for (const char* method : {"sorted", "layers", "phenomenological"})
+    for (const int samples : {1, 4}) {
+      Job job = seen(b, samples);
+      job.transparency = method;
+      const auto session = open(job);
+      const FrameResult frame = render(*session);
+      expect_color(images(frame)["beauty"].at<glm::vec4>(32, 24), expected, method);
+      for (const std::string& note : frame.notes) EXPECT_EQ(note.find("not drawn"), std::string::npos) << note;
+    }
+  Job job = seen(b);
+  job.layers = {"background"};
+  expect_color(images_of(job)["background"].at<glm::vec4>(32, 24), expected, "the term");
+  job.effects = "none", job.layers.clear();
+  expect_color(images_of(job)["beauty"].at<glm::vec4>(32, 24), wall_colour * 0.75, "blended");
+}
+
 // Nothing is behind: as transparent as the colour that it lets most of through, by either method.
 TEST_F(FrameRefraction, NothingBehindLeavesAlpha) {
   GltfBuilder b = dark();

@@ -90,10 +90,12 @@ TEST_F(FrameTerms, SumToBeautyAndChangeNoBitOfIt) {
   const std::string file = write(everything());
   for (const int samples : {1, 4})
     for (const char* background : {"transparent", "0.2,0.3,0.5"})
-      for (const auto& [technique, exposure] : {std::pair("clustered", 0.0f), {"brute-force", 3.0f}}) {
-        SCOPED_TRACE(fmt::format("{} samples, background {}, {}", samples, background, technique));
+      for (const auto& [technique, exposure, transparency] :
+           {std::tuple("clustered", 0.0f, "sorted"), {"brute-force", 3.0f, "layers"}}) {
+        SCOPED_TRACE(fmt::format("{} samples, background {}, {}, {}", samples, background, technique, transparency));
         Job job = job_of_everything(file, samples);
         job.background = background, job.technique = technique, job.exposure_ev = exposure;
+        job.transparency = transparency;
         const Images alone = images_of(job);
         job.layers = term_names();
         const Images divided = images_of(job);

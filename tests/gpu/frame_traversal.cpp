@@ -20,7 +20,7 @@ class Traversal : public FrameTest {
   static std::vector<std::string> ways() {
     const auto session = open(drawn(scene("unlit-box")));
     if (!session) return {};
-    const gpu::RayExtensions has = gpu::ray_extensions(session->device().physical());
+    const gpu::RayExtensions has = session->device().info().rays;
     std::vector<std::string> names;
     if (has.queries) names.push_back("query");
     if (has.pipelines) names.push_back("pipeline");

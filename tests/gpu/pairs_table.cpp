@@ -408,19 +408,18 @@ TEST_F(PairsTable, RefusesWhatExcludesEachOther) {
     EXPECT_EQ(frame.error().kind, kind) << frame.error().text();
     EXPECT_NE(frame.error().text().find(says), std::string::npos) << frame.error().text() << "\nhas no: " << says;
   };
-  // Layers that beauty is divided into, with another order than that of `sorted`.
+  // Layers that beauty is divided into, by methods that sum instead of compositing in order.
   std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
   parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
   for (const std::string& method : transparency_names())
     for (const LayerName& part : parts) {
       Job job = job_of(none, false);
       job.transparency = method, job.layers = {std::string(part.name)};
-      if (method != "sorted")
-        refused(
-            job, ErrorKind::usage,
-            fmt::format("{} is a part of beauty whose see-through surfaces are drawn by the method sorted; leave it "
-                        "out, or --transparency {}",
-                        part.name, method));
+      if (method != "sorted" && method != "layers")
+        refused(job, ErrorKind::usage,
+                fmt::format("{} is a part of beauty, which --transparency {} does not divide; leave it out, or take "
+                            "--transparency layers or sorted",
+                            part.name, method));
     }
   // Samples that the device lacks, and two numbers of them.
   const std::vector<int> possible = renderer_->samples();

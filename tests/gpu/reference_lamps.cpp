@@ -17,7 +17,7 @@ class ReferenceLamps : public ReferenceShadows {
 TEST_F(ReferenceLamps, SponzaUnderALampAgreesWithTracedShadows) {
   const std::filesystem::path file = CANDELA_SOURCE_DIR "/../shared/assets/scenes/Sponza/Sponza.gltf";
   const auto bytes = read_file(file);
-  if (!bytes) GTEST_SKIP() << "Sponza is not here";
+  if (!bytes) GTEST_SKIP() << "the folder shared/assets is absent";
   Job job = job_for(under(file, *bytes, {{"type", "point"}, {"intensity", 500}}, {{"translation", {-1, 2.5, 0.3}}}),
                     320, 180);
   look(job, {-9, 1.5, 0}, {0, 2, 0}, 60);

@@ -112,7 +112,7 @@ class ReferenceOcclusion : public ReferenceParity {
 // Sponza leaves, folds of cloth thinner than a pixel, and walls behind the edges of hanging cloth.
 TEST_F(ReferenceOcclusion, SponzaAgreesWithTheTracedTerm) {
   const Job job = sponza(320, 180);
-  if (!std::filesystem::exists(job.scene)) GTEST_SKIP() << "Sponza is not here";
+  if (!std::filesystem::exists(job.scene)) GTEST_SKIP() << "the folder shared/assets is absent";
   const Result r = compared(job);
   EXPECT_LT(r.defaults.rmse, 0.145);
   EXPECT_LT(r.integration.rmse, 0.12);

@@ -167,7 +167,7 @@ class Traced : public gpu::test::PassTest {
   // What queries of the device say, against the CPU: t within 4 ulp of it and of t as meet() has it, or of what
   // rounding does to the ray; other triangles only as near, or where the ray passes an edge.
   void expect_same_by_queries(const Made& m, uint64_t count) {
-    if (!gpu::ray_extensions(device->physical()).queries) GTEST_SKIP() << device->info().name << " has no ray queries";
+    if (!device->info().rays.queries) GTEST_SKIP() << device->info().name << " has no ray queries";
     const Accel accel(m.scene, m.pose, m.frame, bvh_test::with_instances());
     const FrameRays trees = lay_out_rays(accel, m.scene, m.pose, m.frame, false, true);
     const Rays rays(accel);

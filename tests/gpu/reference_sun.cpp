@@ -20,7 +20,7 @@ class ReferenceSun : public ReferenceShadows {
 TEST_F(ReferenceSun, SponzaAgreesWithTracedShadows) {
   const std::filesystem::path file = CANDELA_SOURCE_DIR "/../shared/assets/scenes/Sponza/Sponza.gltf";
   const auto bytes = read_file(file);
-  if (!bytes) GTEST_SKIP() << "Sponza is not here";
+  if (!bytes) GTEST_SKIP() << "the folder shared/assets is absent";
   Job job = job_for(under_sun(file, *bytes, {0.25, -1, 0.35}), 320, 180);
   look(job, {-9, 1.5, 0}, {0, 2, 0}, 60);
   const ShadowAgreement agreement = compared(job);

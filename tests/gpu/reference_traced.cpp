@@ -79,7 +79,7 @@ TEST_F(ReferenceTraced, TheStreetByNight) { expect_exact(lamps(job_for(street(64
 TEST_F(ReferenceTraced, SponzaUnderASunAndUnderALamp) {
   const std::filesystem::path file = CANDELA_SOURCE_DIR "/../shared/assets/scenes/Sponza/Sponza.gltf";
   const auto bytes = read_file(file);
-  if (!bytes) GTEST_SKIP() << "Sponza is not here";
+  if (!bytes) GTEST_SKIP() << "the folder shared/assets is absent";
   Job job = job_for(under(file, *bytes, {{"type", "directional"}, {"intensity", 3}},
                           {{"rotation", rotation_between({0, 0, -1}, {0.25, -1, 0.35})}}),
                     160, 90);

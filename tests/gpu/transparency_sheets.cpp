@@ -1,8 +1,10 @@
 // How blended surfaces come over each other, by every method of --transparency, against sums in double.
 #include <cmath>
 
+#include "frame/choose_transparency.h"
 #include "frame/plan_frame.h"
 #include "frame_sky_fixture.h"
+#include "gltf/gltf.h"
 #include "metrics/numeric.h"
 #include "testscenes/make_scene.h"
 
@@ -92,6 +94,64 @@ TEST_F(Transparency, OneSheetIsExactByEveryMethod) {
         expect_near(centre(sheets(one, method, samples)), over(one), 2e-6,
                     fmt::format("{}, alpha {}, {} samples", method, alpha, samples));
       }
+}
+
+// A floor that begins before a square and goes on behind it: by their middles the square is the nearer one everywhere.
+TEST_F(Transparency, AutoIsTheRightOrderOfAFloorAndASquareBehindItsFrontEdge) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json red = unlit_material(1, 0, 0, 0.5), blue = unlit_material(0, 0, 1, 0.5);
+  for (Json* material : {&red, &blue}) (*material)["alphaMode"] = "BLEND", (*material)["doubleSided"] = true;
+  const double turned = std::numbers::pi / 4;
+  add_node(b, {{"mesh", add_square_mesh(b, 3, add_material(b, red))},
+               {"translation", {0, 0, -2}},
+               {"rotation", {std::sin(-turned / 2), 0, 0, std::cos(turned / 2)}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 3, add_material(b, blue))}, {"translation", {0, 0, -1.9}}});
+  Job job = job_of(b, "auto");
+  job.background = "0,0,0", job.layers = {"emission"};
+  const auto expect_order = [&](const Job& drawn) {
+    const Images all = images_of(drawn);
+    EXPECT_EQ(all["beauty"].at<glm::vec4>(8, 2), glm::vec4(0.25, 0, 0.5, 1)) << "the square is before the floor";
+    EXPECT_EQ(all["beauty"].at<glm::vec4>(8, 10), glm::vec4(0.5, 0, 0.25, 1)) << "the floor is before the square";
+    // Parts of beauty are in the same order: unlit surfaces are emission.
+    EXPECT_EQ(all["emission"].at<glm::vec4>(8, 2), glm::vec4(0.25, 0, 0.5, 0.75));
+    EXPECT_EQ(all["emission"].at<glm::vec4>(8, 10), glm::vec4(0.5, 0, 0.25, 0.75));
+  };
+  expect_order(job);
+  // Room for fewer surfaces than there are is no reason to refuse a frame whose method was ours to choose.
+  job.layers.clear();
+  job.width_px = 160, job.height_px = 120;
+  job.settings = {{"fragments", "memory_mib", "1"}, {"fragments", "rounds", "1"}};
+  const Images small = images_of(job);
+  job.settings.clear();
+  EXPECT_EQ(small["beauty"].bytes, images_of(job)["beauty"].bytes);
+  job.transparency = "layers", job.settings = {{"fragments", "memory_mib", "1"}, {"fragments", "rounds", "1"}};
+  EXPECT_FALSE(open(job)->render(0));
+}
+
+// `auto` is a function of scene, size and device.
+TEST_F(Transparency, AutoTakesMomentsWhereTheDeviceCannotHoldTheLayers) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, unlit_material(1, 0, 0)))}});
+  const auto opaque = load_gltf(write(b));
+  add_sheet(b, {0, {1, 0, 0}, 0.5});
+  const auto blended = load_gltf(write(b));
+  ASSERT_TRUE(opaque && blended);
+  const Job job;
+  EXPECT_EQ(blended_primitives(*opaque), 0u);
+  EXPECT_EQ(blended_primitives(*blended), 2u);
+  EXPECT_EQ(choose_transparency(*opaque, job, 4, {}).why, "");
+  EXPECT_EQ(choose_transparency(*blended, job, 4, {}).name, "layers");
+  EXPECT_EQ(choose_transparency(*blended, job, 4, {.stores_fragments = false}).name, "moments");
+  constexpr uint64_t mib = 1024 * 1024;
+  EXPECT_EQ(choose_transparency(*blended, job, 4, {.memory_bytes = 1024 * mib}).name, "moments");
+  EXPECT_EQ(choose_transparency(*blended, job, 4, {.memory_bytes = 2048 * mib}).name, "layers");
+  Scene many = *blended;
+  for (Mesh& mesh : many.meshes) mesh.sections.front().index.resize(30'000'000);
+  const ChosenTransparency chosen = choose_transparency(many, job, 4, {});
+  EXPECT_EQ(chosen.name, "moments");
+  EXPECT_NE(chosen.why.find("10000000 blended triangles"), std::string::npos) << chosen.why;
 }
 
 TEST_F(Transparency, NoBlendedSurfaceIsNoPassAtAll) {

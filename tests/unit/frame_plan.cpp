@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/text.h"
 #include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
 #include "gltf/gltf.h"
@@ -178,6 +179,22 @@ TEST(Plan, EveryPassRunsOrSaysWhyNot) {
           for (const std::string& runs : kept(frame)) EXPECT_NE(runs, left.pass) << name;
         }
       }
+  }
+}
+
+// By every technique, whether it has lists of lights or not.
+TEST(Plan, EachStageTimesItself) {
+  const Scene scene = generated("animated");
+  for (const std::string& technique : technique_names()) {
+    Job job = small_job(1);
+    job.technique = technique;
+    const PlannedFrame frame = plan(scene, job);
+    std::vector<std::string> names;
+    for (const auto& [name, ms] : frame.clock.stages()) {
+      names.push_back(name);
+      EXPECT_GE(ms, 0) << technique << " " << name;
+    }
+    EXPECT_EQ(joined(names), "animate, light_grid, sun_shadows, lamp_shadows, trees, plan") << technique;
   }
 }
 

@@ -16,7 +16,7 @@ const fs::path& assets() {
   return path;
 }
 #define NEED_ASSETS() \
-  if (!fs::exists(assets())) GTEST_SKIP() << "shared/assets is absent"
+  if (!fs::exists(assets())) GTEST_SKIP() << "the folder shared/assets is absent"
 
 size_t triangles(const Scene& scene) {
   size_t count = 0;

@@ -40,7 +40,7 @@ bool names_one(const std::string& text, const std::set<std::string>& codes) {
 }
 
 TEST(Malformed, EveryFileLoadsOrSaysWhyNot) {
-  if (!fs::exists(malformed)) GTEST_SKIP() << "no shared/assets beside the checkout";
+  if (!fs::exists(malformed)) GTEST_SKIP() << "the folder shared/assets is absent";
   size_t count = 0;
   for (const fs::path& file : gltf_files()) {
     SCOPED_TRACE(file.string());
@@ -68,7 +68,7 @@ struct Expectation {
 
 // The files without a report beside them; the codes are those that the validator gives (MANIFEST.md).
 TEST(Malformed, FilesOfOtherLoadersNameTheCode) {
-  if (!fs::exists(malformed)) GTEST_SKIP() << "no shared/assets beside the checkout";
+  if (!fs::exists(malformed)) GTEST_SKIP() << "the folder shared/assets is absent";
   const Expectation expectations[] = {
       {"assimp/BoxBadNormals-glTF-Binary/BoxBadNormals.glb", "ACCESSOR_VECTOR3_NON_UNIT", true},
       {"assimp/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", "ACCESSOR_INVALID_FLOAT", false},

@@ -85,7 +85,7 @@ std::string list(const Outcome& outcome) {
 }
 
 TEST(ValidateReports, AgreeWithTheKhronosValidator) {
-  if (!fs::exists(assets / "malformed")) GTEST_SKIP() << "no shared/assets beside the checkout";
+  if (!fs::exists(assets / "malformed")) GTEST_SKIP() << "the folder shared/assets is absent";
   size_t count = 0, same_place = 0, with_errors = 0;
   for (const char* folder : {"khronos-validator", "khronos-validator-ext"}) {
     for (const fs::path& file : files_below(assets / "malformed" / folder)) {
@@ -113,7 +113,7 @@ TEST(ValidateReports, AgreeWithTheKhronosValidator) {
 }
 
 TEST(ValidateReports, RealFilesPass) {
-  if (!fs::exists(assets / "khronos")) GTEST_SKIP() << "no shared/assets beside the checkout";
+  if (!fs::exists(assets / "khronos")) GTEST_SKIP() << "the folder shared/assets is absent";
   size_t count = 0;
   for (const fs::path& file : files_below(assets)) {
     if (file.string().find("malformed") != std::string::npos) continue;

@@ -61,7 +61,7 @@ void check_at(const Scene& scene, const AnimationChoice& all, double time_s, con
 
 // Every real scene that loads, before, within and past its animations: bounds hold, and there is a view.
 TEST(FrameDataAssets, BoundsHoldForRealScenesAtEveryTime) {
-  if (!std::filesystem::is_directory(assets)) GTEST_SKIP() << "the assets are absent";
+  if (!std::filesystem::is_directory(assets)) GTEST_SKIP() << "the folder shared/assets is absent";
   size_t scenes = 0, deformed = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(assets)) {
     const std::string ending = entry.path().extension().string(), name = entry.path().string();

@@ -261,6 +261,32 @@ TEST(Look, IsCheckedAtAllItsKeys) {
       << read.error().text();
 }
 
+// The first wrong key of a hundred thousand is named, and a right file is read once, for frames at any time; all of it
+// in time that grows with the keys alone (a quadratic reader takes minutes over this test).
+TEST(Look, OfAHundredThousandKeysIsReadOnce) {
+  constexpr int count = 100'000;
+  const std::string file = ::testing::TempDir() + "candela_many_keys.look.json";
+  const auto write = [&](int wrong) {
+    std::ofstream out(file);
+    out << R"({"exposure": {"ev": {"keys": [)";
+    for (int i = 0; i < count; ++i)
+      out << (i > 0 ? "," : "") << '[' << i << ',' << (i >= wrong ? 1000 + i : i % 7) << ']';
+    out << R"(]}}, "fog": {"extinction": {"keys": [[0, [1, 2, 3]], [99999, [3, 2, 1]]], "interpolation": "cubic"}}})";
+  };
+  write(count);
+  const auto read = read_look_file(file);
+  ASSERT_TRUE(read) << read.error().text();
+  for (const int at : {0, 1, 13, 50'000, count - 2})
+    EXPECT_NEAR(*read->at(at + 0.25)->exposure.ev, 0.75 * (at % 7) + 0.25 * ((at + 1) % 7), 1e-12) << at;
+  EXPECT_EQ(read->at(-1)->exposure.ev, 0);
+  EXPECT_EQ(read->at(1e6)->exposure.ev, (count - 1) % 7);
+  EXPECT_EQ(read->at(1e6)->fog->extinction_per_m, glm::dvec3(3, 2, 1));
+  write(77'777);
+  const auto wrong = read_look_file(file);
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().text().find("/exposure/ev: at 77777 s: 78777 is"), std::string::npos) << wrong.error().text();
+}
+
 TEST(Look, SaysHowBrightThePictureIsAndHowItIsShown) {
   const auto look = look_from_json(
       R"({"exposure": {"ev": {"keys": [[0, 1.5], [10, -2.5]]}},

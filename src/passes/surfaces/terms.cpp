@@ -37,6 +37,12 @@ Need Terms::needed(const SceneFacts&, const FrameRequest& request) const {
   return {false, "no term of beauty is wanted (--layers)"};
 }
 
+std::string Terms::stored_part(size_t term) {
+  std::string output(layers[term].name);
+  std::replace(output.begin(), output.end(), '.', '_');
+  return fmt::format("terms.frag#{}=0#TERM=out_{}", define_of(layers[term].name), output);
+}
+
 Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = bool(in.depth);
   RunPipelineChoice choice;
@@ -86,8 +92,8 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   }
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.desc.blend = Blend::premultiplied_over;
-  out.blended = declare_runs(
-      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend; }, choice);
+  const auto is_blended = [&](const DrawRun& r) { return r.alpha == AlphaMode::blend && !in.without_blended; };
+  out.blended = declare_runs(builder, in.scene, in.draws, in.deformed, is_blended, choice);
   for (uint32_t i = 0; i < term_count; ++i) {
     if (!in.wanted[i]) continue;
     out.images[i] = Term(i) == Term::background ? in.background : ImageHandle{};

@@ -55,12 +55,15 @@ struct Terms {
     SeenThrough seen;        // optional: without it no surface lets light through
     ImageHandle nearest;     // with it: depth of those surfaces too
     std::array<bool, term_count> wanted{};
+    bool without_blended = false;  // passes behind this one draw blended surfaces over each term
   };
   struct Out {
     std::array<ImageHandle, term_count> images;  // as multisampled as the frame; empty where not wanted
     RunPipelines opaque, refracting, blended;
     PipelineHandle reflected;  // drawn between the two
   };
+  // The shader of one term alone, for Fragments::part.
+  static std::string stored_part(size_t term);
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

@@ -25,12 +25,14 @@ RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, Graphic
   if (choice.desc.vertex_shader.empty()) choice.desc.vertex_shader = "draw.vert";
   choice.desc.samples = in.scene.samples;
   test_depth(choice.desc, tested);
-  choice.desc.fragment_shader = with_fog("shade_forward.frag" + define, in.lists);
+  const std::string part = choice.desc.fragment_shader;
+  const auto shader = [&](const char* whole) { return with_fog((part.empty() ? whole : part) + define, in.lists); };
+  choice.desc.fragment_shader = shader("shade_forward.frag");
   choice.desc.constants = light_constants(in.lists);
   RunPipelines all = declare_runs(
       builder, in.scene, in.draws, in.deformed,
       [](const DrawRun& r) { return r.alpha == AlphaMode::blend && !r.unlit; }, choice);
-  choice.desc.fragment_shader = with_fog("shade_unlit.frag" + define, in.lists);
+  choice.desc.fragment_shader = shader("shade_unlit.frag");
   choice.desc.constants = {};
   const RunPipelines unlit = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend && r.unlit; },

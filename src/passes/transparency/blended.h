@@ -25,7 +25,8 @@ inline constexpr std::string_view method_with_glass = "phenomenological";
 Need needs_method(const SceneFacts& facts, const FrameRequest& request, std::string_view method);
 
 // Pipelines of all blended runs with shade_forward.frag and shade_unlit.frag under `define` ("#WEIGHTED=1"; empty:
-// they put out premultiplied radiance), tested against the opaque depth. desc: attachments and blending.
+// they put out premultiplied radiance), tested against the opaque depth. desc: attachments and blending, and, where it
+// names a fragment shader, that one for both.
 RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, GraphicsPipelineDesc desc,
                              const std::string& define = {});
 // The depth test that draws blended surfaces behind nothing opaque.

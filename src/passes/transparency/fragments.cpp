@@ -47,8 +47,33 @@ std::span<const Knob<Fragments::Knobs>> Fragments::Knobs::table() {
 uint64_t Fragments::room() const { return uint64_t(knobs.memory_mib) * 1024 * 1024 / bytes_a_fragment / 2; }
 
 std::vector<std::string> Fragments::notes(const Report& report) const {
+  if (!part.empty()) return {};  // beauty's notes say it
   return {
       fmt::format("layers: {} fragments of blended surfaces, at most {} in four pixels", report.total, report.most)};
+}
+
+Fragments::Knobs Fragments::most() {
+  Knobs knobs;
+  for (const Knob<Knobs>& knob : Knobs::table()) knob.set(knobs, knob.highest);
+  return knobs;
+}
+
+uint64_t Fragments::memory_bytes(uint64_t fragments_of_a_quad, uint64_t pixels, int samples) {
+  const uint64_t stored = std::max(Fragments{}.room(), fragments_of_a_quad) * 2 * bytes_a_fragment;
+  constexpr uint64_t cell_bytes = 9;  // nine words a quad
+  return stored + pixels * (cell_bytes + uint64_t(samples) * sizeof(glm::vec4));
+}
+
+std::vector<KnobSetting> Fragments::enlarged(const Report& report) const {
+  if (report.total >= shared::fragments_held) return {};
+  Fragments larger;
+  larger.knobs.memory_mib = knobs.memory_mib;
+  const uint64_t mib = (report.most * bytes_a_fragment * 2 >> 20) + 1;
+  larger.knobs.memory_mib = int(std::max<uint64_t>(uint64_t(knobs.memory_mib), mib));
+  const uint64_t rounds = report.total / larger.room() + 1;
+  if (larger.knobs.memory_mib > most().memory_mib || rounds > uint64_t(most().rounds)) return {};
+  return {{std::string(Knobs::name), "memory_mib", fmt::format("{}", larger.knobs.memory_mib)},
+          {std::string(Knobs::name), "rounds", fmt::format("{}", std::max<uint64_t>(rounds, uint64_t(knobs.rounds)))}};
 }
 
 std::string Fragments::refusal(const Report& report) const {
@@ -125,6 +150,7 @@ Fragments::Out Fragments::declare(GraphBuilder& builder, const In& in) const {
     BlendedIn stored = in;
     stored.depth = out.depth;
     stored.draws.counts = out.buffers.rounds;
+    drawn.fragment_shader = part;
     out.drawn = declare_blended(builder, stored, drawn, fmt::format("#STORED={}", s.samples));
     written(out.buffers.cells, Access::fragment_write);
     written(out.buffers.stored, Access::fragment_write);

@@ -14,7 +14,7 @@ namespace candela {
 // Steps: fragments are counted, the counts summed to places (exclusive prefix sums), and then, in rounds that each have
 // room for as many as half the memory, stored, sorted and blended; a 2x2 quad of pixels, which shares derivatives, is
 // of one round. Where the rounds do not hold all, or half the memory not a quad, the frame is refused: the report says
-// how many there are. Needs geometryShader (for gl_PrimitiveID), and VK_EXT_post_depth_coverage where multisampled.
+// how many there are, and with --transparency auto the frame is drawn again with as many rounds as it needs. Needs geometryShader (for gl_PrimitiveID), and VK_EXT_post_depth_coverage where multisampled.
 struct Fragments {
   static constexpr std::string_view name = "fragments", method = "layers";
   struct Knobs {
@@ -46,7 +46,15 @@ struct Fragments {
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
+  // Knobs with which a frame that was refused is drawn; empty: none do.
+  std::vector<KnobSetting> enlarged(const Report& report) const;
   uint64_t room() const;  // fragments of a round
+  static Knobs most();    // the largest memory and the most rounds
+  // Memory of a picture whose 2x2 pixels hold up to so many fragments.
+  static uint64_t memory_bytes(uint64_t fragments_of_a_quad, uint64_t pixels, int samples);
+  // Shader and definitions of a part of beauty (terms.frag, fog_layers.frag), which is composited over its own image in
+  // the place of beauty; empty: beauty.
+  std::string part;
   Knobs knobs;
 };
 

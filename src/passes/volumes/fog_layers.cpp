@@ -51,8 +51,8 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
     choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
     choice.desc.blend = Blend::premultiplied_over;
     // Surfaces that let light through cover all, and come first.
-    out.blended = declare_runs(
-        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return !r.solid(); }, choice);
+    const auto is_drawn = [&](const DrawRun& r) { return !r.solid() && (r.refracts || !in.without_blended); };
+    out.blended = declare_runs(builder, in.scene, in.draws, in.deformed, is_drawn, choice);
   }
   for (size_t i = 0; i < 2; ++i) {
     if (!in.wanted[i]) continue;

@@ -22,13 +22,19 @@ struct FogLayers {
     CellLists lists;        // with the fog
     ImageHandle depth;      // optional: there are blended surfaces alone without it
     std::array<bool, 2> wanted{};
-    ImageHandle nearest;  // optional: depth of surfaces that refract too
+    ImageHandle nearest;           // optional: depth of surfaces that refract too
+    bool without_blended = false;  // passes behind this one draw blended surfaces over each layer
   };
   struct Out {
     std::array<ImageHandle, 2> images;  // as multisampled as the frame; empty where not wanted
     PipelineHandle behind;
     RunPipelines opaque, blended;
   };
+  // The shader of one layer alone, for Fragments::part.
+  static std::string_view stored_part(size_t layer) {
+    return layer == 0 ? "fog_layers.frag#LIGHT=0#TERM=out_light"
+                      : "fog_layers.frag#TRANSMITTANCE=0#TERM=out_transmittance";
+  }
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "base/log_form.h"
+#include "base/names.h"
 
 namespace candela::log {
 namespace {
@@ -62,7 +63,7 @@ void write(Level level, std::string_view line) {
   }
   std::string prefix = level == Level::error ? "error: " : level == Level::warning ? "warning: " : "";
   if (!prefix.empty() && colored()) prefix = (level == Level::error ? "\x1b[31m" : "\x1b[33m") + prefix + "\x1b[0m";
-  put(prefix.append(line).append("\n"));
+  put(prefix.append(printable(line)).append("\n"));
 }
 
 void event(std::string_view event, std::string_view text, const nlohmann::ordered_json& members) {

@@ -7,6 +7,7 @@
 namespace candela::log {
 enum class Level { debug, info, warning, error };
 void set_level(Level lowest_shown);
+// One line: what would end it, or change a terminal, is escaped (base/names.h).
 void write(Level level, std::string_view line);
 template <class... A>
 void debug(fmt::format_string<A...> f, A&&... a) {

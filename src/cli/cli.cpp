@@ -122,7 +122,8 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
   }
   if (version.version) action = [&version] { return print_version(version.json); };
   if (!action) {
-    log::write(log::Level::error, "no command given\n" + app.help());
+    log::error("no command given");
+    std::fputs(app.help().c_str(), stderr);
     return int(ErrorKind::usage);
   }
   const Expected<void> files = check_file_options(leaf_of(app));

@@ -6,6 +6,7 @@
 
 #include "base/file_uses.h"
 #include "base/log.h"
+#include "base/names.h"
 #include "cli/budget.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
@@ -125,19 +126,23 @@ Expected<void> name_shots(const RenderOptions& o, std::vector<Shot>& shots) {
   return {};
 }
 
-// Every camera that a node carries, by name; without one, or where another has it too, by index.
+// Every camera that a node carries, by name; without one by index. Names that files cannot have, or that several
+// cameras have, are changed so that each camera has a file of its own.
 std::vector<Shot> shots_of_cameras(const Scene& scene, const std::vector<Moment>& moments) {
   std::set<int> cameras;
   for (const int node : scene.order)
     if (scene.nodes[size_t(node)].camera >= 0) cameras.insert(scene.nodes[size_t(node)].camera);
-  std::map<std::string, int> uses;
-  for (const int camera : cameras) ++uses[scene.cameras[size_t(camera)].name];
-  std::vector<Shot> shots;
+  std::vector<std::string> names;
   for (const int camera : cameras) {
-    std::string name = scene.cameras[size_t(camera)].name;
-    if (name.empty() || uses[name] > 1) name += fmt::format("{}{}", name.empty() ? "camera" : "-", camera);
-    std::replace(name.begin(), name.end(), '/', '_');
-    for (const Moment& moment : moments) shots.push_back({moment, std::to_string(camera), name});
+    const std::string& name = scene.cameras[size_t(camera)].name;
+    names.push_back(name.empty() ? fmt::format("camera{}", camera) : name);
+  }
+  names = file_name_parts(names);
+  std::vector<Shot> shots;
+  size_t name = 0;
+  for (const int camera : cameras) {
+    for (const Moment& moment : moments) shots.push_back({moment, std::to_string(camera), names[name]});
+    ++name;
   }
   return shots;
 }

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "base/names.h"
 #include "base/input.h"
 #include "gltf/meshopt.h"
 #include "gltf/named_files.h"
@@ -165,7 +166,7 @@ const Json* extension(const Json& object, const char* name) {
 
 std::string named(const std::string& path, const Json& object) {
   const Json* name = member(object, "name");
-  return name && name->is_string() ? fmt::format("{} '{}'", path, name->get_ref<const std::string&>()) : path;
+  return name && name->is_string() ? path + " " + quoted_name(name->get_ref<const std::string&>()) : path;
 }
 
 double number(const Document& document, const Json& object, const char* key, double otherwise,

@@ -2,6 +2,8 @@
 
 #include "gltf/accessors.h"
 
+#include "base/names.h"
+
 namespace candela::gltf {
 namespace {
 
@@ -35,7 +37,7 @@ class Reader {
 
   template <class... A>
   [[noreturn]] void refuse(const char* key, size_t i, fmt::format_string<A...> format, A&&... args) const {
-    document_.refuse(at(key), "light {} of '{}': {} (VALUE_NOT_IN_RANGE)", i, light_.name,
+    document_.refuse(at(key), "light {} of {}: {} (VALUE_NOT_IN_RANGE)", i, quoted_name(light_.name),
                      fmt::format(format, std::forward<A>(args)...));
   }
 
@@ -53,7 +55,7 @@ class Reader {
     } catch (Failure& failure) {
       if (failure.error.kind == ErrorKind::input && !failure.error.place.ends_with(at(key))) {
         failure.error.message =
-            fmt::format("lights of '{}': {}: {}", light_.name, failure.error.place, failure.error.message);
+            fmt::format("lights of {}: {}: {}", quoted_name(light_.name), failure.error.place, failure.error.message);
         failure.error.place = document_.place(at(key));
       }
       throw;

@@ -68,14 +68,17 @@ std::optional<Read> enclosed_number(std::string_view text, std::string_view open
   return read;
 }
 
-// What a text begins with; absent where it begins like a place for a number and is none.
-std::optional<Read> piece_at(std::string_view text) {
+// What a text begins with; absent where it begins like a place for a number and is none. in_folder: before the last
+// "/", where a single "#" is a sign as others are.
+std::optional<Read> piece_at(std::string_view text, bool in_folder) {
   const auto sign = [&](size_t length) { return Read{{Piece::Kind::text, std::string(1, text.front())}, length}; };
   for (const char* twice : {"%%", "{{", "}}"})
     if (text.starts_with(twice)) return sign(2);
+  if (text.starts_with("{#}")) return Read{{Piece::Kind::text, "#"}, 3};
   if (text.starts_with("{camera}")) return Read{{Piece::Kind::camera}, 8};
   if (text.starts_with('#')) {
     const size_t end = std::min(text.find_first_not_of('#'), text.size());
+    if (in_folder && end == 1) return sign(1);
     return Read{{Piece::Kind::frame, "", int(end)}, end};
   }
   if (text.starts_with('%')) return enclosed_number(text, "%", "", 'd');
@@ -96,11 +99,12 @@ std::optional<Read> piece_at(std::string_view text) {
 Expected<FramePattern> parse_pattern(const std::string& text) {
   FramePattern pattern{.given = text};
   for (size_t i = 0; i < text.size();) {
-    const auto read = piece_at(std::string_view(text).substr(i));
+    const size_t folders = text.rfind('/');
+    const auto read = piece_at(std::string_view(text).substr(i), folders != text.npos && i < folders);
     if (!read)
       return fail(ErrorKind::usage, "-o",
                   "the {0} in '{1}' is no frame number; write %04d, ####, {{frame:04}} or $F4, {{camera}} for the "
-                  "camera, and {0}{0} for the sign itself",
+                  "camera, {{#}} for a #, and {0}{0} for the sign itself",
                   text[i], text);
     if (read->piece.kind == Piece::Kind::frame && std::exchange(pattern.numbered, true))
       return fail(ErrorKind::usage, "-o", "'{}' has more than one place for the frame number", text);

@@ -13,7 +13,8 @@ enum class OutputFormat { exr, png };
 Expected<OutputFormat> output_format(const std::filesystem::path& path);
 
 // An output name with places for the frame number: %04d, ####, {frame:04} or $F4, and %d, {frame} and $F, which fill
-// nothing up; and for the camera's name: {camera}. "%%", "{{" and "}}" are plain signs.
+// nothing up; and for the camera's name: {camera}. "%%", "{{", "}}" and "{#}" are plain signs, and so is a
+// single # in the name of a folder.
 struct FramePattern {
   struct Piece {
     enum class Kind { text, frame, camera } kind = Kind::text;

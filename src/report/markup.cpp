@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/names.h"
+
 namespace candela {
 namespace {
 
@@ -9,9 +11,9 @@ constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0
 
 }  // namespace
 
-std::string escape_markup(std::string_view text) {
+std::string escape_markup(std::string_view raw) {
   std::string result;
-  for (const char c : text) {
+  for (const char c : printable(raw)) {  // XML has no control characters, not even escaped
     switch (c) {
       case '&':
         result += "&amp;";

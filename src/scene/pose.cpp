@@ -7,6 +7,8 @@
 #include "math/transforms.h"
 #include "scene/animation_targets.h"
 
+#include "base/names.h"
+
 namespace candela {
 namespace {
 
@@ -14,7 +16,7 @@ std::string animation_names(const Scene& scene) {
   if (scene.animations.empty()) return "the file has no animations";
   std::string names = "there are";
   for (size_t i = 0; i < scene.animations.size(); ++i)
-    names += fmt::format("{} {} '{}'", i ? "," : "", i, scene.animations[i].name);
+    names += fmt::format("{} {} {}", i ? "," : "", i, quoted_name(scene.animations[i].name));
   return names;
 }
 

@@ -8,6 +8,8 @@
 #include "math/transforms.h"
 #include "scene/fit_view.h"
 
+#include "base/names.h"
+
 namespace candela {
 namespace {
 
@@ -251,9 +253,9 @@ Expected<View> from_file(const Scene& scene, const Pose& pose, int node, const C
                          const DrawnBounds& bounds) {
   const int index = scene.nodes[size_t(node)].camera;
   const Camera& camera = pose.cameras[size_t(index)];
-  const std::string place_of = fmt::format("{}: /cameras/{} '{}'", scene.path, index, camera.name);
+  const std::string place_of = fmt::format("{}: /cameras/{} {}", scene.path, index, quoted_name(camera.name));
   View view;
-  view.name = camera.name.empty() ? fmt::format("camera {}", index) : fmt::format("camera '{}'", camera.name);
+  view.name = camera.name.empty() ? fmt::format("camera {}", index) : "camera " + quoted_name(camera.name);
   const glm::dmat4& world = pose.world_from_node[size_t(node)];
   if (!is_finite(glm::dvec3(world[3])))
     return fail(ErrorKind::input, place_of, "its node /nodes/{} has no finite position", node);

@@ -96,5 +96,29 @@ TEST(Shots, TheEnvironmentGivesOptionsAndTheCommandLineGoesFirst) {
   EXPECT_NE(with("CANDELA_SIZE=40", "c.png", "").find("--size"), std::string::npos);
 }
 
+// What a file says is cut by nothing in it, reaches no terminal and forges no line of the log.
+TEST(Shots, NamesFromFilesAreSafe) {
+  const TestFolder folder;
+  const std::string file = two_cameras(folder);
+  Json j = Json::parse(bytes_of(file));
+  j["cameras"][0]["name"] = std::string("cam\0one", 7);
+  j["cameras"][1]["name"] = std::string("cam\0two\x1b]0;owned\a\nerror: forged", 28);
+  j["extensionsUsed"] = {"EXT_\x1b[31m\nwarning: forged"};
+  std::ofstream(file) << j.dump();
+  const auto pictures = folder.path() / "pictures";
+  const Ended all =
+      candela({"render", file, "--camera", "all", "-o", pictures / "{camera}.png", "--size", "16x9", "--device", "cpu"});
+  ASSERT_EQ(all.code, 0) << all.err;
+  EXPECT_EQ(files_in(pictures).size(), 2u) << "two pictures became one file";
+  EXPECT_EQ(files_in(pictures).front(), "cam_one.png");
+  const Ended one = candela({"render", file, "--camera", "no such", "-o", pictures / "x.png", "--size", "16x9"});
+  EXPECT_NE(one.code, 0);
+  for (const std::string& err : {all.err, one.err}) {
+    EXPECT_EQ(err.find('\x1b'), std::string::npos) << err;
+    EXPECT_EQ(err.find("\nerror: forged"), std::string::npos) << err;
+    EXPECT_EQ(err.find("\nwarning: forged"), std::string::npos) << err;
+  }
+}
+
 }  // namespace
 }  // namespace candela::test::cli_shots

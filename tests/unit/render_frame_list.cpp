@@ -79,6 +79,10 @@ TEST(FramePattern, NumbersWithPercentAndHashes) {
   EXPECT_EQ(parse_pattern("a/%d.exr")->name(7), "a/7.exr");
   EXPECT_EQ(parse_pattern("a/%03d.exr")->name(-7), "a/-007.exr");
   EXPECT_EQ(parse_pattern("100%%.exr")->name(7), "100%.exr");
+  // One # is a number in a file's name, and a sign in a folder's.
+  EXPECT_EQ(parse_pattern("o3#a/s.png")->name(7), "o3#a/s.png");
+  EXPECT_EQ(parse_pattern("o3#a/s#.png")->name(7), "o3#a/s7.png");
+  EXPECT_EQ(parse_pattern("shot_###/s{#}1.png")->name(7), "shot_007/s#1.png");
   EXPECT_FALSE(parse_pattern("plain.exr")->numbered);
   for (const char* text :
        {"%04d-%04d.exr", "##-##.exr", "%s.exr", "%4d.exr", "%", "%0", "%099d.exr", "$F4-####.exr", "{frame}-%d.exr",

@@ -101,7 +101,9 @@ std::vector<RunRecord> without_copies(std::vector<RunRecord> records) {
     const ProcessIdentity& process = record.process;
     const Run run{record.shard.index, record.node, process.host, process.process, record.started_s};
     const auto [place, fresh] = runs.try_emplace(run, record);
-    const auto rank = [](const RunRecord& one) { return std::tuple(one.updated_s, one.code.has_value(), one.silent_s); };
+    const auto rank = [](const RunRecord& one) {
+      return std::tuple(one.updated_s, one.code.has_value(), one.silent_s);
+    };
     if (!fresh && rank(record) > rank(place->second)) place->second = std::move(record);
   }
   std::vector<RunRecord> result;

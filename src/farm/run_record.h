@@ -14,8 +14,8 @@ namespace candela {
 // time, under a name of its own. A run that was killed leaves a record without a code.
 struct RunRecord {
   Shard shard;
-  std::string node;         // as the engine calls the machine
-  ProcessIdentity process;  // that made the record
+  std::string node;                           // as the engine calls the machine
+  ProcessIdentity process;                    // that made the record
   double started_s = 0, updated_s = 0;        // since 1970, by the clock of its machine
   std::string scene_content, device, driver;  // empty until the device is open
   size_t frames = 0, rendered = 0, skipped = 0;

@@ -197,7 +197,8 @@ Expected<std::vector<FarmFile>> shell_file(const FarmJob& job) {
   text += "folder=" + shell_quoted(job.folder.string()) + "\n";
   text += "work=" + shell_quoted(job.work.string()) + "\n";
   text += "candela=" + shell_quoted(job.program) + "\n";
-  text += fmt::format("shards={}\nrounds={}  # how often a start of this script tries a shard\n", job.shards, job.rounds);
+  text +=
+      fmt::format("shards={}\nrounds={}  # how often a start of this script tries a shard\n", job.shards, job.rounds);
   text += "sequence() {  # OPTION...\n  \"$candela\" sequence \\\n" + argument_lines(job.arguments, "    ", " \\") +
           "    \"$@\"\n}\n";
   text += shell_body;

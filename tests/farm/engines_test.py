@@ -163,6 +163,24 @@ class Engines(FolderTest):
         self.assertIn("waiting 1 s", ended.stderr)
         self.assertEqual({"1.1", "1.2", "2.10", "2.11", "3.1"}, {path.name for path in claims.iterdir()})
 
+    def test_farms_stay_on_the_gpu(self):
+        """--strict and --device gpu: exit 4 without a GPU; --allow-cpu: not a word; else a warning, once."""
+        devices = json.loads(candela("list", "devices", "--json"))
+        if any(device["type"] != "cpu" for device in devices):
+            self.skipTest("there is a GPU")
+        folder = self.base / "stay"
+        folder.mkdir()
+        for i, (words, code, lines) in enumerate([((), None, 1), (("--strict",), 4, 0), (("--device", "gpu"), 4, 0),
+                                                  (("--allow-cpu",), None, 0), (("--strict", "--allow-cpu"), None, 0)]):
+            candela("farm", "shell", scene("animated"), "--frames", "0", "--size", SIZE, "--quiet", "-o", f"{i}/%d.png",
+                    "--job", f"job{i}", *words, cwd=folder)
+            ended = run(["sh", folder / f"job{i}/job.sh"])
+            self.assertEqual(code is None, ended.returncode == 0, words)
+            failures = self.status(folder / f"job{i}")["failures"]
+            self.assertEqual([code] if code else [], [one["code"] for one in failures], words)
+            log = (folder / f"job{i}/logs/shard-1.log").read_text()
+            self.assertEqual(lines, log.count("no GPU that can be used was found"), words)
+
     def test_shell_survives_kills(self):
         ended = run([sys.executable, ROOT / "bench/farm_kills.py", "--program", program(), "--kills", "4", "--frames", "6",
                      "--shards", "3"])

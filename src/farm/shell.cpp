@@ -7,8 +7,8 @@ namespace {
 constexpr std::string_view shell_body = R"SH(
 say() { printf '%s\n' "$*" >&2; }
 
-# A claim is a file claims/SHARD.N, the N-th of its shard: who made it (host, boot, process, start of the process), then a
-# line for each beat of its heart, and "released" at its end. It is made whole, by one worker alone (a hard link), and
+# A claim is a file claims/SHARD.N, the N-th of its shard: who made it (host, boot, process, start of the process), then
+# a line for each beat of its heart, and "released" at its end. It is made whole, by one worker alone (a hard link), and
 # never taken away, so that who decided by an old claim cannot take a newer one.
 beat_s=15   # between two beats
 lost_s=120  # a worker of another machine is taken for dead when its claim does not change for so long

@@ -19,6 +19,7 @@
 #include "farm/quote.h"
 #include "farm/writers.h"
 #include "gltf/gltf.h"
+#include "gpu/device.h"
 
 extern char** environ;
 
@@ -62,6 +63,17 @@ Expected<void> give_film_frames(FarmJob& job) {
   return {};
 }
 
+// What was made with a GPU in mind does not fall to the CPU on a machine without one: it ends there with exit 4, and
+// engines try it elsewhere.
+void keep_to_gpu(FarmJob& job, const JobOptions& o) {
+  if (!o.device.empty() || o.allow_cpu) return;
+  const auto is_gpu = [](const gpu::DeviceInfo& device) { return !device.is_cpu && device.unusable.empty(); };
+  const auto devices = gpu::list_devices();
+  if (!o.strict && !(devices && std::any_of(devices->begin(), devices->end(), is_gpu))) return;
+  job.arguments.insert(job.arguments.end(), {"--device", "gpu"});
+  log::info("machines without a GPU end with exit 4 (--allow-cpu lets them use the CPU)");
+}
+
 Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std::string>& own) {
   SequenceOptions& s = o.sequence;
   if (auto read = read_config(command, s.job.config); !read) return std::unexpected(read.error());
@@ -90,6 +102,7 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   job.engine_options = o.engine_options;
   job.job = *decided;
   job.arguments = given_words(command, own);
+  if (!film->traced) keep_to_gpu(job, s.job);
   if (auto given = give_film_frames(job); !given) return std::unexpected(given.error());
   s.outputs = job.outputs;
   note_scene_files(job.scene);
@@ -231,8 +244,11 @@ Expected<int> run_check(const StatusOptions& o) {
   if (state->devices.size() > 1)
     log::warning("different devices made them, so their last bits may differ: {}", joined(state->devices));
   std::vector<fs::path> files;
+  std::error_code failed;
   for (const int64_t frame : job->frame_list())
     for (fs::path& file : job->files(frame)) files.push_back(std::move(file));
+  if (!job->video.empty()) files.push_back(job->work / job->video);
+  for (const auto& record : fs::directory_iterator(farm_records(job->folder), failed)) files.push_back(record.path());
   remove_stale_temporaries(files);
   if (job->video.empty()) return 0;
   if (auto made = make_farm_film(*job); !made) return std::unexpected(made.error());

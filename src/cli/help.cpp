@@ -34,7 +34,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
        {"mode", "spp", "seconds", "noise", "sampler", "bvh", "visibility", "ambient", "ambient-distance", "bounces",
         "fog-steps", "fog-lights", "footprints", "threads", "state"}},
       {"Measuring", {"timings", "trace", "overlap", "check-determinism"}},
-      {"Device", {"device", "devices", "queues", "timeout", "validate", "shader-dir"}},
+      {"Device", {"device", "allow-cpu", "devices", "queues", "timeout", "validate", "shader-dir"}},
       {"Input", {"allow-path", "decode-budget-mb", "strict", "allow-blank", "config"}},
       {"Messages", {"quiet", "verbose", "log", "json", "dot"}},
   };

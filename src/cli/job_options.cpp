@@ -154,6 +154,8 @@ void add_device_options(CLI::App& command, JobOptions& o) {
       .add_option("--device", o.device,
                   "cpu, gpu, an index, a UUID or part of a name (candela list devices); the best GPU by default")
       ->type_name("DEVICE");
+  command.add_flag("--allow-cpu", o.allow_cpu,
+                   "The CPU device where there is no GPU, without a word; on farms too, where a GPU was there");
   command.add_flag("--validate", o.validate,
                    "Khronos validation layer with synchronization checks; a message is exit 4");
   command.add_option("--shader-dir", o.shader_folder, "Shaders from this folder instead of the built-in ones")

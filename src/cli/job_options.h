@@ -25,7 +25,7 @@ struct JobOptions {
   std::optional<float> exposure_ev;
   uint64_t seed = 0;
   bool no_dither = false, metadata_timings = false, allow_nonfinite = false, allow_blank = false, validate = false,
-       strict = false, quiet = false, verbose = false, json = false;
+       strict = false, allow_cpu = false, quiet = false, verbose = false, json = false;
   double timeout_s = 600;
 };
 

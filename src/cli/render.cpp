@@ -327,6 +327,7 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   auto session = Session::open(plan->job, plan->wanted, *settings);
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
+  note_fall_to_cpu((*session)->device().info(), o.job, false);
   if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
   if (plan->all_cameras) {
     plan->shots = shots_of_cameras((*session)->scene(), plan->moments);

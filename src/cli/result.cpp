@@ -16,6 +16,15 @@ void log_device(const gpu::DeviceInfo& device) {
   log::info("device {}: {} ({})", device.index, device.name, device.driver);
 }
 
+void note_fall_to_cpu(const gpu::DeviceInfo& device, const JobOptions& o, bool on_farm) {
+  if (!device.is_cpu || !o.device.empty() || o.allow_cpu) return;
+  const std::string line = fmt::format(
+      "no GPU that can be used was found: frames are drawn on the CPU by {} (--device gpu refuses that, --allow-cpu "
+      "accepts it)",
+      device.name);
+  on_farm ? log::warning("{}", line) : log::info("{}", line);
+}
+
 void log_look(const Job& job, const Look& look) {
   if (const std::string line = look_line(job, look); !line.empty()) log::info("look {}", line);
 }

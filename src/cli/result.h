@@ -3,11 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "cli/job_options.h"
 #include "frame/session.h"
 
 namespace candela::cli {
 
 void log_device(const gpu::DeviceInfo& device);
+// A line where no device was asked for and a CPU was taken for want of a GPU; a warning on a farm.
+void note_fall_to_cpu(const gpu::DeviceInfo& device, const JobOptions& options, bool on_farm);
 
 // Which look file was read and what it switched on, in the log; as JSON, null without a look.
 void log_look(const Job& job, const Look& look);

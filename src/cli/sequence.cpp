@@ -120,6 +120,7 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   if (!session) return std::unexpected(session.error());
   const gpu::DeviceInfo& device = (*session)->device().info();
   log_device(device);
+  note_fall_to_cpu(device, o.job, recorder.has_value());
   if (recorder)
     recorder->opened((*session)->scene_content().hex(), device.name, device.driver, settings->frames.size());
   if (const auto look = look_of(job)) log_look(job, *look);

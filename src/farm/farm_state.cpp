@@ -80,14 +80,19 @@ ShardStage stage_of(const ShardState& shard, double lost_after_s) {
   if (shard.missing.empty()) return ShardStage::done;
   if (shard.runs.empty()) return ShardStage::waiting;
   const RunRecord& last = shard.runs.back();
-  if (!last.code) return unix_seconds() - last.updated_s < lost_after_s ? ShardStage::running : ShardStage::failed;
+  if (!last.code) {
+    const bool gone = life_of(last.process) == Life::gone;
+    return !gone && last.silent_s < lost_after_s ? ShardStage::running : ShardStage::failed;
+  }
   return *last.code == 0 ? ShardStage::waiting : ShardStage::failed;
 }
 
 // Seconds in which at least one of the runs was going.
-double busy_seconds(const std::vector<RunRecord>& records) {
+double busy_seconds(std::vector<RunRecord> records) {
+  std::stable_sort(records.begin(), records.end(),
+                   [](const RunRecord& a, const RunRecord& b) { return a.started_s < b.started_s; });
   double sum = 0, until = 0;
-  for (const RunRecord& record : records) {  // by their start
+  for (const RunRecord& record : records) {
     const double from = std::max(record.started_s, until);
     if (record.updated_s > from) sum += record.updated_s - from;
     until = std::max(until, record.updated_s);

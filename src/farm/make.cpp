@@ -22,7 +22,8 @@ Expected<std::vector<FarmFile>> make_file(const FarmJob& job) {
   for (int i = 1; i <= job.shards; ++i) shards += fmt::format(" {}", i);
   text += "shards :=" + shards + "\n\n.PHONY: all\n.DELETE_ON_ERROR:\n\n";
   text += "all: $(shards:%=done/%)\n";
-  text += fmt::format("\tcd -- {} && {} farm check {}\n\n", work, program, folder);
+  text += fmt::format("\tcd -- {} && {} farm check {} --lost-after 0 || {{ rm -f -- {}/done/*; exit 1; }}\n\n", work,
+                      program, folder, folder);  // the same command then makes what is missing
   text += "done/%:\n\t@mkdir -p done logs\n";
   text += fmt::format("\tunset CANDELA_VIDEO CANDELA_AUDIO; cd -- {} && {} sequence", work, program);
   for (const std::string& word : job.arguments) text += " " + recipe_quoted(word);

@@ -7,6 +7,8 @@ namespace {
 // The outline gives cuebot a line for a shell, in which it replaces words such as #IFRAME#. All that could be mistaken
 // stands in a script beside it.
 constexpr std::string_view outline = R"PY(
+for mark in glob.glob(os.path.join(glob.escape(os.path.dirname(task)), 'claims', 'never-*')):
+    os.remove(mark)  # what failed before is tried again by a new job
 job = outline.Outline(
     name, show=os.environ.get('SHOW', 'testing'), shot=os.environ.get('SHOT', 'test'), user=getpass.getuser())
 frames = outline.modules.shell.Shell(
@@ -50,7 +52,7 @@ Expected<std::vector<FarmFile>> opencue_files(const FarmJob& job) {
       "are\n"
       "# tried again as often as maxretries says; the layer check comes last and makes the film.\n";
   text +=
-      "import getpass\nimport os\nimport shlex\n\nimport outline\nimport outline.cuerun\nimport "
+      "import getpass\nimport glob\nimport os\nimport shlex\n\nimport outline\nimport outline.cuerun\nimport "
       "outline.modules.shell\n\n";
   text += "name = " + python_quoted(job.name) + "\n";
   text += "task = " + python_quoted(folder + "/task.sh") + "\n";

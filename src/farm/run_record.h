@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "farm/process_identity.h"
 #include "render/frame_names.h"
 
 namespace candela {
@@ -13,14 +14,19 @@ namespace candela {
 // time, under a name of its own. A run that was killed leaves a record without a code.
 struct RunRecord {
   Shard shard;
-  std::string node, host;  // node: as the engine calls the machine
-  int process = 0;
+  std::string node;                           // as the engine calls the machine
+  ProcessIdentity process;                    // that made the record
   double started_s = 0, updated_s = 0;        // since 1970, by the clock of its machine
   std::string scene_content, device, driver;  // empty until the device is open
   size_t frames = 0, rendered = 0, skipped = 0;
   std::optional<int> code;  // of exit
   std::string error;
+  // Seconds since the file was written, by the file server's clock alone. Read, never written; infinite where the file
+  // or what it says is dated ahead of that clock by more than `most_skew_s`.
+  double silent_s = 0;
 };
+// Clocks of machines may differ by so much.
+inline constexpr double most_skew_s = 300;
 
 // Keeps a record of this run. It never fails a run: what cannot be written is a warning, once.
 class RunRecorder {
@@ -39,7 +45,8 @@ class RunRecorder {
 };
 
 double unix_seconds();
-// Of all runs, by their start. Files that are no records are left out with a warning.
+// Of all runs, by when they were last written; copies of a record are one run. Files that are no records are left out
+// with a warning.
 std::vector<RunRecord> read_run_records(const std::filesystem::path& folder);
 
 }  // namespace candela

@@ -71,7 +71,8 @@ void FrameSlot::wait(size_t first, size_t last, double timeout_s) {
   for (size_t i = first; i < last && last - first > 1; ++i)
     if (timing.reached(uint32_t(i))) begun = i;
   throw GpuError(VK_TIMEOUT,
-                 fmt::format("the frame did not end within {} s; not finished: {}", timeout_s, names_from(begun)));
+                 fmt::format("the frame did not end within {} s; the device had come to the pass {}; not finished: {}",
+                             timeout_s, pending->passes[begun], names_from(begun)));
 }
 
 // Waits for the whole frame, unless that is done, and lets go of what the device no longer needs.

@@ -2,6 +2,7 @@
 """candela farm make, shell and opencue, and farm status: names that break quoting, failures, several machines at once."""
 import json
 import os
+import pathlib
 import shlex
 import shutil
 import subprocess
@@ -123,6 +124,67 @@ class Engines(FolderTest):
         runs = [line.split()[0] for line in (troubles / "runs").read_text().splitlines() if " sequence " in line]
         self.assertEqual(["1", "2", "2", "3", "4", "5"], sorted(runs), errors)
         self.assertEqual(0, run(words).returncode)  # nothing is left to do
+
+    def small_job(self, name, *words):
+        folder = self.base / name
+        folder.mkdir()
+        candela("farm", "shell", scene("animated"), "--frames", "0-5", "--size", SIZE, "--device", "cpu", "--quiet",
+                "-o", "out/%d.exr", "--shards", "3", "--job", "job", *words, cwd=folder)
+        return folder, ["sh", folder / "job" / "job.sh"]
+
+    def test_shell_where_the_program_does_not_start(self):
+        """Claims are given back, failures are on record, and the same command goes on once the program is there."""
+        program_file = self.base / "later" / "candela"
+        folder, words = self.small_job("absent", "--program", program_file)
+        for _ in range(4):  # more than --rounds
+            self.assertEqual(127, run(words).returncode)
+        self.assertEqual([127], sorted({one["code"] for one in self.status(folder / "job")["failures"]}))
+        program_file.parent.mkdir()
+        program_file.write_text(f"#!/bin/sh\nexec {shlex.quote(program())} \"$@\"\n")
+        program_file.chmod(0o755)
+        bad = run(words, env={**os.environ, "CANDELA_SIZE": "no", "CANDELA_QUEUES": "many"})
+        self.assertNotEqual(0, bad.returncode)
+        ended = run(words)
+        self.assertEqual(0, ended.returncode, ended.stderr)
+        self.assertTrue(self.status(folder / "job")["complete"])
+
+    def test_shell_takes_claims_of_the_dead(self):
+        """At once where the process was of this machine, and of another machine when its claim stays as it is."""
+        folder, words = self.small_job("dead")
+        script = folder / "job" / "job.sh"
+        script.write_text(script.read_text().replace("lost_s=120", "lost_s=1"))
+        claims = folder / "job" / "claims"
+        claims.mkdir()
+        boot = pathlib.Path("/proc/sys/kernel/random/boot_id").read_text().strip() + "/" + os.readlink("/proc/self/ns/pid")
+        (claims / "1.1").write_text(f"{os.uname().nodename}\n{boot}\n{os.getpid()}\n1\n.\n")  # another start
+        (claims / "2.10").write_text("elsewhere\nboot/pid:[1]\n1\n1\n.\n")
+        ended = run(words)
+        self.assertEqual(0, ended.returncode, ended.stderr)
+        self.assertIn("waiting 1 s", ended.stderr)
+        self.assertEqual({"1.1", "1.2", "2.10", "2.11", "3.1"}, {path.name for path in claims.iterdir()})
+
+    def test_farms_stay_on_the_gpu(self):
+        """--strict and --device gpu: exit 4 without a GPU; --allow-cpu: not a word; else a warning, once."""
+        devices = json.loads(candela("list", "devices", "--json"))
+        if any(device["type"] != "cpu" for device in devices):
+            self.skipTest("there is a GPU")
+        folder = self.base / "stay"
+        folder.mkdir()
+        for i, (words, code, lines) in enumerate([((), None, 1), (("--strict",), 4, 0), (("--device", "gpu"), 4, 0),
+                                                  (("--allow-cpu",), None, 0), (("--strict", "--allow-cpu"), None, 0)]):
+            candela("farm", "shell", scene("animated"), "--frames", "0", "--size", SIZE, "--quiet", "-o", f"{i}/%d.png",
+                    "--job", f"job{i}", *words, cwd=folder)
+            ended = run(["sh", folder / f"job{i}/job.sh"])
+            self.assertEqual(code is None, ended.returncode == 0, words)
+            failures = self.status(folder / f"job{i}")["failures"]
+            self.assertEqual([code] if code else [], [one["code"] for one in failures], words)
+            log = (folder / f"job{i}/logs/shard-1.log").read_text()
+            self.assertEqual(lines, log.count("no GPU that can be used was found"), words)
+
+    def test_shell_survives_kills(self):
+        ended = run([sys.executable, ROOT / "bench/farm_kills.py", "--program", program(), "--kills", "4", "--frames", "6",
+                     "--shards", "3"])
+        self.assertEqual(0, ended.returncode, ended.stdout + ended.stderr)
 
     def test_opencue(self):
         name = HOSTILE.replace("#", "")

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "base/files.h"
+#include "base/json.h"
 #include "farm/writers.h"
 #include "render/outputs.h"
 
@@ -127,6 +128,46 @@ TEST_F(Farm, CountsWhatIsThereByWhatFilesSayThatTheyHold) {
   EXPECT_EQ(look_at_farm(job, {.frames = FrameLook::whole})->done, 0u) << "none is a picture";
   job.shards = 4;
   EXPECT_TRUE(look_at_farm(job, {})->shards[1].runs.empty()) << "records of other shards";
+}
+
+TEST_F(Farm, ARunIsDeadWithItsProcess) {
+  ASSERT_TRUE(write_farm_job(job));
+  record(1, std::nullopt);
+  const fs::path file = fs::directory_iterator(farm_records(job.folder))->path();
+  const auto change = [&](const char* key, const nlohmann::json& value) {
+    auto j = nlohmann::json::parse(std::ifstream(file));
+    j[key] = value;
+    std::ofstream(file) << j;
+  };
+  const auto stage = [&] { return look_at_farm(job, {})->shards[0].stage; };
+  EXPECT_EQ(stage(), ShardStage::running);
+  const ProcessIdentity self = this_process();
+  EXPECT_EQ(life_of(self), Life::alive);
+  change("process_start", "1");
+  EXPECT_EQ(stage(), ShardStage::failed) << "the number of a process comes again";
+  change("boot", "another");
+  EXPECT_EQ(stage(), ShardStage::running) << "nobody here knows";
+  change("updated", unix_seconds() + 86400);
+  EXPECT_EQ(stage(), ShardStage::failed) << "dated ahead";
+  change("updated", unix_seconds() - 86400);
+  EXPECT_EQ(stage(), ShardStage::running) << "the file is new, whatever its writer's clock says";
+  fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  EXPECT_EQ(stage(), ShardStage::failed);
+}
+
+TEST_F(Farm, CopiesOfARecordChangeNoRate) {
+  ASSERT_TRUE(write_farm_job(job));
+  record(1, 0);
+  record(2, std::nullopt);
+  const auto before = look_at_farm(job, {});
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(farm_records(job.folder))) files.push_back(entry.path());
+  for (const fs::path& file : files) fs::copy_file(file, file.parent_path() / ("copy-" + file.filename().string()));
+  const auto after = look_at_farm(job, {});
+  EXPECT_GT(before->rendered_per_s, 0);
+  EXPECT_EQ(before->rendered_per_s, after->rendered_per_s);
+  EXPECT_EQ(after->shards[0].runs.size(), 1u);
+  EXPECT_EQ(after->shards[1].runs.size(), 1u);
 }
 
 TEST_F(Farm, TakesNoRecordFromAFileThatIsNone) {

@@ -15,7 +15,6 @@
 namespace candela {
 namespace {
 
-
 // One way to render a picture.
 struct Way {
   std::string technique, label;

@@ -12,7 +12,6 @@
 namespace candela {
 namespace {
 
-
 constexpr const char* stopped_before = "the run was stopped before this was measured";
 
 struct Item {

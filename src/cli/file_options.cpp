@@ -36,6 +36,7 @@ const std::map<std::string, FileUse>& uses_of_options() {
       {"--assets", FileUse::searched_folder},
       {"--root", FileUse::searched_folder},
       {"folder", FileUse::searched_folder},
+      {"run", FileUse::searched_folder},
       {"--output", FileUse::pattern},
       {"--dump", FileUse::dump},
       {"--video", FileUse::written},
@@ -56,7 +57,8 @@ const std::map<std::string, FileUse>& uses_of_options() {
 
 // What is written into the folder of an option whatever the job is.
 Names fixed_files(const std::string& option) {
-  if (option == "--report") return {"index.html", "rows.json", "rows.csv", "tune.json", "stability.json", "junit.xml"};
+  if (option == "--report")
+    return {"index.html", "rows.json", "rows.csv", "tune.json", "stability.json", "junit.xml", "run.json"};
   if (option == "--job") return {"job.json", "job.sbatch", "job.py", "task.sh", "job.mk", "job.sh"};
   return {};
 }

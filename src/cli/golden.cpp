@@ -147,8 +147,7 @@ Expected<int> run_check(const GoldenOptions& o) {
     // Skipped ones are counted in the table; in a report they would look like passes.
     if (outcome.kind != Kind::skipped) report.push_back(report_row(golden, outcome));
   }
-  if (others > 0)
-    log::info("{} goldens were made on another device or driver: what their limits allow passes", others);
+  if (others > 0) log::info("{} goldens were made on another device or driver: what their limits allow passes", others);
   const std::string sum = fmt::format("{} passed ({} with a warning), {} failed, {} skipped", count[Kind::passed],
                                       warned, count[Kind::failed], count[Kind::skipped]);
   if (count[Kind::skipped] > 0)
@@ -222,7 +221,10 @@ void add_golden(CLI::App& app, Action& action) {
   CLI::App* check =
       golden->add_subcommand("check", "Render every golden and compare; exit 1 when one fails or is missing");
   add_shared(*check, *o);
-  check->add_option("--report", o->report, "Folder for an HTML page of failures, a JUnit file and what `golden accept` takes")->type_name("DIR");
+  check
+      ->add_option("--report", o->report,
+                   "Folder for an HTML page of failures, a JUnit file and what `golden accept` takes")
+      ->type_name("DIR");
   check->add_flag("--exact", o->exact,
                   "Only the same pixels pass on any device, not only on the one that a golden was made on");
   check->add_flag("--json", o->json, "As JSON");

@@ -88,7 +88,7 @@ void add_golden_accept(CLI::App& golden, Action& action) {
   auto o = std::make_shared<AcceptOptions>();
   CLI::App* accept = golden.add_subcommand(
       "accept", "Keep the failed pictures of a run as right too, beside the goldens' own, after looking at its page");
-  accept->add_option("RUN", o->run, "Folder of `golden check --report`")->required()->type_name("DIR");
+  accept->add_option("run", o->run, "Folder of `golden check --report`")->required()->type_name("DIR");
   accept->add_option("--why", o->why, "Why they are right too; kept in golden.json")->type_name("TEXT");
   accept->add_option("--filter", o->filter, "Only goldens with this in their name")->type_name("TEXT");
   accept->add_option("--root", o->root, "Folder of the goldens")->capture_default_str()->type_name("DIR");

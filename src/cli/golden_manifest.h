@@ -38,7 +38,7 @@ struct GoldenManifest {
   bool exr = false;  // the picture is golden.exr
   std::string text;  // the file
   std::map<std::string, std::vector<std::string>> accepted;
-  GoldenDevice made;  // empty: never made
+  GoldenDevice made;                              // empty: never made
   std::map<std::string, GoldenDevice> also_made;  // by device class
   const char* ending() const { return exr ? ".exr" : ".png"; }
   std::filesystem::path picture() const { return folder / (std::string("golden") + ending()); }

@@ -12,7 +12,7 @@ namespace candela::cli {
 namespace fs = std::filesystem;
 
 Expected<GoldenDevice> render_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
-                                      const fs::path& picture) {
+                                     const fs::path& picture) {
   const WantedOutputs wanted{
       .linear = golden.exr, .display = !golden.exr, .display_bits = golden.job.png_bits, .files = true};
   Job job = golden.job;
@@ -104,13 +104,14 @@ void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   const auto and_message = [&] { return outcome.message.empty() ? "" : ": " + outcome.message; };
   if (tolerated && (exact || outcome.same_device)) {
     outcome.message = fmt::format("not the same pixels, {}; its limits would call it {}{}",
-                                  outcome.same_device ? "on the device that the golden was made on" : "and --exact asks "
-                                                                                                     "for them",
+                                  outcome.same_device ? "on the device that the golden was made on"
+                                                      : "and --exact asks "
+                                                        "for them",
                                   gate_rung_name(outcome.gate.rung), and_message());
     outcome.gate.rung = GateRung::failed;
   } else if (tolerated) {
-    outcome.message = fmt::format("by its limits, since it was made on {} ({}){}", made.device, made.driver,
-                                  and_message());
+    outcome.message =
+        fmt::format("by its limits, since it was made on {} ({}){}", made.device, made.driver, and_message());
   }
   if (outcome.gate.passed()) outcome.kind = GoldenOutcome::Kind::passed;
   if (outcome.gate.rung >= GateRung::warned || outcome.gate.blank)

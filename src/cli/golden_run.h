@@ -9,11 +9,11 @@ struct GoldenOutcome {
   enum class Kind { passed, failed, skipped } kind = Kind::failed;
   GateLimits limits;  // of a judged one
   GateResult gate;
-  std::string message;       // why it failed, was skipped, or what it is warned of
-  GoldenDevice device;         // where it was rendered; empty when it was not
-  std::string digest;          // of the new picture; empty when there is none
-  bool same_device = false;    // the golden was made there: only its pixels and accepted ones pass
-  std::filesystem::path actual;                            // the new picture; empty when there is none
+  std::string message;           // why it failed, was skipped, or what it is warned of
+  GoldenDevice device;           // where it was rendered; empty when it was not
+  std::string digest;            // of the new picture; empty when there is none
+  bool same_device = false;      // the golden was made there: only its pixels and accepted ones pass
+  std::filesystem::path actual;  // the new picture; empty when there is none
   std::filesystem::path golden_png, actual_png, heat_map;  // for the report; of failed ones and those with a warning
   double seconds = 0;
   bool missing = false;  // there is no golden picture
@@ -23,7 +23,7 @@ struct GoldenOutcome {
 // Renders into `picture` (made whole or not at all). A frame in which nothing is drawn is an error (input) unless it is
 // allowed.
 Expected<GoldenDevice> render_golden(const GoldenManifest& golden, const RunSettings& settings, bool allow_blank,
-                                      const std::filesystem::path& picture);
+                                     const std::filesystem::path& picture);
 
 // Renders into `folder` and walks the ladder of metrics/gate.h. Errors of the golden itself (missing picture, a scene
 // that does not load) are outcomes; only what makes every golden fail alike (no device) is an error. On the device and

@@ -2,8 +2,8 @@
 
 #include <charconv>
 
-#include "base/names.h"
 #include "base/input.h"
+#include "base/names.h"
 #include "gltf/meshopt.h"
 #include "gltf/named_files.h"
 #include "gltf/validate/validate.h"

@@ -159,14 +159,15 @@ std::vector<std::string> driver_files() {
         if (fs::is_regular_file(file, failed)) found.push_back(file);
       return found;
     }
-  std::string folders = "/etc:/usr/local/etc";
+  const std::string system = "/usr";
+  std::string folders = "/etc:" + system + "/local/etc";
   const auto add = [&](const char* name, std::string otherwise) {
     const char* value = std::getenv(name);
     folders += ":" + (value && *value ? std::string(value) : std::move(otherwise));
   };
   const char* home = std::getenv("HOME");
   if (home) add("XDG_DATA_HOME", fmt::format("{}/.local/share", home));
-  add("XDG_DATA_DIRS", "/usr/local/share:/usr/share");
+  add("XDG_DATA_DIRS", fmt::format("{0}/local/share:{0}/share", system));
   for (const std::string& folder : split(folders, ':'))
     for (fs::directory_iterator entry(fs::path(folder) / "vulkan/icd.d", failed), end; !failed && entry != end;
          entry.increment(failed))

@@ -11,8 +11,7 @@ bool is_unlit(const MeshSection& section, const Material* material) {
 }
 
 bool refracts(const MeshSection& section, const Material& material) {
-  return section.topology == Topology::triangles && !is_unlit(section, &material) &&
-         material.has(Lobe::transmission);
+  return section.topology == Topology::triangles && !is_unlit(section, &material) && material.has(Lobe::transmission);
 }
 
 namespace {

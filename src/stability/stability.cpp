@@ -24,7 +24,6 @@ namespace candela {
 namespace fs = std::filesystem;
 namespace {
 
-
 // A picture with what was said when it was made.
 struct Shot {
   Beauty beauty;

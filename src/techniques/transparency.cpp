@@ -59,7 +59,7 @@ ImageHandle transparent(Frame& frame, const BlendedIn& in, std::string_view inst
 }
 
 bool stores_blended(const Frame& frame) {
-  return frame.facts.blend_items > 0 && frame.request.transparency == Fragments::method;
+  return frame.request.transparency == Fragments::method && frame.facts.blend_items != 0;
 }
 
 ImageHandle part_behind_blended(Frame& frame, BlendedIn in, std::string_view shader, std::string_view layer,

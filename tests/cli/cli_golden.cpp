@@ -146,8 +146,8 @@ TEST_F(Golden, AWarningPassesAndIsSaidEverywhere) {
   EXPECT_NE(beyond.out.find("beyond what fails"), std::string::npos) << beyond.out;
 }
 
-// One pixel by one code fails where the golden was made; elsewhere it passes the golden's limits, and not --exact. What is
-// equal passes all.
+// One pixel by one code fails where the golden was made; elsewhere it passes the golden's limits, and not --exact. What
+// is equal passes all.
 TEST_F(Golden, OnItsOwnDeviceTheSamePixelsPassAlone) {
   ASSERT_EQ(update("first").code, 0);
   EXPECT_EQ(check({"--exact"}).code, 0);
@@ -174,7 +174,9 @@ TEST_F(Golden, OnItsOwnDeviceTheSamePixelsPassAlone) {
   EXPECT_EQ(failed.code, 1) << failed.err;
   const Json said = Json::parse(failed.out)["goldens"][0];
   EXPECT_EQ(said["verdict"], "failed");
-  EXPECT_NE(std::string(said["message"]).find("--exact asks for them; its limits would call it nearly identical"), std::string::npos) << said;
+  EXPECT_NE(std::string(said["message"]).find("--exact asks for them; its limits would call it nearly identical"),
+            std::string::npos)
+      << said;
   EXPECT_NE(bytes_of(folder / "report/junit.xml").find("<failure"), std::string::npos);
 }
 
@@ -272,7 +274,9 @@ TEST_F(Golden, AddKeepsAPictureOfAnyJobAndCheckPassesIt) {
   ASSERT_EQ(added.code, 0) << added.err;
   const Json manifest = Json::parse(bytes_of(folder / "golden/turned/golden.json"));
   EXPECT_EQ(manifest["scene"], "scenes/box.glb");
-  EXPECT_EQ(manifest["job"], Json({{"size", "400x200"}, {"azimuth", 200.0}, {"fit", true}, {"exposure", 1.0}, {"transparency", "auto"}}));
+  EXPECT_EQ(
+      manifest["job"],
+      Json({{"size", "400x200"}, {"azimuth", 200.0}, {"fit", true}, {"exposure", 1.0}, {"transparency", "auto"}}));
   EXPECT_TRUE(manifest["gate"].contains("flip_mean"));
   EXPECT_NE(bytes_of(folder / "golden/CHANGES.md").find("## the back of it\nturned ("), std::string::npos);
   const Ended passed = check();

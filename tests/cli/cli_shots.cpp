@@ -106,8 +106,8 @@ TEST(Shots, NamesFromFilesAreSafe) {
   j["extensionsUsed"] = {"EXT_\x1b[31m\nwarning: forged"};
   std::ofstream(file) << j.dump();
   const auto pictures = folder.path() / "pictures";
-  const Ended all =
-      candela({"render", file, "--camera", "all", "-o", pictures / "{camera}.png", "--size", "16x9", "--device", "cpu"});
+  const Ended all = candela(
+      {"render", file, "--camera", "all", "-o", pictures / "{camera}.png", "--size", "16x9", "--device", "cpu"});
   ASSERT_EQ(all.code, 0) << all.err;
   EXPECT_EQ(files_in(pictures).size(), 2u) << "two pictures became one file";
   EXPECT_EQ(files_in(pictures).front(), "cam_one.png");

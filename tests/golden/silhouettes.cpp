@@ -88,13 +88,35 @@ Expected<std::vector<bool>> our_coverage(const Row& row, int width, int height) 
 }
 
 // Named here, so that each is counted where the pictures are not there.
-const char* const models[] = {
-    "AlphaBlendModeTest", "AnimatedCube", "AnimatedMorphCube", "AttenuationTest", "BoxTextured",
-    "BoxTexturedNonPowerOfTwo", "CesiumMan", "CesiumMilkTruck", "ClearCoatTest", "FlightHelmet", "Fox",
-    "InterpolationTest", "MorphPrimitivesTest", "MorphStressTest", "NormalTangentMirrorTest", "NormalTangentTest",
-    "OrientationTest", "RiggedSimple", "SimpleMorph", "SimpleSkin", "SimpleSparseAccessor", "TextureSettingsTest",
-    "TextureTransformTest", "TransmissionRoughnessTest", "Triangle", "TriangleWithoutIndices", "TwoSidedPlane",
-    "UnlitTest", "VertexColorTest"};
+const char* const models[] = {"AlphaBlendModeTest",
+                              "AnimatedCube",
+                              "AnimatedMorphCube",
+                              "AttenuationTest",
+                              "BoxTextured",
+                              "BoxTexturedNonPowerOfTwo",
+                              "CesiumMan",
+                              "CesiumMilkTruck",
+                              "ClearCoatTest",
+                              "FlightHelmet",
+                              "Fox",
+                              "InterpolationTest",
+                              "MorphPrimitivesTest",
+                              "MorphStressTest",
+                              "NormalTangentMirrorTest",
+                              "NormalTangentTest",
+                              "OrientationTest",
+                              "RiggedSimple",
+                              "SimpleMorph",
+                              "SimpleSkin",
+                              "SimpleSparseAccessor",
+                              "TextureSettingsTest",
+                              "TextureTransformTest",
+                              "TransmissionRoughnessTest",
+                              "Triangle",
+                              "TriangleWithoutIndices",
+                              "TwoSidedPlane",
+                              "UnlitTest",
+                              "VertexColorTest"};
 
 class Silhouette : public testing::TestWithParam<const char*> {};
 

@@ -126,7 +126,8 @@ TEST(Mikktspace, AgreesWithTheTangentsOfNormalTangentMirrorTest) {
 // the other way round, so only the distribution of the angles and the uniformity of the sign can be asked for.
 TEST(Mikktspace, AgreesWithTheTangentsOfSponza) {
   PlainGltf file;
-  if (!PlainGltf::open(assets + "scenes/Sponza/Sponza.gltf", file)) GTEST_SKIP() << "the folder shared/assets is absent";
+  if (!PlainGltf::open(assets + "scenes/Sponza/Sponza.gltf", file))
+    GTEST_SKIP() << "the folder shared/assets is absent";
   const Difference difference = compare_with_file(file);
   EXPECT_LT(difference.at(0.5), 0.1);
   EXPECT_LT(difference.at(0.9), 1);

@@ -1,6 +1,7 @@
 #version 460
 // Fog before each surface, composited as the surfaces are: the light that it scatters or emits towards the camera, and
-// its transmittance. Each wanted one is defined as its attachment's number; with STORED the one named by TERM is stored.
+// its transmittance. Each wanted one is defined as its attachment's number; with STORED the one that TERM names is
+// stored.
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
+#include <mutex>
 #include <string>
 
 #include "base/check.h"
@@ -20,6 +22,22 @@ std::atomic<Form> chosen{Form::text};
 
 // One write a line, so that lines of several threads do not mix.
 void put(const std::string& whole) { std::fwrite(whole.data(), 1, whole.size(), stderr); }
+
+struct Kept {
+  std::mutex mutex;
+  std::deque<std::string> lines;
+};
+Kept& kept() {
+  static Kept all;
+  return all;
+}
+void keep(Level level, std::string_view line) {
+  constexpr size_t most = 1000;
+  constexpr const char* prefixes[] = {"debug: ", "", "warning: ", "error: "};
+  const std::lock_guard hold(kept().mutex);
+  kept().lines.push_back(prefixes[size_t(level)] + printable(line));
+  if (kept().lines.size() > most) kept().lines.pop_front();
+}
 
 // UTC, RFC 3339, milliseconds.
 std::string now() {
@@ -55,7 +73,13 @@ void set_level(Level lowest_shown) { lowest = lowest_shown; }
 void set_form(Form form) { chosen = form; }
 Form form() { return chosen; }
 
+std::vector<std::string> recent_lines() {
+  const std::lock_guard hold(kept().mutex);
+  return {kept().lines.begin(), kept().lines.end()};
+}
+
 void write(Level level, std::string_view line) {
+  keep(level, line);
   if (level < lowest.load(std::memory_order_relaxed)) return;
   if (form() == Form::json) {
     constexpr const char* names[] = {"debug", "info", "warning", "error"};

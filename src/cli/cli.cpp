@@ -12,6 +12,7 @@
 #include "cli/file_options.h"
 #include "cli/help.h"
 #include "cli/version.h"
+#include "farm/quote.h"
 #include "render/current_error.h"
 
 namespace candela::cli {
@@ -150,7 +151,16 @@ void add_commands(CLI::App& app, Action& action) {
   add_manual(app, action);
 }
 
+namespace {
+std::string& started_with() {
+  static std::string line;
+  return line;
+}
+}  // namespace
+const std::string& command_line() { return started_with(); }
+
 int run(int argc, char** argv) {
+  started_with() = shell_quoted(std::vector<std::string>(argv, argv + argc));
   if (!prepare_process()) return int(ErrorKind::output);
   std::set_terminate(end_by_exception);
   CLI::App app("Renders frame N of a glTF scene without a window, and tells what every pass cost.", "candela");

@@ -32,6 +32,9 @@ void add_list(CLI::App& app, Action& action);
 void add_manual(CLI::App& app, Action& action);
 void add_commands(CLI::App& app, Action& action);  // all of them
 
+// The line that the process was started with, as a shell takes it.
+const std::string& command_line();
+
 // The only ways to stdout. An error when it cannot be written (a full disk behind a redirection).
 Expected<void> print(const std::string& text);
 Expected<void> print_json(const nlohmann::ordered_json& json);

@@ -23,4 +23,9 @@ Expected<std::vector<std::filesystem::path>> output_paths(const std::vector<std:
   return paths;
 }
 
+std::string folder_of_outputs(const std::vector<std::string>& outputs) {
+  const std::string folder = outputs.empty() ? "" : std::filesystem::path(outputs.front()).parent_path().string();
+  return folder.empty() || folder.find_first_of("%#{$") != folder.npos ? "." : folder;
+}
+
 }  // namespace candela::cli

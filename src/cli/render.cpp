@@ -323,6 +323,8 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   if (o.overlap && o.timings.empty() && !o.job.json)
     return fail(ErrorKind::usage, "--overlap", "is written with the times; add --timings FILE or --json");
   settings->overlap = o.overlap;
+  settings->command = command_line();
+  settings->timeout_folder = folder_of_outputs(o.outputs);
   settings->timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
   auto session = Session::open(plan->job, plan->wanted, *settings);
   if (!session) return std::unexpected(session.error());

@@ -7,6 +7,7 @@
 
 #include "base/json.h"
 #include "base/log.h"
+#include "cli/output_paths.h"
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/result.h"
@@ -114,6 +115,8 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   if (!run_settings) return std::unexpected(run_settings.error());
   auto settings = settings_of(o, job);
   if (!settings) return std::unexpected(settings.error());
+  run_settings->command = command_line();
+  run_settings->timeout_folder = folder_of_outputs(o.outputs.empty() ? std::vector{o.video} : o.outputs);
   run_settings->timed = !o.timings.empty() || !o.trace.empty() || job.timings_in_metadata;
   if (o.cache == "on" || (o.cache == "auto" && !run_settings->timed)) run_settings->kept_bytes = kept_bytes;
   auto session = Session::open(job, wanted_by(*settings, job), *run_settings);

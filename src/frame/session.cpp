@@ -15,6 +15,7 @@
 #include "frame/gpu_sky.h"
 #include "frame/job_look.h"
 #include "frame/posed_scene.h"
+#include "frame/timeout_report.h"
 #include "frame/timings.h"
 #include "glsl/built_in_spirv.h"
 #include "gpu/device_select.h"
@@ -63,6 +64,8 @@ class DeviceSession : public Session {
     std::vector<std::pair<Hash128, std::shared_ptr<gpu::KeptImage>>> filled;  // by this frame
   };
   KeptImages kept_images(const PlannedFrame& planned);
+  // The error with where the frame left what shows why it did not end in time (frame/timeout_report.h).
+  Error failed(const gpu::GpuError& error, const FramePlan& plan) const;
   Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports,
                                    const KeptImages& kept);
   void take_run(gpu::FrameRun run, Begun& begun);
@@ -242,7 +245,7 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
   } catch (const gpu::GpuError& e) {
     // Not begun again with less in memory: what was half made when memory ended, an image on the device without its
     // content, would be taken for whole, and the frame would be another.
-    return std::unexpected(as_error(e));
+    return std::unexpected(failed(e, planned->graph.plan));
   }
 }
 
@@ -309,6 +312,22 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   return ticket;
 }
 
+Error DeviceSession::failed(const gpu::GpuError& error, const FramePlan& plan) const {
+  Error result = as_error(error);
+  if (error.result != VK_TIMEOUT || settings_.timeout_folder.empty()) return result;
+  const gpu::DeviceInfo& device = device_->info();
+  const auto folder = write_timeout_report(
+      settings_.timeout_folder,
+      {.command = settings_.command,
+       .job = job_json(job_),
+       .versions = fmt::format("candela {}\n{}\n{}\n", CANDELA_VERSION, device.name, device.driver),
+       .plan = plan_text(plan),
+       .message = result.message});
+  result.message += folder ? fmt::format("; {} holds command, job, versions, plan and log", folder->string())
+                           : fmt::format("; what shows why could not be kept: {}", folder.error().text());
+  return result;
+}
+
 Timings::Overlap DeviceSession::measure_overlap(const CompiledGraph& graph,
                                                 const std::map<int, const gpu::Buffer*>& imports,
                                                 const KeptImages& kept) {
@@ -335,7 +354,7 @@ Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
     begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
     take_run(std::move(run), begun);
   } catch (const gpu::GpuError& e) {
-    return std::unexpected(as_error(e));
+    return std::unexpected(failed(e, begun.result.plan));
   }
   if (!begun.refusal.empty() && chose_transparency_ && !begun.enlarged.empty()) {
     Job larger = job_;

@@ -129,8 +129,7 @@ Expected<void> DeviceSession::open() {
   if (!device) return std::unexpected(device.error());
   device_ = std::move(*device);
   if (job_.technique == auto_technique) {
-    const ChosenTechnique chosen =
-        quickest_technique(device_->info().is_cpu, gpu::has_int64_atomics(device_->physical()));
+    const ChosenTechnique chosen = quickest_technique(device_->info().is_cpu, device_->info().int64_atomics);
     job_.technique = chosen.name;
     log::info("technique auto: {}, because {}", chosen.name, chosen.why);
   }

@@ -37,6 +37,7 @@ struct DeviceInfo {
   uint32_t subpixel_bits = 0;  // corners of triangles are rounded to 2^-bits of a pixel before they are drawn
   uint64_t memory_bytes = 0;
   bool is_cpu = false;
+  bool int64_atomics = false;  // in buffers, as --technique visibility needs them
   std::string unusable;  // empty, or what it lacks and what to install
 };
 

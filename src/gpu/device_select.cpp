@@ -341,6 +341,7 @@ Expected<std::vector<Candidate>> find_candidates(VkInstance instance) {
     candidate.physical = physical[i];
     candidate.info = describe_physical(physical[i], int(i));
     candidate.info.unusable = why_unusable(physical[i], candidate.info);
+    if (candidate.info.unusable.empty()) candidate.info.int64_atomics = has_int64_atomics(physical[i]);
     if (!find_queues(candidate) && candidate.info.unusable.empty())
       candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
     VkPhysicalDeviceProperties properties;

@@ -90,6 +90,9 @@ TEST(List, SaysALineAboutEachName) {
       EXPECT_NE(line.find("  "), std::string::npos) << what << ": " << line;
     EXPECT_GT(count, 2) << what;
   }
+  const std::string techniques = candela({"list", "techniques"}).out;
+  EXPECT_EQ(techniques.find("auto "), 0u) << techniques;
+  EXPECT_EQ(techniques.find("default", techniques.find("default") + 1), std::string::npos) << techniques;
 }
 
 // Each example of the help must be taken by the parser: all that is wrong with it is that its files are not there.

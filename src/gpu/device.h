@@ -38,7 +38,7 @@ struct DeviceInfo {
   uint64_t memory_bytes = 0;
   bool is_cpu = false;
   bool int64_atomics = false;  // in buffers, as --technique visibility needs them
-  std::string unusable;  // empty, or what it lacks and what to install
+  std::string unusable;        // empty, or what it lacks and what to install
 };
 
 struct DeviceOptions {

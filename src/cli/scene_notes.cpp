@@ -16,6 +16,13 @@ const char* support_name(Support support) {
 
 }  // namespace
 
+void SaidOnce::note(const std::string& text) {
+  constexpr size_t most = 1000;
+  std::string key = text;
+  std::erase_if(key, [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (said_.size() < most && said_.insert(key).second) log::info("{}", text);
+}
+
 Expected<void> note_scene(const Scene& scene, bool strict) {
   std::string first;
   for (const std::string& warning : scene.warnings) {
@@ -72,7 +79,7 @@ std::optional<bool> is_transparent(const FrameResult& frame) {
   for (const OutputImage& output : frame.outputs) {
     if (output.layer == "beauty" && output.counts >= 0 && frame.request.shows_through)
       return frame.counts.at(size_t(output.counts)).covered == 0;
-    if (output.packing != Packing::texels) continue;
+    if (output.packing != Packing::texels || (output.layer == "display" && !frame.request.display_alpha())) continue;
     size_t pixel = 0, offset = 0, length = 0;  // bytes of a pixel, of its alpha, and the alpha's length
     if (output.layer == "beauty" && output.format == VK_FORMAT_R32G32B32A32_SFLOAT)
       pixel = 16, offset = 12, length = 4;
@@ -113,7 +120,7 @@ bool nothing_in_view(const FrameResult& frame, const Job& job, const Scene& scen
 }  // namespace
 
 std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
-  const bool alpha_tells = !has_sky(job, frame.request.look) && job.background == "transparent";
+  const bool alpha_tells = frame.request.shows_through;
   const std::optional<bool> transparent = alpha_tells ? is_transparent(frame) : std::nullopt;
   if (!transparent.value_or(nothing_in_view(frame, job, scene))) return {};
   if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";

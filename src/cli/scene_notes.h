@@ -1,11 +1,22 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <string>
 
 #include "base/error.h"
 #include "frame/session.h"
 #include "scene/scene.h"
 
 namespace candela::cli {
+
+// Notes of several frames, each once: what differs in its numbers alone is the same.
+class SaidOnce {
+ public:
+  void note(const std::string& text);
+
+ private:
+  std::set<std::string> said_;
+};
 
 // Warnings and extensions of a scene to the log. strict: any of them but a supported extension is an error of kind
 // input.

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "frame/background.h"
 #include "frame/caster_hash.h"
 #include "frame/device_pose.h"
 #include "frame/frame_fog.h"
@@ -28,20 +29,9 @@ namespace {
 // enough that nothing leaves a float's. Tone mapping applies the rest.
 constexpr float most_pre_exposure_ev = 20;
 
-Expected<std::array<float, 4>> parse_background(const std::string& text, float pre_exposure) {
-  if (text == "transparent") return std::array<float, 4>{0, 0, 0, 0};
-  float rgb[3];
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (int i = 0; i < 3; ++i) {
-    const auto [next, error] = std::from_chars(at, end, rgb[i]);
-    const bool separated = i < 2 ? next != end && *next == ',' : next == end;
-    if (error != std::errc() || !separated || !(rgb[i] >= 0) || !std::isfinite(rgb[i]))
-      return fail(ErrorKind::usage, "--background",
-                  "'{}' is neither 'transparent' nor three linear values 'R,G,B' of 0 or more", text);
-    at = next + 1;
-  }
-  return std::array<float, 4>{rgb[0] * pre_exposure, rgb[1] * pre_exposure, rgb[2] * pre_exposure, 1};
+std::array<float, 4> exposed(const BackgroundChoice& background, float pre_exposure) {
+  const auto& [r, g, b, a] = background.linear;
+  return {r * pre_exposure, g * pre_exposure, b * pre_exposure, a};
 }
 
 FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedOutputs& wanted, double time_s,
@@ -73,6 +63,8 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.exr_float = job.exr_float;
   request.look_nonfinite = wanted.files && !job.allow_nonfinite;
   request.shows_through = shows_through(job, request.look);
+  if (const auto background = parse_background(job.background); background && request.shows_through)
+    request.behind_rgb = background->display_rgb;
   request.dither = job.dither;
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
@@ -418,16 +410,17 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.trees_ms = ms_since(start);
 
   start = Clock::now();
-  const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
-  if (!background) return std::unexpected(background.error());
-  f.upload.constants.background = {(*background)[0], (*background)[1], (*background)[2], (*background)[3]};
+  const auto parsed_background = parse_background(job.background);
+  if (!parsed_background) return std::unexpected(parsed_background.error());
+  const std::array<float, 4> background = exposed(*parsed_background, f.upload.constants.pre_exposure);
+  f.upload.constants.background = {background[0], background[1], background[2], background[3]};
   std::vector<DumpRequest> requests = wanted.dumps;
   if (const auto image = image_of_view(job.view); image && wanted.display) requests.push_back(*image);
   std::map<Hash128, KeptState> kept_states;
   const auto build = [&](GraphBuilder& builder) {
     f.imports.clear();
     SceneInputs inputs = import_scene(builder, context, f);
-    inputs.background = *background;
+    inputs.background = background;
     Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
     frame.kept_states = kept_states;
     if (!f.dumps.empty())

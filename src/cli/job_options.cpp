@@ -337,10 +337,11 @@ Expected<Job> job_of(const JobOptions& o) {
   job.exposure_ev = o.exposure_ev;
   job.tonemap = o.tonemap;
   job.view = o.view;
-  if (o.layers == "all")
+  if (!o.layers.empty()) job.layers = split(o.layers, ',');
+  if (std::ranges::find(job.layers, all_layers) != job.layers.end()) {
     job.layers = layer_names();
-  else if (!o.layers.empty())
-    job.layers = split(o.layers, ',');
+    job.layers.insert(job.layers.begin(), std::string(all_layers));
+  }
   job.background = o.background;
   job.seed = o.seed;
   job.png_bits = o.png_bits;

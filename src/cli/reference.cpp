@@ -42,7 +42,7 @@ struct ReferencePlan {
 
 Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
   if (o.outputs.empty()) return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
-  if (o.layers == "all")
+  if (o.layers == all_layers)
     plan.layers = reference_layer_names();
   else if (!o.layers.empty() && o.layers != "none")
     plan.layers = split(o.layers, ',');

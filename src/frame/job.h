@@ -58,6 +58,8 @@ struct Job {
   bool timings_in_metadata = false;
   bool allow_nonfinite = false;
 };
+// Among the layers of a job that asks for all there are: those that this frame cannot have are left out, and no error.
+inline constexpr std::string_view all_layers = "all";
 // Skies that --sky names without a file.
 inline bool is_sky_word(const std::string& sky) { return sky == "none" || sky == "atmosphere"; }
 std::string job_json(const Job& job);  // stable order; one line

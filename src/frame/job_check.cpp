@@ -107,7 +107,8 @@ Expected<void> check_job(const Job& job) {
     for (const std::string& effect : split(job.effects, ','))
       if (auto known = check_name("--effects", "effect", effect, effect_names()); !known) return known;
   for (const std::string& layer : job.layers)
-    if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
+    if (layer != all_layers)
+      if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
   if (auto good = check_compression(job.layers, job.exr_compression); !good) return good;
   if (auto good = parse_background(job.background); !good) return std::unexpected(good.error());
   return check_settings(job);

@@ -249,17 +249,26 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
 
 // Layers that divide beauty composite blended surfaces in the order of `sorted`: by another method their sum would be
 // another picture.
-Expected<void> check_divided(const PlannedFrame& f) {
+Expected<void> check_divided(PlannedFrame& f) {
   const bool glass = f.facts.refracting_items > 0 && f.request.transparency == Phenomenological::method;
   if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method) return {};
   std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
   parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
+  if (f.request.has_layer(all_layers)) {
+    std::erase_if(f.request.layers, [&](const std::string& layer) {
+      return std::ranges::find(parts, layer, &LayerName::name) != parts.end();
+    });
+    f.notes.push_back(
+        fmt::format("layers that divide beauty are left out: they are of see-through surfaces that are drawn by the "
+                    "method {} (--transparency)",
+                    Transparent::method));
+  }
   for (const LayerName& part : parts)
     if (f.request.has_layer(part.name))
       return fail(ErrorKind::usage, "--layers",
                   "{} is a part of beauty whose see-through surfaces are drawn by the method sorted; leave it out, or "
                   "--transparency {}",
-                  part.name, f.request.transparency);
+                  part.name, Transparent::method);
   return {};
 }
 

@@ -21,6 +21,11 @@ Expected<OutputFormat> output_format(const fs::path& path) {
   for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".exr") return OutputFormat::exr;
   if (ending == ".png") return OutputFormat::png;
+  if (ending == ".jpg" || ending == ".jpeg" || ending == ".webp")
+    return fail(ErrorKind::usage, "-o",
+                "'{}': JPEG and WebP, which lose what renders are compared by, are not written; write .png and convert "
+                "it, for example with oiiotool a.png -o a{}",
+                path.string(), ending);
   return fail(ErrorKind::usage, "-o", "'{}' ends in neither .exr nor .png", path.string());
 }
 

@@ -102,8 +102,8 @@ TEST(JobJson, TellsApartJobsThatDifferInOneMember) {
 
 TEST(Sizes, HaveNamesToo) {
   const std::pair<const char*, std::pair<int, int>> sizes[] = {
-      {"7x5", {7, 5}},          {"720p", {1280, 720}}, {"1080p", {1920, 1080}}, {"1440p", {2560, 1440}},
-      {"2160p", {3840, 2160}},  {"4k", {3840, 2160}},  {"4K", {3840, 2160}},    {"8k", {7680, 4320}}};
+      {"7x5", {7, 5}},         {"720p", {1280, 720}}, {"1080p", {1920, 1080}}, {"1440p", {2560, 1440}},
+      {"2160p", {3840, 2160}}, {"4k", {3840, 2160}},  {"4K", {3840, 2160}},    {"8k", {7680, 4320}}};
   for (const auto& [text, size] : sizes) {
     const auto parsed = parse_size(text);
     ASSERT_TRUE(parsed) << text;

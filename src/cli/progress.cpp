@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 
 #include "base/log_form.h"
@@ -38,6 +39,12 @@ void StatusLine::end() {
   open_ = false;
 }
 
+namespace {
+std::atomic<bool> a_line_stays{false};
+}  // namespace
+
+bool WaitingLine::left_a_line() { return a_line_stays; }
+
 WaitingLine::WaitingLine(std::string what, bool quiet)
     : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1 && log::form() == log::Form::text) {
   if (!quiet) thread_ = std::thread([this] { run(); });
@@ -70,6 +77,7 @@ void WaitingLine::run() {
     const bool json = log::form() == log::Form::json;
     log::event("progress", json ? line : terminal_ ? "\r" + line + "\x1b[K" : line + "\n", {{"seconds", now_s}});
     shown_ = true;
+    if (!terminal_) a_line_stays = true;
   }
 }
 

@@ -35,6 +35,7 @@ class WaitingLine {
   ~WaitingLine();
   WaitingLine(const WaitingLine&) = delete;
   WaitingLine& operator=(const WaitingLine&) = delete;
+  static bool left_a_line();  // that stays, elsewhere than on a terminal
 
  private:
   void run();

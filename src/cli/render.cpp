@@ -196,8 +196,8 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
   return plan;
 }
 
-// Lines between the device's and what was written, beside one of progress.
-constexpr size_t most_notes = 2;
+// Lines between the device's and what was written: five in all.
+size_t most_notes() { return WaitingLine::left_a_line() ? 2 : 3; }
 
 void say_written(const std::vector<fs::path>& paths) {
   std::vector<std::string> names;
@@ -234,7 +234,7 @@ Expected<int> check_determinism(Session& session, const RenderOptions& o, const 
       return int(ErrorKind::comparison);
     }
   }
-  log::release(most_notes);
+  log::release(most_notes());
   log::info("{} runs agree in all {} outputs of all passes", *o.check_determinism, first.size());
   if (!o.job.json) return 0;
   Json hashes = Json::array();
@@ -313,7 +313,7 @@ Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan
   }
   // What writing warns of is not the scene's fault, which --strict is about.
   if (auto noted = note_frame(*frame, session.scene(), false, warnings); !noted) return std::unexpected(noted.error());
-  log::release(most_notes);
+  log::release(most_notes());
   say_written(shot.paths);
   return frame;
 }

@@ -14,13 +14,25 @@ const char* support_name(Support support) {
   return support == Support::supported ? "supported" : support == Support::approximated ? "approximated" : "ignored";
 }
 
+std::string without_numbers(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return text;
+}
+
+// Keeps a frame's warning, and says it where none before differs from it in its numbers alone; --verbose says all.
+void warn_once(const std::string& text, std::vector<std::string>& warnings) {
+  const std::string key = without_numbers(text);
+  const bool before =
+      std::ranges::any_of(warnings, [&](const std::string& said) { return without_numbers(said) == key; });
+  log::write(before ? log::Level::debug : log::Level::warning, text);
+  warnings.push_back(text);
+}
+
 }  // namespace
 
 void SaidOnce::note(const std::string& text) {
   constexpr size_t most = 1000;
-  std::string key = text;
-  std::erase_if(key, [](unsigned char c) { return std::isdigit(c) != 0; });
-  if (said_.size() < most && said_.insert(key).second) log::info("{}", text);
+  if (said_.size() < most && said_.insert(without_numbers(text)).second) log::info("{}", text);
 }
 
 Expected<void> note_scene(const Scene& scene, bool strict) {
@@ -52,9 +64,7 @@ Expected<void> note_scene(const Scene& scene, bool strict) {
 Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool strict,
                           std::vector<std::string>& warnings) {
   for (const std::string& warning : frame.warnings) {
-    if (std::find(warnings.begin(), warnings.end(), warning) != warnings.end()) continue;
-    log::warning("{}", warning);
-    warnings.push_back(warning);
+    if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warn_once(warning, warnings);
   }
   if (strict && !frame.warnings.empty())
     return fail(ErrorKind::input, scene.path, "--strict refuses the scene: {}", frame.warnings.front());
@@ -137,9 +147,8 @@ Expected<void> note_blank(const FrameResult& frame, const Job& job, const Scene&
   if (rules.strict && !rules.allowed)
     return fail(ErrorKind::input, scene.path, "--strict refuses the frame: {} (--allow-blank lets it pass)", blank);
   const std::string text = rules.frame ? fmt::format("frame {}: {}", *rules.frame, blank) : blank;
-  log::warning("{}", text);
   constexpr size_t most = 100;  // of a film that is blank throughout
-  if (warnings.size() < most) warnings.push_back(text);
+  if (warnings.size() < most) warn_once(text, warnings);
   return {};
 }
 

@@ -23,8 +23,8 @@ Expected<OutputFormat> output_format(const fs::path& path) {
   if (ending == ".png") return OutputFormat::png;
   if (ending == ".jpg" || ending == ".jpeg" || ending == ".webp")
     return fail(ErrorKind::usage, "-o",
-                "'{}': JPEG and WebP, which lose what renders are compared by, are not written; write .png and convert "
-                "it, for example with oiiotool a.png -o a{}",
+                "'{}' ends in neither .exr nor .png; JPEG and WebP lose what pictures are compared by and are not "
+                "written: convert a PNG, for example with oiiotool a.png -o a{}",
                 path.string(), ending);
   return fail(ErrorKind::usage, "-o", "'{}' ends in neither .exr nor .png", path.string());
 }

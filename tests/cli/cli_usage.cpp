@@ -149,6 +149,7 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"render"}, "SCENE"},
       {{"render", box}, "-o"},
       {{"render", box, "-o", "x.jpg"}, ".exr nor .png"},
+      {{"sequence", box, "--frames", "0-9", "-o", "%04d.webp"}, "convert a PNG"},
       {{"render", box, "-o", "x.exr", "--sise", "1x1"}, "did you mean '--size'"},
       {{"render", box, "-o", "x.exr", "--size", "12"}, "--size"},
       {{"render", box, "-o", "x.exr", "--size", "0x5"}, "--size"},

@@ -1,6 +1,6 @@
 #pragma once
 // Linear premultiplied radiance to display values: exposure, tone curve, sRGB encoding, dither; alpha comes out
-// straight. Needs the push constants of TonemapPush and lib/bindless.glsl.
+// straight, or is used up by what stands behind. Needs the push constants of TonemapPush and lib/bindless.glsl.
 #include "lib/mean_of_samples.glsl"
 #include "lib/tone_curves.glsl"
 #include "shared/exposure.h"
@@ -8,6 +8,7 @@ layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neut
 layout(constant_id = 1) const int AUTOMATIC = 0;  // exposure by the frame's luminance
 layout(constant_id = 2) const int COVERS = 0;  // the source has no alpha
 layout(constant_id = 3) const int SAMPLES = 1;  // of the source: their mean is shown
+layout(constant_id = 4) const uint BEHIND = 0u;  // 0x1rrggbb: the codes that it is laid over; 0: alpha stays
 
 vec3 srgb_encode(vec3 c) {
   return mix(1.055 * pow(max(c, vec3(1e-7)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308)));
@@ -44,5 +45,7 @@ vec4 display_value(uvec2 p) {
     const vec3 noise = mix(a - b, a - 0.5, lessThan(room, vec3(0.5))) * vec3(greaterThan(room, vec3(0.0)));
     c += noise / float(pc.dither_levels);
   }
-  return vec4(clamp(c, 0.0, 1.0), alpha);
+  c = clamp(c, 0.0, 1.0);
+  if (BEHIND == 0u) return vec4(c, alpha);
+  return vec4(mix(vec3(uvec3(BEHIND >> 16u, BEHIND >> 8u, BEHIND) & 255u) / 255.0, c, alpha), 1.0);
 }

@@ -13,7 +13,7 @@ template <class T, size_t... I>
 constexpr bool takes(std::index_sequence<I...>) {
   return requires { T{(static_cast<void>(I), Any{})...}; };
 }
-template <class T, size_t N = 8>
+template <class T, size_t N = 14>
 constexpr size_t count() {
   if constexpr (N == 0)
     return 0;
@@ -24,7 +24,7 @@ constexpr size_t count() {
 }
 }  // namespace fields_detail
 
-// Calls f with every member of a plain struct of up to eight members, in order. T has no base and no constructor.
+// Calls f with every member of a plain struct of up to fourteen members, in order. T has no base and no constructor.
 template <class T, class F>
 void for_each_field(T& value, F&& f) {
   constexpr size_t count = fields_detail::count<T>();
@@ -53,6 +53,24 @@ void for_each_field(T& value, F&& f) {
   } else if constexpr (count == 8) {
     auto& [a, b, c, d, e, g, h, i] = value;
     all(a, b, c, d, e, g, h, i);
+  } else if constexpr (count == 9) {
+    auto& [a, b, c, d, e, g, h, i, j] = value;
+    all(a, b, c, d, e, g, h, i, j);
+  } else if constexpr (count == 10) {
+    auto& [a, b, c, d, e, g, h, i, j, k] = value;
+    all(a, b, c, d, e, g, h, i, j, k);
+  } else if constexpr (count == 11) {
+    auto& [a, b, c, d, e, g, h, i, j, k, l] = value;
+    all(a, b, c, d, e, g, h, i, j, k, l);
+  } else if constexpr (count == 12) {
+    auto& [a, b, c, d, e, g, h, i, j, k, l, m] = value;
+    all(a, b, c, d, e, g, h, i, j, k, l, m);
+  } else if constexpr (count == 13) {
+    auto& [a, b, c, d, e, g, h, i, j, k, l, m, n] = value;
+    all(a, b, c, d, e, g, h, i, j, k, l, m, n);
+  } else if constexpr (count == 14) {
+    auto& [a, b, c, d, e, g, h, i, j, k, l, m, n, o] = value;
+    all(a, b, c, d, e, g, h, i, j, k, l, m, n, o);
   }
 }
 

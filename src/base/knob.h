@@ -32,9 +32,6 @@ struct Knob {
   Trades kind = Trades::error;
   // What `bench --error` walks: the ladder's last value and others, which presets need not take; empty: the ladder.
   std::vector<double> walk = {};
-  // Passes whose work it changes; empty: the one that the table is named after. With plans that keep none of them it
-  // does nothing.
-  std::vector<std::string_view> passes = {};
   std::vector<double> only = {};  // the values it takes; empty: all from lowest to highest
   std::string_view beside = {};   // settings that must stand beside it, or it does nothing: "a.b=1 c.d=2"
   std::vector<std::pair<double, std::string_view>> named = {};  // values with a name, also beyond lowest and highest

@@ -102,6 +102,9 @@ class Walker {
     Hash128 hash;
     std::set<std::string> passes;  // kept in any view
   };
+  struct NotWalked {
+    std::vector<std::string> same, unused;  // knobs, or their values
+  };
   // Over all views; nullopt where one cannot be planned.
   Expected<Work> work_of_all(const SweepPlace& place, Job job) const {
     Work work;
@@ -139,12 +142,17 @@ class Walker {
   }
 
   void walk_technique(SweepPlace& place, const Configuration& exact, const Work& work) {
-    std::vector<std::string> same;
+    NotWalked not_walked;
+    beside_.clear();
     for (const KnobRow& knob : knob_rows("exact"))
-      if (knob.kind != "look" && knob.walk.size() > 1) walk_knob(place, exact, knob, work, same);
-    if (!same.empty())
-      place.notes.push_back(fmt::format("{} with {}: the same work as at another value, and not measured again: {}",
-                                        exact.scene.label, exact.job.technique, joined(same)));
+      if (knob.kind != "look" && knob.walk.size() > 1) walk_knob(place, exact, knob, work, not_walked);
+    const auto note = [&](const std::vector<std::string>& names, std::string_view why) {
+      if (!names.empty())
+        place.notes.push_back(
+            fmt::format("{} with {}: {}: {}", exact.scene.label, exact.job.technique, why, joined(names)));
+    };
+    note(not_walked.same, "the same work as at another value, and not measured again");
+    note(not_walked.unused, "the frame has none of their passes");
   }
 
   // The knob points of the technique's exact end, whichever row does its work.
@@ -160,12 +168,27 @@ class Walker {
     return *points;
   }
 
+  // The exact end with what must stand beside a knob, which may put its passes into the frame.
+  const Work& work_beside(const SweepPlace& place, const Configuration& exact, const KnobRow& knob,
+                          const Work& exact_work) {
+    if (knob.beside.empty()) return exact_work;
+    const auto [at, made] = beside_.try_emplace(joined(knob.beside));
+    if (!made) return at->second;
+    Job job = exact.job;
+    job.settings.clear();
+    for (const std::string& setting : knob.beside) job.settings.push_back(*parse_knob_setting(setting));
+    auto work = work_of_all(place, job);
+    return at->second = work ? std::move(*work) : exact_work;
+  }
+
   void walk_knob(SweepPlace& place, const Configuration& exact, const KnobRow& knob, const Work& exact_work,
-                 std::vector<std::string>& same) {
+                 NotWalked& not_walked) {
     const std::string name = knob.pass + "." + knob.knob;
-    if (std::none_of(knob.passes.begin(), knob.passes.end(),
-                     [&](const std::string& pass) { return exact_work.passes.contains(pass); }))
+    const std::set<std::string>& kept = work_beside(place, exact, knob, exact_work).passes;
+    if (std::ranges::none_of(knob.passes, [&](const std::string& pass) { return kept.contains(pass); })) {
+      not_walked.unused.push_back(name);
       return;
+    }
     std::vector<Hash128> works = {exact_work.hash};
     std::vector<std::string> skipped;
     for (const std::string& value : knob.walk) {
@@ -182,7 +205,7 @@ class Walker {
       add(place, {"knob " + name, std::move(changed), {{name, value, knob.kind, knob.passes}}, {}});
     }
     if (works.size() == 1) skipped = {name};
-    same.insert(same.end(), skipped.begin(), skipped.end());
+    not_walked.same.insert(not_walked.same.end(), skipped.begin(), skipped.end());
     if (works.size() > 1)
       exact_points(place, exact.job.technique).push_back({name, knob.value_now, knob.kind, knob.passes});
   }
@@ -195,6 +218,7 @@ class Walker {
   JobSky sky_;                                         // of the place at hand
   std::map<Hash128, size_t> works_;                    // of the place at hand: row that does it
   std::vector<std::pair<Configuration, Work>> exact_;  // the same: exact ends of techniques
+  std::map<std::string, Work> beside_;                 // of the technique at hand, by the settings
 };
 
 }  // namespace

@@ -61,7 +61,8 @@ Expected<void> check_suite(const Suite& suite) {
   };
   if (auto known = check_technique("reference", suite.reference); !known) return known;
   for (const SuiteTechnique& technique : suite.techniques)
-    if (auto known = check_technique("techniques", technique.name); !known) return known;
+    if (technique.name != auto_technique)
+      if (auto known = check_technique("techniques", technique.name); !known) return known;
   for (const auto& [technique, most] : suite.max_lights)
     if (auto known = check_technique("max_lights", technique); !known) return known;
   for (const SuiteScene& scene : suite.scenes)

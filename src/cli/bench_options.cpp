@@ -1,13 +1,24 @@
 #include "cli/bench_options.h"
 
+#include "base/log.h"
 #include "base/text.h"
 #include "cli/input_options.h"
 #include "cli/job_options.h"
+#include "frame/device_technique.h"
 #include "frame/plan_frame.h"
 #include "stability/stability.h"
 
 namespace candela::cli {
 namespace fs = std::filesystem;
+
+Expected<std::string> technique_named(const std::string& name, const std::string& device) {
+  if (name != auto_technique) return name;
+  auto chosen = device_technique(device);
+  if (!chosen) return std::unexpected(chosen.error());
+  log::info("technique auto: {}, because {}", chosen->name, chosen->why);
+  return std::move(chosen->name);
+}
+
 namespace {
 
 Expected<std::vector<int>> whole_list(const char* option, const std::string& text, int lowest) {
@@ -77,6 +88,23 @@ Expected<void> put(const std::string& given, Expected<std::vector<T>> parsed, st
   return {};
 }
 
+// In the place of `auto` what it is on the device, once.
+Expected<void> name_auto(const BenchOptions& o, std::vector<SuiteTechnique>& techniques) {
+  std::vector<SuiteTechnique> named;
+  for (SuiteTechnique& technique : techniques) {
+    const bool chosen = technique.name == auto_technique;
+    if (chosen) {
+      const auto name = technique_named(technique.name, o.device);
+      if (!name) return std::unexpected(name.error());
+      technique.name = *name;
+    }
+    const auto same = [&](const SuiteTechnique& other) { return other.name == technique.name; };
+    if (!chosen || !technique.set.empty() || std::ranges::none_of(named, same)) named.push_back(std::move(technique));
+  }
+  techniques = std::move(named);
+  return {};
+}
+
 Expected<void> put_options(const BenchOptions& o, Suite& suite) {
   const Expected<void> done[] = {
       put(o.lights, whole_list("--lights", o.lights, 0), suite.lights),
@@ -105,6 +133,7 @@ Expected<void> put_options(const BenchOptions& o, Suite& suite) {
     if (!o.sky.empty()) scene.sky = {o.sky, o.sky};
     if (!o.look.empty()) scene.look = {o.look, o.look};
   }
+  if (auto chosen = name_auto(o, suite.techniques); !chosen) return chosen;
   if (!o.effects.empty()) suite.effects = o.effects;
   if (!o.transparency.empty()) suite.transparency = split(o.transparency, ',');
   if (o.seed) suite.seed = *o.seed;
@@ -137,7 +166,10 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
                   "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
                   "extreme scenes and measures them against the truth")
       ->type_name("NAME");
-  command.add_option("--techniques", o.techniques, "Separated by commas; all by default")->type_name("LIST");
+  command
+      .add_option("--techniques", o.techniques,
+                  "Separated by commas; all by default. auto: what is quickest on the device")
+      ->type_name("LIST");
   command.add_option("--lights", o.lights, "Numbers of lights of generated scenes: 1,4,16")->type_name("LIST");
   command.add_option("--size", o.sizes, "Sizes: 1280x720,640x360")->type_name("LIST");
   command.add_option("--samples", o.samples, "Samples a pixel: 1,4; 0: as the quality says")->type_name("LIST");

@@ -28,6 +28,8 @@ struct BenchOptions {
 };
 void add_bench_options(CLI::App& command, BenchOptions& options);
 
+// A technique by its name, which may be auto: what it is on the device (gpu/device.h, DeviceOptions).
+Expected<std::string> technique_named(const std::string& name, const std::string& device);
 // A suite file that chooses among the scenes of --suite stability, named instead of it.
 Expected<void> take_stability_file(BenchOptions& options);
 // That options which ask for different things are not given together.

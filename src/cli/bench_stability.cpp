@@ -117,9 +117,13 @@ Expected<int> run_stability(const BenchOptions& o) {
   options.pictures = o.pictures;
   options.thumbnails = !o.report.empty();
   if (!o.techniques.empty()) options.techniques = split(o.techniques, ',');
-  for (const std::string& name : options.techniques)
+  for (std::string& name : options.techniques) {
+    const auto named = technique_named(name, o.device);
+    if (!named) return std::unexpected(named.error());
+    name = *named;
     if (const auto names = technique_names(); std::find(names.begin(), names.end(), name) == names.end())
       return fail(ErrorKind::usage, "--techniques", "{}", unknown_name("technique", name, names));
+  }
   for (const std::string& text : o.settings) {
     const auto setting = parse_knob_setting(text);
     if (!setting) return std::unexpected(Error{ErrorKind::usage, setting.error().message, "--set"});

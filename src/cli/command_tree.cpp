@@ -45,7 +45,7 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--technique" && makes_films(command))
     return with(technique_names(), {std::string(auto_technique), traced_technique});
   if (option == "--technique") return with(technique_names(), {std::string(auto_technique)});
-  if (option == "--techniques") return technique_names();
+  if (option == "--techniques") return with(technique_names(), {std::string(auto_technique)});
   if (option == "--transparency") return with(transparency_names(), {std::string(auto_transparency)});
   if (option == "--mode") return {"direct", "path"};
   if (option == "--bvh") return {"equal-counts", "sah", "sbvh"};

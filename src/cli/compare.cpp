@@ -183,6 +183,7 @@ Expected<int> run_compare(const CompareCommand& o) {
   if (!o.allow_nonfinite) refuse_nonfinite(*comparison);
   const std::vector<LimitVerdict> verdicts = judge_limits(*comparison, limits);
   if (!comparison->refusal.empty()) log::error("{}", comparison->refusal);
+  for (const std::string& note : comparison->notes) log::info("{}", note);
   for (const auto& [layers, file] :
        {std::pair(&comparison->only_in_reference, &o.a), std::pair(&comparison->only_in_test, &o.b)})
     if (!layers->empty()) log::error("only {} has {}", *file, joined(*layers));

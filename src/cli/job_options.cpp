@@ -9,7 +9,9 @@
 #include "base/text.h"
 #include "cli/file_options.h"
 #include "cli/input_options.h"
+#include "frame/plan_frame.h"
 #include "scene/look.h"
+#include "scene/up_axis.h"
 
 namespace candela::cli {
 
@@ -52,7 +54,8 @@ void add_layer_options(CLI::App& command, JobOptions& o) {
                   "What PNG and video show: beauty, any layer, or debug.PASS.IMAGE[mip,layer], an image of the frame")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas (candela list layers)")
+  command
+      .add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas, or all (candela list layers)")
       ->type_name("LIST");
 }
 
@@ -60,6 +63,12 @@ void add_layer_options(CLI::App& command, JobOptions& o) {
 
 void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command.add_option("scene", o.scene, "glTF file, .gltf or .glb")->type_name("SCENE");
+  command
+      .add_option(
+          "--up", o.up,
+          "Axis of the file that points up: y, as glTF has it, z or x; --eye and --target are of the file's axes")
+      ->capture_default_str()
+      ->type_name("AXIS");
   command.add_option("--fps", o.fps, "Frames per second: 24, 23.976, 30000/1001")
       ->capture_default_str()
       ->type_name("RATE");
@@ -89,7 +98,9 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
           "stands")
       ->check(CLI::Range(1, 1000000))
       ->type_name("N");
-  command.add_option("--size", o.size, "Size of the image in pixels")->capture_default_str()->type_name("WxH");
+  command.add_option("--size", o.size, "Size of the image in pixels, or 720p, 1080p, 1440p, 4k or 8k")
+      ->capture_default_str()
+      ->type_name("WxH");
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   command
       .add_option("--sky", o.sky,
@@ -125,7 +136,11 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
                   "rec709")
       ->type_name("NAME");
   if (renderer == Renderer::gpu) add_layer_options(command, o);
-  command.add_option("--background", o.background, "Where there is no sky: transparent, or linear R,G,B")
+  command
+      .add_option("--background", o.background,
+                  "Where there is no sky: transparent; a colour of the display by name or #rrggbb, which PNG and video "
+                  "are laid "
+                  "over; or linear R,G,B of the scene")
       ->capture_default_str()
       ->type_name("COLOR");
   command.add_option("--seed", o.seed, "Seed of all noise")
@@ -281,8 +296,9 @@ Expected<void> read_texts(const JobOptions& o, Job& job) {
   const auto eye = parse_point("--eye", o.eye), target = parse_point("--target", o.target);
   if (!eye) return std::unexpected(eye.error());
   if (!target) return std::unexpected(target.error());
-  job.camera.eye = *eye;
-  job.camera.target = *target;
+  const glm::dmat3 turned = world_from_file(o.up);
+  if (*eye) job.camera.eye = turned * **eye;
+  if (*target) job.camera.target = turned * **target;
   for (const std::string& text : o.settings) {
     const auto setting = parse_knob_setting(text);
     if (!setting) return std::unexpected(Error{ErrorKind::usage, setting.error().message, "--set"});
@@ -303,6 +319,7 @@ Expected<Job> job_of(const JobOptions& o) {
   if (o.scene.empty()) return fail(ErrorKind::usage, "SCENE", "no scene given; name a .gltf or .glb file");
   Job job;
   job.scene = o.scene;
+  job.up = o.up;
   job.animation = o.animation;
   job.camera.camera = o.camera;
   job.camera.yfov_deg = o.yfov_deg;
@@ -326,6 +343,10 @@ Expected<Job> job_of(const JobOptions& o) {
   job.tonemap = o.tonemap;
   job.view = o.view;
   if (!o.layers.empty()) job.layers = split(o.layers, ',');
+  if (std::ranges::find(job.layers, all_layers) != job.layers.end()) {
+    job.layers = layer_names();
+    job.layers.insert(job.layers.begin(), std::string(all_layers));
+  }
   job.background = o.background;
   job.seed = o.seed;
   job.png_bits = o.png_bits;

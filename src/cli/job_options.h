@@ -13,7 +13,7 @@ namespace candela::cli {
 // The options that render, sequence, plan and facts share, as text until all are read. add_* are the only place where
 // an option's name, help and default stand.
 struct JobOptions {
-  std::string scene, animation = "all", camera, eye, target, size = "1280x720", technique = "auto",
+  std::string scene, up = "y", animation = "all", camera, eye, target, size = "1280x720", technique = "auto",
                      transparency = "auto", quality = "high", effects = "auto", sky, look, shading = "pbr",
                      cut_outs = "blended", variant, probe, tonemap, view = "beauty", layers, background = "transparent",
                      exr_type = "half", exr_compression = "zip", fps = "24", device, shader_folder, config;

@@ -101,6 +101,19 @@ Expected<int> list_knobs(const ListOptions& o) {
   return done(print_json(j));
 }
 
+// What a job takes by default comes first: no technique, but the choice of one.
+std::vector<std::string> technique_choices() {
+  std::vector<std::string> names = technique_names();
+  names.emplace(names.begin(), auto_technique);
+  return names;
+}
+std::string_view technique_choice_says(std::string_view name) {
+  static const std::string by_default =
+      fmt::format("the default, what is quickest: {} on a GPU with 64-bit atomics, elsewhere {}",
+                  quickest_technique(false, true).name, quickest_technique(true, false).name);
+  return name == auto_technique ? by_default : technique_says(name);
+}
+
 std::vector<std::string> generated_scene_names() {
   const auto names = scene_names();
   return {names.begin(), names.end()};
@@ -123,7 +136,8 @@ void add_list(CLI::App& app, Action& action) {
   CLI::App* devices = list->add_subcommand("devices", "Vulkan devices and whether they can be used");
   devices->add_flag("--json", o->json, "As JSON");
   devices->callback([o, &action] { action = [o] { return list_devices_table(*o); }; });
-  add_names(*list, action, o, "techniques", "Ways to make a frame (--technique)", technique_names, technique_says);
+  add_names(*list, action, o, "techniques", "Ways to make a frame (--technique)", technique_choices,
+            technique_choice_says);
   add_names(*list, action, o, "transparency", "Ways to draw blended surfaces (--transparency)", transparency_names,
             transparency_says);
   add_names(*list, action, o, "passes", "Passes, the keys of timings and knobs", pass_names);

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 
 #include "base/log_form.h"
@@ -36,6 +37,48 @@ void StatusLine::show(const std::string& line, const nlohmann::ordered_json& mem
 void StatusLine::end() {
   if (open_) std::fputc('\n', stderr);
   open_ = false;
+}
+
+namespace {
+std::atomic<bool> a_line_stays{false};
+}  // namespace
+
+bool WaitingLine::left_a_line() { return a_line_stays; }
+
+WaitingLine::WaitingLine(std::string what, bool quiet)
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1 && log::form() == log::Form::text) {
+  if (!quiet) thread_ = std::thread([this] { run(); });
+}
+
+WaitingLine::~WaitingLine() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  end_.notify_all();
+  thread_.join();
+  if (shown_ && terminal_) log::event("progress", "\r\x1b[K", {});
+}
+
+void WaitingLine::run() {
+  static double last_s = 0;  // since the program began; one line waits at a time
+  constexpr double first_s = 2;
+  const double again_s = terminal_ ? 0.5 : log::form() == log::Form::json ? 5 : 30;
+  std::unique_lock lock(mutex_);
+  while (!ended_) {
+    const double now_s = process_clock_us() * 1e-6, next_s = last_s == 0 ? first_s : last_s + again_s;
+    if (now_s < next_s) {
+      end_.wait_for(lock, std::chrono::duration<double>(next_s - now_s));
+      continue;
+    }
+    last_s = now_s;
+    const std::string line = fmt::format("{}, {} so far", what_, duration_text(now_s));
+    const bool json = log::form() == log::Form::json;
+    log::event("progress", json ? line : terminal_ ? "\r" + line + "\x1b[K" : line + "\n", {{"seconds", now_s}});
+    shown_ = true;
+    if (!terminal_) a_line_stays = true;
+  }
 }
 
 void ProgressLine::show(const SequenceProgress& p) {

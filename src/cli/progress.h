@@ -1,5 +1,9 @@
 #pragma once
+#include <condition_variable>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
 
 #include "render/sequence.h"
 
@@ -21,6 +25,25 @@ class StatusLine {
  private:
   bool quiet_, terminal_, open_ = false;
   double last_us_ = 0;
+};
+
+// Says what one picture waits for, where the program has run for two seconds: on a terminal and in JSON again and
+// again, elsewhere once in half a minute. While it lives the log must be gathered (base/log_gather.h).
+class WaitingLine {
+ public:
+  WaitingLine(std::string what, bool quiet);  // what: "rendering"
+  ~WaitingLine();
+  WaitingLine(const WaitingLine&) = delete;
+  WaitingLine& operator=(const WaitingLine&) = delete;
+  static bool left_a_line();  // that stays, elsewhere than on a terminal
+
+ private:
+  void run();
+  std::string what_;
+  bool terminal_, ended_ = false, shown_ = false;
+  std::mutex mutex_;
+  std::condition_variable end_;
+  std::thread thread_;  // none: it stays silent
 };
 
 class ProgressLine {

@@ -43,7 +43,10 @@ struct ReferencePlan {
 
 Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
   if (o.outputs.empty()) return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
-  if (!o.layers.empty() && o.layers != "none") plan.layers = split(o.layers, ',');
+  if (o.layers == all_layers)
+    plan.layers = reference_layer_names();
+  else if (!o.layers.empty() && o.layers != "none")
+    plan.layers = split(o.layers, ',');
   if (auto good = check_traced_layers(plan.layers); !good) return good;
   if (auto good = check_compression(plan.layers, plan.job.exr_compression); !good) return good;
   if (auto good = check_traced_view(o.view); !good) return good;
@@ -233,8 +236,9 @@ void add_own_options(CLI::App& command, ReferenceOptions& o) {
   command.add_flag("--resume", o.resume,
                    "Go on from --state where it exists; the image is that of a run without a break");
   command
-      .add_option("--layers", o.layers,
-                  fmt::format("EXR layers beside beauty: {}; or none", fmt::join(reference_layer_names(), ", ")))
+      .add_option(
+          "--layers", o.layers,
+          fmt::format("EXR layers beside beauty: {}; or all, or none", fmt::join(reference_layer_names(), ", ")))
       ->capture_default_str()
       ->type_name("LIST");
   std::vector<std::string_view> knobs;

@@ -6,11 +6,14 @@
 
 #include "base/file_uses.h"
 #include "base/log.h"
+#include "base/log_gather.h"
 #include "base/names.h"
+#include "base/text.h"
 #include "cli/budget.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
 #include "cli/output_paths.h"
+#include "cli/progress.h"
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
@@ -206,6 +209,15 @@ Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o
   return plan;
 }
 
+// Lines between the device's and what was written: five in all.
+size_t most_notes() { return WaitingLine::left_a_line() ? 2 : 3; }
+
+void say_written(const std::vector<fs::path>& paths) {
+  std::vector<std::string> names;
+  for (const fs::path& path : paths) names.push_back(path.string());
+  if (!names.empty()) log::headline("wrote {}", joined(names));
+}
+
 // Runs the same frame again and again and compares what every pass wrote.
 Expected<int> check_determinism(Session& session, const RenderOptions& o, const RenderPlan& plan,
                                 std::vector<std::string>& warnings) {
@@ -235,6 +247,7 @@ Expected<int> check_determinism(Session& session, const RenderOptions& o, const 
       return int(ErrorKind::comparison);
     }
   }
+  log::release(most_notes());
   log::info("{} runs agree in all {} outputs of all passes", *o.check_determinism, first.size());
   if (!o.job.json) return 0;
   Json hashes = Json::array();
@@ -280,16 +293,20 @@ Expected<void> write_reports(const RenderOptions& o, const RenderPlan& plan, con
 }
 
 Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan, const Shot& shot, Session& session,
-                                  std::vector<std::string>& warnings) {
+                                  std::vector<std::string>& warnings, SaidOnce& said) {
+  log::gather();
   Job job = plan.job;
   if (!shot.camera.empty()) {
     job.camera.camera = shot.camera;
     session.set_camera(job.camera);
   }
-  auto frame = session.render(shot.moment.time_s);
+  auto frame = [&] {
+    const WaitingLine waiting("rendering", o.job.quiet);
+    return session.render(shot.moment.time_s);
+  }();
   if (!frame) return frame;
   log_look(job, frame->request.look);
-  for (const std::string& note : frame->notes) log::info("{}", note);
+  for (const std::string& note : frame->notes) said.note(note);
   if (auto noted = note_frame(*frame, session.scene(), o.job.strict, warnings); !noted)
     return std::unexpected(noted.error());
   const bool several = plan.shots.size() > 1;
@@ -309,13 +326,15 @@ Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan
   }
   // What writing warns of is not the scene's fault, which --strict is about.
   if (auto noted = note_frame(*frame, session.scene(), false, warnings); !noted) return std::unexpected(noted.error());
-  for (const fs::path& path : shot.paths) log::info("wrote {}", path.string());
+  log::release(most_notes());
+  say_written(shot.paths);
   return frame;
 }
 
 Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
   set_log_level(o.job);
+  log::gather();
   auto settings = run_settings_of(o.job);
   if (!settings) return std::unexpected(settings.error());
   auto plan = plan_render(command, o);
@@ -326,7 +345,10 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   settings->command = command_line();
   settings->timeout_folder = folder_of_outputs(o.outputs);
   settings->timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
-  auto session = Session::open(plan->job, plan->wanted, *settings);
+  auto session = [&] {
+    const WaitingLine waiting("opening the scene and the device", o.job.quiet);
+    return Session::open(plan->job, plan->wanted, *settings);
+  }();
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
   note_fall_to_cpu((*session)->device().info(), o.job, false);
@@ -337,19 +359,20 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
     if (auto named = name_shots(o, plan->shots); !named) return std::unexpected(named.error());
   }
   std::vector<std::string> warnings;
+  SaidOnce said;
   if (o.check_determinism)
     if (const auto same = check_determinism(**session, o, *plan, warnings);
         !same || *same != 0 || plan->shots.front().paths.empty())
       return same;
   Json pictures = Json::array();
   for (const Shot& shot : plan->shots) {
-    const auto frame = render_shot(o, *plan, shot, **session, warnings);
+    const auto frame = render_shot(o, *plan, shot, **session, warnings, said);
     if (!frame) return std::unexpected(frame.error());
     if (plan->shots.size() > 1 || plan->all_cameras) {
       if (o.job.json) pictures.push_back(picture_json(shot, *frame));
       continue;
     }
-    for (const fs::path& path : plan->dump_paths) log::info("wrote {}", path.string());
+    say_written(plan->dump_paths);
     if (auto reported = write_reports(o, *plan, shot, *frame, **session, warnings); !reported)
       return std::unexpected(reported.error());
   }

@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "base/log.h"
+#include "base/log_gather.h"
 #include "cli/command.h"
 #include "cli/scene_notes.h"
 #include "frame/job_look.h"
@@ -13,7 +14,7 @@
 namespace candela::cli {
 
 void log_device(const gpu::DeviceInfo& device) {
-  log::info("device {}: {} ({})", device.index, device.name, device.driver);
+  log::headline("device {}: {} ({})", device.index, device.name, device.driver);
 }
 
 void note_fall_to_cpu(const gpu::DeviceInfo& device, const JobOptions& o, bool on_farm) {

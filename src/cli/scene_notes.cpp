@@ -14,7 +14,26 @@ const char* support_name(Support support) {
   return support == Support::supported ? "supported" : support == Support::approximated ? "approximated" : "ignored";
 }
 
+std::string without_numbers(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return text;
+}
+
+// Keeps a frame's warning, and says it where none before differs from it in its numbers alone; --verbose says all.
+void warn_once(const std::string& text, std::vector<std::string>& warnings) {
+  const std::string key = without_numbers(text);
+  const bool before =
+      std::ranges::any_of(warnings, [&](const std::string& said) { return without_numbers(said) == key; });
+  log::write(before ? log::Level::debug : log::Level::warning, text);
+  warnings.push_back(text);
+}
+
 }  // namespace
+
+void SaidOnce::note(const std::string& text) {
+  constexpr size_t most = 1000;
+  if (said_.size() < most && said_.insert(without_numbers(text)).second) log::info("{}", text);
+}
 
 Expected<void> note_scene(const Scene& scene, bool strict) {
   std::string first;
@@ -45,9 +64,7 @@ Expected<void> note_scene(const Scene& scene, bool strict) {
 Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool strict,
                           std::vector<std::string>& warnings) {
   for (const std::string& warning : frame.warnings) {
-    if (std::find(warnings.begin(), warnings.end(), warning) != warnings.end()) continue;
-    log::warning("{}", warning);
-    warnings.push_back(warning);
+    if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warn_once(warning, warnings);
   }
   if (strict && !frame.warnings.empty())
     return fail(ErrorKind::input, scene.path, "--strict refuses the scene: {}", frame.warnings.front());
@@ -72,7 +89,7 @@ std::optional<bool> is_transparent(const FrameResult& frame) {
   for (const OutputImage& output : frame.outputs) {
     if (output.layer == "beauty" && output.counts >= 0 && frame.request.shows_through)
       return frame.counts.at(size_t(output.counts)).covered == 0;
-    if (output.packing != Packing::texels) continue;
+    if (output.packing != Packing::texels || (output.layer == "display" && !frame.request.display_alpha())) continue;
     size_t pixel = 0, offset = 0, length = 0;  // bytes of a pixel, of its alpha, and the alpha's length
     if (output.layer == "beauty" && output.format == VK_FORMAT_R32G32B32A32_SFLOAT)
       pixel = 16, offset = 12, length = 4;
@@ -113,7 +130,7 @@ bool nothing_in_view(const FrameResult& frame, const Job& job, const Scene& scen
 }  // namespace
 
 std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
-  const bool alpha_tells = !has_sky(job, frame.request.look) && job.background == "transparent";
+  const bool alpha_tells = frame.request.shows_through;
   const std::optional<bool> transparent = alpha_tells ? is_transparent(frame) : std::nullopt;
   if (!transparent.value_or(nothing_in_view(frame, job, scene))) return {};
   if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";
@@ -130,9 +147,8 @@ Expected<void> note_blank(const FrameResult& frame, const Job& job, const Scene&
   if (rules.strict && !rules.allowed)
     return fail(ErrorKind::input, scene.path, "--strict refuses the frame: {} (--allow-blank lets it pass)", blank);
   const std::string text = rules.frame ? fmt::format("frame {}: {}", *rules.frame, blank) : blank;
-  log::warning("{}", text);
   constexpr size_t most = 100;  // of a film that is blank throughout
-  if (warnings.size() < most) warnings.push_back(text);
+  if (warnings.size() < most) warn_once(text, warnings);
   return {};
 }
 

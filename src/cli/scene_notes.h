@@ -1,5 +1,7 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <string>
 
 #include "base/error.h"
 #include "frame/session.h"
@@ -7,10 +9,20 @@
 
 namespace candela::cli {
 
+// Notes of several frames, each once: what differs in its numbers alone is the same.
+class SaidOnce {
+ public:
+  void note(const std::string& text);
+
+ private:
+  std::set<std::string> said_;
+};
+
 // Warnings and extensions of a scene to the log. strict: any of them but a supported extension is an error of kind
 // input.
 Expected<void> note_scene(const Scene& scene, bool strict);
-// A frame's warnings to the log and to `warnings`, each once. strict: any is an error of kind input.
+// A frame's warnings to the log, each once and whatever its numbers, and to `warnings`, with theirs. strict: any is an
+// error of kind input.
 Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool strict,
                           std::vector<std::string>& warnings);
 nlohmann::ordered_json extensions_json(const Scene& scene);

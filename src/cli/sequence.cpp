@@ -138,12 +138,11 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
     settings->finished = [&](size_t i, bool rendered) { shared->finish(i, rendered); };
   }
   std::vector<std::string> warnings;
-  std::set<std::string> notes;
+  SaidOnce said;
   ProgressLine progress(o.job.quiet);
   settings->progress = progress_of(progress, recorder);
   settings->rendered = [&](int64_t frame, const FrameResult& result) -> Expected<void> {
-    for (const std::string& note : result.notes)
-      if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
+    for (const std::string& note : result.notes) said.note(note);
     if (auto noted = note_frame(result, (*session)->scene(), o.job.strict, warnings); !noted) return noted;
     return note_blank(result, job, (*session)->scene(),
                       {.strict = o.job.strict, .allowed = o.job.allow_blank, .frame = frame}, warnings);
@@ -176,12 +175,11 @@ Expected<int> trace(const SequenceOptions& o, const FilmJob& film, std::optional
   if (const auto look = look_of(job)) log_look(job, *look);
   if (auto noted = note_scene(scene, o.job.strict); !noted) return std::unexpected(noted.error());
   std::vector<std::string> warnings;
-  std::set<std::string> notes;
+  SaidOnce said;
   ProgressLine progress(o.job.quiet);
   settings->progress = progress_of(progress, recorder);
   settings->rendered = [&](int64_t, const FrameResult& result) {
-    for (const std::string& note : result.notes)
-      if (notes.size() < 1000 && notes.insert(note).second) log::info("{}", note);
+    for (const std::string& note : result.notes) said.note(note);
     return note_frame(result, scene, o.job.strict, warnings);
   };
   warn_of_odd_sides(*settings, job);

@@ -62,7 +62,10 @@ Expected<Job> traced_job(const JobOptions& o) {
   if (!job) return job;
   job->technique = traced_technique;
   job->view = o.view;
-  if (!o.layers.empty() && o.layers != "none") job->layers = split(o.layers, ',');
+  if (o.layers == all_layers)
+    job->layers = reference_layer_names();
+  else if (!o.layers.empty() && o.layers != "none")
+    job->layers = split(o.layers, ',');
   if (auto good = check_traced_job(*job); !good) return std::unexpected(good.error());
   return job;
 }

@@ -33,6 +33,10 @@ Expected<SheetPicture> picture_of(const std::string& file, const std::optional<R
   SheetPicture picture{display_planes(*image, encoding_of(file)), image->width, image->height,
                        fs::path(file).stem().string()};
   if (picture.planes.size() != 3) return fail(ErrorKind::input, file, "has no colour to show");
+  if (const Channel* alpha = image->find("A"); alpha && alpha->type != ChannelType::uint32) {
+    picture.alpha = alpha->f;
+    for (float& a : picture.alpha) a = a > 0 ? std::min(a, 1.0f) : 0.0f;
+  }
   return picture;
 }
 

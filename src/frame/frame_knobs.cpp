@@ -100,7 +100,7 @@ Expected<KnobValues> frame_knobs(const Job& job) {
 std::vector<KnobRow> knob_rows(const std::string& quality) {
   KnobValues all;
   std::vector<KnobRow> rows;
-  all.each([&](std::string_view table, const auto& knob, auto& knobs) {
+  all.each([&]<class K>(std::string_view table, const Knob<K>& knob, K& knobs) {
     knob.set(knobs, rung(knob.ladder, knob.value(knobs), quality));
     std::vector<std::string> ladder;
     for (const double v : knob.ladder) ladder.push_back(knob.text(v));
@@ -115,9 +115,8 @@ std::vector<KnobRow> knob_rows(const std::string& quality) {
                         : knob.kind == Trades::time ? "time"
                                                     : "look"};
     for (const double v : knob.walk.empty() ? knob.ladder : knob.walk) row.walk.push_back(knob.text(v));
-    for (const std::string_view p : knob.passes) row.passes.emplace_back(p);
+    row.passes = passes_of_table<K>();
     if (!knob.beside.empty()) row.beside = split(std::string(knob.beside), ' ');
-    if (row.passes.empty()) row.passes.emplace_back(table);
     rows.push_back(std::move(row));
   });
   return rows;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -62,6 +63,7 @@ std::string job_json(const Job& job) {
   if (!job.look.empty()) j["look"] = job.look;
   if (job.shading != Job().shading) j["shading"] = job.shading;
   if (!job.variant.empty()) j["variant"] = job.variant;
+  if (job.up != Job().up) j["up"] = job.up;
   if (job.cut_outs != Job().cut_outs) j["cut_outs"] = job.cut_outs;
   if (!job.probe.empty()) j["probe"] = job.probe;
   if (job.exposure_ev) j["exposure"] = shortest(*job.exposure_ev);
@@ -196,6 +198,7 @@ const std::map<std::string, Reader>& readers() {
          return {};
        }},
       {"tonemap", text_into(&Job::tonemap)},
+      {"up", text_into(&Job::up)},
       {"view", text_into(&Job::view)},
       {"layers", read_layers},
       {"motion_s",
@@ -253,6 +256,11 @@ Expected<Job> job_from_json(const std::string& text) {
 }
 
 Expected<std::pair<int, int>> parse_size(const std::string& text) {
+  static const std::map<std::string_view, std::pair<int, int>> names = {
+      {"720p", {1280, 720}},   {"1080p", {1920, 1080}}, {"1440p", {2560, 1440}},
+      {"2160p", {3840, 2160}}, {"4320p", {7680, 4320}}, {"4k", {3840, 2160}},
+      {"4K", {3840, 2160}},    {"8k", {7680, 4320}},    {"8K", {7680, 4320}}};
+  if (const auto named = names.find(text); named != names.end()) return named->second;
   int width = 0, height = 0;
   const char *begin = text.data(), *end = begin + text.size();
   const auto w = std::from_chars(begin, end, width);
@@ -260,7 +268,9 @@ Expected<std::pair<int, int>> parse_size(const std::string& text) {
     const auto h = std::from_chars(w.ptr + 1, end, height);
     if (h.ec == std::errc{} && h.ptr == end) return std::pair(width, height);
   }
-  return fail(ErrorKind::usage, "", "'{}' is not a size; write WIDTHxHEIGHT in pixels, for example 1280x720", text);
+  return fail(ErrorKind::usage, "",
+              "'{}' is not a size; write WIDTHxHEIGHT in pixels, for example 1280x720, or 720p, 1080p, 1440p, 4k or 8k",
+              text);
 }
 
 Expected<KnobSetting> parse_knob_setting(const std::string& text) {

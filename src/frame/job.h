@@ -27,6 +27,7 @@ Expected<std::vector<int64_t>> parse_frame_list(const std::string& text);
 // again.
 struct Job {
   std::string scene;
+  std::string up = "y";           // axis of the file that points up (scene/up_axis.h); camera is of the turned world
   std::string animation = "all";  // "all", "none", an index or a name
   CameraRequest camera;
   int width_px = 1280, height_px = 720;
@@ -47,7 +48,7 @@ struct Job {
   std::vector<std::string> layers;   // beside beauty
   double motion_s = 1.0 / 24;        // of the layer motion: from the frame before, 1 / --fps
   std::string view = "beauty";       // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
-  std::string background = "transparent";  // or "R,G,B" linear, used where there is no sky
+  std::string background = "transparent";  // a colour or "R,G,B", where there is no sky (frame/background.h)
   uint64_t seed = 0;
   // Encoding.
   bool exr_float = false;  // beauty as float instead of half
@@ -57,11 +58,13 @@ struct Job {
   bool timings_in_metadata = false;
   bool allow_nonfinite = false;
 };
+// Among the layers of a job that asks for all there are: those that this frame cannot have are left out, and no error.
+inline constexpr std::string_view all_layers = "all";
 // Skies that --sky names without a file.
 inline bool is_sky_word(const std::string& sky) { return sky == "none" || sky == "atmosphere"; }
 std::string job_json(const Job& job);  // stable order; one line
 Expected<Job> job_from_json(const std::string& text);
-Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720"
+Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720", "1080p", "4k"
 Expected<KnobSetting> parse_knob_setting(const std::string& text);  // "PASS.KNOB=VALUE"
 // Names and ranges: an unknown technique, layer or knob is an error that lists the names and suggests the nearest.
 Expected<void> check_job(const Job& job);

@@ -1,10 +1,12 @@
 #include "base/text.h"
+#include "frame/background.h"
 #include "frame/choose_transparency.h"
 #include "frame/job.h"
 #include "frame/plan_frame.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "scene/shading.h"
+#include "scene/up_axis.h"
 
 namespace candela {
 namespace {
@@ -33,21 +35,6 @@ Expected<void> check_settings(const Job& job) {
     if (knobs.empty()) return check_name("--set", "pass with knobs", setting.pass, passes);
     if (auto known = check_name("--set", "knob", setting.knob, knobs); !known) return known;
   }
-  return {};
-}
-
-Expected<void> check_background(const std::string& background) {
-  if (background == "transparent") return {};
-  const std::vector<std::string> parts = split(background, ',');
-  bool good = parts.size() == 3;
-  for (const std::string& part : parts) {
-    char* end = nullptr;
-    const double value = std::strtod(part.c_str(), &end);
-    good = good && !part.empty() && *end == 0 && std::isfinite(value) && value >= 0;
-  }
-  if (!good)
-    return fail(ErrorKind::usage, "--background",
-                "'{}' is neither transparent nor three linear values R,G,B of at least 0", background);
   return {};
 }
 
@@ -113,6 +100,7 @@ Expected<void> check_job(const Job& job) {
   if (auto known = check_name("--cut-outs", "way of drawing cut-outs", job.cut_outs, cut_out_choices()); !known)
     return known;
   if (auto known = check_name("--shading", "shading", job.shading, shading_names()); !known) return known;
+  if (auto known = check_name("--up", "axis", job.up, up_axes()); !known) return known;
   if (!job.probe.empty())
     if (auto known = check_name("--probe", "probe", job.probe, probe_names()); !known) return known;
   if (!image_of_view(job.view))
@@ -121,9 +109,10 @@ Expected<void> check_job(const Job& job) {
     for (const std::string& effect : split(job.effects, ','))
       if (auto known = check_name("--effects", "effect", effect, effect_names()); !known) return known;
   for (const std::string& layer : job.layers)
-    if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
+    if (layer != all_layers)
+      if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
   if (auto good = check_compression(job.layers, job.exr_compression); !good) return good;
-  if (auto good = check_background(job.background); !good) return good;
+  if (auto good = parse_background(job.background); !good) return std::unexpected(good.error());
   return check_settings(job);
 }
 

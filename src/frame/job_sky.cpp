@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "base/input.h"
+#include "frame/background.h"
 #include "frame/sky_lights.h"
 #include "frame/sky_pyramid.h"
 #include "image/cube_faces.h"
@@ -134,7 +135,10 @@ DecodedImage sum_of(const std::vector<SkyPart>& parts) {
 }
 
 bool has_sky(const Job& job, const Look& look) { return source_of(job, look) != Source::none || has_second(job, look); }
-bool shows_through(const Job& job, const Look& look) { return job.background == "transparent" && !has_sky(job, look); }
+bool shows_through(const Job& job, const Look& look) {
+  const auto background = parse_background(job.background);
+  return background && background->transparent() && !has_sky(job, look);
+}
 
 Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look) {
   std::vector<std::string> files;

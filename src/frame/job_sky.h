@@ -54,8 +54,8 @@ DecodedImage sum_of(const std::vector<SkyPart>& parts);
 
 // Whether the job has a sky, whatever the time.
 bool has_sky(const Job& job, const Look& look);
-// Whether display output has alpha: by the job and not by the pixels, so that all frames of a sequence have the same
-// channels.
+// Whether pictures are transparent where nothing is: by the job and not by the pixels, so that all frames of a sequence
+// have the same channels.
 bool shows_through(const Job& job, const Look& look);
 // The files that its sky is read from, and the error (input) of a name that a look may not name.
 Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look);

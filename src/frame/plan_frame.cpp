@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "frame/background.h"
 #include "frame/caster_hash.h"
 #include "frame/choose_transparency.h"
 #include "frame/device_pose.h"
@@ -29,20 +30,9 @@ namespace {
 // enough that nothing leaves a float's. Tone mapping applies the rest.
 constexpr float most_pre_exposure_ev = 20;
 
-Expected<std::array<float, 4>> parse_background(const std::string& text, float pre_exposure) {
-  if (text == "transparent") return std::array<float, 4>{0, 0, 0, 0};
-  float rgb[3];
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (int i = 0; i < 3; ++i) {
-    const auto [next, error] = std::from_chars(at, end, rgb[i]);
-    const bool separated = i < 2 ? next != end && *next == ',' : next == end;
-    if (error != std::errc() || !separated || !(rgb[i] >= 0) || !std::isfinite(rgb[i]))
-      return fail(ErrorKind::usage, "--background",
-                  "'{}' is neither 'transparent' nor three linear values 'R,G,B' of 0 or more", text);
-    at = next + 1;
-  }
-  return std::array<float, 4>{rgb[0] * pre_exposure, rgb[1] * pre_exposure, rgb[2] * pre_exposure, 1};
+std::array<float, 4> exposed(const BackgroundChoice& background, float pre_exposure) {
+  const auto& [r, g, b, a] = background.linear;
+  return {r * pre_exposure, g * pre_exposure, b * pre_exposure, a};
 }
 
 FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedOutputs& wanted, double time_s,
@@ -74,6 +64,8 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.exr_float = job.exr_float;
   request.look_nonfinite = wanted.files && !job.allow_nonfinite;
   request.shows_through = shows_through(job, request.look);
+  if (const auto background = parse_background(job.background); background && request.shows_through)
+    request.behind_rgb = background->display_rgb;
   request.dither = job.dither;
   // Noise differs from frame to frame, and depends on nothing but the job and the time.
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
@@ -258,13 +250,22 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
 
 // Layers that divide beauty composite blended surfaces by `sorted` or `layers`: by another method their sum would be
 // another picture.
-Expected<void> check_divided(const PlannedFrame& f) {
+Expected<void> check_divided(PlannedFrame& f) {
   const bool glass = f.facts.refracting_items > 0 && f.request.transparency == Phenomenological::method;
   if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method ||
       f.request.transparency == Fragments::method)
     return {};
   std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
   parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
+  if (f.request.has_layer(all_layers)) {
+    std::erase_if(f.request.layers, [&](const std::string& layer) {
+      return std::ranges::find(parts, layer, &LayerName::name) != parts.end();
+    });
+    f.notes.push_back(
+        fmt::format("layers that divide beauty are left out: they are of see-through surfaces that are drawn by the "
+                    "method {} (--transparency)",
+                    Transparent::method));
+  }
   for (const LayerName& part : parts)
     if (f.request.has_layer(part.name))
       return fail(ErrorKind::usage, "--layers",
@@ -429,16 +430,17 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   plan_rays(f, context, *knobs, traces_keys);
 
   f.clock.begin("plan");
-  const auto background = parse_background(job.background, f.upload.constants.pre_exposure);
-  if (!background) return std::unexpected(background.error());
-  f.upload.constants.background = {(*background)[0], (*background)[1], (*background)[2], (*background)[3]};
+  const auto parsed_background = parse_background(job.background);
+  if (!parsed_background) return std::unexpected(parsed_background.error());
+  const std::array<float, 4> background = exposed(*parsed_background, f.upload.constants.pre_exposure);
+  f.upload.constants.background = {background[0], background[1], background[2], background[3]};
   std::vector<DumpRequest> requests = wanted.dumps;
   if (const auto image = image_of_view(job.view); image && wanted.display) requests.push_back(*image);
   std::map<Hash128, KeptState> kept_states;
   const auto build = [&](GraphBuilder& builder) {
     f.imports.clear();
     SceneInputs inputs = import_scene(builder, context, f);
-    inputs.background = *background;
+    inputs.background = background;
     Frame frame{builder, f.facts, f.request, *knobs, {}, {}};
     frame.kept_states = kept_states;
     if (!f.dumps.empty())

@@ -3,12 +3,14 @@
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "scene/shading.h"
+#include "scene/up_axis.h"
 
 namespace candela {
 
 Expected<Scene> load_scene(const Job& job, LoadFor use) {
   auto scene = load_gltf(job.scene, {use, job.variant});
   if (scene) apply_cut_outs(*scene, job.cut_outs);
+  if (scene) turn_up(*scene, job.up);
   if (scene) apply_shading(*scene, job.shading);
   if (scene) add_probe(*scene, probe_from_name(job.probe));
   return scene;

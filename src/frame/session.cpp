@@ -129,7 +129,7 @@ Expected<void> DeviceSession::load() {
 Expected<void> DeviceSession::choose_by_device() {
   if (job_.technique == auto_technique) {
     const ChosenTechnique chosen =
-        quickest_technique(device_->info().is_cpu, gpu::has_int64_atomics(device_->physical()));
+        quickest_technique(device_->info().is_cpu, device_->info().int64_atomics);
     job_.technique = chosen.name;
     log::info("technique auto: {}, because {}", chosen.name, chosen.why);
   }

@@ -44,6 +44,7 @@ struct DeviceInfo {
   uint64_t memory_bytes = 0;
   bool is_cpu = false;
   bool post_depth_coverage = false;  // a fragment's coverage after the depth test
+  bool int64_atomics = false;        // in buffers, as --technique visibility needs them
   RayExtensions rays;
   std::string unusable;  // empty, or what it lacks and what to install
 };

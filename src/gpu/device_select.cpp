@@ -394,6 +394,7 @@ Expected<std::vector<Candidate>> find_candidates(VkInstance instance) {
     candidate.info = describe_physical(candidate.physical, int(i));
     candidate.info.unusable = why_unusable(candidate.physical, candidate.info);
     if (auto found = find_extensions(candidate.physical, candidate.info); !found) return std::unexpected(found.error());
+    if (candidate.info.unusable.empty()) candidate.info.int64_atomics = has_int64_atomics(candidate.physical);
     if (!find_queues(candidate) && candidate.info.unusable.empty())
       candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
     VkPhysicalDeviceProperties properties;

@@ -1,4 +1,5 @@
 #include <bit>
+#include <charconv>
 
 #include "graph/plan.h"
 
@@ -8,12 +9,16 @@ namespace {
 // Every field ends in a separator and every string says its length, so that no two plans give the same text.
 class Text {
  public:
-  void number(uint64_t value) { fmt::format_to(std::back_inserter(text_), "{};", value); }
-  void word(std::string_view value) { fmt::format_to(std::back_inserter(text_), "{};", value); }
-  void string(const std::string& value) { fmt::format_to(std::back_inserter(text_), "{}:{};", value.size(), value); }
+  void number(uint64_t value) { digits(value), text_ += ';'; }
+  void word(std::string_view value) { text_ += value, text_ += ';'; }
+  void string(const std::string& value) { digits(value.size()), text_ += ':', word(value); }
   const std::string& text() const { return text_; }
 
  private:
+  void digits(uint64_t value) {
+    char digits[20];
+    text_.append(digits, std::to_chars(std::begin(digits), std::end(digits), value).ptr);
+  }
   std::string text_;
 };
 

@@ -12,14 +12,21 @@
 namespace candela {
 namespace {
 
-std::string names_of(const FloatImage& image) {
+std::string names_of(const FloatImage& image, bool with_alpha = true) {
   std::set<std::string> sorted;
   // What the reference tracer says of its own noise is no part of the picture.
   for (const Channel& channel : image.channels)
-    if (!channel.name.starts_with("variance.")) sorted.insert(channel.name);
+    if (!channel.name.starts_with("variance.") && (with_alpha || channel.name != "A")) sorted.insert(channel.name);
   std::string text;
   for (const std::string& name : sorted) text += (text.empty() ? "" : " ") + name;
   return text;
+}
+
+// One image alone has alpha, which is 1 everywhere, and all else is in both.
+bool opaque_alpha_alone(const FloatImage& a, const FloatImage& b) {
+  if (bool(a.find("A")) == bool(b.find("A")) || names_of(a, false) != names_of(b, false)) return false;
+  const Channel& alpha = *(a.find("A") ? a : b).find("A");
+  return alpha.type != ChannelType::uint32 && std::ranges::all_of(alpha.f, [](float v) { return v == 1; });
 }
 
 // NaN matches any NaN, an infinity the same infinity, a number any number.
@@ -39,7 +46,7 @@ std::string finiteness_refusal(const FloatImage& reference, const FloatImage& te
     for (const Channel& a : reference.channels) {
       if (a.type == ChannelType::uint32) continue;
       const Channel* b = test.find(a.name);
-      if (!b) continue;  // variance
+      if (!b) continue;  // variance, and alpha of one image alone
       const float va = a.f[i], vb = b->f[i];
       if (same_finiteness(va, vb)) {
         in_both += !std::isfinite(va);
@@ -66,8 +73,9 @@ std::string refusal_of(const FloatImage& a, const FloatImage& b, size_t& nonfini
         "the windows differ: data at ({}, {}) and ({}, {}) of displays of {}x{} and {}x{} (0x0: the data window)",
         a.origin_x, a.origin_y, b.origin_x, b.origin_y, a.display_width, a.display_height, b.display_width,
         b.display_height);
-  if (names_of(a) != names_of(b))
-    return fmt::format("the channels differ: \"{}\" and \"{}\"", names_of(a), names_of(b));
+  if (names_of(a) != names_of(b) && !opaque_alpha_alone(a, b))
+    return fmt::format("the channels differ: \"{}\" and \"{}\"{}", names_of(a), names_of(b),
+                       names_of(a, false) == names_of(b, false) ? "; where alpha is not 1 everywhere it counts" : "");
   for (const Channel& channel : a.channels)
     if (const Channel* other = b.find(channel.name);
         other && (channel.type == ChannelType::uint32) != (other->type == ChannelType::uint32))
@@ -79,8 +87,9 @@ std::string refusal_of(const FloatImage& a, const FloatImage& b, size_t& nonfini
 std::vector<ChannelPair> numeric_channels(const FloatImage& a, const FloatImage& b) {
   std::vector<ChannelPair> plain, layered;
   for (const Channel& channel : a.channels) {
-    if (channel.type == ChannelType::uint32 || channel.name.starts_with("variance.")) continue;
-    (channel.name.find('.') == std::string::npos ? plain : layered).emplace_back(&channel, b.find(channel.name));
+    const Channel* other = b.find(channel.name);
+    if (!other || channel.type == ChannelType::uint32 || channel.name.starts_with("variance.")) continue;
+    (channel.name.find('.') == std::string::npos ? plain : layered).emplace_back(&channel, other);
   }
   return plain.empty() ? layered : plain;
 }
@@ -119,13 +128,17 @@ double psnr(const std::vector<Plane>& a, const std::vector<Plane>& b, int width,
 std::vector<std::vector<float>> display_planes(const FloatImage& image, Encoding encoding) {
   std::array<const Channel*, 3> colour = {image.find("R"), image.find("G"), image.find("B")};
   if (const Channel* grey = image.find("Y"); grey && !colour[0]) colour = {grey, grey, grey};
+  const Channel* alpha = image.find("A");
+  if (encoding == Encoding::linear || (alpha && alpha->type == ChannelType::uint32)) alpha = nullptr;
+  const auto within = [](float v) { return v > 0 ? std::min(v, 1.0f) : 0.0f; };  // NaN becomes 0
   std::vector<std::vector<float>> planes;
   for (const Channel* channel : colour) {
     if (!channel || channel->type == ChannelType::uint32) return {};
     std::vector<float>& plane = planes.emplace_back(channel->f);
-    for (float& v : plane) {
-      v = v > 0 ? std::min(v, 1.0f) : 0.0f;  // NaN becomes 0
-      if (encoding == Encoding::linear) v = srgb_from_linear(v);
+    for (size_t i = 0; i < plane.size(); ++i) {
+      plane[i] = within(plane[i]);
+      if (encoding == Encoding::linear) plane[i] = srgb_from_linear(plane[i]);
+      if (alpha) plane[i] *= within(alpha->f[i]);
     }
   }
   return planes;
@@ -220,6 +233,9 @@ Comparison compare(const FloatImage& reference, const FloatImage& test, const Co
     if (const auto within = check_region(region, reference.width, reference.height); !within && result.refusal.empty())
       result.refusal = within.error().message;
   if (!result.refusal.empty()) return result;
+  if (opaque_alpha_alone(reference, test))
+    result.notes.push_back(fmt::format("the {} image alone has alpha, which is 1 everywhere: the colours are compared",
+                                       reference.find("A") ? "reference" : "test"));
   const auto noise = noise_map(reference);
   const double noise_scale = noise ? noise->scale : -1;
   Numbers numbers = numbers_of(reference, test, noise_scale);

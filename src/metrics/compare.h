@@ -32,8 +32,9 @@ enum class Encoding { linear, display };
 //   flip             mean LDR-FLIP at 67 pixels per degree (flip.h)
 //   hdr-flip         mean HDR-FLIP of scene-linear colour (hdr_flip.h)
 //   differing        pixels that are not bit-equal in every channel, layers and integers too
-// Colour is R, G, B, or Y for all three; alpha is not part of psnr, ssim and flip: colour is taken as stored, as the
-// authors of FLIP do. Images without colour have no psnr, ssim and flip.
+// Colour is R, G, B, or Y for all three. psnr, ssim, flip and hdr-flip see it times alpha, as EXR stores it and as it
+// stands before black: what is transparent has no colour. An image without alpha is comparable with one whose alpha is
+// 1 everywhere. Images without colour have no psnr, ssim and flip.
 inline constexpr double psnr_of_equal = 999.0;  // JSON has no infinity
 
 struct RegionResult {
@@ -45,6 +46,7 @@ struct RegionResult {
 
 struct Comparison {
   std::string refusal;  // sizes, windows, channels or finiteness differ: said before any metric; empty when comparable
+  std::vector<std::string> notes;         // what was taken for equal
   std::map<std::string, double> metrics;  // empty when refused
   std::vector<float> flip_map;            // width*height in [0,1]; empty when flip was not computed
   size_t nonfinite_in_both = 0;           // equal NaNs or infinities at the same place: they count as no difference
@@ -79,7 +81,8 @@ Encoding encoding_of(const std::filesystem::path& path);
 Expected<Comparison> compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                                    CompareOptions options = {});
 
-// Display-encoded red, green and blue in [0,1], a plane each; nothing when the image has neither R, G, B nor Y.
+// Display-encoded red, green and blue in [0,1] before black, a plane each: of display-encoded images, whose alpha is
+// straight, times alpha; nothing when the image has neither R, G, B nor Y.
 std::vector<std::vector<float>> display_planes(const FloatImage& image, Encoding encoding);
 
 // True when every pixel has the same colour: a render that shows nothing.

@@ -124,6 +124,7 @@ std::string comparison_json(const Comparison& comparison, std::span<const LimitV
                                      {"reference", levels.reference},
                                      {"test", levels.test},
                                      {"compared", levels.shared()}});
+  if (!comparison.notes.empty()) json["notes"] = comparison.notes;
   if (!comparison.only_in_reference.empty()) json["only_in_reference"] = comparison.only_in_reference;
   if (!comparison.only_in_test.empty()) json["only_in_test"] = comparison.only_in_test;
   if (!comparison.refusal.empty()) json["refusal"] = comparison.refusal;

@@ -1,6 +1,7 @@
 #pragma once
 #include <type_traits>
 
+#include "base/fields.h"
 #include "passes/debug/dump.h"
 #include "passes/debug/layers.h"
 #include "passes/debug/light_heat.h"
@@ -120,7 +121,35 @@ template <class List>
 struct TablesOf;
 template <class... P>
 struct TablesOf<PassList<P...>> : Collect<std::tuple<>, P...> {};
+
+template <class Tuple, class K>
+struct Holds;
+template <class... Ks, class K>
+struct Holds<std::tuple<Ks...>, K> : std::disjunction<std::is_same<Ks, K>...> {};
 }  // namespace knobs_detail
+
+// Whether knobs of the table K change a pass's work: it is its own or shared, or what the pass is handed follows from
+// it.
+template <class P, class K>
+bool follows() {
+  using knobs_detail::Holds;
+  bool yes = Holds<decltype(knobs_detail::tables_of<P>()), K>::value;
+  if constexpr (FollowsKnobs<P>) yes = yes || Holds<typename P::InputKnobs, K>::value;
+  typename P::In in{};
+  for_each_field(in, [&]<class T>(const T&) {
+    if constexpr (requires { typename T::MadeBy; }) yes = yes || Holds<typename T::MadeBy, K>::value;
+  });
+  return yes;
+}
+// Their names, in the order of the list.
+template <class K>
+std::vector<std::string> passes_of_table() {
+  std::vector<std::string> names;
+  AllPasses::each([&]<class P>(std::type_identity<P>) {
+    if (follows<P, K>()) names.emplace_back(P::name);
+  });
+  return names;
+}
 
 // One value of every knob table that some pass has or shares.
 class KnobValues {

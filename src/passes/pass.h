@@ -9,6 +9,7 @@
 #include "base/knob.h"
 #include "gpu/command_list.h"
 #include "graph/builder.h"
+#include "passes/knob_tables.h"
 #include "scene/survey.h"
 
 namespace candela {
@@ -49,6 +50,14 @@ concept HasKnobs = requires(P pass) {
 template <class P>
 concept SharesKnobs = requires {
   std::tuple_size<typename P::SharedKnobs>::value;
+};
+
+// Tables of passes before it, whose knobs change its work by the plain buffers and images that it is handed; what In
+// holds of other types says so itself (`MadeBy`, passes/knob_tables.h). The plan has their values where those passes
+// stand.
+template <class P>
+concept FollowsKnobs = requires {
+  std::tuple_size<typename P::InputKnobs>::value;
 };
 
 // Knobs of its tables that do nothing in this frame (tile sizes where there are no tiles): they are not among the

@@ -128,6 +128,10 @@ DisplayImage display_image(std::span<const glm::dvec4> pixels, int width, const 
     c = display_encoded(tone_mapped(settings.curve, c, settings.agx_min_ev, settings.agx_max_ev));
     if (settings.dither && settings.bits == 8)
       c = dithered(c, uint32_t(i % size_t(width)), uint32_t(i / size_t(width)), settings.seed);
+    if (settings.behind_rgb) {
+      const uint32_t rgb = *settings.behind_rgb;
+      c = glm::mix(glm::dvec3(rgb >> 16, rgb >> 8 & 255, rgb & 255) / 255.0, c, alpha);
+    }
     const double values[4] = {c.x, c.y, c.z, alpha};
     for (int k = 0; k < image.channels; ++k) {
       std::byte* at = image.pixels.data() + (i * size_t(image.channels) + size_t(k)) * each_bytes;

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -13,8 +14,9 @@ struct DisplaySettings {
   double exposure_ev = 0;
   double agx_min_ev = agx_lowest_ev, agx_max_ev = agx_highest_ev;  // scene/look.h
   int bits = 8;
-  bool dither = true;  // 8 bits alone
-  bool alpha = false;  // straight alpha as a fourth channel
+  bool dither = true;                       // 8 bits alone
+  bool alpha = false;                       // straight alpha as a fourth channel
+  std::optional<uint32_t> behind_rgb = {};  // sRGB codes that the picture is laid over; without alpha
   uint32_t seed = 0;
 };
 

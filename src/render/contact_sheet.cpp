@@ -30,17 +30,20 @@ std::vector<Cover> covers(int from, int to) {
   return all;
 }
 
-std::vector<float> shrunk(const std::vector<float>& plane, int width, int new_width, int new_height, int height) {
+// encoded: the values are of sRGB, and what they stand for is averaged.
+std::vector<float> shrunk(const std::vector<float>& plane, int width, int new_width, int new_height, int height,
+                          bool encoded) {
   const std::vector<Cover> across = covers(width, new_width), down = covers(height, new_height);
   std::vector<float> result(size_t(new_width) * size_t(new_height));
   for (size_t y = 0; y < size_t(new_height); ++y)
     for (size_t x = 0; x < size_t(new_width); ++x) {
       double sum = 0;
       for (size_t j = 0; j < down[y].shares.size(); ++j)
-        for (size_t i = 0; i < across[x].shares.size(); ++i)
-          sum += down[y].shares[j] * across[x].shares[i] *
-                 linear_from_srgb(plane[(down[y].first + j) * size_t(width) + across[x].first + i]);
-      result[y * size_t(new_width) + x] = float(srgb_from_linear(float(sum)));
+        for (size_t i = 0; i < across[x].shares.size(); ++i) {
+          const float v = plane[(down[y].first + j) * size_t(width) + across[x].first + i];
+          sum += down[y].shares[j] * across[x].shares[i] * (encoded ? linear_from_srgb(v) : v);
+        }
+      result[y * size_t(new_width) + x] = encoded ? srgb_from_linear(float(sum)) : float(sum);
     }
   return result;
 }
@@ -54,15 +57,24 @@ SheetPicture fitted(const SheetPicture& picture, const SheetLayout& layout) {
   if (width == picture.width && height == picture.height) return picture;
   SheetPicture result{.width = width, .height = height, .caption = picture.caption};
   for (const auto& plane : picture.planes)
-    result.planes.push_back(shrunk(plane, picture.width, width, height, picture.height));
+    result.planes.push_back(shrunk(plane, picture.width, width, height, picture.height, true));
+  if (!picture.alpha.empty()) result.alpha = shrunk(picture.alpha, picture.width, width, height, picture.height, false);
   return result;
+}
+
+// What shows through at a pixel of a picture, display-encoded.
+float checker(int x, int y) {
+  constexpr int side_px = 8;
+  return (x / side_px + y / side_px) % 2 == 0 ? 0.6f : 0.4f;
 }
 
 void put(const SheetPicture& picture, int x, int y, DisplayImage& sheet) {
   for (int j = 0; j < picture.height; ++j)
     for (int i = 0; i < picture.width; ++i)
       for (size_t c = 0; c < 3; ++c) {
-        const float v = picture.planes[c][size_t(j) * size_t(picture.width) + size_t(i)];
+        const size_t at = size_t(j) * size_t(picture.width) + size_t(i);
+        float v = picture.planes[c][at];
+        if (!picture.alpha.empty()) v += (1 - picture.alpha[at]) * checker(i, j);
         sheet.pixels[(size_t(y + j) * size_t(sheet.width) + size_t(x + i)) * 3 + c] =
             std::byte(int(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f));
       }

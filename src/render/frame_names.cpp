@@ -20,6 +20,11 @@ Expected<OutputFormat> output_format(const fs::path& path) {
   for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".exr") return OutputFormat::exr;
   if (ending == ".png") return OutputFormat::png;
+  if (ending == ".jpg" || ending == ".jpeg" || ending == ".webp")
+    return fail(ErrorKind::usage, "-o",
+                "'{}' ends in neither .exr nor .png; JPEG and WebP lose what pictures are compared by and are not "
+                "written: convert a PNG, for example with oiiotool a.png -o a{}",
+                path.string(), ending);
   return fail(ErrorKind::usage, "-o", "'{}' ends in neither .exr nor .png", path.string());
 }
 

@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "base/file_uses.h"
 #include "base/text.h"
+#include "frame/background.h"
 #include "frame/content_hash.h"
 #include "frame/job_sky.h"
 #include "reference/leaf_view.h"
@@ -20,15 +21,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 glm::dvec4 background_of(const std::string& text) {
-  if (text == "transparent") return glm::dvec4(0);
-  const std::vector<std::string> parts = split(text, ',');  // checked by check_job()
-  CHECK(parts.size() == 3);
-  glm::dvec4 colour(0, 0, 0, 1);
-  for (int i = 0; i < 3; ++i) {
-    const std::string& part = parts[size_t(i)];
-    std::from_chars(part.data(), part.data() + part.size(), colour[i]);
-  }
-  return colour;
+  const auto background = parse_background(text);
+  CHECK_MSG(background, text);  // checked by check_job()
+  const auto& [r, g, b, a] = background->linear;
+  return {r, g, b, a};
 }
 
 // Gradients by their formula; the rest by its images.
@@ -265,7 +261,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.width_px = job.width_px, picture.height_px = job.height_px;
   picture.background = job.background;
   picture.shading = job.shading, picture.probe = job.probe, picture.variant = job.variant;
-  picture.cut_outs = job.cut_outs;
+  picture.cut_outs = job.cut_outs, picture.up = job.up;
   picture.sky = job.sky.empty() || is_sky_word(job.sky) ? job.sky : "sky";
   picture.look = job.look.empty() ? "" : "look";
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),

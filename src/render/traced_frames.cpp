@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 
+#include "frame/background.h"
 #include "frame/job_look.h"
 #include "frame/job_sky.h"
 #include "frame/timings.h"
@@ -58,10 +59,11 @@ DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& f
   }
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(frame.time_s);
   display.dither = job.dither;
-  display.alpha = job.background == "transparent" && !has_sky(job, frame.look);
+  if (shows_through(job, frame.look)) display.behind_rgb = parse_background(job.background)->display_rgb;
+  display.alpha = shows_through(job, frame.look) && !display.behind_rgb;
   display.seed = uint32_t(noise ^ (noise >> 32));
   if (view == "beauty") return reference::display_image(film, display);
-  display.alpha = false;
+  display.alpha = false, display.behind_rgb = {};
   std::vector<glm::dvec4> pixels(film.pixels(), glm::dvec4(1));
   for (size_t i = 0; i < pixels.size(); ++i)
     for (int c = 0; c < 3; ++c) pixels[i][c] = double(layer.channels[size_t(c)].f[i]);

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,9 +52,10 @@ struct FrameRequest {
   bool want_display = false;  // PNG or video: tone-mapped
   // What is read back is packed as files hold it (passes/post/pack.h); else it is texels.
   bool for_files = false;
-  bool exr_float = false;       // colours are stored in 32 bits
-  bool look_nonfinite = false;  // count pixels that are not finite, also of a beauty that is not read back
-  bool shows_through = false;   // display output has alpha
+  bool exr_float = false;                   // colours are stored in 32 bits
+  bool look_nonfinite = false;              // count pixels that are not finite, also of a beauty that is not read back
+  bool shows_through = false;               // pictures are transparent where nothing is
+  std::optional<uint32_t> behind_rgb = {};  // display output is laid over these sRGB codes there; else it has alpha
   bool draw_background = true;
   std::vector<std::string> layers;  // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
   std::string view = "beauty";      // what display output shows: beauty, a layer, or an image of the frame
@@ -80,7 +82,7 @@ struct FrameRequest {
   bool wants_looked(std::string_view effect, bool in_look) const {
     return effects == "auto" ? in_look : names_effect(effect);
   }
-  bool display_alpha() const { return shows_through && view == "beauty"; }
+  bool display_alpha() const { return shows_through && !behind_rgb && view == "beauty"; }
   bool shown_alone(std::string_view layer) const { return view_alone && layer == view; }
   bool names_effect(std::string_view effect) const;
   bool draws_reflections() const { return wants_looked("ssr", look.reflections.has_value()); }

@@ -11,6 +11,12 @@ namespace {
 
 constexpr const char* built_in = "stability";
 
+std::vector<std::string> techniques_or_auto() {
+  std::vector<std::string> names = technique_names();
+  names.emplace_back(auto_technique);
+  return names;
+}
+
 // A text that is one of `names`.
 auto one_of(const char* what, std::vector<std::string> names) {
   return [what, names = std::move(names)](const Json& j, const SuitePlace& at) -> Expected<std::string> {
@@ -57,7 +63,7 @@ Readers<StabilityOptions> readers() {
           {"families", list_into(&StabilityOptions::families, one_of("family", families()))},
           {"only", list_into(&StabilityOptions::only, text_of)},
           {"sizes", list_into(&StabilityOptions::sizes, size_of)},
-          {"techniques", list_into(&StabilityOptions::techniques, one_of("technique", technique_names()))},
+          {"techniques", list_into(&StabilityOptions::techniques, one_of("technique", techniques_or_auto()))},
           {"seed", [](const Json& j, const SuitePlace& at,
                       StabilityOptions& o) { return read_whole(j, at, uint64_t(0), o.seed); }},
           {"large", read_large}};

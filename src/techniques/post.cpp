@@ -20,6 +20,7 @@ Tonemap::In tonemap_in(const Frame& frame, const SceneInputs& scene, ImageHandle
   in.dither = request.dither;
   in.exposure = std::exp2(request.exposure_ev - request.pre_exposure_ev);
   in.seed = request.noise_seed;
+  in.behind_rgb = request.behind_rgb;
   in.agx_min_ev = float(request.look.tone_mapping.agx_min_ev);
   in.agx_max_ev = float(request.look.tone_mapping.agx_max_ev);
   return in;

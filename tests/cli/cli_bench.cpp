@@ -131,6 +131,23 @@ TEST(Bench, ReadsSuitesStrictly) {
   EXPECT_FALSE(rows[2].value("error", Json()).is_null());
 }
 
+TEST(Bench, TakesTheTechniqueThatIsQuickestOnTheDeviceByItsName) {
+  const TestFolder folder;
+  std::ofstream(folder / "s.json") << R"({"scenes": ["unlit-box"], "techniques": ["auto"]})";
+  for (const auto& [what, techniques, rows] : std::vector<std::tuple<std::string, std::string, size_t>>{
+           {"unlit-box", "auto", 1}, {"unlit-box", "clustered,visibility,auto", 2}, {folder / "s.json", "", 1}}) {
+    std::vector<std::string> words = {what, "--size",     "24x16", "--json",      "-",    "--min-runs",
+                                      "1",  "--max-runs", "1",     "--warm-up-s", "0.001"};
+    if (!techniques.empty()) words.insert(words.end(), {"--techniques", techniques});
+    const Ended ended = bench(words);
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const Json json = Json::parse(ended.out);
+    ASSERT_EQ(json["rows"].size(), rows) << techniques;
+    for (const Json& row : json["rows"])
+      EXPECT_TRUE(row["technique"] == "clustered" || row["technique"] == "visibility") << row["technique"];
+  }
+}
+
 TEST(Bench, SaysWhenTimeOrMemoryRunOut) {
   const Ended late =
       bench({"animated",     "--lights",    "2,5",        "--size", "40x24",      "--samples",  "1",

@@ -295,7 +295,7 @@ TEST(VolumeScatter, IsApproximatedAndSaidSoByFactsAndEveryRenderer) {
     }
   EXPECT_TRUE(listed) << facts.out;
   for (const char* command : {"render", "reference"}) {
-    const Ended ended = candela({command, file, "-o", folder / "wax.png", "--size", "16x16"});
+    const Ended ended = candela({command, file, "-o", folder / "wax.png", "--size", "16x16", "--verbose"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     EXPECT_NE(ended.err.find("extension KHR_materials_volume_scatter is approximated"), std::string::npos)
         << command << ": " << ended.err;

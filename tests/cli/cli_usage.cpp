@@ -90,6 +90,9 @@ TEST(List, SaysALineAboutEachName) {
       EXPECT_NE(line.find("  "), std::string::npos) << what << ": " << line;
     EXPECT_GT(count, 2) << what;
   }
+  const std::string techniques = candela({"list", "techniques"}).out;
+  EXPECT_EQ(techniques.find("auto "), 0u) << techniques;
+  EXPECT_EQ(techniques.find("default", techniques.find("default") + 1), std::string::npos) << techniques;
 }
 
 // Each example of the help must be taken by the parser: all that is wrong with it is that its files are not there.
@@ -146,6 +149,7 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"render"}, "SCENE"},
       {{"render", box}, "-o"},
       {{"render", box, "-o", "x.jpg"}, ".exr nor .png"},
+      {{"sequence", box, "--frames", "0-9", "-o", "%04d.webp"}, "convert a PNG"},
       {{"render", box, "-o", "x.exr", "--sise", "1x1"}, "did you mean '--size'"},
       {{"render", box, "-o", "x.exr", "--size", "12"}, "--size"},
       {{"render", box, "-o", "x.exr", "--size", "0x5"}, "--size"},

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <map>
 #include <set>
 
 #include "base/text.h"
@@ -8,8 +11,11 @@
 #include "bench/error_truth.h"
 #include "bench/error_views.h"
 #include "bench/error_walk.h"
+#include "bench/scene_store.h"
 #include "frame/frame_knobs.h"
+#include "frame/job_look.h"
 #include "frame/plan_frame.h"
+#include "gltf/gltf.h"
 
 namespace candela::bench_error_analysis {
 namespace {
@@ -368,17 +374,18 @@ Walked walked(const SweepPlace& place) {
   return w;
 }
 
-TEST(SweepPlaces, WalkEveryKnobWithEveryTechniqueThatHasItsPasses) {
+TEST(SweepPlaces, WalkEveryKnobOfAnyPass) {
   Suite base;
   base.scenes = {suite_scene("light-field", {}, {})};
   base.lights = {64};
-  base.sizes = {{160, 90}, {32, 32}};
+  base.techniques = {{"clustered", {}}, {"forward-plus", {}}, {"brute-force", {}}};
+  base.sizes = {{160, 90}};
   base.view_count = 2;  // each one more is as many plans again
   base.qualities = {"draft"};
   SceneStore store;
   const auto places = sweep_places(base, store);
   ASSERT_TRUE(places) << places.error().text();
-  ASSERT_EQ(places->size(), 2u);
+  ASSERT_EQ(places->size(), 1u);
   const SweepPlace& place = places->front();
   std::vector<std::string> qualities;
   for (const SweepRow& row : place.rows)
@@ -407,14 +414,112 @@ TEST(SweepPlaces, WalkEveryKnobWithEveryTechniqueThatHasItsPasses) {
   EXPECT_FALSE(w.exact.contains("forward-plus lights.tile_px"));
 }
 
+// What a pass does in a plan, without the numbers of its resources.
+std::string declared(const FramePlan& plan, const PlanPass& pass) {
+  FramePlan alone;
+  alone.passes = {pass};
+  for (PlanUse& use : alone.passes[0].uses) use.resource = use.version = 0;
+  for (size_t i = 0; i < pass.pipelines.size(); ++i) {
+    alone.pipelines.push_back(plan.pipelines[size_t(pass.pipelines[i])]);
+    alone.passes[0].pipelines[i] = int(i);
+  }
+  alone.passes[0].name = std::string(pass.pass());
+  return plan_hash(alone).hex();
+}
+// By pass: what its instances do.
+std::map<std::string, std::set<std::string>> declared(const FramePlan& plan) {
+  std::map<std::string, std::set<std::string>> all;
+  for (const PlanPass& pass : plan.passes) all[std::string(pass.pass())].insert(declared(plan, pass));
+  return all;
+}
+
+// In a note that tells why it is not walked; not by the frame having none of its passes, which is said of what a table
+// leaves out too.
+bool is_named(const SweepPlace& place, const std::string& technique, const std::string& knob) {
+  return std::ranges::any_of(place.notes, [&](const std::string& note) {
+    return note.find(" with " + technique + ":") != std::string::npos && note.find(knob) != std::string::npos &&
+           note.find("none of their passes") == std::string::npos;
+  });
+}
+
+// A scene and a look with a sun, a lamp, a sky, fog, see-through surfaces, reflections and occlusion.
+SuiteScene scene_with_all(const std::filesystem::path& folder) {
+  SuiteScene scene = suite_scene("stained", {}, {});
+  scene.look = {"all", (folder / "all.look.json").string()};
+  std::ofstream(scene.look.file) << R"({"sky": {"gradient": {"zenith": [0.1, 0.2, 0.6], "horizon": [1.2, 0.9, 0.6],
+      "ground": 0.1, "exponent": 0.6}}, "fog": {"extinction": 0.03}, "reflections": {}, "occlusion": {"radius_m": 0.6},
+      "bloom": {"strength": 0.3}})";
+  return scene;
+}
+
+// Of what a sweep walks: a value that changes a plan changes some pass of it, which follows the knob's table, and so
+// the knob is walked. The techniques whose whole sweep is planned here have all passes between them.
+TEST(SweepPlaces, WhatChangesThePlanIsSweptAndChangesPassesThatFollowTheTable) {
+  Suite base;
+  const std::filesystem::path folder = testing::TempDir();
+  base.scenes = {scene_with_all(folder)};
+  base.techniques = {{"visibility", {}}, {"deferred-volumes", {}}};
+  base.sizes = {{32, 18}};
+  base.view_count = 1;
+  SceneStore store;
+  const auto places = sweep_places(base, store);
+  ASSERT_TRUE(places) << places.error().text();
+  const SweepPlace& place = places->front();
+  const Walked w = walked(place);
+  for (const char* knob : {"ibl.method", "occlusion.method", "occlusion.slices", "lights.floor_lux", "resolve.samples"})
+    EXPECT_TRUE(w.exact.contains(std::string("visibility ") + knob)) << knob;
+  const Configuration& any = place.rows.front().configuration;
+  const auto file = store.file_of(any);
+  ASSERT_TRUE(file);
+  const auto scene = load_gltf(*file);
+  ASSERT_TRUE(scene);
+  const auto layout = layout_geometry(*scene);
+  ASSERT_TRUE(layout);
+  Job job = any.job;
+  job.scene = *file;
+  std::vector<std::string> warnings;
+  const auto look = look_of(job, 0);
+  ASSERT_TRUE(look);
+  const auto sky = JobSky::read(job, *look, *scene, warnings);
+  ASSERT_TRUE(sky);
+  job.quality = "high";  // a plan of it is smaller
+  const auto planned = [&](const KnobRow& knob, const std::string& value) {
+    job.settings = {{knob.pass, knob.knob, value}};
+    for (const std::string& setting : knob.beside) job.settings.push_back(*parse_knob_setting(setting));
+    const auto frame = plan_frame(job, {*scene, *layout, &*sky}, {}, 0);
+    EXPECT_TRUE(frame) << settings_text(job) << ": " << frame.error().text();
+    return frame ? frame->graph.plan : FramePlan{};
+  };
+  for (const std::string& technique : technique_names()) {
+    job.technique = technique;
+    const bool sweeps = std::ranges::find(base.techniques, technique, &SuiteTechnique::name) != base.techniques.end();
+    for (const KnobRow& knob : knob_rows("exact")) {
+      if (knob.kind == "look") continue;
+      const std::string name = knob.pass + "." + knob.knob;
+      const FramePlan one = planned(knob, knob.walk.front()), other = planned(knob, knob.walk.back());
+      auto of_one = declared(one), of_other = declared(other);
+      for (const std::string& pass : pass_names()) {
+        const bool listed = std::ranges::find(knob.passes, pass) != knob.passes.end();
+        EXPECT_TRUE(listed || of_one[pass] == of_other[pass])
+            << technique << ": " << name << " changes " << pass << ", which follows no table that has it";
+      }
+      if (sweeps && plan_hash(one) != plan_hash(other)) {
+        EXPECT_TRUE(w.exact.contains(technique + " " + name) || is_named(place, technique, name))
+            << technique << ": " << name << " is not swept";
+      }
+    }
+  }
+}
+
 TEST(SweepPlaces, ASceneThatIsNotThereStaysInTheList) {
   Suite base;
   base.scenes = {suite_scene("absent.glb", {}, {})};
+  base.sizes = {{160, 90}, {32, 32}};
   base.techniques = {{"clustered", {}}};
   SceneStore store;
   const auto places = sweep_places(base, store);
   ASSERT_TRUE(places);
-  ASSERT_EQ(places->size(), 1u);
+  ASSERT_EQ(places->size(), 2u);
   EXPECT_EQ((*places)[0].rows.size(), 4u);
   ASSERT_EQ((*places)[0].notes.size(), 1u);
   EXPECT_NE((*places)[0].notes[0].find("no knob was walked"), std::string::npos);

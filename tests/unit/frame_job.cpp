@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "frame/background.h"
 #include "frame/job.h"
 #include "frame/timings.h"
 
@@ -16,7 +17,7 @@ Job rich_job() {
   job.width_px = 33, job.height_px = 17, job.samples = 1;
   job.quality = "exact";
   job.transparency = "weighted";
-  job.variant = "beach";
+  job.variant = "beach", job.up = "z";
   job.settings = {{"cull", "enabled", "0"}, {"a", "b", "-1.5"}};
   job.sky = "sky.hdr";
   job.look = "look.json";
@@ -89,6 +90,7 @@ TEST(JobJson, TellsApartJobsThatDifferInOneMember) {
   add([](Job& j) { j.view = "x"; });
   add([](Job& j) { j.layers = {"x"}; });
   add([](Job& j) { j.background = "x"; });
+  add([](Job& j) { j.up = "z"; });
   add([](Job& j) { j.seed = 1; });
   add([](Job& j) { j.exr_float = true; });
   add([](Job& j) { j.exr_compression = ExrCompression::none; });
@@ -96,6 +98,40 @@ TEST(JobJson, TellsApartJobsThatDifferInOneMember) {
   add([](Job& j) { j.dither = false; });
   add([](Job& j) { j.timings_in_metadata = true; });
   add([](Job& j) { j.allow_nonfinite = true; });
+}
+
+TEST(Sizes, HaveNamesToo) {
+  const std::pair<const char*, std::pair<int, int>> sizes[] = {
+      {"7x5", {7, 5}},         {"720p", {1280, 720}}, {"1080p", {1920, 1080}}, {"1440p", {2560, 1440}},
+      {"2160p", {3840, 2160}}, {"4k", {3840, 2160}},  {"4K", {3840, 2160}},    {"8k", {7680, 4320}}};
+  for (const auto& [text, size] : sizes) {
+    const auto parsed = parse_size(text);
+    ASSERT_TRUE(parsed) << text;
+    EXPECT_EQ(*parsed, size) << text;
+  }
+  for (const char* text : {"", "p", "1080", "1080i", "4kx2k", "1080p "}) {
+    const auto parsed = parse_size(text);
+    ASSERT_FALSE(parsed) << text;
+    EXPECT_NE(parsed.error().message.find("1080p"), std::string::npos);
+  }
+}
+
+TEST(Backgrounds, AreColoursOfTheDisplayOrOfTheScene) {
+  const auto display = [](const char* text) {
+    const auto background = parse_background(text);
+    EXPECT_TRUE(background && background->transparent()) << text;
+    return background ? background->display_rgb : std::nullopt;
+  };
+  EXPECT_EQ(display("white"), 0xffffffu);
+  EXPECT_EQ(display("Grey"), 0x808080u);
+  EXPECT_EQ(display("#fff"), 0xffffffu);
+  EXPECT_EQ(display("#1aF"), 0x11aaffu);
+  EXPECT_EQ(display("#1e90ff"), 0x1e90ffu);
+  EXPECT_EQ(display("transparent"), std::nullopt);
+  const auto scene = parse_background("0.5,0,12");
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->linear, (std::array<float, 4>{0.5f, 0, 12, 1}));
+  EXPECT_FALSE(scene->transparent() || scene->display_rgb);
 }
 
 TEST(JobJson, NamesWhatIsWrong) {
@@ -154,6 +190,9 @@ TEST(CheckJob, RefusesValuesOutOfRange) {
   EXPECT_TRUE(refused([](Job& j) { j.camera.eye = glm::dvec3(0); }));
   EXPECT_TRUE(refused([](Job& j) { j.camera.yfov_deg = 180; }));
   EXPECT_TRUE(refused([](Job& j) { j.background = "1,2"; }));
+  for (const char* color : {"#12", "#12345", "#gggggg", "whitest", "fff", "-1,0,0", "1,2,3,4", ""})
+    EXPECT_TRUE(refused([&](Job& j) { j.background = color; })) << color;
+  EXPECT_TRUE(refused([](Job& j) { j.up = "w"; }));
   EXPECT_TRUE(refused([](Job& j) { j.background = "1,2,nan"; }));
   EXPECT_TRUE(refused([](Job& j) { j.settings = {{"nopass", "x", "1"}}; }));
 }

@@ -101,11 +101,47 @@ TEST(Compare, ResultIsTheSameEveryTime) {
   }
 }
 
+FloatImage with_alpha(FloatImage image, float alpha) {
+  image.channels.push_back(
+      {"A", ChannelType::float32, std::vector<float>(size_t(image.width) * size_t(image.height), alpha)});
+  return image;
+}
+
+TEST(Compare, AlphaOfOneEverywhereIsNone) {
+  const FloatImage a = noise(13, 11, 1), b = noise(13, 11, 2);
+  const auto metrics = compare(a, b, {.perceptual = true}).metrics;
+  for (const auto& [one, other] : {std::pair(with_alpha(a, 1), b), std::pair(a, with_alpha(b, 1))}) {
+    const Comparison result = compare(one, other, {});
+    EXPECT_EQ(result.refusal, "");
+    EXPECT_EQ(result.metrics, metrics);
+    ASSERT_EQ(result.notes.size(), 1u);
+    EXPECT_NE(result.notes[0].find("alpha"), std::string::npos);
+  }
+  EXPECT_TRUE(compare(a, b, {}).notes.empty());
+  EXPECT_NE(compare(a, with_alpha(b, 0.999f), {}).refusal.find("not 1 everywhere"), std::string::npos);
+}
+
+TEST(Compare, TransparentPixelsHaveNoColour) {
+  const FloatImage a = with_alpha(noise(13, 11, 1), 0), b = with_alpha(noise(13, 11, 2), 0);
+  const auto shown = compare(a, b, {}).metrics;
+  EXPECT_EQ(shown.at("flip"), 0);
+  EXPECT_EQ(shown.at("psnr"), psnr_of_equal);
+  EXPECT_NEAR(shown.at("ssim"), 1, 1e-6);
+  EXPECT_GT(shown.at("max"), 0.5) << "values as they are stored";
+  // Of files that store colour times alpha it is taken as it is.
+  EXPECT_GT(compare(a, b, {.encoding = Encoding::linear}).metrics.at("flip"), 0.1);
+  // Half as opaque is half as bright.
+  FloatImage half = noise(13, 11, 1);
+  for (Channel& channel : half.channels)
+    for (float& v : channel.f) v /= 2;
+  EXPECT_NEAR(compare(with_alpha(half, 1), with_alpha(noise(13, 11, 1), 0.5f), {}).metrics.at("flip"), 0, 1e-6);
+}
+
 TEST(Refusal, SizeChannelsWindow) {
   const FloatImage a = noise(4, 3, 1);
   EXPECT_NE(compare(a, noise(3, 4, 1), {}).refusal.find("sizes"), std::string::npos);
   FloatImage b = a;
-  b.channels.push_back({"A", ChannelType::float32, std::vector<float>(12, 1.0f)});
+  b.channels.push_back({"A", ChannelType::float32, std::vector<float>(12, 0.5f)});
   EXPECT_NE(compare(a, b, {}).refusal.find("channels"), std::string::npos);
   b = a;
   b.origin_x = 2;

@@ -41,6 +41,20 @@ TEST(ContactSheet, KeepsSmallPicturesAndOrder) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(pixel(sheet, 8 + i % 3 * 18 + 4, 8 + i / 3 * step_y + 4), 51 * (i + 1)) << i;
 }
 
+TEST(ContactSheet, ACheckerShowsWhereAPictureIsTransparent) {
+  SheetPicture picture = checks(32, 16, "");
+  for (auto& plane : picture.planes) std::fill(plane.begin(), plane.end(), 0.0f);
+  picture.alpha.assign(32 * 16, 0.0f);
+  for (int y = 0; y < 16; ++y) picture.alpha[size_t(y) * 32] = 1;
+  DisplayImage sheet = contact_sheet(std::vector{picture}, {.columns = 1, .tile_width = 32, .tile_height = 16});
+  EXPECT_EQ(pixel(sheet, 8, 8), 0);
+  EXPECT_EQ(pixel(sheet, 9, 8), 153);
+  EXPECT_EQ(pixel(sheet, 8 + 8, 8), 102);
+  EXPECT_EQ(pixel(sheet, 8 + 8, 8 + 8), 153);
+  sheet = contact_sheet(std::vector{picture}, {.columns = 1, .tile_width = 16, .tile_height = 8});
+  EXPECT_EQ(pixel(sheet, 8, 8), 77) << "half of it shows";
+}
+
 // A width that is no multiple of the new one: the mean stays.
 TEST(ContactSheet, OddSizesKeepTheMean) {
   SheetPicture picture = checks(7, 5, "");

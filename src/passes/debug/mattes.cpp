@@ -60,17 +60,14 @@ void MatteIds::record(CommandList& commands, const In& in, const Out& out) const
 
 std::span<const Knob<MatteRanks::Knobs>> MatteRanks::Knobs::table() {
   static const Knob<Knobs> table[] = {
-      {"ranks",
-       &Knobs::ranks,
-       "",
-       1,
-       64,
-       {6, 6, 6, 64},
-       "ids a pixel of Cryptomatte layers, at most one a sample: 8 bytes a pixel each against ids that are lost",
-       {},
-       Trades::error,
-       {2, 4, 6, 64},
-       {"matte_ranks"}},
+      {.name = "ranks",
+       .member = &Knobs::ranks,
+       .lowest = 1,
+       .highest = 64,
+       .ladder = {6, 6, 6, 64},
+       .trades =
+           "ids a pixel of Cryptomatte layers, at most one a sample: 8 bytes a pixel each against ids that are lost",
+       .walk = {2, 4, 6, 64}},
   };
   return table;
 }

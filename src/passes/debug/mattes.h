@@ -17,6 +17,7 @@ inline constexpr LayerName matte_layers[matte_count] = {
 // a float, 0 where there is none. Blended surfaces do not count. Tested against beauty's depth: coverage is beauty's.
 struct MatteIds {
   static constexpr std::string_view name = "matte_ids";
+  using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -4,19 +4,16 @@
 
 namespace candela {
 
-std::span<const Knob<Cull::Knobs>> Cull::Knobs::table() {
-  static const Knob<Knobs> table[] = {
-      {"enabled",
-       &Knobs::enabled,
-       "",
-       0,
-       1,
-       {1},
-       "0 draws everything; changes time, never the image",
-       {},
-       Trades::time,
-       {0, 1},
-       {"cull", "cull_compact", "depth_prepass", "shade_forward", "gbuffer", "shade_unlit"}},
+std::span<const Knob<CullKnobs>> CullKnobs::table() {
+  static const Knob<CullKnobs> table[] = {
+      {.name = "enabled",
+       .member = &CullKnobs::enabled,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {1},
+       .trades = "0 draws everything; changes time, never the image",
+       .kind = Trades::time,
+       .walk = {0, 1}},
   };
   return table;
 }

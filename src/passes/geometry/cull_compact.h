@@ -9,6 +9,7 @@ namespace candela {
 // whatever the device's scheduling (TECHNIQUES 2.1, determinism).
 struct CullCompact {
   static constexpr std::string_view name = "cull_compact";
+  using InputKnobs = DrawnItemKnobs;
   struct In {
     SceneInputs scene;
     BufferHandle masks, survivors;

@@ -5,6 +5,12 @@
 
 namespace candela {
 
+struct MaskKnobs {
+  static constexpr std::string_view name = "masks";
+  int by_sample = 0;
+  static std::span<const Knob<MaskKnobs>> table();
+};
+
 // Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float (TECHNIQUES 1.1), so
 // that shading runs once for each visible fragment. Masked surfaces drop what their mask cuts away, at the pixel's
 // shading point, or sample by sample (knob by_sample).
@@ -12,12 +18,9 @@ namespace candela {
 // refracting: of those and of surfaces that refract, for what is drawn over what is seen through them.
 struct DepthPrepass {
   static constexpr std::string_view name = "depth_prepass";
-  struct Knobs {
-    static constexpr std::string_view name = "masks";
-    int by_sample = 0;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = MaskKnobs;
   using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -14,6 +14,7 @@ namespace candela {
 struct DepthViews {
   static constexpr std::string_view name = "depth_views", effect = "shadows";
   using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
+  using InputKnobs = std::tuple<LightRangeKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

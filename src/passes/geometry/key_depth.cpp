@@ -38,17 +38,15 @@ void BlendedTiles::record(CommandList& commands, const In& in, const Out& out) c
 
 std::span<const Knob<KeyDepth::Knobs>> KeyDepth::Knobs::table() {
   static const Knob<Knobs> table[] = {
-      {"tiles",
-       &Knobs::tiles,
-       "",
-       0,
-       1,
-       {1},
-       "depths of a visibility buffer are put into an image where blended surfaces may be, and not in all of the "
-       "picture",
-       {},
-       Trades::time,
-       {0, 1}},
+      {.name = "tiles",
+       .member = &Knobs::tiles,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {1},
+       .trades = "depths of a visibility buffer are put into an image where blended surfaces may be, and not in all of "
+                 "the picture",
+       .kind = Trades::time,
+       .walk = {0, 1}},
   };
   return table;
 }

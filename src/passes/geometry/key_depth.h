@@ -8,6 +8,7 @@ namespace candela {
 // tested. A word for each tile, row by row; 0: none touches it.
 struct BlendedTiles {
   static constexpr std::string_view name = "blended_tiles";
+  using InputKnobs = std::tuple<CullKnobs>;
   struct In {
     SceneInputs scene;
     BufferHandle kept_items;  // a bit for each item in view
@@ -34,6 +35,7 @@ struct KeyDepth {
     static std::span<const Knob<Knobs>> table();
   };
   Knobs knobs;
+  using InputKnobs = SampleCountKnobs;
   struct In {
     BufferHandle keys;
     BufferHandle tiles;  // optional

@@ -18,6 +18,7 @@ namespace candela {
 struct Occluders {
   static constexpr std::string_view name = "occluders";
   using Knobs = OcclusionCullKnobs;
+  using InputKnobs = std::tuple<CullKnobs>;
   struct In {
     SceneInputs scene;
     BufferHandle kept;  // masks of culling by the camera's planes
@@ -37,6 +38,7 @@ struct OcclusionCull {
   static constexpr std::string_view name = "occlusion_cull";
   using Knobs = OcclusionCullKnobs;
   using Report = shared::OcclusionReport;
+  using InputKnobs = std::tuple<CullKnobs>;
   struct In {
     SceneInputs scene;
     BufferHandle kept, occluders;  // masks

@@ -3,8 +3,6 @@
 namespace candela {
 
 std::span<const Knob<OcclusionCullKnobs>> OcclusionCullKnobs::table() {
-  static const std::vector<std::string_view> passes = {"occluders", "depth_pyramid", "occlusion_cull", "depth_prepass",
-                                                       "rasterize", "shade_forward", "shade_unlit",    "gbuffer"};
   static const Knob<OcclusionCullKnobs> table[] = {
       {.name = "mode",
        .member = &OcclusionCullKnobs::mode,
@@ -15,8 +13,7 @@ std::span<const Knob<OcclusionCullKnobs>> OcclusionCullKnobs::table() {
                  "time, never the image",
        .choices = {"off", "on", "auto"},
        .kind = Trades::time,
-       .walk = {off, on, automatic},
-       .passes = passes},
+       .walk = {off, on, automatic}},
       {.name = "first_share",
        .member = &OcclusionCullKnobs::first_share,
        .lowest = 0,
@@ -25,8 +22,7 @@ std::span<const Knob<OcclusionCullKnobs>> OcclusionCullKnobs::table() {
        .trades = "share of the picture that an item's box covers at least for its depth to be drawn first and hide "
                  "others; changes time, never the image",
        .kind = Trades::time,
-       .walk = {0, 0.05, 0.005},
-       .passes = passes},
+       .walk = {0, 0.05, 0.005}},
   };
   return table;
 }

@@ -6,16 +6,14 @@ namespace candela {
 
 std::span<const Knob<PoseItems::Knobs>> PoseItems::Knobs::table() {
   static const Knob<Knobs> table[] = {
-      {"enabled",
-       &Knobs::enabled,
-       "",
-       0,
-       1,
-       {1},
-       "pose instances of meshes on the device; 0: on the host",
-       {},
-       Trades::time,
-       {0, 1}},
+      {.name = "enabled",
+       .member = &Knobs::enabled,
+       .lowest = 0,
+       .highest = 1,
+       .ladder = {1},
+       .trades = "pose instances of meshes on the device; 0: on the host",
+       .kind = Trades::time,
+       .walk = {0, 1}},
   };
   return table;
 }

@@ -21,8 +21,7 @@ std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
        .ladder = {8},
        .trades = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
        .kind = Trades::time,
-       .walk = {1, 64, 8},
-       .passes = {"rasterize", "rasterize_views"}},
+       .walk = {1, 64, 8}},
       {.name = "list",
        .member = &RasterKnobs::list,
        .lowest = 1,
@@ -31,8 +30,7 @@ std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
        .trades = "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
                  "never the image",
        .kind = Trades::time,
-       .walk = {1024, 524288},
-       .passes = {"rasterize", "rasterize_views"}},
+       .walk = {1024, 524288}},
   };
   return table;
 }

@@ -28,6 +28,7 @@ struct Rasterize {
   static constexpr std::string_view name = "rasterize";
   using Knobs = RasterKnobs;
   using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  using InputKnobs = std::tuple<CullKnobs, OcclusionCullKnobs, MaskKnobs, ResolveKnobs, SupersampleKnobs>;
   struct In {
     SceneInputs scene;
     BufferHandle masks;     // of culling, by the camera
@@ -51,6 +52,7 @@ struct RasterizeViews {
   static constexpr std::string_view name = "rasterize_views", effect = "shadows";
   using Knobs = RasterKnobs;
   using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
+  using InputKnobs = std::tuple<CullKnobs, LightRangeKnobs>;
   struct In {
     SceneInputs scene;
     ViewRange views;

@@ -3,12 +3,14 @@
 
 #include "gpu/command_list.h"
 #include "graph/builder.h"
+#include "passes/knob_tables.h"
 
 namespace candela {
 
 // The frame's depth for compute shaders that look samples up (shaders/lib/frame_depth.glsl): an image, or the keys of a
 // visibility buffer (passes/geometry/rasterize.h), which have one for each sample too. Not a pass.
 struct SampledDepth {
+  using MadeBy = SampleCountKnobs;
   ImageHandle image;
   BufferHandle keys;
   explicit operator bool() const { return image || keys; }

@@ -12,6 +12,7 @@ namespace candela {
 struct TraceKeys {
   static constexpr std::string_view name = "trace_keys";
   using SharedKnobs = std::tuple<BvhKnobs>;
+  using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;
   };

@@ -5,6 +5,7 @@
 
 #include "graph/handle.h"
 #include "graph/plan.h"
+#include "passes/knob_tables.h"
 #include "shared/cull.h"
 
 namespace candela {
@@ -12,6 +13,7 @@ namespace candela {
 // What culling, compaction and depth drawing work on: consecutive views of the frame's table (shaders/shared/cull.h),
 // or the camera alone, whose planes and matrix are in the frame's constants. Not a pass.
 struct ViewRange {
+  using MadeBy = std::tuple<SunKnobs, LampKnobs, LightRangeKnobs>;
   BufferHandle table, regions;  // empty: the camera
   uint32_t first = 0, count = 1;
   // As uploaded in `regions`: the first command of each view and run, run by run within a view, and the end of all.
@@ -37,6 +39,7 @@ inline ImageDesc image_desc(const ViewImage& image, VkFormat format) {
 
 // The commands that culling leaves for a range of views, and their counts.
 struct Draws {
+  using MadeBy = DrawnItemKnobs;
   BufferHandle commands, counts;
   std::shared_ptr<const std::vector<uint32_t>> first_command;  // of the range
 };

@@ -9,6 +9,7 @@ namespace candela {
 // light_sort and bitmasks have the order of lights. Lights without range get none: they are lights of every cell.
 struct LightBoundsPass {
   static constexpr std::string_view name = "light_bounds";
+  using InputKnobs = std::tuple<LightKnobs>;
   struct In {
     SceneInputs scene;
   };

@@ -4,6 +4,7 @@
 
 #include "graph/handle.h"
 #include "passes/geometry/bvh_knobs.h"
+#include "passes/knob_tables.h"
 #include "passes/lights/light_knobs.h"
 #include "passes/volumes/fog_view.h"
 
@@ -14,6 +15,7 @@ enum class LightGridKind { none, clusters, tiles };
 
 // Each light's box of cells (shared/lights.h), and their chunks.
 struct LightBoxes {
+  using MadeBy = std::tuple<LightKnobs>;
   BufferHandle bounds, chunks, dispatch;
 };
 
@@ -32,6 +34,7 @@ struct LightGridShape {
 
 // Ambient occlusion as shading reads it (shaders/lib/occlusion.glsl).
 struct OcclusionTexels {
+  using MadeBy = std::tuple<OcclusionKnobs>;
   ImageHandle open;
   uint32_t shape = 0;   // shared/occlusion.h
   bool traced = false;  // by rays where it is read; then there are no texels
@@ -39,6 +42,7 @@ struct OcclusionTexels {
 
 // The trees that shading sends rays through (shaders/lib/trace.glsl); empty: it sends none.
 struct TracedRays {
+  using MadeBy = std::tuple<BvhKnobs>;
   BufferHandle trees, settings;
   uint32_t stack = 0;
   BvhKnobs tree;                                         // how they are built, for the plan
@@ -68,6 +72,8 @@ struct LightVoxels {
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
 // that all is seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct CellLists {
+  using MadeBy = std::tuple<LightKnobs, SunKnobs, LampKnobs, LightVoxelKnobs, ColoredShadowKnobs, OcclusionKnobs,
+                            FogKnobs, BvhKnobs, ResolveKnobs, SupersampleKnobs>;
   BufferHandle cells;     // bitmasks of all cells, or where each cell's entries begin
   BufferHandle entries;   // compact: light indices, ascending inside a cell
   BufferHandle tiles;     // tiled: depths

@@ -8,6 +8,7 @@ namespace candela {
 // segments a step before it sums the rows of each cell.
 struct LightScan {
   static constexpr std::string_view name = "light_scan";
+  using InputKnobs = std::tuple<LightKnobs>;
   struct In {
     BufferHandle counts;
     BufferHandle sums;  // optional: by segments there are none yet

@@ -8,6 +8,7 @@ namespace candela {
 // With the knob lights.cap it also counts what the cap loses.
 struct LightSort {
   static constexpr std::string_view name = "light_sort";
+  using InputKnobs = std::tuple<LightKnobs>;
   struct In {
     BufferHandle offsets, unsorted;
   };

@@ -12,6 +12,7 @@ namespace candela {
 // the whole picture.
 struct LightVolumeLists {
   static constexpr std::string_view name = "light_volume_lists";
+  using InputKnobs = std::tuple<LightVolumeKnobs>;
   struct In {
     SceneInputs scene;
     bool ordered = false;  // one list, of all kinds

@@ -10,16 +10,15 @@ bool PoseLights::Knobs::on_device(bool is_cpu, uint32_t instances) const {
 
 std::span<const Knob<PoseLights::Knobs>> PoseLights::Knobs::table() {
   static const Knob<Knobs> table[] = {
-      {"enabled",
-       &Knobs::enabled,
-       "",
-       off,
-       automatic,
-       {automatic},
-       "pose light instances on the device; off: on the host; auto: on a GPU, 2,048 or more",
-       {"off", "on", "auto"},
-       Trades::time,
-       {off, on, automatic}},
+      {.name = "enabled",
+       .member = &Knobs::enabled,
+       .lowest = off,
+       .highest = automatic,
+       .ladder = {automatic},
+       .trades = "pose light instances on the device; off: on the host; auto: on a GPU, 2,048 or more",
+       .choices = {"off", "on", "auto"},
+       .kind = Trades::time,
+       .walk = {off, on, automatic}},
   };
   return table;
 }

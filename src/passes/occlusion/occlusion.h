@@ -5,6 +5,19 @@
 
 namespace candela {
 
+struct OcclusionKnobs {
+  static constexpr std::string_view name = "occlusion";
+  static constexpr int screen = 0, by_rays = 1;
+  int method = screen;
+  int rays = 64;
+  int texel_px = 2;
+  int slices = 3;
+  int samples = 6;
+  int denoise = 1;
+  int bent = 0;
+  static std::span<const Knob<OcclusionKnobs>> table();
+};
+
 // How open each visible surface is to the sky, as far as what the depth buffer holds tells: V = 1/pi of the integral of
 // the cosine over the hemisphere about the triangle's normal, where a direction that meets a surface at distance t
 // counts 1 - saturate((radius - t) / (falloff radius)) (scene/look.h, Occlusion). Jimenez, Wu, Pesce, Jarabo,
@@ -26,18 +39,7 @@ struct AmbientOcclusion {
   static constexpr std::string_view name = "occlusion";
   static constexpr std::string_view effect = "occlusion";
   static constexpr Queue queue = Queue::compute;
-  struct Knobs {
-    static constexpr std::string_view name = "occlusion";
-    static constexpr int screen = 0, by_rays = 1;
-    int method = screen;
-    int rays = 64;
-    int texel_px = 2;
-    int slices = 3;
-    int samples = 6;
-    int denoise = 1;
-    int bent = 0;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = OcclusionKnobs;
   struct In {
     SceneInputs scene;
     SampledDepth depth;

@@ -4,16 +4,13 @@ namespace candela {
 
 std::span<const Knob<Exposure::Knobs>> Exposure::Knobs::table() {
   static const Knob<Knobs> table[] = {
-      {"bins",
-       &Knobs::bins,
-       "",
-       16,
-       4096,
-       {64, 256, 1024, 4096},
-       "bins of the histogram over 48 stops; a luminance counts as the middle of its bin",
-       {},
-       Trades::error,
-       {16, 64, 256, 1024, 4096}},
+      {.name = "bins",
+       .member = &Knobs::bins,
+       .lowest = 16,
+       .highest = 4096,
+       .ladder = {64, 256, 1024, 4096},
+       .trades = "bins of the histogram over 48 stops; a luminance counts as the middle of its bin",
+       .walk = {16, 64, 256, 1024, 4096}},
   };
   return table;
 }

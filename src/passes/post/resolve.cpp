@@ -4,22 +4,17 @@
 
 namespace candela {
 
-std::span<const Knob<Resolve::Knobs>> Resolve::Knobs::table() {
-  static const Knob<Knobs> table[] = {
-      {"samples",
-       &Knobs::samples,
-       "",
-       1,
-       8,
-       {1, 4},
-       "coverage and depth samples a pixel (1, 2, 4 or 8, as the device has them): edges against memory and time",
-       {},
-       Trades::error,
-       {},
-       {"resolve", "depth_prepass", "shade_forward", "gbuffer", "shade_gbuffer", "shade_volumes", "shade_unlit", "sky",
-        "background", "transparent", "terms"},
-       {1, 2, 4, 8},
-       "supersample.n=1"},
+std::span<const Knob<ResolveKnobs>> ResolveKnobs::table() {
+  static const Knob<ResolveKnobs> table[] = {
+      {.name = "samples",
+       .member = &ResolveKnobs::samples,
+       .lowest = 1,
+       .highest = 8,
+       .ladder = {1, 4},
+       .trades =
+           "coverage and depth samples a pixel (1, 2, 4 or 8, as the device has them): edges against memory and time",
+       .only = {1, 2, 4, 8},
+       .beside = "supersample.n=1"},
   };
   return table;
 }

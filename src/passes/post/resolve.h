@@ -4,15 +4,18 @@
 
 namespace candela {
 
+struct ResolveKnobs {
+  static constexpr std::string_view name = "resolve";
+  int samples = 4;
+  static std::span<const Knob<ResolveKnobs>> table();
+};
+
 // The mean of a pixel's samples, in linear radiance: what a box pixel filter asks for, and what the EXR holds
 // (TECHNIQUES 3.2). Leaves wrong: edges against very bright surfaces look aliased after tone mapping.
 struct Resolve {
   static constexpr std::string_view name = "resolve";
-  struct Knobs {
-    static constexpr std::string_view name = "resolve";
-    int samples = 4;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = ResolveKnobs;
+  using InputKnobs = std::tuple<SupersampleKnobs>;
   struct In {
     ImageHandle color;
     uint32_t width_px = 0, height_px = 0, samples = 1;

@@ -4,28 +4,23 @@
 
 namespace candela {
 
-std::span<const Knob<Supersample::Knobs>> Supersample::Knobs::table() {
-  static const Knob<Knobs> table[] = {
-      {"n",
-       &Knobs::n,
-       "",
-       1,
-       8,
-       {1, 1, 1, 4},
-       "n x n samples a pixel of position, texture and shading instead of multisampling: the time of n x n frames",
-       {},
-       Trades::error,
-       {1, 2, 4},
-       {"depth_prepass", "shade_forward", "gbuffer", "shade_gbuffer", "shade_volumes", "shade_unlit", "sky",
-        "background", "transparent", "terms", "supersample", "resolve"}},
+std::span<const Knob<SupersampleKnobs>> SupersampleKnobs::table() {
+  static const Knob<SupersampleKnobs> table[] = {
+      {.name = "n",
+       .member = &SupersampleKnobs::n,
+       .lowest = 1,
+       .highest = 8,
+       .ladder = {1, 1, 1, 4},
+       .trades =
+           "n x n samples a pixel of position, texture and shading instead of multisampling: the time of n x n frames",
+       .walk = {1, 2, 4}},
       {.name = "rows",
-       .member = &Knobs::rows,
+       .member = &SupersampleKnobs::rows,
        .lowest = 0,
        .highest = 8,
        .ladder = {},
        .trades = "rows of those samples, beside n columns: 4 by 2 are eight; 0: as many as columns",
        .walk = {2, 0},
-       .passes = {"supersample"},
        .beside = "supersample.n=4"},
   };
   return table;

@@ -4,6 +4,15 @@
 
 namespace candela {
 
+struct SupersampleKnobs {
+  static constexpr std::string_view name = "supersample";
+  int n = 1;
+  int rows = 0;
+  glm::uvec2 grid() const { return {uint32_t(n), uint32_t(rows > 0 ? rows : n)}; }
+  uint32_t pictures() const { return grid().x * grid().y; }
+  static std::span<const Knob<SupersampleKnobs>> table();
+};
+
 // The exact end of edges, mips and filters: n x n whole pictures of the surfaces, each moved by a part of a pixel and
 // with texture footprints of a pixel's n-th part, and their mean. That is a regular grid of n x n samples a pixel of
 // position, texture and shading under a box filter; it takes the place of multisampling. With `rows` the grid has n
@@ -12,14 +21,7 @@ namespace candela {
 // 1/n to 1/n^2.
 struct Supersample {
   static constexpr std::string_view name = "supersample";
-  struct Knobs {
-    static constexpr std::string_view name = "supersample";
-    int n = 1;
-    int rows = 0;
-    glm::uvec2 grid() const { return {uint32_t(n), uint32_t(rows > 0 ? rows : n)}; }
-    uint32_t pictures() const { return grid().x * grid().y; }
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = SupersampleKnobs;
   struct In {
     ImageHandle color;   // of this sample
     ImageHandle before;  // optional: the sum of the samples before it

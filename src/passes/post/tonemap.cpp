@@ -23,6 +23,7 @@ Tonemap::Out Tonemap::declare(GraphBuilder& builder, const In& in) const {
   std::vector<SpecConstant> constants = {{0, "CURVE", uint32_t(in.curve)}};
   if (builder.read_optional(in.automatic, Access::compute_read)) constants.push_back({1, "AUTOMATIC", 1});
   if (in.covers) constants.push_back({2, "COVERS", 1});
+  if (in.behind_rgb && !in.covers) constants.push_back({4, "BEHIND", 1u << 24 | *in.behind_rgb});
   if (in.samples > 1) constants.push_back({3, "SAMPLES", in.samples});
   out.pipeline = builder.pipeline(ComputePipelineDesc{"tonemap.comp", std::move(constants)});
   return out;

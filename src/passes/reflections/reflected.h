@@ -6,6 +6,7 @@ namespace candela {
 
 // What reflections found, as what adds them to pictures takes it (shaders/reflections_over.frag). Not a pass.
 struct Reflected {
+  using MadeBy = std::tuple<ReflectionKnobs>;
   ImageHandle
       light;  // by texel: the light that the lobe meets where it meets the scene; what share of the sky's it hides
   ImageHandle z, surface, reflectance, sky;  // shaders/lib/reflections.glsl

@@ -9,6 +9,20 @@
 
 namespace candela {
 
+struct ReflectionKnobs {
+  static constexpr std::string_view name = "reflections";
+  static constexpr int screen = 0, by_rays = 1;
+  int method = screen;
+  int samples = 4;
+  int steps = 64;
+  int smooth = 1;
+  int texel_px = 1;
+  float thickness = 0.02f;
+  float fade = 0.05f;
+  float roughest = 0.7f;
+  static std::span<const Knob<ReflectionKnobs>> table();
+};
+
 // What opaque and masked surfaces reflect of each other, as far as the picture shows it: of directions that the GGX
 // lobe takes, those that meet a surface on the picture, with the light that it sends to the camera. Rays through the
 // depth of the pixels' middles (McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing", 2014) in directions that
@@ -33,19 +47,7 @@ namespace candela {
 struct Reflections {
   static constexpr std::string_view name = "reflections";
   static constexpr std::string_view effect = "ssr";
-  struct Knobs {
-    static constexpr std::string_view name = "reflections";
-    static constexpr int screen = 0, by_rays = 1;
-    int method = screen;
-    int samples = 4;
-    int steps = 64;
-    int smooth = 1;
-    int texel_px = 1;
-    float thickness = 0.02f;
-    float fade = 0.05f;
-    float roughest = 0.7f;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = ReflectionKnobs;
   using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, LightRangeKnobs>;
   struct In {
     SceneInputs scene;
@@ -90,6 +92,7 @@ struct Reflections {
 struct ReflectionsOver {
   static constexpr std::string_view name = "reflections_over";
   static constexpr std::string_view effect = "ssr";
+  using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;
     Reflected reflected;

@@ -5,9 +5,6 @@ namespace candela {
 bool LampKnobs::matter(const SceneFacts& facts) { return facts.point_lights + facts.spot_lights > 0; }
 
 std::span<const Knob<LampKnobs>> LampKnobs::table() {
-  static const std::vector<std::string_view> drawing = {
-      "cull",          "cull_compact",  "depth_views",   "rasterize_views",
-      "shade_forward", "shade_gbuffer", "shade_volumes", "transparent"};
   constexpr std::string_view from_maps = "shadows.method=maps";
   static const Knob<LampKnobs> rows[] = {
       {.name = "method",
@@ -18,19 +15,16 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .trades = "shadows of point and spot lights: maps of as many as fit; or rays for all of them, from points of "
                  "cells where these agree or from all points",
        .choices = {"maps", "voxels", "traced"},
-       .walk = {0, 1, 2},
-       .passes = drawing},
+       .walk = {0, 1, 2}},
       {.name = "soft",
        .member = &LampKnobs::soft,
        .lowest = 0,
        .highest = 1,
        .ladder = {0, 0, 0, 1},
-       .trades =
-           "from maps, for lights with a size: hard shadows, or penumbras by what blocks nearby, which are not nearer "
-           "to the truth everywhere",
+       .trades = "from maps, for lights with a size: hard shadows, or penumbras by what blocks nearby, which are not "
+                 "nearer to the truth everywhere",
        .choices = {"hard", "pcss"},
        .walk = {0, 1},
-       .passes = drawing,
        .beside = from_maps},
       {.name = "samples",
        .member = &LampKnobs::samples,
@@ -38,8 +32,7 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .highest = 65536,
        .ladder = {4, 16, 16, 64},
        .trades = "lookups or rays of a pixel to each light with a size; fewer leave noise",
-       .walk = {1, 4, 16, 64},
-       .passes = drawing},
+       .walk = {1, 4, 16, 64}},
       {.name = "lights",
        .member = &LampKnobs::lights,
        .lowest = 0,
@@ -48,7 +41,6 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .trades = "point and spot lights that have shadows: those that the look marks first, then those that add most "
                  "to the picture; a note names the rest. marked: no others",
        .walk = {0, 16, 64, 4096},
-       .passes = drawing,
        .beside = from_maps,
        .named = {{0, "none"}, {-1, "marked"}}},
       {.name = "budget_mb",
@@ -59,7 +51,6 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .ladder = {32, 64, 128, 1024},
        .trades = "memory of the shadow maps; what does not fit gets smaller maps, then none, which a note says",
        .walk = {16, 64, 128, 1024},
-       .passes = drawing,
        .beside = from_maps},
       {.name = "size_px",
        .member = &LampKnobs::size_px,
@@ -69,7 +60,6 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .ladder = {256, 512, 1024, 2048},
        .trades = "most texels along a side of a map, to the power of two below; lights that show small have fewer",
        .walk = {256, 512, 1024, 2048},
-       .passes = drawing,
        .beside = from_maps},
       {.name = "draws",
        .member = &LampKnobs::draws,
@@ -79,7 +69,6 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .trades = "room for draw commands of all these views; a frame that needs more is refused and says how many",
        .kind = Trades::time,
        .walk = {double(1 << 22), double(1 << 21)},
-       .passes = drawing,
        .beside = from_maps},
   };
   return rows;

@@ -32,11 +32,11 @@ Shape shape_of(const SceneInputs& scene, const FillLightVoxels::Knobs& knobs) {
 
 }  // namespace
 
-std::span<const Knob<FillLightVoxels::Knobs>> FillLightVoxels::Knobs::table() {
+std::span<const Knob<LightVoxelKnobs>> LightVoxelKnobs::table() {
   constexpr std::string_view in_use = "shadows.method=voxels sun.mode=voxels";
-  static const Knob<Knobs> rows[] = {
+  static const Knob<LightVoxelKnobs> rows[] = {
       {.name = "size_px",
-       .member = &Knobs::size_px,
+       .member = &LightVoxelKnobs::size_px,
        .unit = "px",
        .lowest = 1,
        .highest = 32,
@@ -44,37 +44,33 @@ std::span<const Knob<FillLightVoxels::Knobs>> FillLightVoxels::Knobs::table() {
        .trades = "side of the squares of pixels in which cells lie that know which lights are seen from them; larger "
                  "ones miss more of what is small. 1: each point sends its own rays, as traced",
        .walk = {32, 16, 8, 4, 1},
-       .passes = {FillLightVoxels::name},
        .only = {1, 4, 8, 16, 32},
        .beside = in_use},
       {.name = "points",
-       .member = &Knobs::points,
+       .member = &LightVoxelKnobs::points,
        .lowest = 1,
        .highest = int(shared::most_voxel_points),
        .ladder = {4, 4, 4, 8},
        .trades = "points of a cell that send rays to its lights; fewer miss more of what is small",
        .walk = {1, 2, 4, 8},
-       .passes = {FillLightVoxels::name},
        .beside = in_use},
       {.name = "edges",
-       .member = &Knobs::edges,
+       .member = &LightVoxelKnobs::edges,
        .lowest = 0,
        .highest = 1,
        .ladder = {1},
        .trades = "where a cell's points differ: half of the light, or a ray from each point",
        .choices = {"half", "rays"},
        .walk = {0, 1},
-       .passes = {FillLightVoxels::name},
        .beside = in_use},
       {.name = "budget_mb",
-       .member = &Knobs::budget_mb,
+       .member = &LightVoxelKnobs::budget_mb,
        .unit = "MB",
        .lowest = 1,
        .highest = 16384,
        .ladder = {64, 64, 64, 1024},
        .trades = "most memory for what cells know; points of cells without room send their own rays, which a note says",
        .walk = {16, 64, 256, 1024},
-       .passes = {FillLightVoxels::name},
        .beside = in_use},
   };
   return rows;

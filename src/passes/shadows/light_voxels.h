@@ -5,6 +5,16 @@
 
 namespace candela {
 
+struct LightVoxelKnobs {
+  static constexpr std::string_view name = "voxels";
+  static constexpr int halve = 0, by_rays = 1;
+  int size_px = 8;
+  int points = 4;
+  int edges = by_rays;
+  int budget_mb = 64;
+  static std::span<const Knob<LightVoxelKnobs>> table();
+};
+
 // Whether lights are seen, for cells of the view instead of for each point: the visibility cache that the thesis of
 // T. Le ("TLVulkanRenderer", 2016) wishes for. A cell is what lies in a square of pixels, in a slice of depth about
 // four times as thick as the square is wide, and faces one of six ways. Rays go to its lights from those of its seen
@@ -14,15 +24,7 @@ namespace candela {
 // Leaves wrong: shadows and gaps that lie between a cell's points without meeting one.
 struct FillLightVoxels {
   static constexpr std::string_view name = "light_voxels";
-  struct Knobs {
-    static constexpr std::string_view name = "voxels";
-    static constexpr int halve = 0, by_rays = 1;
-    int size_px = 8;
-    int points = 4;
-    int edges = by_rays;
-    int budget_mb = 64;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = LightVoxelKnobs;
   struct In {
     SceneInputs scene;
     CellLists lists;

@@ -7,6 +7,13 @@
 
 namespace candela {
 
+struct GBufferKnobs {
+  static constexpr std::string_view name = "gbuffer";
+  enum : int { specular, bits128, position, packed, floats };
+  int format = floats;
+  static std::span<const Knob<GBufferKnobs>> table();
+};
+
 // The nearest opaque and masked surfaces as shading takes them, at every sample: deferred shading (Saito and Takahashi,
 // "Comprehensible Rendering of 3-D Shapes", 1990). Textures, normal maps and what derivatives give are evaluated here,
 // once a fragment; so its samples hold the same bits. Positions are relative to the camera, in metres; emission in
@@ -29,13 +36,9 @@ namespace candela {
 // wrong: in packed formats albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
 struct GBuffer {
   static constexpr std::string_view name = "gbuffer";
-  struct Knobs {
-    static constexpr std::string_view name = "gbuffer";
-    enum : int { specular, bits128, position, packed, floats };
-    int format = floats;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = GBufferKnobs;
   using SharedKnobs = std::tuple<TextureKnobs, SurfaceKnobs>;
+  using InputKnobs = std::tuple<IblKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -4,6 +4,7 @@
 
 #include "gpu/command_list.h"
 #include "graph/builder.h"
+#include "passes/knob_tables.h"
 #include "passes/lights/light_knobs.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
@@ -13,6 +14,7 @@ namespace candela {
 // What surfaces are shaded from in a G-buffer's images, each of four 32-bit words a texel and multisampled as the
 // frame.
 struct GBufferImages {
+  using MadeBy = std::tuple<GBufferKnobs, SurfaceKnobs, ResolveKnobs, SupersampleKnobs>;
   static constexpr size_t most = 13;
   std::array<ImageHandle, most> images;  // empty behind the last; lobes last
   uint32_t count = 0;

@@ -3,8 +3,6 @@
 namespace candela {
 
 std::span<const Knob<IblKnobs>> IblKnobs::table() {
-  static const std::vector<std::string_view> shading = {"shade_forward", "shade_gbuffer", "shade_volumes",
-                                                        "transparent", "terms"};
   static constexpr std::string_view filtered = "ibl.method=lobe";
   static const Knob<IblKnobs> rows[] = {
       {.name = "method",
@@ -15,8 +13,7 @@ std::span<const Knob<IblKnobs>> IblKnobs::table() {
        .trades = "reflections of the sky: one lookup about the mirror direction; one about the lobe's own middle, as "
                  "wide as the lobe, and its bright spots as lights; or samples for every pixel",
        .choices = {"split", "lobe", "sampled"},
-       .walk = {0, 1, 2},
-       .passes = shading},
+       .walk = {0, 1, 2}},
       {.name = "lights",
        .member = &IblKnobs::lights,
        .lowest = 0,
@@ -24,7 +21,6 @@ std::span<const Knob<IblKnobs>> IblKnobs::table() {
        .ladder = {4, 16, 32, 256},
        .trades = "bright spots of the sky that shine as lights on rough surfaces, at most; others are blurred with it",
        .walk = {0, 4, 16, 32, 256},
-       .passes = shading,
        .beside = filtered},
       {.name = "size_px",
        .member = &IblKnobs::size_px,
@@ -34,7 +30,6 @@ std::span<const Knob<IblKnobs>> IblKnobs::table() {
        .ladder = {128, 256, 512, 1024},
        .trades = "side of the filtered sky's sharpest maps, at most as the sky's own texels have it",
        .walk = {64, 128, 256, 512, 1024},
-       .passes = shading,
        .beside = filtered},
       {.name = "filter_samples",
        .member = &IblKnobs::filter_samples,
@@ -44,7 +39,6 @@ std::span<const Knob<IblKnobs>> IblKnobs::table() {
        .trades =
            "samples of the sky for a texel of its sharpest maps; blurred ones take as many more as they are smaller",
        .walk = {8, 16, 64, 512},
-       .passes = shading,
        .beside = filtered},
       {.name = "irradiance_px",
        .member = &IblKnobs::irradiance_px,
@@ -54,7 +48,6 @@ std::span<const Knob<IblKnobs>> IblKnobs::table() {
        .ladder = {0, 32, 32, 64},
        .trades = "side of the map of diffuse light; 0: nine spherical harmonics, which a bright sun makes wrong",
        .walk = {0, 8, 16, 32, 64},
-       .passes = shading,
        .beside = filtered},
       {.name = "pixel_samples",
        .member = &IblKnobs::pixel_samples,
@@ -63,7 +56,6 @@ std::span<const Knob<IblKnobs>> IblKnobs::table() {
        .ladder = {64, 64, 256, 1024},
        .trades = "method sampled: samples a pixel for each lobe",
        .walk = {16, 64, 256, 1024},
-       .passes = shading,
        .beside = "ibl.method=sampled"},
   };
   return rows;

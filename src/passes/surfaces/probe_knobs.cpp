@@ -11,8 +11,7 @@ std::span<const Knob<ProbeKnobs>> ProbeKnobs::table() {
        .highest = 512,
        .ladder = {64, 128, 256, 512},
        .trades = "side of each of the six views that a reflection probe takes of the scene",
-       .walk = {16, 32, 64, 128, 256, 512},
-       .passes = {"shade_forward", "shade_gbuffer", "shade_volumes", "transparent", "terms", "reflections"}},
+       .walk = {16, 32, 64, 128, 256, 512}},
   };
   return rows;
 }

@@ -8,6 +8,7 @@ namespace candela {
 struct PutSamples {
   static constexpr std::string_view name = "put_samples";
   using SharedKnobs = std::tuple<SampleStoreKnobs>;
+  using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;
     SampleStore samples;  // in a buffer

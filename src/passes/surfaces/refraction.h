@@ -9,6 +9,16 @@
 
 namespace candela {
 
+struct RefractionKnobs {
+  static constexpr std::string_view name = "refraction";
+  static constexpr int screen = 0, by_rays = 1;
+  int method = screen;
+  int samples = 0;
+  int walls = 8;
+  float roughest = 0.1f;
+  static std::span<const Knob<RefractionKnobs>> table();
+};
+
 // Surfaces that let light through (KHR_materials_transmission, _volume, _ior, _dispersion), over the picture without
 // them: its resolved light, at the size and as a pyramid of the next lower power of two, is looked up where light that
 // leaves the surface came from, tinted by base colour, absorbed on its way through the body, and less what the
@@ -26,15 +36,7 @@ namespace candela {
 struct Refraction {
   static constexpr std::string_view name = "refraction";
   static constexpr std::string_view effect = "refraction";
-  struct Knobs {
-    static constexpr std::string_view name = "refraction";
-    static constexpr int screen = 0, by_rays = 1;
-    int method = screen;
-    int samples = 0;
-    int walls = 8;
-    float roughest = 0.1f;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = RefractionKnobs;
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
   struct In {
     SceneInputs scene;

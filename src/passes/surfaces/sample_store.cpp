@@ -4,18 +4,16 @@ namespace candela {
 
 std::span<const Knob<SampleStoreKnobs>> SampleStoreKnobs::table() {
   static const Knob<SampleStoreKnobs> table[] = {
-      {"in",
-       &SampleStoreKnobs::in,
-       "",
-       automatic,
-       buffer,
-       {automatic},
-       "where compute puts the samples of a multisampled picture that others draw over: the image, or a buffer that "
-       "fragment shaders copy; auto: the image where the device can",
-       {"auto", "image", "buffer"},
-       Trades::time,
-       {image, buffer, automatic},
-       {"shade_visible", "shade_gbuffer", "put_samples"}},
+      {.name = "in",
+       .member = &SampleStoreKnobs::in,
+       .lowest = automatic,
+       .highest = buffer,
+       .ladder = {automatic},
+       .trades = "where compute puts the samples of a multisampled picture that others draw over: the image, or a "
+                 "buffer that fragment shaders copy; auto: the image where the device can",
+       .choices = {"auto", "image", "buffer"},
+       .kind = Trades::time,
+       .walk = {image, buffer, automatic}},
   };
   return table;
 }

@@ -6,6 +6,7 @@ namespace candela {
 // What surfaces that let light through look up (shaders/lib/refraction.glsl). Not a pass: Refraction makes it, and what
 // shades them again takes it too.
 struct SeenThrough {
+  using MadeBy = std::tuple<RefractionKnobs>;
   ImageHandle picture;  // of one sample, without them
   ImageHandle pyramid;  // the same in the next lower powers of two, and its mips
   ImageHandle behind;   // depth of what is opaque, at the frame's samples; empty: nothing is

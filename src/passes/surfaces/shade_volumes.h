@@ -6,6 +6,16 @@
 
 namespace candela {
 
+struct LightVolumeKnobs {
+  static constexpr std::string_view name = "light_volumes";
+  enum : int { r11g11b10, half, floats };
+  enum : int { unguarded, reached, marked };
+  int accumulator = floats;
+  int guard = marked;
+  int depth_test = 0;
+  static std::span<const Knob<LightVolumeKnobs>> table();
+};
+
 // Radiance of what a G-buffer holds, light by light: each is drawn as the volume that it reaches
 // (passes/lights/light_volumes.h) and adds its part to the pixels in it, shaded by the same functions as ShadeForward;
 // then exposed and seen through fog. Units: cd/m2 times the pre-exposure.
@@ -18,15 +28,7 @@ namespace candela {
 // rounding.
 struct ShadeVolumes {
   static constexpr std::string_view name = "shade_volumes";
-  struct Knobs {
-    static constexpr std::string_view name = "light_volumes";
-    enum : int { r11g11b10, half, floats };
-    enum : int { unguarded, reached, marked };
-    int accumulator = floats;
-    int guard = marked;
-    int depth_test = 0;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = LightVolumeKnobs;
   using SharedKnobs = GBufferShadingKnobs;
   static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};  // image-based light
   struct In {

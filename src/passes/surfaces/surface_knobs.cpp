@@ -13,8 +13,7 @@ std::span<const Knob<SurfaceKnobs>> SurfaceKnobs::table() {
                  "differences between pixels (normals), or of the mesh's and by what a filtered normal map has lost "
                  "(maps); off: they sparkle and shift, and more samples a pixel (supersample.n) are the exact end",
        .choices = {"off", "normals", "maps"},
-       .walk = {1, 2, 0},
-       .passes = {"shade_forward", "gbuffer", "transparent", "terms"}},
+       .walk = {1, 2, 0}},
   };
   return rows;
 }

@@ -12,6 +12,7 @@ namespace candela {
 // the same shaders, and differ in how they come over each other. Not a pass.
 using BlendedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
 struct BlendedIn {
+  using MadeBy = CellLists::MadeBy;
   SceneInputs scene;
   Draws draws;
   BufferHandle deformed;   // optional

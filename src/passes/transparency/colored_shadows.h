@@ -8,6 +8,13 @@
 
 namespace candela {
 
+struct ColoredShadowKnobs {
+  static constexpr std::string_view name = "colored_shadows";
+  static constexpr int off = 0, half = 1, full = 2;
+  int scale = half, steps = 3;
+  static std::span<const Knob<ColoredShadowKnobs>> table();
+};
+
 // What see-through surfaces leave of a light's rays, channel by channel, for the views of its shadow maps (McGuire and
 // Mara 2016, 2017): one layered image of 16-bit floats beside the maps.
 //
@@ -27,12 +34,7 @@ namespace candela {
 // plane; see-through surfaces and fog take light without colour.
 struct ColoredShadows {
   static constexpr std::string_view name = "colored_shadows";
-  struct Knobs {
-    static constexpr std::string_view name = "colored_shadows";
-    static constexpr int off = 0, half = 1, full = 2;
-    int scale = half, steps = 3;
-    static std::span<const Knob<Knobs>> table();
-  };
+  using Knobs = ColoredShadowKnobs;
   using SharedKnobs = std::tuple<SunKnobs, LampKnobs, TextureKnobs>;
   struct In {
     SceneInputs scene;

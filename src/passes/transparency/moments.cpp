@@ -6,19 +6,15 @@
 namespace candela {
 std::span<const Knob<Moments::Knobs>> Moments::Knobs::table() {
   static const Knob<Knobs> table[] = {
-      {"count",
-       &Knobs::count,
-       "",
-       4,
-       8,
-       {4, 4, 4, 8},
-       "moments of depth: how many steps of transmittance the curve can follow, against memory and time; exact is "
-       "--transparency layers",
-       {},
-       Trades::error,
-       {4, 6, 8},
-       {},
-       {4, 6, 8}},
+      {.name = "count",
+       .member = &Knobs::count,
+       .lowest = 4,
+       .highest = 8,
+       .ladder = {4, 4, 4, 8},
+       .trades = "moments of depth: how many steps of transmittance the curve can follow, against memory and time; "
+                 "exact is --transparency layers",
+       .walk = {4, 6, 8},
+       .only = {4, 6, 8}},
   };
   return table;
 }

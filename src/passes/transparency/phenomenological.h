@@ -30,6 +30,7 @@ struct Phenomenological {
     static std::span<const Knob<Knobs>> table();
   };
   using SharedKnobs = BlendedKnobs;
+  using InputKnobs = DrawnItemKnobs;
   struct In {
     BlendedIn blended;    // glass: where there is some, the depth of what lets light through and of what is opaque
     ImageHandle picture;  // what is behind, of one sample; only where something lets light through

@@ -10,6 +10,7 @@
 #include "render/reference_frame.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
+#include "scene/up_axis.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::cli {
@@ -64,12 +65,13 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--device") return {"cpu", "gpu"};
   if (option == "--animation") return {"all", "none"};
   if (command == "reference") {
-    if (option == "--layers") return with({"none"}, reference_layer_names());
+    if (option == "--layers") return with({"all", "none"}, reference_layer_names());
     if (option == "--view") return with({"beauty"}, reference_layer_names());
   }
   if (option == "--cut-outs") return cut_out_choices();
+  if (option == "--up") return up_axes();
   if (option == "--shading") return {"pbr", "blinn-phong", "lambert"};
-  if (option == "--layers") return layer_names();
+  if (option == "--layers") return with({"all"}, layer_names());
   if (option == "--view") return view_names();
   if (command == "bench" && option == "--suite") return {"exactness", "stability"};
   if (command == "completion" && option == "shell") return {"bash", "zsh", "fish"};

@@ -14,8 +14,9 @@ const char* support_name(Support support) {
   return support == Support::supported ? "supported" : support == Support::approximated ? "approximated" : "ignored";
 }
 
+// Lists of numbers, "26-53, 55", go whole: signs and blanks too.
 std::string without_numbers(std::string text) {
-  std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+  std::erase_if(text, [](unsigned char c) { return c < 128 && std::isalpha(c) == 0; });
   return text;
 }
 

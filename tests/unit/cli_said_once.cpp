@@ -12,8 +12,11 @@ TEST(SaidOnce, WhatDiffersInItsNumbersIsTheSame) {
   for (int frame = 0; frame < 50; ++frame) {
     said.note("the scene has no light");
     said.note("of " + std::to_string(frame) + " lights " + std::to_string(2 * frame) + " have no shadows");
+    said.note(frame % 2 == 0 ? "they are of the nodes 26-53, 55, 57-61" : "they are of the nodes 26-55, 57");
   }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "the scene has no light\nof 0 lights 0 have no shadows\n");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "the scene has no light\nof 0 lights 0 have no shadows\n"
+            "they are of the nodes 26-53, 55, 57-61\n");
 }
 
 TEST(SaidOnce, WarningsOfAFilmAreSaidOnceAndAllKept) {

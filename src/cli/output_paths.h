@@ -12,8 +12,8 @@ namespace candela::cli {
 Expected<std::vector<std::filesystem::path>> output_paths(const std::vector<std::string>& outputs, int64_t frame,
                                                           const std::string& camera = {});
 
-// The folder of the first output, where what shows why a frame did not end in time is left; the present one where its name
-// has places for numbers.
+// The folder of the first output, where what shows why a frame did not end in time is left; the present one where its
+// name has places for numbers.
 std::string folder_of_outputs(const std::vector<std::string>& outputs);
 
 }  // namespace candela::cli

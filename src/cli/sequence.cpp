@@ -7,8 +7,8 @@
 
 #include "base/json.h"
 #include "base/log.h"
-#include "cli/output_paths.h"
 #include "cli/command.h"
+#include "cli/output_paths.h"
 #include "cli/progress.h"
 #include "cli/result.h"
 #include "cli/scene_notes.h"

@@ -83,7 +83,7 @@ struct RunSettings {
   double timeout_s = 600;
   std::string timeout_folder = {};  // in which a frame that takes longer leaves what shows why; empty: nowhere
   std::string command = {};         // line that the process was started with, for that
-  int queues = 2;  // 1: no second queue, whatever the device has
+  int queues = 2;                   // 1: no second queue, whatever the device has
   // Memory for images that frames with the same content share, like shadow maps of what does not move; 0: every frame
   // makes its own, and its times are those of all its work.
   uint64_t kept_bytes = 0;

@@ -128,8 +128,7 @@ Expected<void> DeviceSession::load() {
 // What the job leaves to us or asks of the device. GpuError where it does not say what it has.
 Expected<void> DeviceSession::choose_by_device() {
   if (job_.technique == auto_technique) {
-    const ChosenTechnique chosen =
-        quickest_technique(device_->info().is_cpu, device_->info().int64_atomics);
+    const ChosenTechnique chosen = quickest_technique(device_->info().is_cpu, device_->info().int64_atomics);
     job_.technique = chosen.name;
     log::info("technique auto: {}, because {}", chosen.name, chosen.why);
   }

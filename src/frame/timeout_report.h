@@ -15,8 +15,8 @@ struct TimeoutReport {
   std::string message;   // the error: which pass the device had come to
 };
 
-// Writes it, with the log's lines so far, into a new folder inside `where`: candela-timeout, or candela-timeout-2 and so
-// on where there is one. The folder. Errors (output).
+// Writes it, with the log's lines so far, into a new folder inside `where`: candela-timeout, or candela-timeout-2 and
+// so on where there is one. The folder. Errors (output).
 Expected<std::filesystem::path> write_timeout_report(const std::filesystem::path& where, const TimeoutReport& report);
 
 }  // namespace candela

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/names.h"
-
 namespace candela {
 namespace {
 
@@ -11,9 +9,9 @@ constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0
 
 }  // namespace
 
-std::string escape_markup(std::string_view raw) {
+std::string escape_markup(std::string_view text) {
   std::string result;
-  for (const char c : printable(raw)) {  // XML has no control characters, not even escaped
+  for (const char c : text) {
     switch (c) {
       case '&':
         result += "&amp;";

@@ -37,7 +37,7 @@ TEST_F(FrameTimeout, InTheWarmUpNamesThePasses) {
         return std::string(std::istreambuf_iterator<char>(file), {});
       };
       EXPECT_EQ(text_of("command.sh"), settings.command + "\n");
-      EXPECT_NE(text_of("job.json").find("\"size\": \"96x54\""), std::string::npos) << text_of("job.json");
+      EXPECT_NE(text_of("job.json").find("\"size\":\"96x54\""), std::string::npos) << text_of("job.json");
       EXPECT_NE(text_of("versions.txt").find((*session)->device().info().driver), std::string::npos);
       EXPECT_NE(text_of("plan.txt").find("shade_forward"), std::string::npos);
       EXPECT_NE(text_of("log.txt").find("did not end within"), std::string::npos);

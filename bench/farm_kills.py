@@ -112,6 +112,7 @@ def main():
             total["films"] += 1
             for key, count in wrong.items():
                 total[key] += count
+            print(json.dumps(total), file=sys.stderr, flush=True)
             shutil.rmtree(film.base / name, ignore_errors=True)
             shutil.rmtree(film.base / f"{name}.farm", ignore_errors=True)
     finally:

@@ -107,7 +107,7 @@ Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& roo
   if (!scene) return std::unexpected(scene.error());
   if (!sky) return std::unexpected(sky.error());
   golden.job.scene = *scene;
-  golden.job.sky = *sky;
+  if (!sky->empty() || !is_sky_word(golden.job.sky)) golden.job.sky = *sky;
   if (const fs::path look = root.parent_path() / golden.job.look; !golden.job.look.empty()) {
     if (auto allowed = check_named_file(look, root.parent_path(), file); !allowed)
       return fail(ErrorKind::input, file + ": /job/look", "{}", allowed.error().message);

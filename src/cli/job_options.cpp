@@ -103,9 +103,13 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->type_name("WxH");
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   command
-      .add_option("--sky", o.sky,
-                  "Equirectangular .hdr or .exr, or six faces (a folder, or a path with *), that light the scene and "
-                  "fill the background; atmosphere: the day sky of the scene's sun; none: not even the look's")
+      .add_option(
+          "--sky", o.sky,
+          "Equirectangular .hdr or .exr, or six faces (a folder, or a path with *), that light the scene and "
+          "fill the background; studio: soft boxes, which light alone; neutral: even light, for files without any; "
+          "atmosphere: the day sky of the scene's sun; auto: the look's, or the studio where the file has no light "
+          "either; none: no light but the scene's own")
+      ->capture_default_str()
       ->type_name("FILE");
   command
       .add_option("--look", o.look,

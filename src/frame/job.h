@@ -37,8 +37,10 @@ struct Job {
   std::string quality = "high";         // draft, normal, high, exact: rungs of every knob's ladder
   std::vector<KnobSetting> settings;    // --set PASS.KNOB=VALUE, over the quality
   std::string effects = "auto";         // auto (by quality and look), none, or names separated by commas
-  std::string sky;   // equirectangular .hdr or .exr, six faces, "atmosphere" or "none"; empty: as the look says
-  std::string look;  // look file
+  // Equirectangular .hdr or .exr, six faces, or a word (is_sky_word). Empty: the look's; where there is no light
+  // either, the neutral one.
+  std::string sky;
+  std::string look;                  // look file
   std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
   std::string cut_outs = "blended";  // blended materials that hide all or nothing (scene/cut_outs.h)
   std::string variant;               // of materials, by its name in the file; empty: the default materials
@@ -60,8 +62,11 @@ struct Job {
 };
 // Among the layers of a job that asks for all there are: those that this frame cannot have are left out, and no error.
 inline constexpr std::string_view all_layers = "all";
-// Skies that --sky names without a file.
-inline bool is_sky_word(const std::string& sky) { return sky == "none" || sky == "atmosphere"; }
+// Skies that --sky names without a file. auto: the look's; where the file has no light either, the studio.
+inline constexpr std::string_view auto_sky = "auto", studio_sky = "studio", neutral_sky = "neutral";
+inline bool is_sky_word(std::string_view sky) {
+  return sky == "none" || sky == "atmosphere" || sky == auto_sky || sky == studio_sky || sky == neutral_sky;
+}
 std::string job_json(const Job& job);  // stable order; one line
 Expected<Job> job_from_json(const std::string& text);
 Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720", "1080p", "4k"

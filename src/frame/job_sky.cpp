@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -15,23 +16,37 @@
 #include "image/environment_file.h"
 #include "scene/atmosphere.h"
 #include "scene/gradient_sky.h"
+#include "scene/neutral_light.h"
 #include "scene/scene_images.h"
+#include "scene/studio.h"
 
 namespace candela {
 namespace {
 
 namespace fs = std::filesystem;
 
-enum class Source : uint8_t { none, file, gradient, atmosphere };
+enum class Source : uint8_t { none, file, gradient, atmosphere, studio };
 
 // What comes first: the command line, then the look.
 Source source_of(const Job& job, const Look& look) {
   if (job.sky == "none") return Source::none;
   if (job.sky == "atmosphere") return Source::atmosphere;
-  if (!job.sky.empty() || !look.sky.image.empty()) return Source::file;
+  if (job.sky == studio_sky) return Source::studio;
+  if (job.sky == neutral_sky) return Source::none;
+  if ((!job.sky.empty() && job.sky != auto_sky) || !look.sky.image.empty()) return Source::file;
   return look.sky.gradient ? Source::gradient : look.sky.atmosphere ? Source::atmosphere : Source::none;
 }
-bool has_second(const Job& job, const Look& look) { return look.sky.second && job.sky != "none"; }
+bool has_second(const Job& job, const Look& look) {
+  return look.sky.second && job.sky != "none" && job.sky != studio_sky && job.sky != neutral_sky;
+}
+
+// What --sky auto gives files without any light, whatever is lit at a time.
+bool wants_studio(const Job& job, const Look& look, const Scene& scene) {
+  if (job.sky != auto_sky || job.effects == "none" || source_of(job, look) != Source::none || has_second(job, look) ||
+      has_light(scene))
+    return false;
+  return scene.materials.empty() || std::ranges::any_of(scene.materials, [](const Material& m) { return !m.unlit; });
+}
 
 // A file that the look names, from the look's folder.
 Expected<std::string> named_by_look(const Job& job, const std::string& name) {
@@ -134,7 +149,10 @@ DecodedImage sum_of(const std::vector<SkyPart>& parts) {
   return out;
 }
 
-bool has_sky(const Job& job, const Look& look) { return source_of(job, look) != Source::none || has_second(job, look); }
+bool has_sky(const Job& job, const Look& look) {
+  const Source source = source_of(job, look);
+  return (source != Source::none && source != Source::studio) || has_second(job, look);
+}
 bool shows_through(const Job& job, const Look& look) {
   const auto background = parse_background(job.background);
   return background && background->transparent() && !has_sky(job, look);
@@ -143,7 +161,7 @@ bool shows_through(const Job& job, const Look& look) {
 Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look) {
   std::vector<std::string> files;
   if (source_of(job, look) == Source::file) {
-    if (!job.sky.empty()) {
+    if (!job.sky.empty() && job.sky != auto_sky) {
       files.push_back(job.sky);
     } else {
       const auto file = named_by_look(job, look.sky.image);
@@ -162,7 +180,8 @@ Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look) {
 Expected<JobSky> JobSky::read(const Job& job, const Look& look, const Scene& scene,
                               std::vector<std::string>& warnings) {
   JobSky sky;
-  const Source source = source_of(job, look);
+  sky.for_want_of_light_ = wants_studio(job, look, scene);
+  const Source source = sky.for_want_of_light_ ? Source::studio : source_of(job, look);
   sky.first_ = First(source);
   const auto files = sky_files(job, look);
   if (!files) return std::unexpected(files.error());
@@ -182,6 +201,10 @@ Expected<JobSky> JobSky::read(const Job& job, const Look& look, const Scene& sce
   // Without images: gradients do not depend on the longitude, and air is smooth but for the horizon.
   if (images.empty() && source == Source::gradient) sky.width_ = 4, sky.height_ = 512;
   if (images.empty() && source == Source::atmosphere) sky.width_ = atmosphere_width, sky.height_ = atmosphere_width / 2;
+  if (source == Source::studio) {
+    sky.width_ = 512, sky.height_ = 256;  // five texels across the narrowest edge
+    sky.image_ = as_part(studio_image(sky.width_, sky.height_));
+  }
   return sky;
 }
 
@@ -281,6 +304,13 @@ FrameSky JobSky::at(const Look& look, const FrameData& data, std::vector<std::st
           glm::degrees(std::asin(glm::clamp(d.y, -1.0, 1.0))),
           glm::dot(sky.sun->illuminance, glm::dvec3(0.2126, 0.7152, 0.0722)), 100 * sun_share_));
     }
+  }
+  if (first_ == First::studio) {
+    sky.parts.insert(sky.parts.begin(), {image_, glm::vec3(first)});
+    sky.studio = true;
+    if (for_want_of_light_)
+      notes.emplace_back(
+          "the file has neither lights nor a sky: a studio lights it (--sky FILE, or none for no light)");
   }
   if (first_ == First::gradient) {
     const SkyGradient& g = look.sky.gradient ? *look.sky.gradient : SkyGradient{};

@@ -40,6 +40,7 @@ struct FrameSky {
   // For the reference, which knows its formula.
   std::optional<SkyGradient> gradient;
   double gradient_weight = 0;
+  bool studio = false;  // scene/studio.h: lights and is mirrored, and is no background
   // Taken out of the image, as the world has it: towards it, and its illuminance.
   struct Sun {
     glm::dvec3 direction{0, 1, 0}, illuminance{0};
@@ -52,7 +53,7 @@ struct FrameSky {
 };
 DecodedImage sum_of(const std::vector<SkyPart>& parts);
 
-// Whether the job has a sky, whatever the time.
+// Whether the job has a sky that is seen, whatever the time: the studio is not.
 bool has_sky(const Job& job, const Look& look);
 // Whether pictures are transparent where nothing is: by the job and not by the pixels, so that all frames of a sequence
 // have the same channels.
@@ -70,7 +71,7 @@ class JobSky {
   FrameSky at(const Look& look, const FrameData& data, std::vector<std::string>& notes) const;
 
  private:
-  enum class First : uint8_t { none, image, gradient, atmosphere };
+  enum class First : uint8_t { none, image, gradient, atmosphere, studio };
   std::shared_ptr<const SkyImage> gradient_band(int band, double exponent) const;
   std::shared_ptr<const SkyImage> air_image(const Atmosphere& air, glm::dvec3 to_sun) const;
   void take_sun(DecodedImage& image);
@@ -80,6 +81,7 @@ class JobSky {
   std::shared_ptr<const SkyImage> image_, second_;
   std::optional<FrameSky::Sun> sun_;  // of the image, in its own axes
   double sun_share_ = 0;              // of the image's light
+  bool for_want_of_light_ = false;    // the studio, which nobody asked for
   int width_ = 0, height_ = 0;        // of all parts
   // Images by what they are made from, the newest last; a few, so that frames in any order find theirs.
   mutable std::vector<std::pair<std::string, std::shared_ptr<const SkyImage>>> made_;

@@ -364,7 +364,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
   const bool refraction = f.request.wants_true(Refraction::effect);
   f.facts = survey(context.scene, f.pose, f.data, bool(f.sky), refraction);
-  if (!has_light(context.scene) && !f.sky && f.facts.takes_light()) {
+  // A probe's faces hold what surfaces mirror.
+  f.request.sky_hidden = f.sky.studio && !context.face;
+  if (job.sky != "none" && !has_light(context.scene) && !f.sky && f.facts.takes_light()) {
     f.request.neutral_light = true;
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false, refraction);

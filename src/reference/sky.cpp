@@ -8,6 +8,7 @@
 
 #include "reference/brdf.h"
 #include "scene/environment.h"
+#include "scene/studio.h"
 
 namespace candela::reference {
 namespace {
@@ -84,6 +85,14 @@ Sky Sky::neutral() {
   return sky;
 }
 
+Sky Sky::studio(double turn_rad, double times) {
+  Sky sky;
+  sky.kind_ = Kind::studio;
+  sky.turn_cos_ = std::cos(turn_rad), sky.turn_sin_ = std::sin(turn_rad), sky.times_ = times;
+  sky.make_distribution(256, 128);
+  return sky;
+}
+
 Sky Sky::constant(glm::dvec3 radiance) {
   Sky sky;
   sky.kind_ = Kind::linear;
@@ -105,6 +114,7 @@ glm::dvec3 Sky::in_image(glm::dvec3 d) const {
 glm::dvec3 Sky::radiance(glm::dvec3 d) const {
   if (kind_ == Kind::none) return glm::dvec3(0);
   if (kind_ == Kind::linear) return constant_ + slope_ * d.y;
+  if (kind_ == Kind::studio) return glm::dvec3(times_ * studio_radiance(in_image(d)));
   const glm::dvec3 gradient = times_ * gradient_at(d.y);
   if (texels_.empty()) return gradient;
   d = in_image(d);
@@ -162,6 +172,11 @@ void Sky::make_distribution(int width, int height) {
       glm::dvec3 mean(0);
       if (kind_ == Kind::linear) {
         mean = radiance({0, std::cos(pi * (y + 0.5) / height), 0});
+      } else if (kind_ == Kind::studio) {
+        constexpr int parts = 3;
+        for (int i = 0; i < parts * parts; ++i)
+          mean += studio_radiance(
+              equirect_direction((x + (i % parts + 0.5) / parts) / width, (y + (i / parts + 0.5) / parts) / height));
       } else if (texels_.empty()) {
         mean = gradient_at(std::cos(pi * (y + 0.5) / height));
       } else {

@@ -25,6 +25,8 @@ class Sky {
   static Sky sum(std::span<const Part> parts, const std::optional<SkyGradient>& gradient, double gradient_weight,
                  double turn_rad, double times);
   static Sky neutral();                      // radiance 0.45 + 0.25 y, as scene/environment.h defines neutral_ambient()
+  // scene/studio.h by its formula, turned and multiplied as images are.
+  static Sky studio(double turn_rad = 0, double times = 1);
   static Sky constant(glm::dvec3 radiance);  // for tests with closed forms
 
   explicit operator bool() const { return kind_ != Kind::none; }
@@ -44,7 +46,7 @@ class Sky {
   double pdf(glm::dvec3 direction) const;
 
  private:
-  enum class Kind { none, linear, image, sum };
+  enum class Kind { none, linear, image, sum, studio };
   void make_distribution(int width, int height);
   glm::dvec3 texel(int x, int y) const;
   glm::dvec3 gradient_at(double sine) const;

@@ -30,6 +30,7 @@ glm::dvec4 background_of(const std::string& text) {
 // Gradients by their formula; the rest by its images.
 reference::Sky traced_sky(const FrameSky& sky) {
   const double turn = glm::radians(sky.rotation_deg);
+  if (sky.studio) return reference::Sky::studio(turn, sky.intensity);
   if (sky.is_plain() && !sky.gradient) return reference::Sky(sky.parts[0].image->image, turn, sky.intensity);
   std::vector<reference::Sky::Part> parts;
   for (const SkyPart& part : sky.parts)
@@ -197,9 +198,9 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
     add_sky_sun(sky, frame->data);
     input.sky = traced_sky(sky);
     input.ambient_sh = sky.ambient();
-    input.sky_visible = true;
+    input.sky_visible = !sky.studio;
     input.sky_blur_rad = glm::radians(sky.blur_deg);
-  } else if (!has_light(scene)) {
+  } else if (!has_light(scene) && job.sky != "none") {
     add_neutral_light(frame->view, frame->data);
     input.sky = reference::Sky::neutral();
     input.ambient_sh = neutral_ambient();

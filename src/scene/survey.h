@@ -56,6 +56,7 @@ struct FrameRequest {
   bool look_nonfinite = false;              // count pixels that are not finite, also of a beauty that is not read back
   bool shows_through = false;               // pictures are transparent where nothing is
   std::optional<uint32_t> behind_rgb = {};  // display output is laid over these sRGB codes there; else it has alpha
+  bool sky_hidden = false;                  // the sky lights and is mirrored; behind everything is the background
   bool draw_background = true;
   std::vector<std::string> layers;  // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
   std::string view = "beauty";      // what display output shows: beauty, a layer, or an image of the frame

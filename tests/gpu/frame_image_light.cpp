@@ -1,5 +1,6 @@
 // Image-based light against sums over the texels of the sky with the reference's BRDF, in double precision.
 #include "frame_sky_fixture.h"
+#include "scene/studio.h"
 
 namespace candela::test {
 namespace {
@@ -107,6 +108,19 @@ TEST_F(ImageLight, ComesNearTheSumOverTheSky) {
       before = now;
     }
     EXPECT_LT(before, 1e-3) << metallic;
+  }
+}
+
+TEST_F(ImageLight, ComesNearTheStudioInClosedForm) {
+  const Texels sky = write_sky("studio", [](glm::dvec3 d) { return glm::dvec3(studio_radiance(d)); });
+  for (const double metallic : {0.0, 1.0}) {
+    Job job = squares(metallic, sky.file);
+    job.sky = studio_sky;
+    const double off = error(job, metallic, sky, {{"ibl", "method", "lobe"}});
+    fmt::print("studio, metallic {}: relMSE {:.5f}\n", metallic, off);
+    EXPECT_LT(off, 0.01) << metallic;
+    job.sky = neutral_sky;
+    EXPECT_GT(error(job, metallic, sky, {}), 0.02) << metallic;
   }
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/check.h"
 #include "base/text.h"
 #include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
@@ -303,19 +304,55 @@ TEST(Plan, AnEmptySceneClearsAndNothingElse) {
   EXPECT_EQ(kept(plan(*scene, small_job(4))), (Names{"background", "resolve", "readback"}));
 }
 
-// The neutral light comes when nothing else lights the scene, says so, and needs something that it can light.
-TEST(Plan, TheNeutralLightIsSaidAndOnlyWhereItIsSeen) {
+Scene triangle_scene() {
   test::GltfBuilder b;
   test::Json& p = b.primitive({{"POSITION", b.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
                                {"NORMAL", b.accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1})}});
   p["mode"] = 4;
-  const auto scene = b.load();
-  ASSERT_TRUE(scene) << scene.error().text();
-  const PlannedFrame lit = plan(*scene);
+  auto scene = b.load();
+  CHECK(scene);
+  return std::move(*scene);
+}
+
+// The neutral light comes when nothing else lights the scene, says so, and needs something that it can light.
+TEST(Plan, TheNeutralLightIsSaidAndOnlyWhereItIsSeen) {
+  const PlannedFrame lit = plan(triangle_scene());
   EXPECT_TRUE(lit.request.neutral_light);
   EXPECT_TRUE(test::mentions(lit.notes, "neutral light"));
   EXPECT_FALSE(plan(generated("unlit-box")).request.neutral_light);
   EXPECT_FALSE(plan(generated("spheres")).request.neutral_light);
+}
+
+// --sky auto: a studio for files without light, decided for the file and not for what a time shows; it lights and is no
+// background. Named skies, other lights and the bare frame leave it out.
+TEST(Plan, TheStudioLightsFilesWithoutLight) {
+  const auto with_sky = [](std::string_view sky, const char* effects = "auto") {
+    Job job = small_job();
+    job.sky = sky, job.effects = effects;
+    return job;
+  };
+  const auto is_left_out = [](const PlannedFrame& frame, std::string_view pass) {
+    return std::ranges::any_of(frame.graph.plan.left_out, [&](const LeftOut& l) { return l.pass == pass; });
+  };
+  const Scene dark = triangle_scene();
+  const PlannedFrame studio = plan(dark, with_sky("auto"));
+  EXPECT_TRUE(studio.sky.studio && studio.facts.environment && studio.facts.image_light);
+  EXPECT_FALSE(studio.request.neutral_light);
+  EXPECT_TRUE(test::mentions(studio.notes, "a studio lights it (--sky FILE, or none for no light)"));
+  EXPECT_TRUE(studio.request.shows_through);
+  EXPECT_TRUE(is_left_out(studio, "sky"));
+  EXPECT_FALSE(is_left_out(studio, "background"));
+  EXPECT_FALSE(test::mentions(plan(dark, with_sky("studio")).notes, "studio"));
+  EXPECT_TRUE(plan(dark, with_sky("auto", "none")).request.neutral_light);
+  EXPECT_TRUE(plan(dark, with_sky("neutral")).request.neutral_light);
+  const PlannedFrame none = plan(dark, with_sky("none"));
+  EXPECT_FALSE(none.request.neutral_light || none.facts.environment || none.facts.lights() > 0);
+
+  Scene faded = generated("spheres");
+  for (Light& light : faded.lights) light.intensity = 0;
+  EXPECT_FALSE(plan(faded, with_sky("auto")).facts.environment);
+  EXPECT_TRUE(plan(faded, with_sky("studio")).sky.studio);
+  EXPECT_FALSE(plan(generated("unlit-box"), with_sky("auto")).facts.environment);
 }
 
 // A lamp that is dark at this time is a dark lamp, not a file without light: no flash in the middle of a fade.

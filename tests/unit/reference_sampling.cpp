@@ -7,6 +7,7 @@
 
 #include "reference/brdf.h"
 #include "reference/sky.h"
+#include "scene/studio.h"
 
 namespace candela::reference {
 namespace {
@@ -171,6 +172,24 @@ TEST(Sampling, SkiesInClosedForm) {
   const Sky neutral = Sky::neutral();
   EXPECT_NEAR(integral_over_sphere(128, [&](glm::dvec3 d) { return neutral.radiance(d).x; }), 4 * pi * 0.45, 1e-9);
   EXPECT_NEAR(neutral.radiance({0, 1, 0}).x, 0.7, 1e-12);
+}
+
+// The studio's samples have the density that pdf() says, and its radiance is the formula's, turned and multiplied.
+TEST(Sampling, TheStudioIsSampledByItsLight) {
+  const Sky studio = Sky::studio(), turned = Sky::studio(pi / 2, 2);
+  EXPECT_NEAR(integral_over_sphere(256, [&](glm::dvec3 d) { return studio.pdf(d); }), 1, 1e-2);
+  const double light = integral_over_sphere(512, [&](glm::dvec3 d) { return studio.radiance(d).x; });
+  double estimate = 0;
+  constexpr int count = 1 << 12;
+  for (int i = 0; i < count; ++i) {
+    SampleStream stream({}, 0, 0, uint64_t(i));
+    const Sky::Choice choice = studio.sample(stream.next2());
+    ASSERT_NEAR(choice.pdf, studio.pdf(choice.direction), 1e-9 * choice.pdf);
+    estimate += studio.radiance(choice.direction).x / choice.pdf / count;
+  }
+  EXPECT_NEAR(estimate, light, 0.01 * light);
+  const glm::dvec3 d = glm::normalize(glm::dvec3(0.5, 0.7, 0.4));
+  EXPECT_NEAR(turned.radiance({d.z, d.y, -d.x}).x, 2 * studio_radiance(d), 1e-12);
 }
 
 // A unit vector's rounding may take it past the poles.

@@ -26,10 +26,8 @@ Expected<Seen> see(const Scene& scene, const Job& job, double time_s) {
 
 // Last key of what plays.
 double animation_end_s(const Scene& scene, const Job& job) {
-  double end_s = 0;
-  if (const auto chosen = choose_animations(scene, job.animation))
-    for (const int index : chosen->animations) end_s = std::max(end_s, scene.animations[size_t(index)].end_s);
-  return end_s;
+  const auto chosen = choose_animations(scene, job.animation);
+  return chosen ? clips_end_s(scene, *chosen) : 0;
 }
 
 bool same_place(const View& a, const View& b) {

@@ -21,7 +21,7 @@ constexpr const char* exit_codes =
 const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> table = {
       {"Moment", {"frame", "frames", "time", "fps", "animation"}},
-      {"Camera", {"camera", "up", "eye", "target", "yfov", "azimuth", "elevation", "fit", "turntable"}},
+      {"Camera", {"camera", "up", "eye", "target", "yfov", "azimuth", "elevation", "fit", "follow", "turntable"}},
       {"Picture",
        {"output", "size", "view", "layers", "exposure", "tonemap", "background", "exr-type", "exr-compression",
         "png-bits", "no-dither", "metadata-timings", "allow-nonfinite", "dump"}},

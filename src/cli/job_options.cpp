@@ -1,5 +1,6 @@
 #include "cli/job_options.h"
 
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 
@@ -10,6 +11,7 @@
 #include "cli/file_options.h"
 #include "cli/input_options.h"
 #include "frame/plan_frame.h"
+#include "frame/posed_scene.h"
 #include "scene/look.h"
 #include "scene/up_axis.h"
 
@@ -72,14 +74,18 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command.add_option("--fps", o.fps, "Frames per second: 24, 23.976, 30000/1001")
       ->capture_default_str()
       ->type_name("RATE");
-  command.add_option("--animation", o.animation, "Animations that play: a name, an index, all or none")
+  command
+      .add_option(
+          "--animation", o.animation,
+          "Animations that play: a name, an index, auto (all but those that move what one before them moves), all "
+          "or none")
       ->capture_default_str()
       ->type_name("NAME");
   command
       .add_option(
           "--camera", o.camera,
-          "Camera of the scene by name or index; without one the first, else the bounds are framed; render takes all, "
-          "one picture each")
+          "Camera of the scene by name or index; without one the first, else all that a film shows is framed; render "
+          "takes all, one picture each")
       ->type_name("NAME");
   command.add_option("--eye", o.eye, "Camera position, metres; goes with --target")->type_name("X,Y,Z");
   command.add_option("--target", o.target, "Point that the camera looks at, metres")->type_name("X,Y,Z");
@@ -90,7 +96,10 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->type_name("DEGREES");
   command.add_option("--elevation", o.elevation_deg, "The same, from so far above; 20 where only --azimuth is given")
       ->type_name("DEGREES");
-  command.add_flag("--fit", o.fit, "The camera moves, looking the same way, until the bounds fill the picture");
+  command.add_flag(
+      "--fit", o.fit,
+      "The camera moves, looking the same way, until what is drawn fills the picture; one camera for a film");
+  command.add_flag("--follow", o.follow, "Cameras that place themselves follow what moves, frame by frame");
   command
       .add_option(
           "--turntable", o.turntable,
@@ -329,6 +338,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.camera.yfov_deg = o.yfov_deg;
   job.camera.azimuth_deg = o.azimuth_deg, job.camera.elevation_deg = o.elevation_deg;
   job.camera.fit = o.fit;
+  if (o.fit || (o.eye.empty() && o.camera.empty())) job.camera.framing = o.follow ? Framing::follow : Framing::film;
   const auto rate = parse_frame_rate(o.fps);
   if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
   job.motion_s = rate->seconds(1);
@@ -394,6 +404,26 @@ Expected<Moment> moment_of(const JobOptions& options, const MomentOptions& given
     moment.time_s = rate->seconds(given.frame);
   }
   return moment;
+}
+
+Expected<std::string> with_all_frames(const std::string& frames, const Job& job, const std::string& fps) {
+  if (frames != "all") return frames;
+  const auto rate = parse_frame_rate(fps);
+  if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  const auto scene = load_scene(job);
+  if (!scene) return std::unexpected(scene.error());
+  const auto choice = choose_animations(*scene, job.animation);
+  if (!choice) return std::unexpected(choice.error());
+  const double end_s = clips_end_s(*scene, *choice);
+  if (!(end_s > 0))
+    return fail(ErrorKind::usage, "--frames",
+                "all is the length of the animations that play, and none does; write 0-249");
+  const double last = std::floor(end_s * double(rate->numerator) / double(rate->denominator) + 1e-6);
+  constexpr double most = 9'999'999;
+  if (last > most)
+    return fail(ErrorKind::usage, "--frames", "all is {:.0f} frames at {} a second; write a list of fewer", last + 1,
+                fps);
+  return fmt::format("0-{}", int64_t(last));
 }
 
 }  // namespace candela::cli

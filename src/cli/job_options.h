@@ -13,13 +13,13 @@ namespace candela::cli {
 // The options that render, sequence, plan and facts share, as text until all are read. add_* are the only place where
 // an option's name, help and default stand.
 struct JobOptions {
-  std::string scene, up = "y", animation = "all", camera, eye, target, size = "1280x720", technique = "auto",
+  std::string scene, up = "y", animation = "auto", camera, eye, target, size = "1280x720", technique = "auto",
                      transparency = "auto", quality = "high", effects = "auto", sky = "auto", look, shading = "pbr",
                      cut_outs = "blended", variant, probe, tonemap, view = "beauty", layers, background = "transparent",
                      exr_type = "half", exr_compression = "zip", fps = "24", device, shader_folder, config;
   std::vector<std::string> settings;
   std::optional<double> yfov_deg, azimuth_deg, elevation_deg;
-  bool fit = false;
+  bool fit = false, follow = false;
   int turntable = 0;  // frames of a turn
   int samples = 0, png_bits = 8, queues = 2;
   std::optional<float> exposure_ev;
@@ -75,6 +75,8 @@ struct Moment {
   FrameRate rate;
   double time_s = 0;
 };
+// A list of frames as it was given, or for "all" the frames from 0 to the last key of the animations that play.
+Expected<std::string> with_all_frames(const std::string& frames, const Job& job, const std::string& fps);
 Expected<Moment> moment_of(const JobOptions& options, const MomentOptions& moment);
 
 }  // namespace candela::cli

@@ -7,6 +7,7 @@
 #include "cli/job_options.h"
 #include "cli/result.h"
 #include "cli/scene_notes.h"
+#include "cli/scene_summary.h"
 #include "frame/job_look.h"
 #include "frame/plan_frame.h"
 #include "frame/posed_scene.h"
@@ -88,7 +89,9 @@ Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
   facts["variants"] = scene.variants;
   facts["variant"] = nullptr;
   if (scene.variant >= 0) facts["variant"] = scene.variants[size_t(scene.variant)];
-  if (auto printed = print(facts.dump(2) + "\n"); !printed) return std::unexpected(printed.error());
+  add_summary(facts, scene, job, *frame);
+  const auto printed = print(o.job.json ? facts.dump(2) + "\n" : summary_text(scene, job, *frame));
+  if (!printed) return std::unexpected(printed.error());
   return 0;
 }
 
@@ -119,8 +122,9 @@ void add_plan(CLI::App& app, Action& action) {
 }
 
 void add_facts(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("facts", "Print what the scene holds at one moment, as JSON; needs no device");
+  CLI::App* command = app.add_subcommand("facts", "Print what the scene holds at one moment; needs no device");
   auto o = add_common(*command);
+  command->add_flag("--json", o->job.json, "As JSON, with all that passes are chosen by");
   command->callback([command, o, &action] { action = [command, o] { return run_facts(*command, *o); }; });
 }
 

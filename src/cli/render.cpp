@@ -164,13 +164,16 @@ Expected<void> check_one_shot(const RenderOptions& o, const RenderPlan& plan) {
   return {};
 }
 
-Expected<RenderPlan> plan_render(const CLI::App& command, const RenderOptions& o) {
+Expected<RenderPlan> plan_render(const CLI::App& command, RenderOptions& o) {
   RenderPlan plan;
   JobOptions options = o.job;
   plan.all_cameras = options.camera == "all";
   if (plan.all_cameras) options.camera.clear();
   auto job = job_of(options);
   if (!job) return std::unexpected(job.error());
+  const auto frames = with_all_frames(o.frames, *job, options.fps);
+  if (!frames) return std::unexpected(frames.error());
+  o.frames = *frames;
   const auto chosen = choice_within(command, o.budget, *job, o.job.device);
   if (!chosen) return std::unexpected(chosen.error());
   if (const auto& choice = *chosen) {
@@ -392,8 +395,9 @@ void add_render(CLI::App& app, Action& action) {
   add_job_options(*command, o->job);
   add_moment_options(*command, o->moment);
   command
-      ->add_option("--frames", o->frames,
-                   "Several frames: 0-249, 1-100x5 or 2,4,10-20 (candela sequence is faster, resumes and makes films)")
+      ->add_option(
+          "--frames", o->frames,
+          "Several frames: 0-249, 1-100x5, 2,4,10-20 or all (candela sequence is faster, resumes and makes films)")
       ->type_name("LIST");
   command
       ->add_option("-o,--output", o->outputs,

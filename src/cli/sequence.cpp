@@ -203,7 +203,7 @@ Expected<int> trace(const SequenceOptions& o, const FilmJob& film, std::optional
   return 0;
 }
 
-Expected<int> make_film(const CLI::App& command, const SequenceOptions& o, std::optional<RunRecorder>& recorder) {
+Expected<int> make_film(const CLI::App& command, SequenceOptions& o, std::optional<RunRecorder>& recorder) {
   const auto film = film_job(command, o);
   if (!film) return std::unexpected(film.error());
   return film->traced ? trace(o, *film, recorder) : render(o, film->job, recorder);

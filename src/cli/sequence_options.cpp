@@ -10,9 +10,10 @@ namespace candela::cli {
 void add_film_options(CLI::App& command, SequenceOptions& o) {
   add_job_options(command, o.job);
   command
-      .add_option(
-          "--frames", o.frames,
-          "Frames, ends included: 0-249, 1-100x5 or 2,4,10-20; with --turntable N 0 to N - 1 where it is left out")
+      .add_option("--frames", o.frames,
+                  "Frames in the order written, ends included: 0-249, 1-100x5 or 2,4,10-20; all: as long as the "
+                  "animations that "
+                  "play; with --turntable N 0 to N - 1 where it is left out")
       ->type_name("LIST");
   command
       .add_option("-o,--output", o.outputs,
@@ -72,7 +73,9 @@ Expected<Job> traced_job(const JobOptions& o) {
 
 }  // namespace
 
-Expected<FilmJob> film_job(const CLI::App& command, const SequenceOptions& o) {
+namespace {
+
+Expected<FilmJob> checked_film(const CLI::App& command, const SequenceOptions& o) {
   if (o.job.technique != traced_technique) {
     if (auto good =
             refuse(command,
@@ -97,6 +100,17 @@ Expected<FilmJob> film_job(const CLI::App& command, const SequenceOptions& o) {
   const auto request = trace_request(o.tracing, *job);
   if (!request) return std::unexpected(request.error());
   return FilmJob{*job, *request};
+}
+
+}  // namespace
+
+Expected<FilmJob> film_job(const CLI::App& command, SequenceOptions& o) {
+  auto film = checked_film(command, o);
+  if (!film) return film;
+  const auto frames = with_all_frames(o.frames, film->job, o.job.fps);
+  if (!frames) return std::unexpected(frames.error());
+  o.frames = *frames;
+  return film;
 }
 
 std::string frames_text(const SequenceOptions& o) {
@@ -130,7 +144,8 @@ std::vector<std::string> given_words(const CLI::App& command, const std::set<std
 Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& job) {
   SequenceSettings settings;
   const std::string list = frames_text(o);
-  if (list.empty()) return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5 or 2,4,10-20");
+  if (list.empty())
+    return fail(ErrorKind::usage, "--frames", "no frames given; write 0-249, 1-100x5, 2,4,10-20 or all");
   const auto frames = parse_frame_list(list);
   if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
   const auto shard = parse_shard(o.shard);

@@ -34,7 +34,8 @@ struct FilmJob {
   std::optional<TraceRequest> traced;
 };
 // Checked. Options that belong to the other maker are errors (usage).
-Expected<FilmJob> film_job(const CLI::App& command, const SequenceOptions& options);
+// Puts numbers for --frames all.
+Expected<FilmJob> film_job(const CLI::App& command, SequenceOptions& options);
 // Checked, but for folders and files that are written.
 Expected<SequenceSettings> read_sequence(const SequenceOptions& options, const Job& job);
 

@@ -48,6 +48,7 @@ std::string job_json(const Job& job) {
   if (job.camera.azimuth_deg) j["azimuth"] = *job.camera.azimuth_deg;
   if (job.camera.elevation_deg) j["elevation"] = *job.camera.elevation_deg;
   if (job.camera.fit) j["fit"] = true;
+  if (job.camera.framing != Framing::boxes) j["framing"] = job.camera.framing == Framing::film ? "film" : "follow";
   if (job.camera.turn_s > 0) j["turn_s"] = job.camera.turn_s;
   j["size"] = fmt::format("{}x{}", job.width_px, job.height_px);
   j["samples"] = job.samples;
@@ -170,6 +171,16 @@ const std::map<std::string, Reader>& readers() {
        [](const Json& v, Job& job) -> std::string {
          if (!v.is_boolean()) return "is not true or false";
          job.camera.fit = v.get<bool>();
+         return {};
+       }},
+      {"framing",
+       [](const Json& v, Job& job) -> std::string {
+         if (v == "film")
+           job.camera.framing = Framing::film;
+         else if (v == "follow")
+           job.camera.framing = Framing::follow;
+         else if (v != "boxes")
+           return "is not film, follow or boxes";
          return {};
        }},
       {"turn_s",

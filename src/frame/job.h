@@ -28,7 +28,7 @@ Expected<std::vector<int64_t>> parse_frame_list(const std::string& text);
 struct Job {
   std::string scene;
   std::string up = "y";           // axis of the file that points up (scene/up_axis.h); camera is of the turned world
-  std::string animation = "all";  // "all", "none", an index or a name
+  std::string animation = "all";  // "auto", "all", "none", an index or a name (scene/pose.h)
   CameraRequest camera;
   int width_px = 1280, height_px = 720;
   int samples = 0;  // MSAA samples 1, 2, 4 or 8; 0: as the quality says

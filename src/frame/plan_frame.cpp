@@ -352,6 +352,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, on_device);
   if (!posed) return std::unexpected(posed.error());
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
+  if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
   f.light_instances = on_device.lights ? on_device.lights->instance_count : 0;
   f.mesh_instances = on_device.instances ? on_device.instances->instance_count : 0;
   f.stores_samples = context.stores_samples && knobs->get<SampleStoreKnobs>().in != SampleStoreKnobs::buffer;

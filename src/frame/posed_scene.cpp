@@ -13,6 +13,7 @@ Expected<Scene> load_scene(const Job& job, LoadFor use) {
   if (scene) turn_up(*scene, job.up);
   if (scene) apply_shading(*scene, job.shading);
   if (scene) add_probe(*scene, probe_from_name(job.probe));
+  if (scene) scene->view_hulls = std::make_shared<KeptViewHulls>();
   return scene;
 }
 
@@ -25,7 +26,12 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
   if (given) {
     out.view = *given;
   } else {
-    const DrawnBounds bounds([&] { return world_bounds(scene, out.pose); });
+    const auto outlines = [&](const glm::dmat3& axes, bool turned) {
+      if (job.camera.framing == Framing::film && scene.view_hulls)
+        return scene.view_hulls->of_film(scene, *animations, axes, turned);
+      return view_hulls(scene, {*animations, job.camera.framing == Framing::film ? nullptr : &out.pose}, axes, turned);
+    };
+    const DrawnBounds bounds([&] { return world_bounds(scene, out.pose); }, outlines);
     auto view = make_view(scene, out.pose, camera_at(job.camera, time_s), job.width_px, job.height_px, bounds);
     if (!view) return std::unexpected(view.error());
     out.view = std::move(*view);

@@ -183,6 +183,7 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   frame->pose = std::move(posed->pose), frame->view = std::move(posed->view), frame->data = std::move(posed->data);
   frame->notes = frame->view.notes;
   frame->notes.insert(frame->notes.end(), frame->pose.warnings.begin(), frame->pose.warnings.end());
+  if (std::string note = clip_note(scene, job.animation); !note.empty()) frame->notes.push_back(std::move(note));
 
   reference::WorldInput input{scene, frame->pose, frame->view, frame->data};
   input.background = background_of(job.background);

@@ -43,6 +43,71 @@ Fit fit_perspective(std::span<const glm::dvec3> points, const glm::dmat3& axes, 
   return {.position = middle + axes * glm::dvec3(shift, d), .nearest_m = d - front};
 }
 
+namespace {
+
+struct Extent {
+  double least = infinity, most = -infinity;
+  double half() const { return (most - least) / 2; }
+};
+// Of coordinate 0 (across) or 1 (towards the camera).
+Extent extent_of(std::span<const glm::dvec2> points, int k) {
+  Extent e;
+  for (const glm::dvec2& p : points) e.least = std::min(e.least, p[k]), e.most = std::max(e.most, p[k]);
+  return e;
+}
+
+// The nearest apex from which all points lie within the two planes of an axis.
+struct Apex {
+  double across, distance;
+};
+Apex apex_of(std::span<const glm::dvec2> points, double tangent) {
+  double right = -infinity, left = -infinity;
+  for (const glm::dvec2& p : points)
+    right = std::max(right, p.x / tangent + p.y), left = std::max(left, -p.x / tangent + p.y);
+  return {tangent * (right - left) / 2, (right + left) / 2};
+}
+
+// Where a camera at a distance has the outermost points as far to the right as to the left: their sum falls as it moves
+// to the right.
+double centred(std::span<const glm::dvec2> points, double distance) {
+  Extent range = extent_of(points, 0);
+  for (int i = 0; i < 100; ++i) {
+    const double at = range.least + (range.most - range.least) / 2;
+    Extent seen;
+    for (const glm::dvec2& p : points) {
+      const double x = (p.x - at) / (distance - p.y);
+      seen.least = std::min(seen.least, x), seen.most = std::max(seen.most, x);
+    }
+    (seen.least + seen.most > 0 ? range.least : range.most) = at;
+  }
+  return range.least + (range.most - range.least) / 2;
+}
+
+}  // namespace
+
+Fit fit_perspective(ViewHulls& hulls, const glm::dmat3& axes, double tan_x, double tan_y, double margin) {
+  const std::vector<glm::dvec2>&x = hulls.x.points(), &y = hulls.y.points();
+  CHECK(!x.empty() && !y.empty() && tan_x > 0 && tan_y > 0 && margin >= 0 && margin < 1);
+  const Extent depth = extent_of(x, 1);
+  const double radius = std::max({extent_of(x, 0).half(), extent_of(y, 0).half(), depth.half()});
+  const Apex across = apex_of(x, tan_x * (1 - margin)), up = apex_of(y, tan_y * (1 - margin));
+  // What is flat and seen edge-on takes no room: it stays a little before the camera.
+  const double d = std::max({across.distance, up.distance, depth.most + 0.002 * radius});
+  return {.position = hulls.middle + axes * glm::dvec3(centred(x, d), centred(y, d), d), .nearest_m = d - depth.most};
+}
+
+Fit fit_orthographic(ViewHulls& hulls, const glm::dmat3& axes, double aspect, double margin) {
+  const Extent x = extent_of(hulls.x.points(), 0), y = extent_of(hulls.y.points(), 0),
+               z = extent_of(hulls.x.points(), 1);
+  CHECK(aspect > 0 && margin >= 0 && margin < 1 && x.most >= x.least);
+  const double size = std::max({x.half(), y.half(), z.half(), 1e-30});
+  Fit fit;
+  fit.nearest_m = size;
+  fit.position = hulls.middle + axes * glm::dvec3(x.least + x.half(), y.least + y.half(), z.most + size);
+  fit.half_height = std::max({y.half(), x.half() / aspect, 1e-6 * size}) / (1 - margin);
+  return fit;
+}
+
 Fit fit_orthographic(std::span<const glm::dvec3> points, const glm::dmat3& axes, double aspect, double margin) {
   CHECK(!points.empty() && aspect > 0 && margin >= 0 && margin < 1);
   const glm::dvec3 middle = mean_of(points);

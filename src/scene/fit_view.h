@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "math/bounds.h"
+#include "scene/view_hulls.h"
 
 namespace candela {
 
@@ -19,6 +20,11 @@ struct Fit {
 // points meet where the camera has to be.
 Fit fit_perspective(std::span<const glm::dvec3> points, const glm::dmat3& axes, double tan_x, double tan_y,
                     double margin);
+// The same of outlines, and as large as they go on both axes: what touches the picture's edges on the axis with more
+// room is as far from the one edge as from the other.
+Fit fit_perspective(ViewHulls& hulls, const glm::dmat3& axes, double tan_x, double tan_y, double margin);
+Fit fit_orthographic(ViewHulls& hulls, const glm::dmat3& axes, double aspect, double margin);
+
 // aspect: width over height.
 Fit fit_orthographic(std::span<const glm::dvec3> points, const glm::dmat3& axes, double aspect, double margin);
 

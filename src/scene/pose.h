@@ -14,8 +14,25 @@ namespace candela {
 struct AnimationChoice {
   std::vector<int> animations;
 };
-// "all", "none", an index or a name. Error usage: lists the names there are.
+// "auto", "all", "none", an index or a name. Auto: in file order each plays unless it touches a target (an object's
+// property) that one before it that plays touches. Error usage: lists the names there are.
 Expected<AnimationChoice> choose_animations(const Scene& scene, const std::string& which);
+
+// What `which` makes of one animation of the file.
+struct ClipFacts {
+  std::string name;
+  double end_s = 0;
+  int targets = 0;     // properties of objects that it drives
+  bool plays = false;  // by `which`
+  int conflicts = 0;   // how many of its targets ...
+  int with = -1;       // ... this animation drives too: for auto the first before it that plays, else any before it
+};
+Expected<std::vector<ClipFacts>> clip_facts(const Scene& scene, const std::string& which);
+// A sentence about animations that do not play for another's sake (auto), or that drive what others drive (all); empty
+// where there are none.
+std::string clip_note(const Scene& scene, const std::string& which);
+// The last key of what plays, seconds; 0: nothing moves.
+double clips_end_s(const Scene& scene, const AnimationChoice& choice);
 
 // A scene at one time. Evaluated in double; nothing carries over from another time, so any order of frames gives the
 // same.

@@ -173,6 +173,7 @@ struct MorphTarget {  // deltas; each array is empty or vertex_count long
 };
 
 struct DeformationBounds;  // deformation_bounds.h
+class KeptViewHulls;       // view_hulls.h
 
 // One glTF primitive, expanded: strips, fans and loops become lists, missing indices become 0..n-1. Attribute arrays
 // are empty or vertex_count long. Positions in mesh space; quantized and normalised attributes are already floats.
@@ -372,7 +373,8 @@ struct Scene {
   std::vector<std::string> variants;  // of materials, by name (KHR_materials_variants)
   int variant = -1;                   // the one that meshes have
   std::vector<ExtensionUse> extensions;
-  std::vector<std::string> warnings;  // one line each, with place
+  std::vector<std::string> warnings;          // one line each, with place
+  std::shared_ptr<KeptViewHulls> view_hulls;  // what films are framed by; null: nothing is kept
 };
 
 // Whether some material lets light through (KHR_materials_transmission).

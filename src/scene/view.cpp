@@ -96,6 +96,7 @@ double far_from_bounds(const View& view, const DAabb& bounds) {
 
 constexpr double default_azimuth_deg = 30, default_elevation_deg = 20;
 constexpr double fit_margin = 0.05;
+constexpr const char* framed_name = "framed bounds";
 
 bool from_direction(const CameraRequest& request) {
   return request.azimuth_deg || request.elevation_deg || request.turn_s > 0;
@@ -116,7 +117,42 @@ View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const
   const glm::dvec3 eye = target + back * distance;
   place(view, eye, glm::dmat3(look_at_pose(back, glm::dvec3(0))));
   set_perspective(view, yfov_rad, std::min({largest_near_m, 0.01 * distance, 0.5 * (distance - radius)}), size);
-  view.name = "framed bounds";
+  view.name = framed_name;
+  return finished(std::move(view));
+}
+
+// Points to frame: outlines with a size, or something about a single point or the origin.
+ViewHulls hulls_to_frame(ViewHulls hulls, const glm::dmat3& axes, std::vector<std::string>& notes) {
+  notes.insert(notes.end(), hulls.notes.begin(), hulls.notes.end());
+  const size_t count = hulls.x.points().size();
+  if (count > 1 || hulls.y.points().size() > 1) return hulls;
+  if (count == 0) notes.push_back("nothing to frame: the view is of the origin");
+  if (count == 0) hulls.middle = glm::dvec3(0);
+  for (const glm::dvec3& corner : corners_of({glm::dvec3(-1), glm::dvec3(1)})) {
+    const glm::dvec3 p = glm::transpose(axes) * corner;
+    hulls.x.add({p.x, p.z}), hulls.y.add({p.y, p.z});
+  }
+  return hulls;
+}
+
+// The camera, looking the same way, from where the vertices fill its picture.
+View placed_by_outlines(View view, const CameraRequest& request, ImageSize size, const DrawnBounds& bounds) {
+  const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));
+  ViewHulls hulls = hulls_to_frame(bounds.outlines(axes, request.turn_s > 0), axes, view.notes);
+  if (view.perspective) {
+    const Fit fit = fit_perspective(hulls, axes, view.tan_x, view.tan_y, fit_margin);
+    view.position = fit.position;
+    view.near_m = std::min(largest_near_m, 0.5 * fit.nearest_m);
+    view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m);
+  } else {
+    const Fit fit = fit_orthographic(hulls, axes, size.aspect(), fit_margin);
+    view.position = fit.position;
+    view.tan_y = fit.half_height, view.tan_x = fit.half_height * size.aspect();
+    view.near_m = 0;
+    view.far_m = far_from_bounds(view, bounds.box());
+    view.clip_from_view = orthographic_reversed(view.tan_x, view.tan_y, view.near_m, view.far_m);
+  }
+  view.name = framed_name;
   return finished(std::move(view));
 }
 
@@ -316,8 +352,25 @@ Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraReque
   const ImageSize size{width_px, height_px};
   if (const Expected<void> checked = check_request(request, size); !checked) return std::unexpected(checked.error());
   auto view = seen_from(scene, pose, request, size, bounds);
-  if (!view || !(request.fit || request.turn_s > 0)) return view;
+  if (!view) return view;
+  const bool places_itself = request.fit || request.turn_s > 0;
+  const bool framed = !request.target && view->name == framed_name;
+  if (request.framing != Framing::boxes && (places_itself || framed))
+    return placed_by_outlines(std::move(*view), request, size, bounds);
+  if (!places_itself) return view;
   return fitted(std::move(*view), request, size, bounds);
+}
+
+ViewHulls DrawnBounds::outlines(const glm::dmat3& axes, bool turned) const {
+  if (outlines_) return outlines_(axes, turned);
+  ViewHulls hulls;
+  if (box().empty()) return hulls;
+  hulls.middle = box().centre();
+  for (const glm::dvec3& corner : turned ? turned_once(box(), axes[0]) : corners_of(box())) {
+    const glm::dvec3 p = glm::transpose(axes) * (corner - hulls.middle);
+    hulls.x.add({p.x, p.z}), hulls.y.add({p.y, p.z});
+  }
+  return hulls;
 }
 
 CameraRequest camera_at(CameraRequest request, double time_s) {

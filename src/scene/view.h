@@ -7,17 +7,25 @@
 #include "base/error.h"
 #include "scene/pose.h"
 #include "scene/scene.h"
+#include "scene/view_hulls.h"
 
 namespace candela {
 
 // How the command line asks for a camera: an explicit eye and target, a camera by name or index, or nothing.
+// By what cameras that place themselves are placed.
+enum class Framing : uint8_t {
+  boxes,   // the corners of boxes about what is drawn at a time, each frame anew; whole spheres without fit
+  film,    // the vertices as the film shows them: one camera for all frames (scene/view_hulls.h)
+  follow,  // the vertices at a time, each frame anew
+};
 struct CameraRequest {
   std::optional<glm::dvec3> eye, target;
   std::optional<double> yfov_deg;
   std::string camera;  // name or index; empty: the first camera in node order, else framing
   // A view of the bounds from a direction: degrees to the right of the front (+Z), and above the horizon.
   std::optional<double> azimuth_deg, elevation_deg;
-  bool fit = false;   // moves the camera, looking the same way, until the bounds fill the picture
+  bool fit = false;  // moves the camera, looking the same way, until the bounds fill the picture
+  Framing framing = Framing::boxes;
   double turn_s = 0;  // above 0: the azimuth grows by 360 degrees in that time, about the bounds' middle
 };
 // The request at a moment: a turntable's azimuth.
@@ -40,14 +48,19 @@ struct View {
 class DrawnBounds {
  public:
   DrawnBounds(const DAabb& known) : box_(known) {}
-  DrawnBounds(std::function<DAabb()> measure) : measure_(std::move(measure)) {}
+  // outlines: of the camera's axes, of all that it shall show; absent: the box's.
+  using Outlines = std::function<ViewHulls(const glm::dmat3& axes, bool turned)>;
+  DrawnBounds(std::function<DAabb()> measure, Outlines outlines = {})
+      : measure_(std::move(measure)), outlines_(std::move(outlines)) {}
   const DAabb& box() const {
     if (!box_) box_ = measure_();
     return *box_;
   }
+  ViewHulls outlines(const glm::dmat3& axes, bool turned) const;
 
  private:
   std::function<DAabb()> measure_;
+  Outlines outlines_;
   mutable std::optional<DAabb> box_;
 };
 

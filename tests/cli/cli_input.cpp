@@ -95,7 +95,7 @@ TEST(Variants, AreListedChosenAndRefusedByName) {
 {"pbrMetallicRoughness":{"baseColorFactor":[0,0.5,0,1]},"extensions":{"KHR_materials_unlit":{}}}],)");
   std::ofstream(file) << text;
   const auto facts = [&](const Arguments& more) {
-    Arguments arguments = {"facts", file};
+    Arguments arguments = {"facts", file, "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Ended ended = candela(arguments);
     EXPECT_EQ(ended.code, 0) << ended.err;
@@ -283,7 +283,7 @@ TEST(VolumeScatter, IsApproximatedAndSaidSoByFactsAndEveryRenderer) {
 "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPw=="}],
 "bufferViews":[{"buffer":0,"byteLength":36}],
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}]})";
-  const Ended facts = candela({"facts", file});
+  const Ended facts = candela({"facts", file, "--json"});
   ASSERT_EQ(facts.code, 0) << facts.err;
   const auto json = nlohmann::json::parse(facts.out);
   bool listed = false;

@@ -106,7 +106,7 @@ class Schemas(unittest.TestCase):
         for more in ([], ["--quality", "draft", "--technique", "forward-plus"], ["--quality", "exact"],
                      ["--samples", "1", "--layers", "direct.point,depth"]):
             self.fits(self.run_program("plan", "plaza.glb", *SIZE, *more, "--json"), "plan")
-        self.fits(self.run_program("facts", "plaza.glb"), "facts")
+        self.fits(self.run_program("facts", "plaza.glb", "--json"), "facts")
 
     def test_list(self):
         for what in ("devices", "techniques", "passes", "knobs", "layers", "scenes", "views"):

@@ -1,0 +1,398 @@
+#include "scene/view_hulls.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "math/bounds.h"
+#include "scene/deformation_bounds.h"
+#include "scene/drawn_sections.h"
+
+namespace candela {
+namespace {
+
+double cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+
+// Andrew's monotone chain ("Another Efficient Algorithm for Convex Hulls in Two Dimensions", 1979).
+std::vector<glm::dvec2> hull_of(std::vector<glm::dvec2> points) {
+  const auto before = [](glm::dvec2 a, glm::dvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<glm::dvec2> hull(2 * points.size());
+  size_t count = 0;
+  const auto chain = [&](auto first, auto last) {
+    const size_t start = count;
+    for (auto p = first; p != last; ++p) {
+      while (count >= start + 2 && cross(hull[count - 2], hull[count - 1], *p) <= 0) --count;
+      hull[count++] = *p;
+    }
+    --count;  // the first of the other chain
+  };
+  chain(points.begin(), points.end());
+  chain(points.rbegin(), points.rend());
+  hull.resize(count);
+  return hull;
+}
+
+// A surface of one node.
+struct Part {
+  size_t node = 0, section = 0;
+  auto operator<=>(const Part&) const = default;
+};
+
+// A constant alpha below the cutoff; vertex colours and textures only lower it.
+bool is_cut_away(const Material& m) { return m.alpha_mode == AlphaMode::mask && m.base_color.w < m.alpha_cutoff; }
+
+bool counts(const Scene& scene, const Pose& pose, const MeshSection& section) {
+  if (!DrawnSections::can_be_drawn(section)) return false;
+  const bool own = section.material >= 0 && size_t(section.material) < pose.materials.size();
+  return !is_cut_away(own ? pose.materials[size_t(section.material)] : scene.default_material);
+}
+
+struct Sized {
+  double diagonal = 0;
+  DAabb box;
+  Part part;
+  glm::dmat4 world_from_mesh{1};  // of the first instance
+};
+
+double diagonal_of(const DAabb& box) { return box.empty() ? 0 : glm::length(box.max - box.min); }
+
+// A floor is flat and not above the middle of what stands on it. A dome surrounds it with room to all sides but below,
+// and none of its vertices is near.
+bool surrounds(const MeshSection& section, const Sized& one, const DAabb& rest) {
+  const double size = diagonal_of(rest);
+  if (one.box.max.y - one.box.min.y <= 0.01 * one.diagonal) return one.box.min.y <= rest.centre().y;
+  for (int k = 0; k < 3; ++k) {
+    if (one.box.max[k] - rest.max[k] < size) return false;
+    if (k != 1 && rest.min[k] - one.box.min[k] < size) return false;
+  }
+  return std::ranges::all_of(section.position, [&](glm::vec3 position) {
+    const glm::dvec3 world(one.world_from_mesh * glm::dvec4(position, 1));
+    return !(glm::length(world - rest.centre()) < 10 * size);
+  });
+}
+
+// Surfaces a hundred times larger than all smaller ones together: domes and floors.
+struct Surroundings {
+  std::set<Part> parts;
+  DAabb rest;
+  std::string note;
+};
+Surroundings surroundings(const Scene& scene, const Pose& pose) {
+  constexpr double ratio = 100;
+  DrawnSections drawn(scene, pose, glm::dmat4(1.0));
+  std::vector<Sized> all;
+  for (const int node_index : scene.order) {
+    const size_t n = size_t(node_index);
+    if (!drawn.has_visible_mesh(n)) continue;
+    const std::vector<MeshSection>& sections = scene.meshes[size_t(scene.nodes[n].mesh)].sections;
+    for (size_t s = 0; s < sections.size(); ++s) {
+      if (!counts(scene, pose, sections[s])) continue;
+      const SectionDeformation deformation = drawn.deformation_of(sections[s], n);
+      const size_t instances = deformation.skinned ? 1 : drawn.instance_count(n);
+      const glm::dmat4 target_from_node = drawn.target_from_node(n);
+      Sized one{.part = {n, s}};
+      for (size_t i = 0; i < instances; ++i) {
+        const glm::dmat4 world_from_mesh = drawn.target_from_instance(target_from_node, n, i);
+        if (i == 0) one.world_from_mesh = world_from_mesh;
+        if (const DAabb box = drawn.bounds_of(sections[s], n, deformation, world_from_mesh); is_finite(box))
+          one.box.add(box);
+      }
+      one.diagonal = diagonal_of(one.box);
+      if (!one.box.empty()) all.push_back(one);
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const Sized& a, const Sized& b) {
+    return a.diagonal < b.diagonal || (a.diagonal == b.diagonal && a.part < b.part);
+  });
+  Surroundings out;
+  std::vector<Sized> left_out;
+  for (const Sized& one : all) {
+    const double rest = diagonal_of(out.rest);
+    const MeshSection& section = scene.meshes[size_t(scene.nodes[one.part.node].mesh)].sections[one.part.section];
+    if (rest > 0 && one.diagonal >= ratio * rest && surrounds(section, one, out.rest)) {
+      left_out.push_back(one);
+      continue;
+    }
+    // Beside something as large that counts, what was left out counts too.
+    for (const Sized& before : left_out) out.rest.add(before.box);
+    left_out.clear();
+    out.rest.add(one.box);
+  }
+  for (const Sized& one : left_out) out.parts.insert(one.part);
+  if (!left_out.empty())
+    out.note = fmt::format(
+        "the camera is placed without {} {} of {:.4g} m, a hundred times larger than all else (--eye and --target "
+        "place it elsewhere)",
+        left_out.size(), left_out.size() == 1 ? "surface" : "surfaces", left_out.back().diagonal);
+  return out;
+}
+
+// Matrices and weights that a surface's vertices are posed by.
+struct Posing {
+  std::vector<glm::dmat4> instances;  // world from mesh; of skinned surfaces none
+  std::vector<glm::dmat4> joints;     // world from bind
+  std::vector<float> weights;
+  bool operator==(const Posing&) const = default;
+};
+
+std::vector<uint32_t> used_vertices(const MeshSection& section) {
+  std::vector<bool> used(section.position.size());
+  for (const uint32_t v : section.index)
+    if (v < used.size()) used[v] = true;
+  std::vector<uint32_t> vertices;
+  for (size_t v = 0; v < used.size(); ++v)
+    if (used[v] || section.index.empty()) vertices.push_back(uint32_t(v));
+  return vertices;
+}
+
+// In the order and, but for the matrices, the arithmetic of glTF: morph targets, then linear blend skinning.
+glm::dvec3 posed_vertex(const MeshSection& section, const Posing& posing, uint32_t v) {
+  glm::dvec3 position(section.position[v]);
+  for (size_t t = 0; t < posing.weights.size() && t < section.morph.size(); ++t)
+    if (posing.weights[t] != 0 && !section.morph[t].position.empty())
+      position += double(posing.weights[t]) * glm::dvec3(section.morph[t].position[v]);
+  if (posing.joints.empty()) return position;
+  glm::dvec4 sum(0);
+  const auto add = [&](const std::vector<glm::u16vec4>& joints, const std::vector<glm::vec4>& weights) {
+    if (joints.empty() || weights.empty()) return;
+    for (int i = 0; i < 4; ++i)
+      if (weights[v][i] != 0 && joints[v][i] < posing.joints.size())
+        sum += double(weights[v][i]) * (posing.joints[joints[v][i]] * glm::dvec4(position, 1));
+  };
+  add(section.joints0, section.weights0);
+  add(section.joints1, section.weights1);
+  return glm::dvec3(sum);
+}
+
+// Collects the outlines.
+struct Outlines {
+  glm::dmat3 view_from_world;
+  glm::dvec3 middle;
+  std::optional<glm::dvec2> axis;  // x and z of the upright axis that all turns about
+  PlanarHull x, y, swept;          // swept: (distance from the axis, height)
+
+  void add(glm::dvec3 world) {
+    if (!std::isfinite(world.x) || !std::isfinite(world.y) || !std::isfinite(world.z)) return;
+    if (axis) {
+      swept.add({std::hypot(world.x - axis->x, world.z - axis->y), world.y - middle.y});
+      return;
+    }
+    const glm::dvec3 p = view_from_world * (world - middle);
+    x.add({p.x, p.z}), y.add({p.y, p.z});
+  }
+  void add(const Outlines& other) { x.add(other.x), y.add(other.y), swept.add(other.swept); }
+  // Whether nothing in a box could change the outlines.
+  bool contain(const DAabb& box) const {
+    if (axis) return false;
+    for (int c = 0; c < 8; ++c) {
+      const glm::dvec3 corner(c & 1 ? box.max.x : box.min.x, c & 2 ? box.max.y : box.min.y,
+                              c & 4 ? box.max.z : box.min.z);
+      const glm::dvec3 p = view_from_world * (corner - middle);
+      if (!x.contains({p.x, p.z}) || !y.contains({p.y, p.z})) return false;
+    }
+    return true;
+  }
+  Outlines empty() const { return {view_from_world, middle, axis, {}, {}, {}}; }
+};
+
+void add_vertices(Outlines& outlines, const MeshSection& section, const std::vector<uint32_t>& vertices,
+                  const Posing& posing, const glm::dmat4& world_from_posed) {
+  constexpr size_t grain = 16384;
+  const Outlines part = tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<size_t>(0, vertices.size(), grain), outlines.empty(),
+      [&](const tbb::blocked_range<size_t>& range, Outlines sum) {
+        for (size_t i = range.begin(); i != range.end(); ++i)
+          sum.add(glm::dvec3(world_from_posed * glm::dvec4(posed_vertex(section, posing, vertices[i]), 1)));
+        return sum;
+      },
+      [](Outlines a, const Outlines& b) {
+        a.add(b);
+        return a;
+      });
+  outlines.add(part);
+}
+
+// Walks over surfaces at one time after another, and leaves out what stands as it stood before.
+class Walk {
+ public:
+  Walk(const Scene& scene, const std::set<Part>& without) : scene_(scene), without_(without) {}
+
+  void add(const Pose& pose, Outlines& outlines) {
+    DrawnSections drawn(scene_, pose, glm::dmat4(1.0));
+    for (const int node_index : scene_.order) {
+      const size_t n = size_t(node_index);
+      if (!drawn.has_visible_mesh(n)) continue;
+      const std::vector<MeshSection>& sections = scene_.meshes[size_t(scene_.nodes[n].mesh)].sections;
+      for (size_t s = 0; s < sections.size(); ++s)
+        if (!without_.contains({n, s}) && counts(scene_, pose, sections[s])) add(pose, drawn, n, s, outlines);
+    }
+  }
+
+ private:
+  void add(const Pose& pose, DrawnSections& drawn, size_t n, size_t s, Outlines& outlines) {
+    const MeshSection& section = scene_.meshes[size_t(scene_.nodes[n].mesh)].sections[s];
+    const SectionDeformation deformation = drawn.deformation_of(section, n);
+    Posing posing;
+    if (!section.morph.empty()) posing.weights = pose.node_weights[n];
+    if (deformation.skinned) {
+      const Skin& skin = scene_.skins[size_t(scene_.nodes[n].skin)];
+      for (size_t j = 0; j < skin.joints.size(); ++j)
+        posing.joints.push_back(pose.world_from_node[size_t(skin.joints[j])] * skin.inverse_bind[j]);
+    } else {
+      const glm::dmat4 target_from_node = drawn.target_from_node(n);
+      for (size_t i = 0; i < drawn.instance_count(n); ++i)
+        posing.instances.push_back(drawn.target_from_instance(target_from_node, n, i));
+    }
+    Posing& before = before_[{n, s}];
+    if (before == posing) return;
+    std::vector<uint32_t>& vertices = vertices_[&section];
+    if (vertices.empty()) vertices = used_vertices(section);
+    if (deformation.skinned) {
+      const DAabb box = drawn.bounds_of(section, n, deformation, glm::dmat4(1.0));
+      if (!candela::is_finite(box) || !outlines.contain(box))
+        add_vertices(outlines, section, vertices, posing, glm::dmat4(1.0));
+    }
+    for (const glm::dmat4& world_from_mesh : posing.instances) {
+      const DAabb box = drawn.bounds_of(section, n, deformation, world_from_mesh);
+      if (!candela::is_finite(box) || !outlines.contain(box))
+        add_vertices(outlines, section, vertices, posing, world_from_mesh);
+    }
+    before = std::move(posing);
+  }
+
+  const Scene& scene_;
+  const std::set<Part>& without_;
+  std::map<Part, Posing> before_;
+  std::map<const MeshSection*, std::vector<uint32_t>> vertices_;
+};
+
+// Keys of what moves, and as many times evenly between the first and the last.
+std::vector<double> film_times(const Scene& scene, const AnimationChoice& choice, std::string& note) {
+  constexpr size_t even = 33, most = 128;
+  const double end_s = clips_end_s(scene, choice);
+  std::set<double> keys;
+  for (const int a : choice.animations)
+    for (const AnimationChannel& channel : scene.animations[size_t(a)].channels)
+      if (channel.path <= TargetPath::node_visible)
+        for (const float t : channel.times_s) keys.insert(double(t));
+  std::set<double> times = {0};
+  if (!keys.empty())
+    for (size_t i = 0; i < even; ++i) times.insert(end_s * double(i) / double(even - 1));
+  const size_t step = (keys.size() + most - 1) / most;
+  size_t at = 0;
+  for (const double key : keys)
+    if (at++ % step == 0) times.insert(key);
+  if (step > 1)
+    note = fmt::format("the camera is placed by what is seen at {} of {} keys and {} times between", most, keys.size(),
+                       even);
+  return {times.begin(), times.end()};
+}
+
+}  // namespace
+
+void PlanarHull::add(glm::dvec2 point) {
+  constexpr size_t room = 1024;
+  if (contains(point)) return;
+  more_.push_back(point);
+  if (more_.size() >= room) reduce();
+}
+
+void PlanarHull::add(const PlanarHull& other) {
+  for (const glm::dvec2& p : other.hull_) add(p);
+  for (const glm::dvec2& p : other.more_) add(p);
+}
+
+bool PlanarHull::contains(glm::dvec2 point) const {
+  if (hull_.size() < 3) return false;
+  for (size_t i = 0; i < hull_.size(); ++i)
+    if (cross(hull_[i], hull_[(i + 1) % hull_.size()], point) < 0) return false;
+  return true;
+}
+
+void PlanarHull::reduce() {
+  more_.insert(more_.end(), hull_.begin(), hull_.end());
+  hull_ = hull_of(std::move(more_));
+  more_.clear();
+}
+
+const std::vector<glm::dvec2>& PlanarHull::points() {
+  if (!more_.empty()) reduce();
+  return hull_;
+}
+
+ViewHulls view_hulls(const Scene& scene, const FramedTime& time, const glm::dmat3& axes, bool turned) {
+  ViewHulls out;
+  std::vector<Pose> poses;
+  if (time.pose) {
+    poses.push_back(*time.pose);
+  } else {
+    std::string note;
+    for (const double t : film_times(scene, time.animations, note))
+      poses.push_back(evaluate_pose(scene, time.animations, t));
+    if (!note.empty()) out.notes.push_back(std::move(note));
+  }
+  Surroundings without = surroundings(scene, poses.front());
+  if (!without.note.empty()) out.notes.push_back(std::move(without.note));
+  if (without.rest.empty()) return out;
+  // About the middle of what is drawn, so that worlds far from the origin keep their digits.
+  out.middle = without.rest.centre();
+  const auto outline = [&](const glm::dmat3& view_from_world, std::optional<glm::dvec2> axis) {
+    Outlines outlines{view_from_world, out.middle, axis, {}, {}, {}};
+    Walk walk(scene, without.parts);
+    for (const Pose& pose : poses) walk.add(pose, outlines);
+    return outlines;
+  };
+  const glm::dmat3 view_from_world = glm::transpose(axes);
+  if (!turned) {
+    Outlines seen = outline(view_from_world, std::nullopt);
+    out.x = std::move(seen.x), out.y = std::move(seen.y);
+    return out;
+  }
+  // Polygons about the circles that the outline's corners run along; the first of each in the direction `right`.
+  const auto middle_of = [](PlanarHull& hull) {
+    glm::dvec2 least(std::numeric_limits<double>::infinity()), most(-least);
+    for (const glm::dvec2& p : hull.points()) least = glm::min(least, p), most = glm::max(most, p);
+    return hull.points().empty() ? glm::dvec2(0) : least + (most - least) / 2.0;
+  };
+  Outlines world = outline(glm::dmat3(1), std::nullopt);
+  const glm::dvec2 off = middle_of(world.x), axis(out.middle.x + off.x, out.middle.z + off.y);
+  out.middle.x = axis.x, out.middle.z = axis.y;
+  constexpr int steps = 128;
+  const glm::dvec3 level(axes[0].x, 0, axes[0].z),
+      side = glm::length(level) > 0 ? glm::normalize(level) : glm::dvec3(1, 0, 0);
+  Outlines swept = outline(view_from_world, axis);
+  for (const glm::dvec2& p : swept.swept.points())
+    for (int i = 0; i < steps; ++i) {
+      const double turn = 2 * std::numbers::pi * i / steps, radius = p.x / std::cos(std::numbers::pi / steps);
+      const glm::dvec3 around =
+          radius * (std::cos(turn) * side + std::sin(turn) * glm::dvec3(-side.z, 0, side.x)) + glm::dvec3(0, p.y, 0);
+      const glm::dvec3 seen = view_from_world * around;
+      out.x.add({seen.x, seen.z}), out.y.add({seen.y, seen.z});
+    }
+  return out;
+}
+
+ViewHulls KeptViewHulls::of_film(const Scene& scene, const AnimationChoice& animations, const glm::dmat3& axes,
+                                 bool turned) {
+  Key key{animations.animations, {}, turned};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) std::get<1>(key).push_back(axes[i][k]);
+  const std::lock_guard lock(mutex_);
+  const auto found = kept_.find(key);
+  if (found != kept_.end()) return found->second;
+  constexpr size_t most = 64;  // cameras that turn ask for others each frame
+  if (kept_.size() >= most) kept_.clear();
+  return kept_.emplace(std::move(key), view_hulls(scene, {animations, nullptr}, axes, turned)).first->second;
+}
+
+}  // namespace candela

@@ -1,10 +1,10 @@
 #pragma once
-// Linear premultiplied radiance to display values: exposure, tone curve, sRGB encoding, dither; alpha comes out
+// Linear premultiplied radiance to display values: exposure, tone curve, encoding, dither; alpha comes out
 // straight, or is used up by what stands behind. Needs the push constants of TonemapPush and lib/bindless.glsl.
 #include "lib/mean_of_samples.glsl"
 #include "lib/tone_curves.glsl"
 #include "shared/exposure.h"
-layout(constant_id = 0) const int CURVE = 0;  // none, agx, reinhard, aces, neutral, rec709: passes/post/tonemap.h
+layout(constant_id = 0) const int CURVE = 0;  // ToneCurve in passes/post/tonemap.h
 layout(constant_id = 1) const int AUTOMATIC = 0;  // exposure by the frame's luminance
 layout(constant_id = 2) const int COVERS = 0;  // the source has no alpha
 layout(constant_id = 3) const int SAMPLES = 1;  // of the source: their mean is shown
@@ -12,6 +12,11 @@ layout(constant_id = 4) const uint BEHIND = 0u;  // 0x1rrggbb: the codes that it
 
 vec3 srgb_encode(vec3 c) {
   return mix(1.055 * pow(max(c, vec3(1e-7)), vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThan(c, vec3(0.0031308)));
+}
+
+// ITU-R BT.709-6, 1.2: what cameras apply. White stays white.
+vec3 rec709_encode(vec3 c) {
+  return mix(1.099 * pow(max(c, vec3(1e-7)), vec3(0.45)) - 0.099, 4.5 * c, lessThan(c, vec3(0.018)));
 }
 
 // PCG in three dimensions (Jarzynski and Olano, "Hash Functions for GPU Rendering", 2020).
@@ -35,8 +40,10 @@ vec4 display_value(uvec2 p) {
   if (CURVE == 2) c = reinhard(c);
   if (CURVE == 3) c = aces_hill(c);
   if (CURVE == 4) c = khronos_neutral(c);
-  if (CURVE == 5) c = rec709_luminance(c);
-  c = srgb_encode(clamp(c, 0.0, 1.0));
+  if (CURVE == 5) c = reinhard_luminance(c);
+  if (CURVE == 7) c = agx_2020(c, pc.agx_min_ev, pc.agx_max_ev);
+  c = clamp(c, 0.0, 1.0);
+  c = CURVE == 6 ? rec709_encode(c) : srgb_encode(c);
   if (pc.dither_levels > 0u) {
     // Triangular noise of two code values' width; within half a code value of black and white uniform noise of one,
     // which rounding takes without clipping and so without bias. Black and white themselves stay.

@@ -144,9 +144,10 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->type_name("NAME");
   command.add_option("--exposure", o.exposure_ev, "Stops, over the look's; 0 where neither says")->type_name("EV");
   command
-      .add_option("--tonemap", o.tonemap,
-                  "Tone curve of PNG, over the look's: agx (where neither says), none, reinhard, aces, neutral or "
-                  "rec709")
+      .add_option(
+          "--tonemap", o.tonemap,
+          "Tone curve of PNG, over the look's: agx (where neither says; Rec. 709 primaries), agx-2020 (Rec. 2020, "
+          "as Blender), none, reinhard, reinhard-luminance, aces, neutral (Khronos) or rec709 (the camera curve)")
       ->type_name("NAME");
   if (renderer == Renderer::gpu) add_layer_options(command, o);
   command
@@ -328,6 +329,19 @@ Expected<void> read_texts(const JobOptions& o, Job& job) {
 
 }  // namespace
 
+namespace {
+
+// Screen-space reflections are asked for by either name.
+std::string effects_by_name(const std::string& text) {
+  std::vector<std::string> names = split(text, ',');
+  std::ranges::replace(names, "reflections", "ssr");
+  std::string joined_names;
+  for (const std::string& name : names) joined_names += (joined_names.empty() ? "" : ",") + name;
+  return joined_names;
+}
+
+}  // namespace
+
 Expected<Job> job_of(const JobOptions& o) {
   if (o.scene.empty()) return fail(ErrorKind::usage, "SCENE", "no scene given; name a .gltf or .glb file");
   Job job;
@@ -347,7 +361,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.technique = o.technique;
   job.transparency = o.transparency;
   job.quality = o.quality;
-  job.effects = o.effects;
+  job.effects = effects_by_name(o.effects);
   job.sky = o.sky;
   job.look = o.look == "none" ? "" : o.look.empty() ? look_beside(o.scene).string() : o.look;
   job.shading = o.shading;

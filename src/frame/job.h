@@ -46,7 +46,7 @@ struct Job {
   std::string variant;               // of materials, by its name in the file; empty: the default materials
   std::string probe;                 // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;  // absent: as the look says, else 0
-  std::string tonemap;               // agx, none, reinhard, aces, neutral, rec709; empty: as the look says, else agx
+  std::string tonemap;               // a curve (tonemap_names()); empty: as the look says, else agx
   std::vector<std::string> layers;   // beside beauty
   double motion_s = 1.0 / 24;        // of the layer motion: from the frame before, 1 / --fps
   std::string view = "beauty";       // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]

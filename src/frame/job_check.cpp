@@ -106,8 +106,14 @@ Expected<void> check_job(const Job& job) {
   if (!image_of_view(job.view))
     if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
   if (job.effects != "auto" && job.effects != "none")
-    for (const std::string& effect : split(job.effects, ','))
+    for (const std::string& effect : split(job.effects, ',')) {
+      static const std::map<std::string, std::string> others = {
+          {"ao", "occlusion"}, {"ssao", "occlusion"}, {"gtao", "occlusion"}, {"reflections", "ssr"}};
+      if (const auto other = others.find(effect); other != others.end())
+        return fail(ErrorKind::usage, "--effects", "there is no effect '{}'; it is called {} here", effect,
+                    other->second);
       if (auto known = check_name("--effects", "effect", effect, effect_names()); !known) return known;
+    }
   for (const std::string& layer : job.layers)
     if (layer != all_layers)
       if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;

@@ -50,7 +50,7 @@ void put_words(std::vector<std::byte>& out, std::string_view type, std::span<con
 void put_colour(std::vector<std::byte>& out) {
   put_words(out, "gAMA", std::array<uint32_t, 1>{45455});
   Chunk chunk(out, "sRGB");
-  out.push_back(std::byte{3});  // absolute colorimetric
+  out.push_back(std::byte{1});  // relative colorimetric
   chunk.close();
   put_words(out, "cHRM", std::array<uint32_t, 8>{31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000});
 }

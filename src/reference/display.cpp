@@ -11,6 +11,9 @@ glm::dvec3 each(glm::dvec3 c, double (*f)(double)) { return {f(c.x), f(c.y), f(c
 
 double srgb_encoded(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; }
 
+// ITU-R BT.709-6, item 1.2.
+double rec709_encoded(double c) { return c < 0.018 ? 4.5 * c : 1.099 * std::pow(c, 0.45) - 0.099; }
+
 // ACES RRT and ODT as fit by Stephen Hill, input over 0.6.
 glm::dvec3 aces(glm::dvec3 c) {
   const glm::dmat3 in =
@@ -43,17 +46,38 @@ double agx_sigmoid(double x) {
   const double u = slope * std::abs(x - pivot) / scale, y = scale * u / std::pow(1 + std::pow(u, power), 1 / power);
   return x < pivot ? 0.5 - y : 0.5 + y;
 }
+glm::dvec3 agx_curve(glm::dvec3 c, double lowest, double highest) {
+  glm::dvec3 curved;
+  for (int i = 0; i < 3; ++i)
+    curved[i] = agx_sigmoid(std::clamp((std::log2(std::max(c[i], 1e-10)) - lowest) / (highest - lowest), 0.0, 1.0));
+  return curved;
+}
 glm::dvec3 agx(glm::dvec3 c, double lowest, double highest) {
   const glm::dmat3 inset(0.842479062253094, 0.0423282422610123, 0.0423756549057051, 0.0784335999999992,
                          0.878468636469772, 0.0784336, 0.0792237451477643, 0.0791661274605434, 0.879142973793104);
   const glm::dmat3 outset(1.19687900512017, -0.0528968517574562, -0.0529716355144438, -0.0980208811401368,
                           1.15190312990417, -0.0980434501171241, -0.0990297440797205, -0.0989611768448433,
                           1.15107367264116);
-  c = inset * c;
-  glm::dvec3 curved;
-  for (int i = 0; i < 3; ++i)
-    curved[i] = agx_sigmoid(std::clamp((std::log2(std::max(c[i], 1e-10)) - lowest) / (highest - lowest), 0.0, 1.0));
+  const glm::dvec3 curved = agx_curve(inset * c, lowest, highest);
   return each(outset * curved, [](double v) { return std::pow(std::max(v, 0.0), 2.2); });
+}
+
+// AgX of the Rec.2020 family: the curve between primaries that are pulled in and pushed out again. Rows.
+glm::dvec3 agx_2020(glm::dvec3 c, double lowest, double highest) {
+  const auto rows = [](double a, double b, double c, double d, double e, double f, double g, double h, double i) {
+    return glm::transpose(glm::dmat3(a, b, c, d, e, f, g, h, i));
+  };
+  const glm::dmat3 from_709 =
+      rows(0.6274039, 0.3292830, 0.0433131, 0.0690973, 0.9195404, 0.0113623, 0.0163914, 0.0880133, 0.8955953);
+  const glm::dmat3 inset =
+      rows(0.856627153315983, 0.0951212405381588, 0.0482516061458583, 0.137318972929847, 0.761241990602591,
+           0.101439036467562, 0.11189821299995, 0.0767994186031903, 0.811302368396859);
+  const glm::dmat3 outset =
+      rows(1.1271005818144368, -0.1106066430966032, -0.0164939387178346, -0.1413297634984383, 1.157823702216272,
+           -0.0164939387178346, -0.1413297634984383, -0.1106066430966032, 1.2519364065950405);
+  const glm::dvec3 linear = each(outset * agx_curve(inset * (from_709 * c), lowest, highest),
+                                 [](double v) { return std::pow(std::max(v, 0.0), 2.2); });
+  return glm::max(glm::inverse(from_709) * linear, glm::dvec3(0));
 }
 
 // The hash that the GPU dithers with (Jarzynski and Olano, "Hash Functions for GPU Rendering", 2020).
@@ -82,11 +106,14 @@ glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c, double agx_min_ev, 
   if (curve == "reinhard") return c / (1.0 + c);
   if (curve == "aces") return aces(c);
   if (curve == "neutral") return neutral(c);
-  if (curve == "rec709") return c / (1 + glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)));
+  if (curve == "agx-2020") return agx_2020(c, agx_min_ev, agx_max_ev);
+  if (curve == "reinhard-luminance") return c / (1 + glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)));
   return c;
 }
 
-glm::dvec3 display_encoded(glm::dvec3 mapped) { return each(glm::clamp(mapped, 0.0, 1.0), srgb_encoded); }
+glm::dvec3 display_encoded(glm::dvec3 mapped, std::string_view curve) {
+  return each(glm::clamp(mapped, 0.0, 1.0), curve == "rec709" ? rec709_encoded : srgb_encoded);
+}
 
 double automatic_ev(std::span<const glm::dvec4> pixels, const AutoExposure& look) {
   std::vector<double> stops;
@@ -125,7 +152,7 @@ DisplayImage display_image(std::span<const glm::dvec4> pixels, int width, const 
     const double alpha = std::clamp(source.w, 0.0, 1.0);
     glm::dvec3 c = glm::max(glm::dvec3(source), glm::dvec3(0)) * exposure;
     c = glm::min(alpha > 0 ? c / alpha : c, glm::dvec3(1e30));
-    c = display_encoded(tone_mapped(settings.curve, c, settings.agx_min_ev, settings.agx_max_ev));
+    c = display_encoded(tone_mapped(settings.curve, c, settings.agx_min_ev, settings.agx_max_ev), settings.curve);
     if (settings.dither && settings.bits == 8)
       c = dithered(c, uint32_t(i % size_t(width)), uint32_t(i / size_t(width)), settings.seed);
     if (settings.behind_rgb) {

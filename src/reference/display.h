@@ -10,7 +10,7 @@
 namespace candela::reference {
 
 struct DisplaySettings {
-  std::string_view curve = "agx";  // none, agx, reinhard, aces, neutral, rec709
+  std::string_view curve = "agx";  // as --tonemap names them (passes/post/tonemap.h)
   double exposure_ev = 0;
   double agx_min_ev = agx_lowest_ev, agx_max_ev = agx_highest_ev;  // scene/look.h
   int bits = 8;
@@ -24,7 +24,7 @@ struct DisplaySettings {
 glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c, double agx_min_ev = agx_lowest_ev,
                        double agx_max_ev = agx_highest_ev);
 // Those, clipped to [0,1] and sRGB-encoded.
-glm::dvec3 display_encoded(glm::dvec3 mapped);
+glm::dvec3 display_encoded(glm::dvec3 mapped, std::string_view curve);
 
 // Automatic exposure in stops: what takes the mean log2 of the luminances between two percentiles of the film to the
 // target; by sorting, in double. pixels: premultiplied.

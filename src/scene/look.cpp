@@ -295,8 +295,9 @@ Row<Look> exposure_row() {
 Row<Look> tone_row() {
   return object_row<Look, ToneMapping>(
       "tone_mapping",
-      {text_row<ToneMapping>("curve", {"agx", "none", "reinhard", "aces", "neutral", "rec709"}, &ToneMapping::curve,
-                             "of display output; --tonemap goes before it"),
+      {text_row<ToneMapping>("curve",
+                             {"agx", "none", "reinhard", "aces", "neutral", "reinhard-luminance", "rec709", "agx-2020"},
+                             &ToneMapping::curve, "of display output; --tonemap goes before it"),
        number_row<ToneMapping>("agx_min_ev", between(-100, 100), &ToneMapping::agx_min_ev,
                                "of agx: log2 of the exposed radiance that is black"),
        number_row<ToneMapping>("agx_max_ev", between(-100, 100), &ToneMapping::agx_max_ev,

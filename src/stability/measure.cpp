@@ -203,7 +203,7 @@ double display_error(const DisplayImage& display, const Beauty& beauty, double p
     const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);
     const double alpha = std::clamp(v.w, 0.0, 1.0);
     const glm::dvec3 exposed = glm::max(glm::dvec3(v), 0.0) * exposure / (alpha > 0 ? alpha : 1);
-    const glm::dvec3 shown = reference::display_encoded(reference::tone_mapped(look.curve, exposed));
+    const glm::dvec3 shown = reference::display_encoded(reference::tone_mapped(look.curve, exposed), look.curve);
     for (int c = 0; c < 3; ++c) {
       uint16_t code;
       std::memcpy(&code, display.pixels.data() + (i * size_t(display.channels) + size_t(c)) * 2, 2);

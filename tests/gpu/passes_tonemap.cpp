@@ -64,6 +64,23 @@ glm::dvec3 agx(glm::dvec3 c) {
   return per_channel(by_rows(agx_outset, curved), [](double v) { return std::pow(std::max(v, 0.0), 2.2); });
 }
 
+// Between Rec.2020 primaries; matrices column by column, as three.js prints them.
+glm::dvec3 agx_2020(glm::dvec3 c) {
+  const glm::dmat3 wide(0.6274039, 0.0690973, 0.0163914, 0.3292830, 0.9195404, 0.0880133, 0.0433131, 0.0113623,
+                        0.8955953);
+  const glm::dmat3 inset(0.856627153315983, 0.137318972929847, 0.11189821299995, 0.0951212405381588, 0.761241990602591,
+                         0.0767994186031903, 0.0482516061458583, 0.101439036467562, 0.811302368396859);
+  const glm::dmat3 outset(1.1271005818144368, -0.1413297634984383, -0.1413297634984383, -0.1106066430966032,
+                          1.157823702216272, -0.1106066430966032, -0.0164939387178346, -0.0164939387178346,
+                          1.2519364065950405);
+  const glm::dvec3 curved = per_channel(inset * (wide * c), [](double v) {
+    const double ev = std::log2(std::max(v, 1e-10));
+    return agx_sigmoid(std::clamp((ev - agx_lowest_ev) / (agx_highest_ev - agx_lowest_ev), 0.0, 1.0));
+  });
+  const glm::dvec3 linear = per_channel(outset * curved, [](double v) { return std::pow(std::max(v, 0.0), 2.2); });
+  return glm::max(glm::inverse(wide) * linear, glm::dvec3(0));
+}
+
 glm::dvec3 expected(ToneCurve curve, glm::dvec3 c) {
   switch (curve) {
     case ToneCurve::none:
@@ -81,6 +98,12 @@ glm::dvec3 expected(ToneCurve curve, glm::dvec3 c) {
       c = neutral(c);
       break;
     case ToneCurve::rec709:
+      return per_channel(glm::clamp(c, 0.0, 1.0),
+                         [](double v) { return v < 0.018 ? 4.5 * v : 1.099 * std::pow(v, 0.45) - 0.099; });
+    case ToneCurve::agx_2020:
+      c = agx_2020(c);
+      break;
+    case ToneCurve::reinhard_luminance:
       c = c / (1 + glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722)));
       break;
   }
@@ -102,8 +125,9 @@ std::vector<glm::vec4> colours() {
   return list;
 }
 
-constexpr ToneCurve curves[] = {ToneCurve::none, ToneCurve::agx,     ToneCurve::reinhard,
-                                ToneCurve::aces, ToneCurve::neutral, ToneCurve::rec709};
+constexpr ToneCurve curves[] = {ToneCurve::none,   ToneCurve::agx,     ToneCurve::reinhard,
+                                ToneCurve::aces,   ToneCurve::neutral, ToneCurve::reinhard_luminance,
+                                ToneCurve::rec709, ToneCurve::agx_2020};
 
 }  // namespace
 

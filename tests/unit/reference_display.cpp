@@ -11,7 +11,22 @@ TEST(Display, CurvesHitTheirKnownPoints) {
   EXPECT_NEAR(tone_mapped("agx", glm::dvec3(0.18)).x, std::pow(0.5, 2.2), 2e-3);
   EXPECT_NEAR(tone_mapped("agx", glm::dvec3(1e6)).x, 1, 1e-3);
   EXPECT_EQ(tone_mapped("reinhard", glm::dvec3(1)).x, 0.5);
-  EXPECT_EQ(tone_mapped("rec709", glm::dvec3(1)).x, 0.5);
+  EXPECT_EQ(tone_mapped("reinhard-luminance", glm::dvec3(1)).x, 0.5);
+  // The Rec. 709 camera curve stands in the place of sRGB's: white stays white.
+  const auto code_709 = [](double v) {
+    return 255 * display_encoded(tone_mapped("rec709", glm::dvec3(v)), "rec709").x;
+  };
+  EXPECT_EQ(code_709(1), 255);
+  EXPECT_NEAR(code_709(0.5), 179.90, 0.01);
+  EXPECT_NEAR(code_709(0.01), 255 * 0.045, 1e-9);
+  // Both fits of AgX leave greys alike; orange differs by some codes.
+  const auto agx = [](const char* curve, glm::dvec3 c) {
+    return 255.0 * display_encoded(tone_mapped(curve, c), curve);
+  };
+  EXPECT_NEAR(agx("agx-2020", glm::dvec3(0.18)).x, agx("agx", glm::dvec3(0.18)).x, 0.5);
+  const glm::dvec3 orange(1, 0.4, 0.05), apart = glm::abs(agx("agx-2020", orange) - agx("agx", orange));
+  EXPECT_GT(std::max({apart.x, apart.y, apart.z}), 4);
+  EXPECT_LT(std::max({apart.x, apart.y, apart.z}), 30);
   EXPECT_NEAR(tone_mapped("neutral", glm::dvec3(0.5)).x, 0.46, 1e-12);
   EXPECT_LT(tone_mapped("neutral", glm::dvec3(100)).x, 1);
   EXPECT_EQ(tone_mapped("none", glm::dvec3(3)).x, 3);

@@ -205,6 +205,37 @@ TEST(Pose, AnimationsAreChosenByNameIndexAllOrNone) {
   }
 }
 
+// In file order each animation plays unless it touches what one before it that plays touches.
+TEST(Pose, AutoLeavesOutWhatMovesTheSameThings) {
+  using enum TargetPath;
+  const auto drives = [](TargetPath path, int object, int element = -1) {
+    AnimationChannel c = channel(path, Interpolation::linear, 3, {0, 2}, {0, 0, 0, 1, 1, 1});
+    c.object = object, c.element = element;
+    return c;
+  };
+  Scene scene = two_nodes();
+  scene.animations = {{"walk", {drives(node_translation, 0), drives(node_rotation, 0)}, 2},
+                      {"run", {drives(node_scale, 1), drives(node_rotation, 0)}, 3},  // touches what walk does
+                      {"wave", {drives(node_scale, 1)}, 4},                           // what run alone touches
+                      {"one weight", {drives(node_weights, 1, 0)}, 1},
+                      {"the other", {drives(node_weights, 1, 1)}, 1},
+                      {"all weights", {drives(node_weights, 1)}, 1}};
+  EXPECT_EQ(choose_animations(scene, "auto")->animations, (std::vector<int>{0, 2, 3, 4}));
+  EXPECT_EQ(clips_end_s(scene, *choose_animations(scene, "auto")), 4);
+  const std::string note = clip_note(scene, "auto");
+  EXPECT_NE(note.find("2 of 6 animations do not play"), std::string::npos) << note;
+  EXPECT_NE(note.find("'run' (3.00 s), 'all weights' (1.00 s)"), std::string::npos) << note;
+  EXPECT_NE(clip_note(scene, "all").find("3 of 6 animations move what one before them moves"), std::string::npos)
+      << clip_note(scene, "all");
+  EXPECT_EQ(clip_note(scene, "walk"), "");
+  const auto clips = clip_facts(scene, "auto");
+  ASSERT_TRUE(clips);
+  EXPECT_FALSE((*clips)[1].plays);
+  EXPECT_EQ((*clips)[1].with, 0);
+  EXPECT_EQ((*clips)[1].targets, 2);
+  EXPECT_EQ((*clips)[2].conflicts, 0);
+}
+
 TEST(Pose, WeightsComeFromNodeMeshOrAnimation) {
   Scene scene = two_nodes();
   scene.meshes.resize(1);

@@ -7,8 +7,9 @@
 
 namespace candela {
 
-// The curves of shaders/lib/tone_curves.glsl, by --tonemap's names. rec709 is Reinhard on Rec.709 luminance.
-enum class ToneCurve : uint32_t { none, agx, reinhard, aces, neutral, rec709 };
+// The curves of shaders/lib/tone_curves.glsl, by --tonemap's names. reinhard_luminance is Reinhard on Rec.709
+// luminance; rec709 is the camera's transfer function of ITU-R BT.709 in the place of sRGB's.
+enum class ToneCurve : uint32_t { none, agx, reinhard, aces, neutral, reinhard_luminance, rec709, agx_2020 };
 std::span<const std::string_view> tone_curve_names();  // in the order of the enum
 
 // Linear radiance to display values: tone curve, sRGB encoding, unbiased dither before 8 bits (triangular, uniform next

@@ -63,7 +63,7 @@ StabilityScene sized(StabilityInput& in, int width, int height) {
 }  // namespace
 
 void add_display(Recipes& all) {
-  for (const char* curve : {"none", "agx", "reinhard", "aces", "neutral", "rec709"}) {
+  for (const char* curve : {"none", "agx", "reinhard", "aces", "neutral", "reinhard-luminance", "rec709", "agx-2020"}) {
     const std::string c = curve;
     all.push_back({"tone", "one pixel at 65504, " + c, "in a picture of 0.2",
                    [=](StabilityInput&) { return flat_picture(c, glm::dvec3(0.2), glm::dvec3(65504)); }});

@@ -1,5 +1,7 @@
 #include "cli/job_options.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -12,12 +14,15 @@
 #include "cli/input_options.h"
 #include "frame/plan_frame.h"
 #include "frame/posed_scene.h"
+#include "render/metering.h"
 #include "scene/look.h"
 #include "scene/up_axis.h"
 
 namespace candela::cli {
 
 namespace {
+
+constexpr std::string_view auto_exposure = "auto";  // --exposure
 
 void add_technique_options(CLI::App& command, JobOptions& o) {
   command
@@ -142,7 +147,11 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       .add_option("--probe", o.probe,
                   "A sphere in the middle of the view, a quarter of the picture's height: white, grey (18 %) or chrome")
       ->type_name("NAME");
-  command.add_option("--exposure", o.exposure_ev, "Stops, over the look's; 0 where neither says")->type_name("EV");
+  command
+      .add_option(
+          "--exposure", o.exposure,
+          "Stops, over the look's; 0 where neither says; auto: one value for the whole film, metered at fixed times")
+      ->type_name("EV");
   command
       .add_option(
           "--tonemap", o.tonemap,
@@ -342,6 +351,20 @@ std::string effects_by_name(const std::string& text) {
 
 }  // namespace
 
+namespace {
+
+// Absent for "auto", which is metered once the rest of the job is known.
+Expected<std::optional<float>> exposure_of(const std::string& text) {
+  if (text.empty() || text == auto_exposure) return std::optional<float>();
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size())
+    return fail(ErrorKind::usage, "--exposure", "'{}' is no number of stops; write -1.5, or auto", text);
+  return std::optional(value);
+}
+
+}  // namespace
+
 Expected<Job> job_of(const JobOptions& o) {
   if (o.scene.empty()) return fail(ErrorKind::usage, "SCENE", "no scene given; name a .gltf or .glb file");
   Job job;
@@ -367,7 +390,9 @@ Expected<Job> job_of(const JobOptions& o) {
   job.shading = o.shading;
   job.variant = o.variant, job.cut_outs = o.cut_outs;
   job.probe = o.probe;
-  job.exposure_ev = o.exposure_ev;
+  const auto exposure = exposure_of(o.exposure);
+  if (!exposure) return std::unexpected(exposure.error());
+  job.exposure_ev = *exposure;
   job.tonemap = o.tonemap;
   job.view = o.view;
   if (!o.layers.empty()) job.layers = split(o.layers, ',');
@@ -383,6 +408,11 @@ Expected<Job> job_of(const JobOptions& o) {
   job.allow_nonfinite = o.allow_nonfinite;
   if (auto read = read_texts(o, job); !read) return std::unexpected(read.error());
   if (auto checked = check_job(job); !checked) return std::unexpected(checked.error());
+  if (o.exposure != auto_exposure) return job;
+  const auto ev = metered_ev(job);
+  if (!ev) return std::unexpected(ev.error());
+  job.exposure_ev = float(*ev);
+  log::info("exposure auto: {:+.2f} stops for all frames (--exposure)", *ev);
   return job;
 }
 

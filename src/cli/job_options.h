@@ -22,7 +22,7 @@ struct JobOptions {
   bool fit = false, follow = false;
   int turntable = 0;  // frames of a turn
   int samples = 0, png_bits = 8, queues = 2;
-  std::optional<float> exposure_ev;
+  std::string exposure;
   uint64_t seed = 0;
   bool no_dither = false, metadata_timings = false, allow_nonfinite = false, allow_blank = false, validate = false,
        strict = false, allow_cpu = false, quiet = false, verbose = false, json = false;

@@ -6,6 +6,9 @@
 #include "base/text.h"
 #include "frame/posed_scene.h"
 #include "math/bounds.h"
+#include "render/metering.h"
+#include "render/picture_tones.h"
+#include "scene/neutral_light.h"
 
 namespace candela::cli {
 namespace {
@@ -130,15 +133,67 @@ bool nothing_in_view(const FrameResult& frame, const Job& job, const Scene& scen
 
 }  // namespace
 
+namespace {
+
+// What may bring something into view, of what was given.
+std::string blank_advice(const FrameResult& frame, const Job& job, const Scene& scene) {
+  std::vector<std::string> ways;
+  if (job.camera.eye)
+    ways.emplace_back("--fit instead of --eye and --target");
+  else if (!job.camera.camera.empty())
+    ways.emplace_back("--fit, or no --camera: all that is drawn is then framed");
+  else if (frame.view.name != "framed bounds")
+    ways.emplace_back("--fit: all that is drawn is then framed");
+  if (!scene.animations.empty() && job.animation != "none") {
+    ways.emplace_back("another --frame");
+    ways.emplace_back("--animation none");
+  }
+  if (ways.empty()) return "candela facts lists what the scene holds";
+  std::string text = "try ";
+  for (size_t i = 0; i < ways.size(); ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : i + 1 < ways.size() ? ", " : " or ", ways[i]);
+  return text;
+}
+
+std::string black_advice(const Job& job, const Scene& scene) {
+  if (job.sky == "none") return "--sky none is no light but the scene's own: leave it out, or name a sky";
+  if (!has_light(scene)) return "nothing lights the scene: --sky studio does";
+  return "--exposure auto, or --sky studio beside the scene's lights";
+}
+
+}  // namespace
+
 std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
   const bool alpha_tells = frame.request.shows_through;
   const std::optional<bool> transparent = alpha_tells ? is_transparent(frame) : std::nullopt;
-  if (!transparent.value_or(nothing_in_view(frame, job, scene))) return {};
-  if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";
-  return fmt::format(
-      "the frame is blank: nothing lies before {}; try no --camera (the bounds are then framed), another --frame or "
-      "--animation none",
-      frame.view.name.empty() ? "the camera" : frame.view.name);
+  if (transparent.value_or(nothing_in_view(frame, job, scene))) {
+    if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";
+    return fmt::format("the frame is blank: nothing lies before {}; {}",
+                       frame.view.name.empty() ? "the camera" : frame.view.name, blank_advice(frame, job, scene));
+  }
+  if (const auto tones = tones_of(frame, job); tones && tones->is_black)
+    return fmt::format("the frame is blank: every pixel is black; {}", black_advice(job, scene));
+  return {};
+}
+
+std::string tone_note(const FrameResult& frame, const Job& job) {
+  const auto tones = tones_of(frame, job);
+  if (!tones || tones->is_black) return {};
+  constexpr double most_clipped = 0.2, least_seen = 0.01;
+  const bool clipped = tones->clipped > most_clipped;
+  if (!clipped && tones->seen >= least_seen) return {};
+  std::string mend = "--exposure auto";
+  if (const auto ev = metered_ev(job)) mend += fmt::format(", which is --exposure {:.1f} here", *ev);
+  if (clipped) return fmt::format("{:.0f} % of the picture is clipped to white: try {}", 100 * tones->clipped, mend);
+  return fmt::format("{:.1f} % of the picture is above black: try {}", 100 * tones->seen, mend);
+}
+
+void note_tones(const FrameResult& frame, const Job& job, bool& noted) {
+  if (noted) return;
+  const std::string note = tone_note(frame, job);
+  if (note.empty()) return;
+  log::warning("{}", note);
+  noted = true;
 }
 
 Expected<void> note_blank(const FrameResult& frame, const Job& job, const Scene& scene, const BlankRules& rules,

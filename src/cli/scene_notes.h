@@ -27,9 +27,15 @@ Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool str
                           std::vector<std::string>& warnings);
 nlohmann::ordered_json extensions_json(const Scene& scene);
 
-// A picture in which nothing was drawn, with what may be the reason; empty for any other. Under a sky or background: in
-// which nothing reaches into the view.
+// A picture in which nothing was drawn or every pixel is black, with what may be the reason; empty for any other. Under
+// a sky or background: in which nothing reaches into the view.
 std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene);
+// A sentence about a picture of which more than a fifth is clipped to white or less than a hundredth is above black,
+// with the exposure that mends it; empty for any other.
+std::string tone_note(const FrameResult& frame, const Job& job);
+// The same to the log, of the first frame that deserves it.
+void note_tones(const FrameResult& frame, const Job& job, bool& noted);
+
 // Such a warning to the log and to `warnings`; strict, and not allowed: an error of kind input.
 struct BlankRules {
   bool strict = false, allowed = false;

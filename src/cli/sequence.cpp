@@ -139,11 +139,13 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   }
   std::vector<std::string> warnings;
   SaidOnce said;
+  bool tones_noted = false;
   ProgressLine progress(o.job.quiet);
   settings->progress = progress_of(progress, recorder);
   settings->rendered = [&](int64_t frame, const FrameResult& result) -> Expected<void> {
     for (const std::string& note : result.notes) said.note(note);
     if (auto noted = note_frame(result, (*session)->scene(), o.job.strict, warnings); !noted) return noted;
+    note_tones(result, job, tones_noted);
     return note_blank(result, job, (*session)->scene(),
                       {.strict = o.job.strict, .allowed = o.job.allow_blank, .frame = frame}, warnings);
   };

@@ -1,6 +1,9 @@
 #include "cli/scene_notes.h"
 
+#include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/log.h"
 #include "base/text.h"
@@ -39,12 +42,41 @@ void SaidOnce::note(const std::string& text) {
   if (said_.size() < most && said_.insert(without_numbers(text)).second) log::info("{}", text);
 }
 
+namespace {
+
+// The validator's name for a fault, in brackets at the end of a warning; empty where there is none.
+std::string_view code_of(std::string_view warning) {
+  const size_t open = warning.rfind('(');
+  if (open == std::string_view::npos || !warning.ends_with(')')) return {};
+  const std::string_view code = warning.substr(open + 1, warning.size() - open - 2);
+  const bool is_code = code.size() > 3 && std::ranges::all_of(code, [](char c) {
+                         return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+                       });
+  return is_code ? code : std::string_view();
+}
+
+// A line a code: the first of it, and how many there are. --verbose says all.
+void say_by_code(const std::vector<std::string>& warnings) {
+  std::map<std::string_view, size_t> counts;
+  for (const std::string& warning : warnings) ++counts[code_of(warning)];
+  std::set<std::string_view> said;
+  for (const std::string& warning : warnings) {
+    const std::string_view code = code_of(warning);
+    if (code.empty() || counts[code] == 1)
+      log::warning("{}", warning);
+    else if (!said.insert(code).second)
+      log::debug("{}", warning);
+    else
+      log::warning("{}, and {} more (--verbose)", warning, counts[code] - 1);
+  }
+}
+
+}  // namespace
+
 Expected<void> note_scene(const Scene& scene, bool strict) {
   std::string first;
-  for (const std::string& warning : scene.warnings) {
-    log::warning("{}", warning);
-    if (first.empty()) first = warning;
-  }
+  say_by_code(scene.warnings);
+  if (!scene.warnings.empty()) first = scene.warnings.front();
   for (const ExtensionUse& use : scene.extensions) {
     if (use.support == Support::supported) {
       log::debug("extension {}: supported", use.name);

@@ -1,5 +1,9 @@
 #include "gltf/animation.h"
 
+#include <numeric>
+
+#include <algorithm>
+
 #include "gltf/accessors.h"
 #include "gltf/pointers.h"
 
@@ -68,15 +72,19 @@ std::vector<float> read_times(Document& document, int accessor, const std::strin
   const std::string where = fmt::format("/accessors/{}", accessor);
   bool equal = false;
   for (size_t i = 1; i < times.size(); ++i) {
-    if (times[i] < times[i - 1])
-      document.refuse(where,
-                      "key {} at {} s comes before its predecessor at {} s (ACCESSOR_ANIMATION_INPUT_NON_INCREASING)",
-                      i, times[i], times[i - 1]);
+    if (times[i] < times[i - 1]) {
+      document.warn(where,
+                    "key {} at {} s comes before its predecessor at {} s; keys are sorted "
+                    "(ACCESSOR_ANIMATION_INPUT_NON_INCREASING)",
+                    i, times[i], times[i - 1]);
+      break;
+    }
     equal |= times[i] == times[i - 1];
   }
   if (equal)
     document.warn(where, "two keys have the same time; the later one wins (ACCESSOR_ANIMATION_INPUT_NON_INCREASING)");
-  if (times.front() < 0) document.warn(where, "the first key lies before 0 s (ACCESSOR_ANIMATION_INPUT_NEGATIVE)");
+  if (*std::ranges::min_element(times) < 0)
+    document.warn(where, "the first key lies before 0 s (ACCESSOR_ANIMATION_INPUT_NEGATIVE)");
   return times;
 }
 
@@ -88,6 +96,22 @@ std::vector<float> read_values(Document& document, int accessor, const std::stri
   std::vector<float> values(count);
   read_floats(document, elements, elements.components, {}, values);
   return values;
+}
+
+// By their times, those of one time in the order of the file; with their values.
+void sort_keys(AnimationChannel& channel) {
+  if (std::ranges::is_sorted(channel.times_s)) return;
+  std::vector<size_t> order(channel.times_s.size());
+  std::iota(order.begin(), order.end(), size_t(0));
+  std::ranges::stable_sort(order, {}, [&](size_t key) { return channel.times_s[key]; });
+  const size_t per_key = channel.values.size() / order.size();
+  std::vector<float> times, values;
+  for (const size_t key : order) {
+    times.push_back(channel.times_s[key]);
+    const auto first = channel.values.begin() + long(key * per_key);
+    values.insert(values.end(), first, first + long(per_key));
+  }
+  channel.times_s = std::move(times), channel.values = std::move(values);
 }
 
 void import_channel(Document& document, const Scene& scene, const Json& json, size_t animation, size_t channel,
@@ -117,6 +141,7 @@ void import_channel(Document& document, const Scene& scene, const Json& json, si
                       "{} numbers where {} keys of {} need {} (ANIMATION_SAMPLER_OUTPUT_ACCESSOR_INVALID_COUNT)",
                       made.values.size(), made.times_s.size(), t.components, tuples * size_t(t.components));
     document.charge(made.values.size() + made.times_s.size(), sizeof(float), sampler_path);
+    sort_keys(made);
     made.path = t.path;
     made.object = t.object;
     made.element = t.element;

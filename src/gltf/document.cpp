@@ -1,5 +1,7 @@
 #include "gltf/document.h"
 
+#include "gltf/repair.h"
+
 #include <charconv>
 
 #include "base/input.h"
@@ -121,6 +123,8 @@ Document open_document(std::span<const std::byte> bytes, const std::string& name
   Expected<Json> json = parse_gltf_json(parts->json, name);
   if (!json) throw Failure{json.error()};
   document.json = std::move(*json);
+  const std::vector<Finding> repairs = repair_gltf(document.json);
+  findings.insert(findings.end(), repairs.begin(), repairs.end());
   validate(document, *parts, findings);
   parse_core(document);
   check_version(document);

@@ -2,6 +2,7 @@
 // Internal to src/scene/gltf*.cpp: a glTF file taken apart, before its parts become a Scene.
 #include <tiny_gltf.h>
 
+#include <array>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <map>
@@ -35,6 +36,8 @@ struct Document {
   std::vector<std::vector<std::byte>> storage;      // what read buffers lie in
   std::vector<std::optional<std::vector<std::byte>>> decompressed;  // per buffer view (meshopt.h)
   std::map<int, std::vector<std::byte>> sparse;                     // accessors with their sparse values put in
+  // Which two sets of texture coordinates a material's slots 0 and 1 are, where they are not TEXCOORD_0 and TEXCOORD_1.
+  std::map<int, std::array<int, 2>> uv_sets;
   std::vector<std::string> files, warnings;
   std::set<std::string> finding_codes;  // what the validation warned of
   size_t bytes_read = 0;

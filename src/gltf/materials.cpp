@@ -1,7 +1,11 @@
 #include "gltf/materials.h"
 
+#include <algorithm>
+#include <functional>
+
 #include "gltf/textures.h"
 #include "scene/blinn_phong.h"
+#include "scene/material_table.h"
 #include "scene/shading.h"
 
 namespace candela::gltf {
@@ -311,13 +315,46 @@ struct Importer {
 
 }  // namespace
 
+namespace {
+
+// Surfaces have room for two sets of texture coordinates, which may be any two of the file. Textures of a third are
+// left out.
+void choose_uv_sets(Document& document, int index, Material& material) {
+  std::vector<int> sets;
+  const auto each_slot = [&](const std::function<void(TextureSlot&)>& f) {
+    for (int k = 0; k <= int(TextureSlotName::diffuse_transmission_color); ++k)
+      if (TextureSlot& slot = texture_slot(material, TextureSlotName(k))) f(slot);
+  };
+  each_slot([&](const TextureSlot& slot) {
+    if (std::ranges::find(sets, slot.uv_set) == sets.end()) sets.push_back(slot.uv_set);
+  });
+  std::ranges::sort(sets);
+  if (sets.empty() || sets.back() <= 1) return;
+  const std::array<int, 2> chosen = {sets[0], sets.size() > 1 ? sets[1] : sets[0] == 0 ? 1 : 0};
+  document.uv_sets[index] = chosen;
+  each_slot([&](TextureSlot& slot) {
+    if (slot.uv_set == chosen[0] || slot.uv_set == chosen[1]) {
+      slot.uv_set = slot.uv_set == chosen[0] ? 0 : 1;
+      return;
+    }
+    document.warn(fmt::format("/materials/{}", index),
+                  "a texture of TEXCOORD_{} is left out: the material uses {} sets, and two are read", slot.uv_set,
+                  sets.size());
+    slot = TextureSlot{};
+  });
+}
+
+}  // namespace
+
 void import_materials(Document& document, const std::set<std::string>& pointers, LoadFor use, Scene& scene) {
   import_samplers(document, scene);
   const Json* images = member(document.json, "images");
   Importer importer{document, pointers, use, scene, std::vector<bool>(images ? images->size() : 0), {}};
   if (const Json* materials = member(document.json, "materials"))
-    for (size_t i = 0; i < materials->size(); ++i)
+    for (size_t i = 0; i < materials->size(); ++i) {
       scene.materials.push_back(importer.read((*materials)[i], fmt::format("/materials/{}", i)));
+      choose_uv_sets(document, int(i), scene.materials.back());
+    }
   import_images(document, importer.image_used, scene);
   for (SceneImage& merged : importer.merged_images) scene.images.push_back(std::move(merged));
   check_transfer(document, scene);

@@ -19,6 +19,7 @@ struct Source {
   std::optional<DracoPrimitive> draco;
   size_t vertex_count = 0;
   std::vector<uint32_t> list;  // expanded to points, lines or triangles
+  bool restarts = false;       // some index is the restart value
   std::vector<uint32_t> used;  // the vertices that `list` names, ascending; empty: all
 };
 
@@ -64,7 +65,22 @@ void open_draco(Document& document, Source& source) {
   }
 }
 
-std::vector<uint32_t> read_indices(Document& document, const Source& source) {
+constexpr uint32_t restarted = std::numeric_limits<uint32_t>::max();
+
+// Leaves out the points, lines or triangles of a list that use the restart value.
+void drop_restarted(int mode, std::vector<uint32_t>& list) {
+  const size_t corners = mode == TINYGLTF_MODE_POINTS ? 1 : mode <= TINYGLTF_MODE_LINE_STRIP ? 2 : 3;
+  size_t kept = 0;
+  for (size_t i = 0; i + corners <= list.size(); i += corners) {
+    const auto first = list.begin() + long(i);
+    if (std::find(first, first + long(corners), restarted) != first + long(corners)) continue;
+    std::copy(first, first + long(corners), list.begin() + long(kept));
+    kept += corners;
+  }
+  list.resize(kept);
+}
+
+std::vector<uint32_t> read_indices(Document& document, Source& source) {
   const std::string path = source.path + "/indices";
   const Elements elements = elements_of(document, source.primitive->indices, path);
   document.charge(elements.count, sizeof(uint32_t), elements.path + "/count");
@@ -73,9 +89,15 @@ std::vector<uint32_t> read_indices(Document& document, const Source& source) {
   const uint32_t restart = uint32_t((uint64_t(1) << 8 * component_bytes(elements.component_type)) - 1);
   for (size_t i = 0; i < out.size(); ++i) {
     if (out[i] < source.vertex_count && out[i] != restart) continue;
-    if (out[i] == restart)
-      document.refuse(path, "index {} holds {}, the primitive restart value (ACCESSOR_INDEX_PRIMITIVE_RESTART)", i,
-                      out[i]);
+    if (out[i] == restart) {
+      if (!source.restarts)
+        document.warn(path,
+                      "index {} holds {}, the primitive restart value; what uses it is left out "
+                      "(ACCESSOR_INDEX_PRIMITIVE_RESTART)",
+                      i, out[i]);
+      source.restarts = true, out[i] = restarted;
+      continue;
+    }
     document.refuse(path, "index {} names vertex {} of {} (ACCESSOR_INDEX_OOB)", i, out[i], source.vertex_count);
   }
   return out;
@@ -128,6 +150,7 @@ void make_list(Document& document, Source& source) {
           vertices.size(), mode);
     document.charge(vertices.size(), 3 * sizeof(uint32_t), source.path);
     source.list = expanded_to_list(mode, vertices);
+    if (source.restarts) drop_restarted(mode, source.list);
   }
   if (!source.list.empty()) drop_unused_vertices(source);
 }
@@ -246,8 +269,10 @@ void read_vertices(Document& document, const Scene& scene, const Source& source,
                         document.model.accessors[size_t(source.primitive->attributes.at("POSITION"))], position.path);
   const StoredAsFloat stored_as_float{.normal = read_optional(document, source, "NORMAL", section.normal),
                                       .tangent = read_optional(document, source, "TANGENT", section.tangent)};
-  read_optional(document, source, "TEXCOORD_0", section.uv0);
-  read_optional(document, source, "TEXCOORD_1", section.uv1);
+  const auto found = document.uv_sets.find(section.material);
+  const std::array<int, 2> sets = found == document.uv_sets.end() ? std::array{0, 1} : found->second;
+  read_optional(document, source, fmt::format("TEXCOORD_{}", sets[0]).c_str(), section.uv0);
+  read_optional(document, source, fmt::format("TEXCOORD_{}", sets[1]).c_str(), section.uv1);
   read_color(document, source, section);
   read_joints(document, source, 0, section);
   if (!section.joints0.empty()) read_joints(document, source, 1, section);

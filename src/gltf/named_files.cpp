@@ -1,11 +1,34 @@
 #include "gltf/named_files.h"
 
+#include <algorithm>
+
 #include "base/file_uses.h"
 #include "base/files.h"
 #include "base/input.h"
 #include "gltf/uri.h"
 
 namespace candela::gltf {
+
+namespace {
+
+// Files that a URI may mean: what it says, then what its writer may have meant: no percent-encoding, and \ for /.
+std::vector<std::string> meant_by(const std::string& uri) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty() && name.find('\0') == std::string::npos && std::ranges::find(names, name) == names.end())
+      names.push_back(name);
+  };
+  const std::optional<std::string> decoded = percent_decoded(uri);
+  for (const std::string& name : {decoded.value_or(""), uri}) {
+    add(name);
+    std::string slashes = name;
+    std::ranges::replace(slashes, '\\', '/');
+    add(slashes);
+  }
+  return names;
+}
+
+}  // namespace
 
 Expected<std::vector<std::byte>> read_named_file(Document& document, const std::string& uri, const std::string& path) {
   if (is_data_uri(uri)) {
@@ -15,10 +38,17 @@ Expected<std::vector<std::byte>> read_named_file(Document& document, const std::
   }
   if (has_scheme(uri))
     document.refuse(path, "'{}' is not a relative path; only files beside the scene and data URIs are read", uri);
-  const std::optional<std::string> relative = percent_decoded(uri);
-  if (!relative || relative->empty() || relative->find('\0') != std::string::npos)
-    document.refuse(path, "'{}' is not a valid URI (INVALID_URI)", uri);
-  const std::filesystem::path file = document.folder / *relative;
+  const std::vector<std::string> names = meant_by(uri);
+  if (names.empty()) document.refuse(path, "'{}' is not a valid URI (INVALID_URI)", uri);
+  // The first that is there; where none is, the message is of the first.
+  const auto is_there = [&](const std::string& name) {
+    std::error_code failed;
+    return std::filesystem::is_regular_file(document.folder / name, failed);
+  };
+  const auto there = std::ranges::find_if(names, is_there);
+  const std::string& name = there == names.end() ? names.front() : *there;
+  if (name != percent_decoded(uri)) document.warn(path, "'{}' is taken for '{}' (INVALID_URI)", uri, name);
+  const std::filesystem::path file = document.folder / name;
   if (auto allowed = check_named_file(file, document.folder, document.name); !allowed)
     document.refuse(path, "{} (IO_ERROR)", allowed.error().message);
   Expected<std::vector<std::byte>> bytes = read_file(file);
@@ -43,9 +73,7 @@ void note_named_files(const Document& document) {
       if (key != "uri" || !value.is_string()) continue;
       const std::string& uri = value.get_ref<const std::string&>();
       if (is_data_uri(uri) || has_scheme(uri)) continue;
-      const std::optional<std::string> relative = percent_decoded(uri);
-      if (relative && !relative->empty() && relative->find('\0') == std::string::npos)
-        note_read({document.name, document.folder / *relative});
+      for (const std::string& name : meant_by(uri)) note_read({document.name, document.folder / name});
     }
   }
 }

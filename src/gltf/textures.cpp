@@ -83,11 +83,6 @@ TextureSlot texture_slot(Document& document, const Json& object, const char* key
   slot.uv_set = std::max(index_of(document, *info, "texCoord", INT32_MAX, where), 0);
   apply_transform(document, *info, where, slot);
   const int image = image_of(document, texture, where);
-  if (image >= 0 && slot.uv_set > 1) {
-    document.warn(where, "TEXCOORD_{} is not read (0 and 1 are); the texture is left out", slot.uv_set);
-    slot.uv_set = 0;
-    return slot;
-  }
   slot.image = image;
   if (image >= 0) image_used[size_t(image)] = true;
   return slot;

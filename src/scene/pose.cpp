@@ -51,8 +51,12 @@ void place_nodes(const Scene& scene, const std::vector<NodeState>& nodes, Pose& 
   for (int n : scene.order) {
     const Node& node = scene.nodes[size_t(n)];
     const NodeState& state = nodes[size_t(n)];
+    // Cameras and lights have no size: the scale of a node that carries nothing else does not count.
+    const bool scales =
+        node.mesh >= 0 || node.light_instances || !node.children.empty() || (node.camera < 0 && node.light < 0);
     const glm::dmat4 local =
-        node.has_matrix ? node.matrix : compose_trs(state.translation, unit(state.rotation), state.scale);
+        node.has_matrix ? node.matrix
+                        : compose_trs(state.translation, unit(state.rotation), scales ? state.scale : glm::dvec3(1));
     const bool has_parent = node.parent >= 0 && placed[size_t(node.parent)];
     placed[size_t(n)] = true;
     pose.world_from_node[size_t(n)] = has_parent ? pose.world_from_node[size_t(node.parent)] * local : local;

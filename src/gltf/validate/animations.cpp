@@ -30,8 +30,9 @@ class AnimationChecker {
         d_.findings.warning("ANIMATION_SAMPLER_INPUT_ACCESSOR_WITHOUT_BOUNDS", at,
                             "accessor.min and accessor.max must be defined");
       if (is_cubic(sampler) && input->count < 2)
-        d_.findings.fatal("ANIMATION_SAMPLER_INPUT_ACCESSOR_TOO_FEW_ELEMENTS", at,
-                          "CUBICSPLINE needs at least 2 keys, got {}", input->count);
+        d_.findings.add(input->count == 1 ? Harm::warning : Harm::fatal,
+                        "ANIMATION_SAMPLER_INPUT_ACCESSOR_TOO_FEW_ELEMENTS", at,
+                        fmt::format("CUBICSPLINE needs at least 2 keys, got {}; one is a constant", input->count));
       view(*input, at);
     }
     if (const AccessorLayout* output = d_.accessor(sampler, "output", path)) view(*output, path + "/output");

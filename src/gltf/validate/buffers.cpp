@@ -4,7 +4,7 @@
 namespace candela::validation {
 namespace {
 
-// "2.0" -> {2, 0}; false where the text is not digits, a dot, digits (at most four each).
+// "2.0" -> {2, 0}, also of "2.0.1"; false where the text does not begin with digits, a dot, digits (at most four each).
 bool parse_version(std::string_view text, int& major, int& minor) {
   const auto digits = [](std::string_view part, int& value) {
     if (part.empty() || part.size() > 4) return false;
@@ -16,7 +16,9 @@ bool parse_version(std::string_view text, int& major, int& minor) {
     return true;
   };
   const size_t dot = text.find('.');
-  return dot != std::string_view::npos && digits(text.substr(0, dot), major) && digits(text.substr(dot + 1), minor);
+  if (dot == std::string_view::npos) return false;
+  const std::string_view rest = text.substr(dot + 1);
+  return digits(text.substr(0, dot), major) && digits(rest.substr(0, rest.find('.')), minor);
 }
 
 bool is_meshopt_fallback(const Json& buffer) {
@@ -123,6 +125,9 @@ void check_asset(Document& d) {
   if (!parse_version(text(asset, "version"), major, minor))
     return d.findings.fatal("PATTERN_MISMATCH", "/asset/version", "value '{}' is not MAJOR.MINOR",
                             text(asset, "version").substr(0, 40));
+  if (const std::string_view version = text(asset, "version"); std::ranges::count(version, '.') > 1)
+    d.findings.warning("PATTERN_MISMATCH", "/asset/version", "value '{}' is not MAJOR.MINOR; it is read as {}.{}",
+                       version.substr(0, 40), major, minor);
   if (minor > 0)
     d.findings.warning("UNKNOWN_ASSET_MINOR_VERSION", "/asset/version", "unknown glTF minor version {}", minor);
   if (!asset.contains("minVersion")) return;

@@ -67,8 +67,8 @@ class GlbReader {
     const uint64_t size = u32(at);
     const uint32_t type = u32(at + 4);
     if (size % 4)
-      return stop(at, "GLB_CHUNK_LENGTH_UNALIGNED",
-                  fmt::format("length {} of chunk {:#010x} is not a multiple of 4", size, type));
+      note(at, "GLB_CHUNK_LENGTH_UNALIGNED",
+           fmt::format("length {} of chunk {:#010x} is not a multiple of 4; it is read as it stands", size, type));
     if (at + 8 + size > length_)
       return stop(at, "GLB_CHUNK_TOO_BIG",
                   fmt::format("chunk {:#010x} of {} bytes does not fit the GLB's length {}", type, size, length_));

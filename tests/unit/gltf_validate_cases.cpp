@@ -181,7 +181,7 @@ const Case cases[] = {
      "ANIMATION_SAMPLER_INPUT_ACCESSOR_INVALID_FORMAT", "/animations/0/samplers/0/input"},
     {"CubicKeys",
      R"({"accessors": {"#6": {"count": 1}}, "animations": {"#0": {"samplers": {"#0": {"interpolation": "CUBICSPLINE"}}}}})",
-     "ANIMATION_SAMPLER_INPUT_ACCESSOR_TOO_FEW_ELEMENTS", "/animations/0/samplers/0/input"},
+     "ANIMATION_SAMPLER_OUTPUT_ACCESSOR_INVALID_COUNT", "/animations/0/channels/0/sampler"},
     {"AnimatedMatrix", R"({"nodes": {"#3": {"matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}}})",
      "ANIMATION_CHANNEL_TARGET_NODE_MATRIX", "/animations/0/channels/0/target"},
     {"SameTarget", R"({"animations": {"#0": {"channels": [{"sampler": 0, "target": {"node": 3, "path": "scale"}},

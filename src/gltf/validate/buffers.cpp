@@ -18,7 +18,8 @@ bool parse_version(std::string_view text, int& major, int& minor) {
   const size_t dot = text.find('.');
   if (dot == std::string_view::npos) return false;
   const std::string_view rest = text.substr(dot + 1);
-  return digits(text.substr(0, dot), major) && digits(rest.substr(0, rest.find('.')), minor);
+  return digits(text.substr(0, dot), major) && digits(rest.substr(0, rest.find('.')), minor) &&
+         rest.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
 bool is_meshopt_fallback(const Json& buffer) {

@@ -22,13 +22,14 @@ struct VersionOptions {
   bool version = false, json = false;
 };
 
-void build_parser(CLI::App& app, VersionOptions& o, Action& action) {
+// brief: of what most calls need alone (-h).
+void build_parser(CLI::App& app, VersionOptions& o, Action& action, bool brief) {
   app.require_subcommand(0, 1);
   CLI::Option* version = app.add_flag("--version", o.version, "Print the version and exit");
   app.add_flag("--json", o.json, "With --version: what was built in, as JSON")->needs(version);
   app.set_help_all_flag("--help-all", "Print the help of every command");
   add_commands(app, action);
-  complete_help(app);
+  complete_help(app, brief);
 }
 
 // The command that was chosen: `check` of `golden check`.
@@ -63,6 +64,18 @@ std::string word_of(int argc, char** argv, int skipped) {
   return {};
 }
 
+// "Could not convert: --time = abc"
+std::string not_a_number(const CLI::App& command, std::string_view what) {
+  constexpr std::string_view head = "Could not convert: ", equals = " = ";
+  const size_t split = what.find(equals);
+  if (!what.starts_with(head) || split == std::string_view::npos) return std::string(what);
+  const std::string name(what.substr(head.size(), split - head.size()));
+  const CLI::Option* option = command.get_option_no_throw(name);
+  const std::string type = option ? option->get_type_name() : "";
+  return fmt::format("{}: '{}' is not a number{}; write for example {} 2", name, what.substr(split + equals.size()),
+                     type.empty() || type == "FLOAT" || type == "INT" ? "" : fmt::format(" ({})", type), name);
+}
+
 // CLI11's own messages name neither what is allowed nor what was nearly right.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const auto chosen = app.get_subcommands();
@@ -81,6 +94,7 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int
       return fmt::format("unknown option '{}'{}", extra, near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
     }
   }
+  if (dynamic_cast<const CLI::ConversionError*>(&error)) return not_a_number(leaf_of(app), error.what());
   return error.what();
 }
 
@@ -97,7 +111,7 @@ constexpr const char* less_memory =
 
 int failed(const CLI::App& app, const Error& error) {
   log::error("{}", error.text());
-  if (error.kind == ErrorKind::usage) log::info("See {} --help", command_of(app));
+  if (error.kind == ErrorKind::usage) log::info("see {} --help", command_of(app));
   if (error.kind == ErrorKind::out_of_memory) log::info("{}", less_memory);
   return int(error.kind);
 }
@@ -115,7 +129,8 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
   forget_file_uses();
   Action action;
   VersionOptions version;
-  build_parser(app, version, action);
+  const bool brief = std::any_of(argv, argv + argc, [](std::string_view word) { return word == "-h"; });
+  build_parser(app, version, action, brief);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -78,6 +78,25 @@ const std::map<std::string, std::string>& examples() {
   return table;
 }
 
+// What most calls of a command need, for -h; of other commands everything is shown.
+const std::map<std::string, std::vector<std::string>>& brief_options() {
+  static const std::map<std::string, std::vector<std::string>> table = {
+      {"render",
+       {"output", "frame", "fps", "animation", "camera", "fit", "azimuth", "size", "sky", "look", "exposure", "tonemap",
+        "background", "quality", "layers", "device"}},
+      {"sequence",
+       {"frames", "output", "video", "fps", "animation", "camera", "fit", "follow", "turntable", "size", "sky", "look",
+        "exposure", "quality", "resume", "shard", "device"}},
+      {"reference",
+       {"output", "mode", "spp", "noise", "frame", "camera", "fit", "size", "sky", "look", "layers", "resume"}},
+      {"plan", {"frame", "camera", "size", "technique", "quality", "effects", "json", "dot"}},
+      {"facts", {"frame", "animation", "camera", "json"}},
+      {"tune", {"seconds", "size", "frame", "camera", "sky", "look"}},
+      {"bench", {"techniques", "lights", "sizes", "report", "compare", "error", "budget-s", "json"}},
+  };
+  return table;
+}
+
 // In lines of at most `width` characters.
 std::string wrapped(const std::string& text, size_t width) {
   std::string lines;
@@ -94,11 +113,37 @@ std::string wrapped(const std::string& text, size_t width) {
 // Without the name of each option's variable: they follow from the options'.
 class Formatter : public CLI::Formatter {
  public:
+  explicit Formatter(bool brief) : brief_(brief) {}
+  std::string brief_groups(const CLI::App* app) const {
+    const auto names = brief_options().find(app->get_name());
+    std::string text = "\nOptions:\n";
+    for (const std::string& name : names->second) {
+      const CLI::Option* option = app->get_option_no_throw("--" + name);
+      if (!option) continue;
+      const std::string type = option->get_expected_max() == 0 ? "" : " " + option->get_type_name();
+      const std::string called =
+          (option->get_snames().empty() ? "" : "-" + option->get_snames().front() + ", ") + "--" + name + type;
+      text += fmt::format("  {:<26} {}\n", called, first_clause(option->get_description()));
+    }
+    return text;
+  }
+  std::string make_footer(const CLI::App* app) const override {
+    if (!brief_ || !brief_options().contains(app->get_name())) return CLI::Formatter::make_footer(app);
+    std::string text = "\nExamples:\n";
+    if (const auto found = examples().find(app->get_name()); found != examples().end()) {
+      size_t end = 0;
+      for (int line = 0; line < 3 && end < found->second.size(); ++line) end = found->second.find('\n', end) + 1;
+      text += found->second.substr(0, end);
+    }
+    return text + fmt::format("\nAll options: candela {} --help\n", app->get_name());
+  }
   std::string make_option_desc(const CLI::Option* option) const override {
     return wrapped(CLI::Formatter::make_option_desc(option), 90);
   }
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
-    std::string text = CLI::Formatter::make_help(app, name, mode);
+    std::string text = brief_ && brief_options().contains(app->get_name())
+                           ? make_description(app) + make_usage(app, name) + brief_groups(app) + make_footer(app)
+                           : CLI::Formatter::make_help(app, name, mode);
     for (size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
     return text;
   }
@@ -108,6 +153,18 @@ class Formatter : public CLI::Formatter {
     if (const size_t at = text.find(variable); at != std::string::npos) text.erase(at, variable.size());
     return text;
   }
+
+ private:
+  // Up to where a line would end, a bracket or a colon opens, or a second thought begins.
+  static std::string first_clause(const std::string& text) {
+    constexpr size_t most = 78;
+    size_t end = std::min(text.find_first_of(";("), text.find(": "));
+    if (end == std::string::npos || end > most) end = text.size() <= most ? text.size() : text.rfind(' ', most);
+    while (end > 0 && (text[end - 1] == ' ' || text[end - 1] == ',')) --end;
+    return text.substr(0, end);
+  }
+
+  bool brief_;
 };
 
 std::string variable_of(const std::string& option) {
@@ -128,11 +185,11 @@ void complete_options(CLI::App& command) {
 
 }  // namespace
 
-void complete_help(CLI::App& app) {
-  app.formatter(std::make_shared<Formatter>());
+void complete_help(CLI::App& app, bool brief) {
+  app.formatter(std::make_shared<Formatter>(brief));
   app.footer(exit_codes);
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    complete_help(*command);
+    complete_help(*command, brief);
     complete_options(*command);
     const auto example = examples().find(command->get_name());
     if (example != examples().end()) command->footer("Examples:\n" + example->second + "\n" + exit_codes);

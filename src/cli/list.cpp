@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 struct ListOptions {
   std::string quality = "high";
-  bool json = false;
+  bool json = false, all = false;
 };
 
 Expected<int> done(Expected<void> printed) {
@@ -83,11 +83,33 @@ std::string knobs_text(const std::vector<KnobRow>& knobs) {
   return text;
 }
 
+// Knobs that no preset moves are for experts.
+std::vector<bool> expert_knobs() {
+  std::vector<bool> expert;
+  const std::vector<KnobRow> draft = knob_rows("draft");
+  for (const KnobRow& k : draft) expert.push_back(!k.value_now.empty());
+  for (const char* quality : {"normal", "high", "exact"}) {
+    const std::vector<KnobRow> rows = knob_rows(quality);
+    for (size_t i = 0; i < rows.size(); ++i) expert[i] = expert[i] && rows[i].value_now == draft[i].value_now;
+  }
+  return expert;
+}
+
 Expected<int> list_knobs(const ListOptions& o) {
   const std::vector<KnobRow> knobs = knob_rows(o.quality);
-  if (!o.json) return done(print(knobs_text(knobs)));
+  const std::vector<bool> expert = expert_knobs();
+  if (!o.json) {
+    std::vector<KnobRow> shown;
+    for (size_t i = 0; i < knobs.size(); ++i)
+      if (o.all || !expert[i]) shown.push_back(knobs[i]);
+    const size_t hidden = knobs.size() - shown.size();
+    return done(
+        print(knobs_text(shown) +
+              (hidden > 0 ? fmt::format("{} more for experts, which no quality moves (--all)\n", hidden) : "")));
+  }
   Json j = Json::array();
-  for (const KnobRow& k : knobs)
+  for (size_t i = 0; i < knobs.size(); ++i) {
+    const KnobRow& k = knobs[i];
     j.push_back({{"pass", k.pass},
                  {"knob", k.knob},
                  {"value", k.value_now},
@@ -97,7 +119,9 @@ Expected<int> list_knobs(const ListOptions& o) {
                  {"kind", k.kind},
                  {"swept", k.walk},
                  {"passes", k.passes},
-                 {"trades", k.trades}});
+                 {"trades", k.trades},
+                 {"expert", bool(expert[i])}});
+  }
   return done(print_json(j));
 }
 
@@ -143,7 +167,8 @@ void add_list(CLI::App& app, Action& action) {
   add_names(*list, action, o, "passes", "Passes, the keys of timings and knobs", pass_names);
   CLI::App* knobs = list->add_subcommand("knobs", "Knobs of all passes with their values (--set)");
   knobs->add_option("--quality", o->quality, "Values at this preset")->capture_default_str()->type_name("NAME");
-  knobs->add_flag("--json", o->json, "As JSON");
+  knobs->add_flag("--all", o->all, "Also those for experts, which no quality moves");
+  knobs->add_flag("--json", o->json, "As JSON, all of them");
   knobs->callback([o, &action] { action = [o] { return list_knobs(*o); }; });
   add_names(*list, action, o, "layers", "EXR layers beside beauty (--layers)", layer_names, layer_says);
   add_names(*list, action, o, "views", "What PNG and video can show (--view)", view_names, layer_says);

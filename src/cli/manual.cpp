@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 
 struct ManualOptions {
   std::string shell, folder;
+  std::vector<std::string> command;
   bool docs = false;
 };
 
@@ -61,6 +62,24 @@ Expected<int> write_manual(const CLI::App& app, const ManualOptions& o) {
   return 0;
 }
 
+Expected<int> print_help(const CLI::App& app, const ManualOptions& o) {
+  const CLI::App* at = &app;
+  std::string prefix;
+  for (const std::string& word : o.command) {
+    std::vector<std::string> names;
+    const CLI::App* next = nullptr;
+    for (const CLI::App* command : at->get_subcommands([](const CLI::App*) { return true; })) {
+      if (!command->get_group().empty()) names.push_back(command->get_name());
+      if (command->get_name() == word) next = command;
+    }
+    if (!next) return fail(ErrorKind::usage, "help", "{}", unknown_name("command", word, names));
+    prefix += (prefix.empty() ? "" : " ") + at->get_name();
+    at = next;
+  }
+  if (auto printed = print(at->help(prefix)); !printed) return std::unexpected(printed.error());
+  return 0;
+}
+
 }  // namespace
 
 void add_manual(CLI::App& app, Action& action) {
@@ -68,6 +87,9 @@ void add_manual(CLI::App& app, Action& action) {
   CLI::App* completion = app.add_subcommand("completion", "Print a script that completes candela's words in a shell");
   completion->add_option("shell", o->shell, "bash, zsh or fish")->type_name("SHELL")->required();
   completion->callback([o, &app, &action] { action = [o, &app] { return run_completion(app, *o); }; });
+  CLI::App* help = app.add_subcommand("help", "Print the help of the program or of a command");
+  help->add_option("command", o->command, "Name of a command, also of two words (farm slurm)")->type_name("COMMAND");
+  help->callback([o, &app, &action] { action = [o, &app] { return print_help(app, *o); }; });
   // For the build alone, therefore hidden.
   CLI::App* manual = app.add_subcommand("manual", "Write man pages and completion as an installation has them");
   manual->group("");

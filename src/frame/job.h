@@ -40,16 +40,16 @@ struct Job {
   // Equirectangular .hdr or .exr, six faces, or a word (is_sky_word). Empty: the look's; where there is no light
   // either, the neutral one.
   std::string sky;
-  std::string look;                  // look file
-  std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
-  std::string cut_outs = "blended";  // blended materials that hide all or nothing (scene/cut_outs.h)
-  std::string variant;               // of materials, by its name in the file; empty: the default materials
-  std::string probe;                 // a sphere before the camera: white, grey, chrome; empty: none
-  std::optional<float> exposure_ev;  // absent: as the look says, else 0
-  std::string tonemap;               // a curve (tonemap_names()); empty: as the look says, else agx
-  std::vector<std::string> layers;   // beside beauty
-  double motion_s = 1.0 / 24;        // of the layer motion: from the frame before, 1 / --fps
-  std::string view = "beauty";       // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
+  std::string look;                        // look file
+  std::string shading = "pbr";             // how surfaces answer light (scene/shading.h)
+  std::string cut_outs = "blended";        // blended materials that hide all or nothing (scene/cut_outs.h)
+  std::string variant;                     // of materials, by its name in the file; empty: the default materials
+  std::string probe;                       // a sphere before the camera: white, grey, chrome; empty: none
+  std::optional<float> exposure_ev;        // absent: as the look says, else 0
+  std::string tonemap;                     // a curve (tonemap_names()); empty: as the look says, else agx
+  std::vector<std::string> layers;         // beside beauty
+  double motion_s = 1.0 / 24;              // of the layer motion: from the frame before, 1 / --fps
+  std::string view = "beauty";             // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
   std::string background = "transparent";  // a colour or "R,G,B", where there is no sky (frame/background.h)
   uint64_t seed = 0;
   // Encoding.

@@ -24,7 +24,7 @@ class Sky {
   };
   static Sky sum(std::span<const Part> parts, const std::optional<SkyGradient>& gradient, double gradient_weight,
                  double turn_rad, double times);
-  static Sky neutral();                      // radiance 0.45 + 0.25 y, as scene/environment.h defines neutral_ambient()
+  static Sky neutral();  // radiance 0.45 + 0.25 y, as scene/environment.h defines neutral_ambient()
   // scene/studio.h by its formula, turned and multiplied as images are.
   static Sky studio(double turn_rad = 0, double times = 1);
   static Sky constant(glm::dvec3 radiance);  // for tests with closed forms

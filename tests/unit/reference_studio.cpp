@@ -18,7 +18,8 @@ using std::numbers::pi;
 
 // 0 to 255, as PNG shows a grey by default.
 double code_of(double radiance) {
-  return 255 * reference::display_encoded(reference::tone_mapped("agx", glm::dvec3(radiance), -12.47393, 4.026069), "agx").x;
+  return 255 *
+         reference::display_encoded(reference::tone_mapped("agx", glm::dvec3(radiance), -12.47393, 4.026069), "agx").x;
 }
 
 struct Direction {

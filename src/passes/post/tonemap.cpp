@@ -5,7 +5,8 @@
 namespace candela {
 
 std::span<const std::string_view> tone_curve_names() {
-  static constexpr std::string_view names[] = {"none", "agx", "reinhard", "aces", "neutral", "reinhard-luminance", "rec709", "agx-2020"};
+  static constexpr std::string_view names[] = {"none",   "agx",     "reinhard", "aces", "neutral", "reinhard-luminance",
+                                               "rec709", "agx-2020"};
   return names;
 }
 

@@ -69,7 +69,7 @@ void keep_to_gpu(FarmJob& job, const JobOptions& o) {
   if (!o.device.empty() || o.allow_cpu) return;
   const auto is_gpu = [](const gpu::DeviceInfo& device) { return !device.is_cpu && device.unusable.empty(); };
   const auto devices = gpu::list_devices();
-  if (!o.strict && !(devices && std::any_of(devices->begin(), devices->end(), is_gpu))) return;
+  if (o.strict.empty() && !(devices && std::any_of(devices->begin(), devices->end(), is_gpu))) return;
   job.arguments.insert(job.arguments.end(), {"--device", "gpu"});
   log::info("machines without a GPU end with exit 4 (--allow-cpu lets them use the CPU)");
 }

@@ -209,10 +209,17 @@ void add_device_options(CLI::App& command, JobOptions& o) {
 }
 }  // namespace
 
+void add_strict_option(CLI::App& command, JobOptions& o) {
+  command
+      .add_flag("--strict{all}", o.strict,
+                "A warning about the scene, an ignored extension or a frame in which nothing is drawn is exit 3; "
+                "--strict=loss: only where a texture, a surface or a light is lost")
+      ->check(CLI::IsMember({"all", "loss"}));
+}
+
 void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_device_options(command, o);
-  command.add_flag("--strict", o.strict,
-                   "A warning about the scene, an ignored extension or a frame in which nothing is drawn is exit 3");
+  add_strict_option(command, o);
   if (renderer == Renderer::gpu)
     command.add_flag("--allow-blank", o.allow_blank, "A frame in which nothing is drawn passes --strict");
   command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")

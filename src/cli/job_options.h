@@ -22,10 +22,10 @@ struct JobOptions {
   bool fit = false, follow = false;
   int turntable = 0;  // frames of a turn
   int samples = 0, png_bits = 8, queues = 2;
-  std::string exposure;
+  std::string exposure, strict;  // none (empty), loss or all
   uint64_t seed = 0;
   bool no_dither = false, metadata_timings = false, allow_nonfinite = false, allow_blank = false, validate = false,
-       strict = false, allow_cpu = false, quiet = false, verbose = false, json = false;
+       allow_cpu = false, quiet = false, verbose = false, json = false;
   double timeout_s = 600;
 };
 
@@ -61,6 +61,7 @@ enum class Renderer { gpu, reference };
 void add_job_options(CLI::App& command, JobOptions& options, Renderer renderer = Renderer::gpu);
 void add_run_options(CLI::App& command, JobOptions& options,
                      Renderer renderer = Renderer::gpu);  // device, validation, log
+void add_strict_option(CLI::App& command, JobOptions& options);
 void add_moment_options(CLI::App& command, MomentOptions& moment);
 
 // Fills options that the command line left out from --config FILE. Unknown names are errors. Call after parsing.

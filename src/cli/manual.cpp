@@ -88,7 +88,7 @@ void add_manual(CLI::App& app, Action& action) {
   completion->add_option("shell", o->shell, "bash, zsh or fish")->type_name("SHELL")->required();
   completion->callback([o, &app, &action] { action = [o, &app] { return run_completion(app, *o); }; });
   CLI::App* help = app.add_subcommand("help", "Print the help of the program or of a command");
-  help->add_option("command", o->command, "Name of a command, also of two words (farm slurm)")->type_name("COMMAND");
+  help->add_option("command", o->command, "Name of a command, also of two words (farm slurm)")->type_name("NAME");
   help->callback([o, &app, &action] { action = [o, &app] { return print_help(app, *o); }; });
   // For the build alone, therefore hidden.
   CLI::App* manual = app.add_subcommand("manual", "Write man pages and completion as an installation has them");

@@ -42,11 +42,12 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
   auto loaded = load_scene(job);
   if (!loaded) return std::unexpected(loaded.error());
   scene = std::move(*loaded);
-  if (auto noted = note_scene(scene, o.job.strict); !noted) return std::unexpected(noted.error());
+  if (auto noted = note_scene(scene, strictness(o.job.strict)); !noted) return std::unexpected(noted.error());
   const auto look = look_of(job);
   if (!look) return std::unexpected(look.error());
   if (const std::string left_out = left_out_of(job, *look); !left_out.empty()) {
-    if (o.job.strict) return fail(ErrorKind::input, job.scene, "--strict refuses the scene: {}", left_out);
+    if (strictness(o.job.strict) == Strictness::all)
+      return fail(ErrorKind::input, job.scene, "--strict refuses the scene: {}", left_out);
     log::warning("{}", left_out);
   }
   return plan_frame(job, scene, wanted, moment->time_s);
@@ -102,7 +103,7 @@ std::shared_ptr<PlanOptions> add_common(CLI::App& command) {
   command.add_option("-o,--output", o->outputs, "Plan for these files (only the endings matter); without any for EXR")
       ->allow_extra_args(false)
       ->type_name("FILE");
-  command.add_flag("--strict", o->job.strict, "A warning about the scene or an ignored extension is exit 3");
+  add_strict_option(command, o->job);
   command.add_option("--config", o->job.config, "Options from an INI or TOML file; the command line goes first")
       ->type_name("FILE");
   command.add_flag("--quiet", o->job.quiet, "Only warnings and errors on stderr");

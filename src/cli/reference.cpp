@@ -199,11 +199,12 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
   if (!frame) return std::unexpected(frame.error());
   if (auto added = add_time_before(**frame, plan->job, kept_layers(plan->layers, o.view)); !added)
     return std::unexpected(added.error());
-  if (auto noted = note_scene((*frame)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
+  if (auto noted = note_scene((*frame)->scene(), strictness(o.job.strict)); !noted)
+    return std::unexpected(noted.error());
   log_look(plan->job, (*frame)->look);
   for (const std::string& note : (*frame)->notes) log::info("{}", note);
   for (const std::string& warning : (*frame)->warnings) log::warning("{}", warning);
-  if (o.job.strict && !(*frame)->warnings.empty())
+  if (strictness(o.job.strict) == Strictness::all && !(*frame)->warnings.empty())
     return fail(ErrorKind::input, plan->job.scene, "--strict refuses the scene: {}", (*frame)->warnings.front());
   HeldSignals held;
   const double start_us = process_clock_us();

@@ -228,7 +228,7 @@ Expected<int> check_determinism(Session& session, const RenderOptions& o, const 
   for (int run = 1; run <= *o.check_determinism; ++run) {
     const auto frame = session.render(plan.moments.front().time_s, true);
     if (!frame) return std::unexpected(frame.error());
-    if (auto noted = note_frame(*frame, session.scene(), o.job.strict, warnings); !noted)
+    if (auto noted = note_frame(*frame, session.scene(), strictness(o.job.strict), warnings); !noted)
       return std::unexpected(noted.error());
     if (run == 1) {
       first = frame->hashes;
@@ -301,6 +301,7 @@ Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan
   Job job = plan.job;
   if (!shot.camera.empty()) {
     job.camera.camera = shot.camera;
+    if (!job.camera.fit) job.camera.framing = Framing::boxes;  // as where the camera is named
     session.set_camera(job.camera);
   }
   auto frame = [&] {
@@ -310,11 +311,12 @@ Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan
   if (!frame) return frame;
   log_look(job, frame->request.look);
   for (const std::string& note : frame->notes) said.note(note);
-  if (auto noted = note_frame(*frame, session.scene(), o.job.strict, warnings); !noted)
+  if (auto noted = note_frame(*frame, session.scene(), strictness(o.job.strict), warnings); !noted)
     return std::unexpected(noted.error());
   const bool several = plan.shots.size() > 1;
-  const BlankRules rules{
-      .strict = o.job.strict, .allowed = o.job.allow_blank, .frame = several ? shot.moment.frame : std::nullopt};
+  const BlankRules rules{.strict = strictness(o.job.strict) == Strictness::all,
+                         .allowed = o.job.allow_blank,
+                         .frame = several ? shot.moment.frame : std::nullopt};
   if (auto noted = note_blank(*frame, job, session.scene(), rules, warnings); !noted)
     return std::unexpected(noted.error());
   if (bool noted = false; !several) note_tones(*frame, job, noted);
@@ -329,7 +331,8 @@ Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan
       return std::unexpected(written.error());
   }
   // What writing warns of is not the scene's fault, which --strict is about.
-  if (auto noted = note_frame(*frame, session.scene(), false, warnings); !noted) return std::unexpected(noted.error());
+  if (auto noted = note_frame(*frame, session.scene(), Strictness::none, warnings); !noted)
+    return std::unexpected(noted.error());
   log::release(most_notes());
   say_written(shot.paths);
   return frame;
@@ -356,7 +359,8 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   if (!session) return std::unexpected(session.error());
   log_device((*session)->device().info());
   note_fall_to_cpu((*session)->device().info(), o.job, false);
-  if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
+  if (auto noted = note_scene((*session)->scene(), strictness(o.job.strict)); !noted)
+    return std::unexpected(noted.error());
   if (plan->all_cameras) {
     plan->shots = shots_of_cameras((*session)->scene(), plan->moments);
     if (plan->shots.empty()) return fail(ErrorKind::usage, "--camera", "all: {} has no cameras", plan->job.scene);

@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "frame/posed_scene.h"
+#include "gltf/losses.h"
 #include "math/bounds.h"
 #include "render/metering.h"
 #include "render/picture_tones.h"
@@ -36,6 +37,10 @@ void warn_once(const std::string& text, std::vector<std::string>& warnings) {
 }
 
 }  // namespace
+
+Strictness strictness(std::string_view text) {
+  return text.empty() ? Strictness::none : text == "loss" ? Strictness::loss : Strictness::all;
+}
 
 void SaidOnce::note(const std::string& text) {
   constexpr size_t most = 1000;
@@ -71,9 +76,19 @@ void say_by_code(const std::vector<std::string>& warnings) {
   }
 }
 
+std::string first_loss(const std::vector<std::string>& warnings) {
+  const auto found = std::ranges::find_if(warnings, tells_of_loss);
+  return found == warnings.end() ? std::string() : *found;
+}
+
+std::unexpected<Error> refused(const Scene& scene, Strictness strict, const std::string& why) {
+  return fail(ErrorKind::input, scene.path, "--strict{} refuses the scene: {}",
+              strict == Strictness::loss ? "=loss" : "", why);
+}
+
 }  // namespace
 
-Expected<void> note_scene(const Scene& scene, bool strict) {
+Expected<void> note_scene(const Scene& scene, Strictness strict) {
   std::string first;
   say_by_code(scene.warnings);
   if (!scene.warnings.empty()) first = scene.warnings.front();
@@ -93,17 +108,19 @@ Expected<void> note_scene(const Scene& scene, bool strict) {
   }
   if (!scene.variants.empty() && scene.variant < 0)
     log::info("the file has variants of its materials, of which --variant draws one: {}", joined(scene.variants));
-  if (strict && !first.empty()) return fail(ErrorKind::input, scene.path, "--strict refuses the scene: {}", first);
+  if (strict == Strictness::loss) first = first_loss(scene.warnings);
+  if (strict != Strictness::none && !first.empty()) return refused(scene, strict, first);
   return {};
 }
 
-Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool strict,
+Expected<void> note_frame(const FrameResult& frame, const Scene& scene, Strictness strict,
                           std::vector<std::string>& warnings) {
   for (const std::string& warning : frame.warnings) {
     if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warn_once(warning, warnings);
   }
-  if (strict && !frame.warnings.empty())
-    return fail(ErrorKind::input, scene.path, "--strict refuses the scene: {}", frame.warnings.front());
+  if (strict == Strictness::none || frame.warnings.empty()) return {};
+  const std::string first = strict == Strictness::loss ? first_loss(frame.warnings) : frame.warnings.front();
+  if (!first.empty()) return refused(scene, strict, first);
   return {};
 }
 

@@ -18,12 +18,20 @@ class SaidOnce {
   std::set<std::string> said_;
 };
 
-// Warnings and extensions of a scene to the log. strict: any of them but a supported extension is an error of kind
-// input.
-Expected<void> note_scene(const Scene& scene, bool strict);
-// A frame's warnings to the log, each once and whatever its numbers, and to `warnings`, with theirs. strict: any is an
-// error of kind input.
-Expected<void> note_frame(const FrameResult& frame, const Scene& scene, bool strict,
+// What --strict makes an error of kind input.
+enum class Strictness : uint8_t {
+  none,
+  loss,  // warnings that tell of a loss (gltf/losses.h)
+  all,   // any warning, an ignored extension, a frame in which nothing is drawn
+};
+
+// Of the option's text: empty, loss or all.
+Strictness strictness(std::string_view text);
+
+// Warnings and extensions of a scene to the log.
+Expected<void> note_scene(const Scene& scene, Strictness strict);
+// A frame's warnings to the log, each once and whatever its numbers, and to `warnings`, with theirs.
+Expected<void> note_frame(const FrameResult& frame, const Scene& scene, Strictness strict,
                           std::vector<std::string>& warnings);
 nlohmann::ordered_json extensions_json(const Scene& scene);
 

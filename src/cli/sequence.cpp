@@ -127,7 +127,8 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   if (recorder)
     recorder->opened((*session)->scene_content().hex(), device.name, device.driver, settings->frames.size());
   if (const auto look = look_of(job)) log_look(job, *look);
-  if (auto noted = note_scene((*session)->scene(), o.job.strict); !noted) return std::unexpected(noted.error());
+  if (auto noted = note_scene((*session)->scene(), strictness(o.job.strict)); !noted)
+    return std::unexpected(noted.error());
 
   std::unique_ptr<SharedFrames> shared;
   if (!o.worker.empty()) {
@@ -144,10 +145,12 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   settings->progress = progress_of(progress, recorder);
   settings->rendered = [&](int64_t frame, const FrameResult& result) -> Expected<void> {
     for (const std::string& note : result.notes) said.note(note);
-    if (auto noted = note_frame(result, (*session)->scene(), o.job.strict, warnings); !noted) return noted;
+    if (auto noted = note_frame(result, (*session)->scene(), strictness(o.job.strict), warnings); !noted) return noted;
     note_tones(result, job, tones_noted);
-    return note_blank(result, job, (*session)->scene(),
-                      {.strict = o.job.strict, .allowed = o.job.allow_blank, .frame = frame}, warnings);
+    return note_blank(
+        result, job, (*session)->scene(),
+        {.strict = strictness(o.job.strict) == Strictness::all, .allowed = o.job.allow_blank, .frame = frame},
+        warnings);
   };
   warn_of_odd_sides(*settings, job);
   HeldSignals held;
@@ -175,14 +178,14 @@ Expected<int> trace(const SequenceOptions& o, const FilmJob& film, std::optional
   const std::string content = (*maker)->scene_content().hex();
   if (recorder) recorder->opened(content, traced_technique, (*maker)->request_text(), settings->frames.size());
   if (const auto look = look_of(job)) log_look(job, *look);
-  if (auto noted = note_scene(scene, o.job.strict); !noted) return std::unexpected(noted.error());
+  if (auto noted = note_scene(scene, strictness(o.job.strict)); !noted) return std::unexpected(noted.error());
   std::vector<std::string> warnings;
   SaidOnce said;
   ProgressLine progress(o.job.quiet);
   settings->progress = progress_of(progress, recorder);
   settings->rendered = [&](int64_t, const FrameResult& result) {
     for (const std::string& note : result.notes) said.note(note);
-    return note_frame(result, scene, o.job.strict, warnings);
+    return note_frame(result, scene, strictness(o.job.strict), warnings);
   };
   warn_of_odd_sides(*settings, job);
   HeldSignals held;

@@ -129,7 +129,8 @@ std::vector<std::string> given_words(const CLI::App& command, const std::set<std
     if (option->get_lnames().empty() || without.contains(option->get_lnames().front())) continue;
     const std::string name = "--" + option->get_lnames().front();
     if (option->get_expected_max() == 0) {
-      words.push_back(name);
+      const std::string& value = option->results().front();
+      words.push_back(value == "loss" ? name + "=" + value : name);
       continue;
     }
     for (const std::string& value : option->results())

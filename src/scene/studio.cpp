@@ -1,10 +1,13 @@
 #include "scene/studio.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <vector>
 
 #include "scene/environment.h"
 
@@ -79,21 +82,28 @@ double studio_radiance(glm::dvec3 d) {
 DecodedImage studio_image(int width, int height) {
   DecodedImage image{width, height, DecodedImage::Format::rgba32f, 3, {}};
   image.pixels.resize(size_t(width) * size_t(height) * 16);
-  constexpr int parts = 4;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      double sum = 0, weights = 0;
-      for (int j = 0; j < parts; ++j) {
-        const double v = (y + (j + 0.5) / parts) / height, weight = std::sin(v * std::numbers::pi);
-        for (int i = 0; i < parts; ++i) {
-          sum += weight * studio_radiance(equirect_direction((x + (i + 0.5) / parts) / width, v));
-          weights += weight;
-        }
+  constexpr int parts = 2;  // each way
+  // Directions of one row are turned copies of its first: columns hold the turns.
+  std::vector<glm::dvec3> turns;
+  for (int x = 0; x < width * parts; ++x) turns.push_back(equirect_direction((x + 0.5) / (width * parts), 0.5));
+  tbb::parallel_for(0, height, [&](int y) {
+    std::vector<double> sums(static_cast<size_t>(width));
+    double weights = 0;
+    for (int j = 0; j < parts; ++j) {
+      const glm::dvec3 up = equirect_direction(0.5, (y + (j + 0.5) / parts) / height);
+      const double across = std::hypot(up.x, up.z);  // the sine of the polar angle is the row's share, too
+      weights += parts * across;
+      for (int x = 0; x < width * parts; ++x) {
+        const glm::dvec3& turn = turns[size_t(x)];
+        sums[size_t(x / parts)] += across * studio_radiance({across * turn.x, up.y, across * turn.z});
       }
-      const float mean = float(sum / weights);
+    }
+    for (int x = 0; x < width; ++x) {
+      const float mean = float(sums[size_t(x)] / weights);
       const glm::vec4 texel(mean, mean, mean, 1);
       std::memcpy(image.pixels.data() + (size_t(y) * size_t(width) + size_t(x)) * 16, &texel, 16);
     }
+  });
   return image;
 }
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "math/bounds.h"
 #include "scene/deformation_bounds.h"
@@ -155,23 +156,28 @@ std::vector<uint32_t> used_vertices(const MeshSection& section) {
   return vertices;
 }
 
-// In the order and, but for the matrices, the arithmetic of glTF: morph targets, then linear blend skinning.
-glm::dvec3 posed_vertex(const MeshSection& section, const Posing& posing, uint32_t v) {
+// A matrix without its last row, which is 0, 0, 0, 1.
+using Affine = glm::dmat4x3;
+glm::dvec3 moved(const Affine& m, glm::dvec3 p) { return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]; }
+
+// Morph targets, then linear blend skinning, as glTF has them, in double.
+glm::dvec3 posed_vertex(const MeshSection& section, std::span<const float> weights, std::span<const Affine> joints,
+                        uint32_t v) {
   glm::dvec3 position(section.position[v]);
-  for (size_t t = 0; t < posing.weights.size() && t < section.morph.size(); ++t)
-    if (posing.weights[t] != 0 && !section.morph[t].position.empty())
-      position += double(posing.weights[t]) * glm::dvec3(section.morph[t].position[v]);
-  if (posing.joints.empty()) return position;
-  glm::dvec4 sum(0);
-  const auto add = [&](const std::vector<glm::u16vec4>& joints, const std::vector<glm::vec4>& weights) {
-    if (joints.empty() || weights.empty()) return;
+  for (size_t t = 0; t < weights.size() && t < section.morph.size(); ++t)
+    if (weights[t] != 0 && !section.morph[t].position.empty())
+      position += double(weights[t]) * glm::dvec3(section.morph[t].position[v]);
+  if (joints.empty()) return position;
+  glm::dvec3 sum(0);
+  const auto add = [&](const std::vector<glm::u16vec4>& which, const std::vector<glm::vec4>& shares) {
+    if (which.empty() || shares.empty()) return;
     for (int i = 0; i < 4; ++i)
-      if (weights[v][i] != 0 && joints[v][i] < posing.joints.size())
-        sum += double(weights[v][i]) * (posing.joints[joints[v][i]] * glm::dvec4(position, 1));
+      if (shares[v][i] != 0 && which[v][i] < joints.size())
+        sum += double(shares[v][i]) * moved(joints[which[v][i]], position);
   };
   add(section.joints0, section.weights0);
   add(section.joints1, section.weights1);
-  return glm::dvec3(sum);
+  return sum;
 }
 
 // Collects the outlines.
@@ -207,12 +213,14 @@ struct Outlines {
 
 void add_vertices(Outlines& outlines, const MeshSection& section, const std::vector<uint32_t>& vertices,
                   const Posing& posing, const glm::dmat4& world_from_posed) {
-  constexpr size_t grain = 16384;
+  constexpr size_t grain = 2048;
+  const std::vector<Affine> joints(posing.joints.begin(), posing.joints.end());
+  const Affine world(world_from_posed);
   const Outlines part = tbb::parallel_deterministic_reduce(
       tbb::blocked_range<size_t>(0, vertices.size(), grain), outlines.empty(),
       [&](const tbb::blocked_range<size_t>& range, Outlines sum) {
         for (size_t i = range.begin(); i != range.end(); ++i)
-          sum.add(glm::dvec3(world_from_posed * glm::dvec4(posed_vertex(section, posing, vertices[i]), 1)));
+          sum.add(moved(world, posed_vertex(section, posing.weights, joints, vertices[i])));
         return sum;
       },
       [](Outlines a, const Outlines& b) {
@@ -332,16 +340,14 @@ const std::vector<glm::dvec2>& PlanarHull::points() {
 
 ViewHulls view_hulls(const Scene& scene, const FramedTime& time, const glm::dmat3& axes, bool turned) {
   ViewHulls out;
-  std::vector<Pose> poses;
-  if (time.pose) {
-    poses.push_back(*time.pose);
-  } else {
+  std::vector<double> times;
+  if (!time.pose) {
     std::string note;
-    for (const double t : film_times(scene, time.animations, note))
-      poses.push_back(evaluate_pose(scene, time.animations, t));
+    times = film_times(scene, time.animations, note);
     if (!note.empty()) out.notes.push_back(std::move(note));
   }
-  Surroundings without = surroundings(scene, poses.front());
+  const Pose first = time.pose ? *time.pose : evaluate_pose(scene, time.animations, times.front());
+  Surroundings without = surroundings(scene, first);
   if (!without.note.empty()) out.notes.push_back(std::move(without.note));
   if (without.rest.empty()) return out;
   // About the middle of what is drawn, so that worlds far from the origin keep their digits.
@@ -349,7 +355,8 @@ ViewHulls view_hulls(const Scene& scene, const FramedTime& time, const glm::dmat
   const auto outline = [&](const glm::dmat3& view_from_world, std::optional<glm::dvec2> axis) {
     Outlines outlines{view_from_world, out.middle, axis, {}, {}, {}};
     Walk walk(scene, without.parts);
-    for (const Pose& pose : poses) walk.add(pose, outlines);
+    walk.add(first, outlines);
+    for (size_t i = 1; i < times.size(); ++i) walk.add(evaluate_pose(scene, time.animations, times[i]), outlines);
     return outlines;
   };
   const glm::dmat3 view_from_world = glm::transpose(axes);

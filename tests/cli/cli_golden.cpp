@@ -274,9 +274,14 @@ TEST_F(Golden, AddKeepsAPictureOfAnyJobAndCheckPassesIt) {
   ASSERT_EQ(added.code, 0) << added.err;
   const Json manifest = Json::parse(bytes_of(folder / "golden/turned/golden.json"));
   EXPECT_EQ(manifest["scene"], "scenes/box.glb");
-  EXPECT_EQ(
-      manifest["job"],
-      Json({{"size", "400x200"}, {"azimuth", 200.0}, {"fit", true}, {"exposure", 1.0}, {"transparency", "auto"}}));
+  EXPECT_EQ(manifest["job"], Json({{"size", "400x200"},
+                                   {"azimuth", 200.0},
+                                   {"fit", true},
+                                   {"exposure", 1.0},
+                                   {"transparency", "auto"},
+                                   {"animation", "auto"},
+                                   {"framing", "film"},
+                                   {"sky", "auto"}}));
   EXPECT_TRUE(manifest["gate"].contains("flip_mean"));
   EXPECT_NE(bytes_of(folder / "golden/CHANGES.md").find("## the back of it\nturned ("), std::string::npos);
   const Ended passed = check();

@@ -264,7 +264,7 @@ TEST(Stdout, IsCleanJson) {
            {"list", "layers", "--json"},
            {"list", "scenes", "--json"},
            {"plan", box, "--json"},
-           {"facts", box},
+           {"facts", box, "--json"},
            {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--json"},
            {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--timings", "-"},
            {"render", box, "-o", folder / "a.exr", "--size", "16x16", "--queues", "1", "--overlap", "--json"},

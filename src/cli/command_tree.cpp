@@ -63,7 +63,7 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--png-bits") return {"8", "16"};
   if (option == "--samples") return {"0", "1", "2", "4", "8"};
   if (option == "--device") return {"cpu", "gpu"};
-  if (option == "--animation") return {"all", "none"};
+  if (option == "--animation") return {"auto", "all", "none"};
   if (command == "reference") {
     if (option == "--layers") return with({"all", "none"}, reference_layer_names());
     if (option == "--view") return with({"beauty"}, reference_layer_names());
@@ -126,9 +126,9 @@ OptionEntry entry_of(const std::string& command, const CLI::Option& option) {
       if (std::all_of(word.begin(), word.end(), [](char c) { return c >= 'a' && c <= 'z'; }))
         entry.choices.push_back(word);
   if (entry.choices.empty())
-    entry.files = entry.value == "DIR"                           ? OptionEntry::Files::folders
-                  : entry.positional || names_files(entry.value) ? OptionEntry::Files::files
-                                                                 : OptionEntry::Files::none;
+    entry.files = entry.value == "DIR" ? OptionEntry::Files::folders
+                  : (entry.positional && entry.value != "NAME") || names_files(entry.value) ? OptionEntry::Files::files
+                                                                                            : OptionEntry::Files::none;
   return entry;
 }
 

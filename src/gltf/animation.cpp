@@ -103,7 +103,7 @@ void sort_keys(AnimationChannel& channel) {
   if (std::ranges::is_sorted(channel.times_s)) return;
   std::vector<size_t> order(channel.times_s.size());
   std::iota(order.begin(), order.end(), size_t(0));
-  std::ranges::stable_sort(order, {}, [&](size_t key) { return channel.times_s[key]; });
+  std::ranges::sort(order, {}, [&](size_t key) { return std::pair(channel.times_s[key], key); });
   const size_t per_key = channel.values.size() / order.size();
   std::vector<float> times, values;
   for (const size_t key : order) {

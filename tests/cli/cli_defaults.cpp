@@ -74,10 +74,13 @@ TEST(Defaults, AFilmHasOneCamera) {
   ASSERT_EQ(candela({"render", file, "--frame", "12", "-o", folder / "alone.png", "--size", "48x32"}).code, 0);
   EXPECT_EQ(bytes_of(folder / "all12.png"), bytes_of(folder / "alone.png"));
   EXPECT_EQ(bytes_of(folder / "all12.png"), bytes_of(folder / "shard12.png"));
-  EXPECT_NE(bytes_of(folder / "all00.png"), bytes_of(folder / "all24.png"));
+  const auto alike = [&](const char* a, const char* b) {
+    return candela({"compare", folder / a, folder / b, "--limit", "max=0.01"}).code == 0;
+  };
+  EXPECT_FALSE(alike("all00.png", "all24.png"));
   // What follows sees the triangle in the same place at all times, whatever moves it.
-  film(folder / "follow%02d.png", {"--follow"});
-  EXPECT_EQ(bytes_of(folder / "follow00.png"), bytes_of(folder / "follow12.png"));
+  film(folder / "follow%02d.png", {"--follow", "--no-dither"});
+  EXPECT_TRUE(alike("follow00.png", "follow12.png"));
 }
 
 TEST(Defaults, ClipsThatMoveTheSameAreNamed) {

@@ -25,7 +25,7 @@ TEST(SaidOnce, WarningsOfAFilmAreSaidOnceAndAllKept) {
   for (int frame = 0; frame < 5; ++frame) {
     FrameResult result;
     result.warnings = {std::to_string(frame + 3) + " lights are lost", "a texture is gone"};
-    ASSERT_TRUE(note_frame(result, {}, false, warnings));
+    ASSERT_TRUE(note_frame(result, {}, Strictness::none, warnings));
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: 3 lights are lost\nwarning: a texture is gone\n");
   EXPECT_EQ(warnings.size(), 6u);

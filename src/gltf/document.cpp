@@ -1,6 +1,7 @@
 #include "gltf/document.h"
 
 #include "gltf/repair.h"
+#include "gltf/used_parts.h"
 
 #include <charconv>
 
@@ -87,6 +88,22 @@ std::string light_named_by(const Json& json, const std::string& path) {
 
 void validate(Document& document, const GltfParts& parts, std::vector<Finding>& findings) {
   std::vector<Finding> more = validate_gltf(document.json, parts);
+  // What is wrong with parts that the scene does not use is no reason to refuse it. The checks stop at the first group
+  // of parts that has a fault, so they begin again.
+  const UsedParts used(document.json);
+  constexpr int most_rounds = 16;
+  for (int round = 0; round < most_rounds; ++round) {
+    std::set<std::string> unused;
+    for (const Finding& finding : more)
+      // Of lights the reader refuses what the checks only warn of.
+      if ((finding.fatal || finding.path.starts_with(lights_path)) && !used.uses(finding.path)) {
+        unused.insert(finding.path);
+        findings.push_back({false, finding.code, finding.path, finding.message + "; the scene does not use it"});
+      }
+    if (unused.empty()) break;
+    for (const std::string& path : unused) blank_part(document.json, path);
+    more = validate_gltf(document.json, parts);
+  }
   findings.insert(findings.end(), more.begin(), more.end());
   for (const Finding& finding : findings)
     if (finding.fatal)

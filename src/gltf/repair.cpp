@@ -253,15 +253,21 @@ class Repairer {
              sampler->get<int64_t>(), samplers);
         all[t].erase("sampler");
       }
-      if (const Json* source = member(all[t], "source");
-          source && source->is_number_integer() && index_in(*source, images) < 0) {
-        note("UNRESOLVED_REFERENCE", path + "/source", "unresolved reference: {} (there are {} images); {}",
-             source->get<int64_t>(), images, checker);
-        all[t]["source"] = absent_image();
-      }
+      mend_source(all[t], path, images);
+      Json* extensions = member(all[t], "extensions");
+      if (!extensions || !extensions->is_object()) continue;
+      for (auto& [name, value] : extensions->items())
+        mend_source(value, fmt::format("{}/extensions/{}", path, name), images);
     }
     Json& materials = array(json_, "materials");
     for (size_t m = 0; m < materials.size(); ++m) slots(materials[m], fmt::format("/materials/{}", m), count);
+  }
+  void mend_source(Json& object, const std::string& path, size_t images) {
+    Json* source = member(object, "source");
+    if (!source || !source->is_number_integer() || index_in(*source, images) >= 0) return;
+    note("UNRESOLVED_REFERENCE", path + "/source", "unresolved reference: {} (there are {} images); {}",
+         source->get<int64_t>(), images, checker);
+    *source = absent_image();
   }
   // Members whose names end in "Texture" are texture infos, in the core and in every extension of materials.
   void slots(Json& object, const std::string& path, size_t count) {

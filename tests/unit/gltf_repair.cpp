@@ -63,6 +63,10 @@ TEST(GltfRepair, LightsGetWhatTheSpecificationSays) {
       {{"type", "point"}, {"range", 0}},
       {{"type", "spot"}},
       {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.4}}}}};
+  for (int light = 0; light < 3; ++light) {
+    b.json["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
+    b.json["scenes"][0]["nodes"].push_back(light + 1);
+  }
   const Scene scene = loaded(b);
   EXPECT_TRUE(std::isinf(scene.lights[0].range_m));
   EXPECT_FLOAT_EQ(scene.lights[1].outer_cone_rad, 0.78539816f);
@@ -159,6 +163,22 @@ TEST(GltfRepair, ScaleOfCamerasAndLightsDoesNotCount) {
   const Pose pose = evaluate_pose(loaded(b), {}, 0);
   EXPECT_EQ(pose.world_from_node[1], pose.world_from_node[2]);
   EXPECT_EQ(pose.world_from_node[3], pose.world_from_node[2]);
+}
+
+// What is wrong with parts that the shown scene cannot reach is a warning.
+TEST(GltfRepair, UnusedPartsAreNotLookedAt) {
+  GltfBuilder b = triangle_file();
+  b.use("KHR_lights_punctual");
+  b.json["scenes"].push_back({{"nodes", {1}}});
+  b.json["nodes"].push_back({{"mesh", 1}, {"camera", 5}});
+  b.json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", 99}}}}}}});
+  b.json["materials"] = {{{"alphaMode", 7}}, {{"pbrMetallicRoughness", {{"roughnessFactor", "all"}}}}};
+  b.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "lamp"}}};
+  const Scene scene = loaded(b);
+  EXPECT_EQ(scene.meshes[0].sections.size(), 1u);
+  EXPECT_TRUE(warns(scene, "the scene does not use it"));
+  b.json["meshes"][0]["primitives"][0]["material"] = 1;
+  EXPECT_FALSE(b.load());
 }
 
 TEST(GltfRepair, VersionsOfThreeNumbersAreRead) {

@@ -14,6 +14,7 @@ GltfBuilder scattering(const Json& scatter, const Json& volume = body, const cha
                        const char* factor = "diffuseTransmissionFactor") {
   GltfBuilder b;
   b.triangle();
+  b.json["meshes"][0]["primitives"][0]["material"] = 0;
   const std::string by = std::string("KHR_materials_") + lets_in;
   for (const std::string& name : {std::string("KHR_materials_volume_scatter"), std::string("KHR_materials_volume"), by})
     b.use(name);

@@ -11,6 +11,7 @@ GltfBuilder glass(const Json& transmission, const Json& volume = Json::object(),
                   const Json& dispersion = Json::object()) {
   GltfBuilder b;
   b.triangle();
+  b.json["meshes"][0]["primitives"][0]["material"] = 0;
   for (const char* name : {"KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_dispersion"})
     b.use(name);
   b.json["images"] = {{{"uri", png_uri()}}, {{"uri", png_uri()}}};

@@ -4,6 +4,7 @@
 #include <libdeflate.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "image/etc1s.h"
@@ -38,7 +39,8 @@ enum class Channel8 : uint8_t {
 // What of a file is used.
 struct Ktx2File {
   uint32_t width = 0, height = 0, levels = 0;
-  bool uastc = false;  // else ETC1S
+  int plain_channels = 0;  // of texels of 8 bits a channel; 0: Basis Universal's
+  bool uastc = false;      // else ETC1S
   Packing packing = Packing::none;
   Transfer transfer = Transfer::unsaid;
   std::array<Channel8, 2> channels = {};  // what each slice, or the only one, stands for
@@ -46,6 +48,7 @@ struct Ktx2File {
   Bytes global, level;  // level 0
 
   int source_channels() const {
+    if (plain_channels > 0) return plain_channels == 4 ? 4 : 3;
     if (slices == 2) return channels[1] == Channel8::etc1s_alpha ? 4 : 3;
     return uastc && channels[0] == Channel8::uastc_rgba ? 4 : 3;
   }
@@ -105,13 +108,31 @@ std::string check_notes(Bytes notes) {
   return {};
 }
 
+// Formats of Vulkan with red first and 8 bits a channel.
+struct PlainFormat {
+  uint32_t format;
+  int channels;
+  Transfer transfer;
+};
+constexpr PlainFormat plain_formats[] = {
+    {9, 1, Transfer::linear},  {15, 1, Transfer::srgb}, {16, 2, Transfer::linear}, {22, 2, Transfer::srgb},
+    {23, 3, Transfer::linear}, {29, 3, Transfer::srgb}, {37, 4, Transfer::linear}, {43, 4, Transfer::srgb}};
+
 OrDamage<Ktx2File> read_ktx2_head(Bytes bytes) {
   constexpr size_t head = 80, level_bytes = 24;
   if (bytes.size() < head) return damage("the file is truncated");
   const auto word = [&](size_t index) { return little_endian<uint32_t>(bytes, 12 + 4 * index); };
   Ktx2File file{.width = word(2), .height = word(3), .levels = std::max(word(7), 1u), .packing = Packing(word(8))};
-  if (word(0) != 0)
-    return damage("its texels are of Vulkan's format {}; Basis Universal's (ETC1S, UASTC) are read", word(0));
+  if (word(0) != 0) {
+    const auto plain = std::ranges::find(plain_formats, word(0), &PlainFormat::format);
+    if (plain == std::end(plain_formats))
+      return damage(
+          "its texels are of Vulkan's format {}; Basis Universal's (ETC1S, UASTC) and red, green, blue, alpha of 8 "
+          "bits "
+          "each are read",
+          word(0));
+    file.plain_channels = plain->channels, file.transfer = plain->transfer;
+  }
   constexpr uint32_t largest = 1 << 24;
   if (file.width == 0 || file.width > largest || file.height > largest) return damage("its size is out of range");
   if (file.height == 0 || word(4) != 0 || word(5) > 1 || word(6) != 1)
@@ -130,18 +151,22 @@ OrDamage<Ktx2File> read_ktx2_head(Bytes bytes) {
     file.level = *level;
   }
   file.global = *global;
-  if (std::string wrong = read_texel_format(*format, file); !wrong.empty()) return std::unexpected(wrong);
+  if (file.plain_channels == 0)
+    if (std::string wrong = read_texel_format(*format, file); !wrong.empty()) return std::unexpected(wrong);
   if (std::string wrong = check_notes(*notes); !wrong.empty()) return std::unexpected(wrong);
   if (file.packing > Packing::zlib)
     return damage("it is packed by scheme {}; none, BasisLZ, Zstandard and zlib are read", word(8));
+  if (file.plain_channels > 0) {
+    if (file.packing == Packing::basis_lz) return damage("plain texels packed by scheme 1 are not read");
+    return file;
+  }
   if (file.uastc == (file.packing == Packing::basis_lz))
     return damage("{} texels packed by scheme {} are not read", file.uastc ? "UASTC" : "ETC1S", word(8));
   return file;
 }
 
-// The blocks of level 0; `unpacked` keeps those that were packed.
-OrDamage<Bytes> uastc_blocks(const Ktx2File& file, std::vector<std::byte>& unpacked) {
-  const uint64_t wanted = file.blocks() * 16;
+// Level 0, which has `wanted` bytes; `unpacked` keeps those that were packed.
+OrDamage<Bytes> level_bytes(const Ktx2File& file, uint64_t wanted, std::vector<std::byte>& unpacked) {
   if (file.packing == Packing::none) {
     if (file.level.size() < wanted) return damage("the file is truncated");
     return file.level.first(size_t(wanted));
@@ -168,7 +193,7 @@ OrDamage<Bytes> uastc_blocks(const Ktx2File& file, std::vector<std::byte>& unpac
 
 std::string decode_uastc_image(const Ktx2File& file, DecodedImage& image) {
   std::vector<std::byte> unpacked;
-  const OrDamage<Bytes> blocks = uastc_blocks(file, unpacked);
+  const OrDamage<Bytes> blocks = level_bytes(file, file.blocks() * 16, unpacked);
   if (!blocks) return blocks.error();
   const uint32_t columns = (file.width + 3) / 4;
   UastcTexels texels;
@@ -187,6 +212,18 @@ std::string decode_uastc_image(const Ktx2File& file, DecodedImage& image) {
       if (green) image.pixels[i + 1] = image.pixels[i + 3];
       image.pixels[i + 3] = std::byte(255);
     }
+  return {};
+}
+
+// Channels that the file lacks are 0, alpha 1, as Vulkan samples them.
+std::string decode_plain_image(const Ktx2File& file, DecodedImage& image) {
+  const auto channels = size_t(file.plain_channels);
+  std::vector<std::byte> unpacked;
+  const OrDamage<Bytes> texels = level_bytes(file, uint64_t(file.width) * file.height * channels, unpacked);
+  if (!texels) return texels.error();
+  for (size_t i = 0; i < image.pixels.size() / 4; ++i)
+    for (size_t c = 0; c < 4; ++c)
+      image.pixels[4 * i + c] = c < channels ? (*texels)[i * channels + c] : c == 3 ? std::byte(255) : std::byte(0);
   return {};
 }
 
@@ -247,7 +284,9 @@ Expected<DecodedImage> decode_ktx2(Bytes bytes, const std::string& place) {
   if (file) {
     image = {int(file->width), int(file->height), DecodedImage::Format::rgba8, file->source_channels(), {}};
     image.pixels.resize(size_t(file->width) * file->height * 4);
-    wrong = file->uastc ? decode_uastc_image(*file, image) : decode_etc1s_image(*file, image);
+    wrong = file->plain_channels > 0 ? decode_plain_image(*file, image)
+            : file->uastc            ? decode_uastc_image(*file, image)
+                                     : decode_etc1s_image(*file, image);
   }
   if (!wrong.empty()) return fail(ErrorKind::input, place, "the KTX2 image cannot be read: {}", wrong);
   return image;

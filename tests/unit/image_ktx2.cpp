@@ -109,6 +109,42 @@ TEST(Ktx2, ZstandardAndZlibUnpack) {
   }
 }
 
+// A picture of 3x2 plain texels, packed and not: channels that are not there are 0, alpha 1.
+TEST(Ktx2, PlainTexelsOfEightBitsAreRead) {
+  auto head = file_of("uastc_modes.ktx2");
+  const size_t level = get<uint64_t>(head, level_at);
+  head.resize(level);
+  put(head, height_at - 4, 3u), put(head, height_at, 2u);
+  for (const auto& [format, channels, transfer] : {std::tuple(9u, 1, Transfer::linear),
+                                                   {22u, 2, Transfer::srgb},
+                                                   {29u, 3, Transfer::srgb},
+                                                   {37u, 4, Transfer::linear}})
+    for (const uint32_t packing : {0u, 2u}) {
+      std::vector<std::byte> texels;
+      for (int i = 0; i < 6 * channels; ++i) texels.push_back(std::byte(7 * i + 3));
+      std::vector<std::byte> stored = texels;
+      if (packing == 2) {
+        stored.resize(ZSTD_compressBound(texels.size()));
+        stored.resize(ZSTD_compress(stored.data(), stored.size(), texels.data(), texels.size(), 3));
+      }
+      auto file = head;
+      file.insert(file.end(), stored.begin(), stored.end());
+      put(file, format_at, format), put(file, packing_at, packing);
+      put(file, level_at + 8, uint64_t(stored.size()));
+      const auto image = decode_image(file, "plain");
+      ASSERT_TRUE(image) << image.error().text();
+      EXPECT_EQ(probe_image(file, "plain")->transfer, transfer);
+      for (size_t i = 0; i < 6; ++i)
+        for (size_t c = 0; c < 4; ++c)
+          EXPECT_EQ(image->pixels[4 * i + c], c < size_t(channels) ? texels[i * size_t(channels) + c]
+                                              : c == 3             ? std::byte(255)
+                                                                   : std::byte(0));
+      file.resize(level + stored.size() - 1);
+      put(file, level_at + 8, uint64_t(stored.size() - 1));
+      EXPECT_NE(error_of(file), "");
+    }
+}
+
 TEST(Ktx2, ChannelsAreWhatTheFileSays) {
   auto file = file_of("uastc_modes.ktx2");
   const auto all = decode_image(file, "all");
@@ -144,7 +180,8 @@ TEST(Ktx2, WhatIsNotReadIsRefusedByName) {
     EXPECT_NE(error.find(names), std::string::npos) << error << " for " << names;
   };
   const size_t model_at = texels_format(good) + 4 + 8;
-  refusal(good, format_at, 37u, "Vulkan's format 37; Basis Universal's");
+  refusal(good, format_at, 97u, "Vulkan's format 97; Basis Universal's");
+  refusal(good, format_at, 43u, "truncated");
   refusal(good, height_at, 0u, "no flat image");
   refusal(good, height_at, 0x7fffffffu, "out of range");
   refusal(good, depth_at, 2u, "2 depth");

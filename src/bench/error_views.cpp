@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "bench/sampling.h"
+#include "frame/posed_scene.h"
 #include "math/bounds.h"
 #include "scene/frame_data.h"
 #include "scene/view.h"
@@ -15,13 +16,9 @@ struct Seen {
   DAabb bounds;
 };
 Expected<Seen> see(const Scene& scene, const Job& job, double time_s) {
-  const auto animations = choose_animations(scene, job.animation);
-  if (!animations) return std::unexpected(animations.error());
-  const Pose pose = evaluate_pose(scene, *animations, time_s);
-  const DAabb bounds = world_bounds(scene, pose);
-  auto view = make_view(scene, pose, camera_at(job.camera, time_s), job.width_px, job.height_px, bounds);
-  if (!view) return std::unexpected(view.error());
-  return Seen{std::move(*view), bounds};
+  auto posed = pose_scene(scene, job, time_s);
+  if (!posed) return std::unexpected(posed.error());
+  return Seen{std::move(posed->view), world_bounds(scene, posed->pose)};
 }
 
 // Last key of what plays.

@@ -382,7 +382,11 @@ Expected<Job> job_of(const JobOptions& o) {
   job.camera.yfov_deg = o.yfov_deg;
   job.camera.azimuth_deg = o.azimuth_deg, job.camera.elevation_deg = o.elevation_deg;
   job.camera.fit = o.fit;
-  if (o.fit || (o.eye.empty() && o.camera.empty())) job.camera.framing = o.follow ? Framing::follow : Framing::film;
+  const bool places_itself = o.fit || (o.eye.empty() && o.camera.empty());
+  if (o.follow && !places_itself)
+    return fail(ErrorKind::usage, "--follow",
+                "goes with cameras that place themselves: leave out --eye and --camera, or add --fit");
+  if (places_itself) job.camera.framing = o.follow ? Framing::follow : Framing::film;
   const auto rate = parse_frame_rate(o.fps);
   if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
   job.motion_s = rate->seconds(1);

@@ -319,7 +319,7 @@ Expected<FrameResult> render_shot(const RenderOptions& o, const RenderPlan& plan
                          .frame = several ? shot.moment.frame : std::nullopt};
   if (auto noted = note_blank(*frame, job, session.scene(), rules, warnings); !noted)
     return std::unexpected(noted.error());
-  if (bool noted = false; !several) note_tones(*frame, job, noted);
+  note_tones(*frame, job, said);
   {
     HeldSignals held;
     if (auto written = write_outputs(*frame, job, session, shot.moment.frame, shot.moment.rate, shot.paths); !written) {

@@ -237,12 +237,12 @@ std::string tone_note(const FrameResult& frame, const Job& job) {
   return fmt::format("{:.1f} % of the picture is above black: try {}", 100 * tones->seen, mend);
 }
 
-void note_tones(const FrameResult& frame, const Job& job, bool& noted) {
-  if (noted) return;
+void note_tones(const FrameResult& frame, const Job& job, SaidOnce& said) {
+  if (said.tones) return;
   const std::string note = tone_note(frame, job);
   if (note.empty()) return;
   log::warning("{}", note);
-  noted = true;
+  said.tones = true;
 }
 
 Expected<void> note_blank(const FrameResult& frame, const Job& job, const Scene& scene, const BlankRules& rules,

@@ -13,6 +13,7 @@ namespace candela::cli {
 class SaidOnce {
  public:
   void note(const std::string& text);
+  bool tones = false;  // of a frame were said (note_tones)
 
  private:
   std::set<std::string> said_;
@@ -42,7 +43,7 @@ std::string blank_warning(const FrameResult& frame, const Job& job, const Scene&
 // with the exposure that mends it; empty for any other.
 std::string tone_note(const FrameResult& frame, const Job& job);
 // The same to the log, of the first frame that deserves it.
-void note_tones(const FrameResult& frame, const Job& job, bool& noted);
+void note_tones(const FrameResult& frame, const Job& job, SaidOnce& said);
 
 // Such a warning to the log and to `warnings`; strict, and not allowed: an error of kind input.
 struct BlankRules {

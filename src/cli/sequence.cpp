@@ -140,13 +140,12 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   }
   std::vector<std::string> warnings;
   SaidOnce said;
-  bool tones_noted = false;
   ProgressLine progress(o.job.quiet);
   settings->progress = progress_of(progress, recorder);
   settings->rendered = [&](int64_t frame, const FrameResult& result) -> Expected<void> {
     for (const std::string& note : result.notes) said.note(note);
     if (auto noted = note_frame(result, (*session)->scene(), strictness(o.job.strict), warnings); !noted) return noted;
-    note_tones(result, job, tones_noted);
+    note_tones(result, job, said);
     return note_blank(
         result, job, (*session)->scene(),
         {.strict = strictness(o.job.strict) == Strictness::all, .allowed = o.job.allow_blank, .frame = frame},

@@ -45,7 +45,11 @@ bool wants_studio(const Job& job, const Look& look, const Scene& scene) {
   if (job.sky != auto_sky || job.effects == "none" || source_of(job, look) != Source::none || has_second(job, look) ||
       has_light(scene))
     return false;
-  return scene.materials.empty() || std::ranges::any_of(scene.materials, [](const Material& m) { return !m.unlit; });
+  const auto takes_light = [&](const MeshSection& section) {
+    return section.material < 0 || !scene.materials[size_t(section.material)].unlit;
+  };
+  return std::ranges::any_of(scene.meshes,
+                             [&](const Mesh& mesh) { return std::ranges::any_of(mesh.sections, takes_light); });
 }
 
 // A file that the look names, from the look's folder.

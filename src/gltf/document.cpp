@@ -1,14 +1,13 @@
 #include "gltf/document.h"
 
-#include "gltf/repair.h"
-#include "gltf/used_parts.h"
-
 #include <charconv>
 
 #include "base/input.h"
 #include "base/names.h"
 #include "gltf/meshopt.h"
 #include "gltf/named_files.h"
+#include "gltf/repair.h"
+#include "gltf/validate/used_parts.h"
 #include "gltf/validate/validate.h"
 
 namespace candela::gltf {
@@ -86,24 +85,31 @@ std::string light_named_by(const Json& json, const std::string& path) {
              : std::string();
 }
 
-void validate(Document& document, const GltfParts& parts, std::vector<Finding>& findings) {
-  std::vector<Finding> more = validate_gltf(document.json, parts);
-  // What is wrong with parts that the scene does not use is no reason to refuse it. The checks stop at the first group
-  // of parts that has a fault, so they begin again.
+// What is wrong with parts that the scene does not use is no reason to refuse it: they are blanked and become warnings.
+// The checks stop at the first group of parts that has a fault, so they begin again.
+std::vector<Finding> without_unused_faults(Document& document, const GltfParts& parts, std::vector<Finding>& warnings) {
+  std::vector<Finding> found = validate_gltf(document.json, parts);
+  // Of lights the reader refuses what the checks only warn of.
+  const auto may_refuse = [](const Finding& finding) { return finding.fatal || finding.path.starts_with(lights_path); };
+  if (std::ranges::none_of(found, may_refuse)) return found;
   const UsedParts used(document.json);
   constexpr int most_rounds = 16;
   for (int round = 0; round < most_rounds; ++round) {
     std::set<std::string> unused;
-    for (const Finding& finding : more)
-      // Of lights the reader refuses what the checks only warn of.
-      if ((finding.fatal || finding.path.starts_with(lights_path)) && !used.uses(finding.path)) {
+    for (const Finding& finding : found)
+      if (may_refuse(finding) && !used.uses(finding.path)) {
         unused.insert(finding.path);
-        findings.push_back({false, finding.code, finding.path, finding.message + "; the scene does not use it"});
+        warnings.push_back({false, finding.code, finding.path, finding.message + "; the scene does not use it"});
       }
     if (unused.empty()) break;
     for (const std::string& path : unused) blank_part(document.json, path);
-    more = validate_gltf(document.json, parts);
+    found = validate_gltf(document.json, parts);
   }
+  return found;
+}
+
+void validate(Document& document, const GltfParts& parts, std::vector<Finding>& findings) {
+  const std::vector<Finding> more = without_unused_faults(document, parts, findings);
   findings.insert(findings.end(), more.begin(), more.end());
   for (const Finding& finding : findings)
     if (finding.fatal)

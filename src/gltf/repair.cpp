@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 
 namespace candela::gltf {
 namespace {
@@ -16,12 +18,11 @@ Json* member(Json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? nullptr : &*found;
 }
-// The array of that name; an empty one where there is none.
-Json& array(Json& object, const char* key) {
-  thread_local Json none;
-  none = Json::array();
+// The elements of the array of that name; none where there is no array. Good until the array grows.
+std::span<Json> elements(Json& object, const char* key) {
   Json* found = member(object, key);
-  return found && found->is_array() ? *found : none;
+  auto* array = found ? found->get_ptr<Json::array_t*>() : nullptr;
+  return array ? std::span<Json>(*array) : std::span<Json>();
 }
 int64_t index_in(const Json& value, size_t count) {
   if (!value.is_number_integer()) return -1;
@@ -35,7 +36,7 @@ double number_in(Json& object, const char* key, double otherwise) {
 
 class Repairer {
  public:
-  explicit Repairer(Json& json) : json_(json), nodes_(array(json, "nodes").size()) {}
+  explicit Repairer(Json& json) : json_(json), nodes_(elements(json, "nodes").size()) {}
 
   std::vector<Finding> run() {
     if (!json_.is_object()) return {};
@@ -57,7 +58,7 @@ class Repairer {
 
   // A node stays under the first parent that lists it; roots of the shown scene have none.
   void hierarchy() {
-    Json& nodes = array(json_, "nodes");
+    const std::span<Json> nodes = elements(json_, "nodes");
     std::vector<int64_t> parent(nodes_, -1);
     for (size_t n = 0; n < nodes_; ++n) {
       Json* listed = member(nodes[n], "children");
@@ -79,7 +80,7 @@ class Repairer {
       else
         *listed = std::move(kept);
     }
-    Json& scenes = array(json_, "scenes");
+    const std::span<Json> scenes = elements(json_, "scenes");
     const Json* chosen = member(json_, "scene");
     const int64_t shown = chosen ? index_in(*chosen, scenes.size()) : scenes.empty() ? -1 : 0;
     for (size_t s = 0; s < scenes.size(); ++s) {
@@ -118,7 +119,7 @@ class Repairer {
   }
   static void drop_child(Json& node, int64_t child) {
     Json kept = Json::array();
-    for (const Json& c : array(node, "children"))
+    for (const Json& c : elements(node, "children"))
       if (!(c.is_number_integer() && c.get<int64_t>() == child)) kept.push_back(c);
     if (kept.empty())
       node.erase("children");
@@ -127,7 +128,7 @@ class Repairer {
   }
 
   void transforms() {
-    Json& nodes = array(json_, "nodes");
+    const std::span<Json> nodes = elements(json_, "nodes");
     for (size_t n = 0; n < nodes.size(); ++n) {
       Json& node = nodes[n];
       if (const Json* matrix = member(node, "matrix"); matrix && matrix->is_array() && matrix->size() == 16) {
@@ -152,7 +153,7 @@ class Repairer {
     Json* extensions = member(json_, "extensions");
     Json* punctual = extensions ? member(*extensions, "KHR_lights_punctual") : nullptr;
     if (!punctual) return;
-    Json& lights = array(*punctual, "lights");
+    const std::span<Json> lights = elements(*punctual, "lights");
     for (size_t i = 0; i < lights.size(); ++i) {
       Json& light = lights[i];
       const std::string path = fmt::format("/extensions/KHR_lights_punctual/lights/{}", i);
@@ -180,15 +181,11 @@ class Repairer {
   }
 
   void primitives() {
-    Json& meshes = array(json_, "meshes");
-    const bool quantized = [&] {
-      for (const Json& name : array(json_, "extensionsUsed")) {
-        if (name == "KHR_mesh_quantization") return true;
-      }
-      return false;
-    }();
+    const std::span<Json> meshes = elements(json_, "meshes");
+    const auto used = elements(json_, "extensionsUsed");
+    const bool quantized = std::ranges::find(used, "KHR_mesh_quantization") != used.end();
     for (size_t m = 0; m < meshes.size(); ++m) {
-      Json& all = array(meshes[m], "primitives");
+      const std::span<Json> all = elements(meshes[m], "primitives");
       for (size_t p = 0; p < all.size(); ++p) {
         const std::string path = fmt::format("/meshes/{}/primitives/{}", m, p);
         Json* attributes = member(all[p], "attributes");
@@ -199,7 +196,8 @@ class Repairer {
                "there are no elements; the primitive is left out");
           // In its place, so that the places of others stay; so do accessors that may have no elements.
           const Json& empty = of_indices ? all[p]["indices"] : (*attributes)["POSITION"];
-          array(json_, "accessors")[empty.get<size_t>()] = {{"componentType", 5126}, {"type", "SCALAR"}, {"count", 1}};
+          elements(json_, "accessors")[empty.get<size_t>()] = {
+              {"componentType", 5126}, {"type", "SCALAR"}, {"count", 1}};
           all[p] = Json{{"attributes", Json::object()}};
           continue;
         }
@@ -211,7 +209,7 @@ class Repairer {
   }
   bool has_no_elements(Json& object, const char* key) {
     const Json* value = member(object, key);
-    Json& accessors = array(json_, "accessors");
+    const std::span<Json> accessors = elements(json_, "accessors");
     const int64_t index = value ? index_in(*value, accessors.size()) : -1;
     if (index < 0) return false;
     const Json* count = member(accessors[size_t(index)], "count");
@@ -219,7 +217,7 @@ class Repairer {
   }
   // In a copy of the accessor: others may mean plain numbers.
   void normalize(Json& value, const std::string& path) {
-    Json& accessors = array(json_, "accessors");
+    const std::span<Json> accessors = elements(json_, "accessors");
     const int64_t index = index_in(value, accessors.size());
     if (index < 0 || !accessors[size_t(index)].is_object()) return;
     const Json& accessor = accessors[size_t(index)];
@@ -231,7 +229,7 @@ class Repairer {
     if (is_new) {
       Json made = accessor;
       made["normalized"] = true;
-      accessors.push_back(std::move(made));
+      json_["accessors"].push_back(std::move(made));
     }
     note("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", path,
          "whole numbers that are not normalized; they are read as normalized");
@@ -239,8 +237,8 @@ class Repairer {
   }
 
   void textures() {
-    const size_t images = array(json_, "images").size(), samplers = array(json_, "samplers").size();
-    Json& all = array(json_, "textures");
+    const size_t images = elements(json_, "images").size(), samplers = elements(json_, "samplers").size();
+    const std::span<Json> all = elements(json_, "textures");
     const size_t count = all.size();
     for (size_t t = 0; t < count; ++t) {
       if (!all[t].is_object()) continue;
@@ -259,7 +257,7 @@ class Repairer {
       for (auto& [name, value] : extensions->items())
         mend_source(value, fmt::format("{}/extensions/{}", path, name), images);
     }
-    Json& materials = array(json_, "materials");
+    const std::span<Json> materials = elements(json_, "materials");
     for (size_t m = 0; m < materials.size(); ++m) slots(materials[m], fmt::format("/materials/{}", m), count);
   }
   void mend_source(Json& object, const std::string& path, size_t images) {

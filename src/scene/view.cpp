@@ -102,11 +102,20 @@ bool from_direction(const CameraRequest& request) {
   return request.azimuth_deg || request.elevation_deg || request.turn_s > 0;
 }
 
+// World bounds of outlines along the world's axes.
+DAabb box_of(ViewHulls hulls) {
+  DAabb box;
+  for (const glm::dvec2& x : hulls.x.points())
+    for (const glm::dvec2& y : hulls.y.points()) box.add(hulls.middle + glm::dvec3(x.x, y.x, x.y));
+  return box;
+}
+
 // From where a viewer shows a model: its front is +Z (glTF 3.4), seen from slightly right and above. The bounding
 // sphere fits into the narrower field of view, with a margin of 5 %.
 View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const DrawnBounds& bounds) {
   View view;
-  const DAabb box = box_to_frame(bounds.box(), view.notes);
+  const bool of_film = request.target && request.framing == Framing::film;
+  const DAabb box = box_to_frame(of_film ? box_of(bounds.outlines(glm::dmat3(1), false)) : bounds.box(), view.notes);
   const glm::dvec3 target = request.target.value_or(box.centre());
   const double radius = glm::length(box.extent()) + glm::length(box.centre() - target);
   const double tan_y = std::tan(yfov_rad / 2), narrow = std::atan(tan_y * std::min(1.0, size.aspect()));
@@ -128,54 +137,43 @@ ViewHulls hulls_to_frame(ViewHulls hulls, const glm::dmat3& axes, std::vector<st
   if (count > 1 || hulls.y.points().size() > 1) return hulls;
   if (count == 0) notes.push_back("nothing to frame: the view is of the origin");
   if (count == 0) hulls.middle = glm::dvec3(0);
-  for (const glm::dvec3& corner : corners_of({glm::dvec3(-1), glm::dvec3(1)})) {
-    const glm::dvec3 p = glm::transpose(axes) * corner;
-    hulls.x.add({p.x, p.z}), hulls.y.add({p.y, p.z});
-  }
+  for (const glm::dvec3& corner : corners_of({glm::dvec3(-1), glm::dvec3(1)})) hulls.add(glm::transpose(axes) * corner);
   return hulls;
 }
 
-// The camera, looking the same way, from where the vertices fill its picture.
-View placed_by_outlines(View view, const CameraRequest& request, ImageSize size, const DrawnBounds& bounds) {
-  const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));
-  ViewHulls hulls = hulls_to_frame(bounds.outlines(axes, request.turn_s > 0), axes, view.notes);
+// The same camera, looking the same way, from another place.
+View moved_to(const Fit& fit, View view, ImageSize size, const DrawnBounds& bounds, const char* name) {
+  view.position = fit.position;
   if (view.perspective) {
-    const Fit fit = fit_perspective(hulls, axes, view.tan_x, view.tan_y, fit_margin);
-    view.position = fit.position;
     view.near_m = std::min(largest_near_m, 0.5 * fit.nearest_m);
     view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m);
   } else {
-    const Fit fit = fit_orthographic(hulls, axes, size.aspect(), fit_margin);
-    view.position = fit.position;
     view.tan_y = fit.half_height, view.tan_x = fit.half_height * size.aspect();
     view.near_m = 0;
     view.far_m = far_from_bounds(view, bounds.box());
     view.clip_from_view = orthographic_reversed(view.tan_x, view.tan_y, view.near_m, view.far_m);
   }
-  view.name = framed_name;
+  view.name = name;
   return finished(std::move(view));
 }
 
-// The same camera where the bounds fill its picture.
+// Where the vertices fill its picture.
+View placed_by_outlines(View view, const CameraRequest& request, ImageSize size, const DrawnBounds& bounds) {
+  const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));
+  ViewHulls hulls = hulls_to_frame(bounds.outlines(axes, request.turn_s > 0), axes, view.notes);
+  const Fit fit = view.perspective ? fit_perspective(hulls, axes, view.tan_x, view.tan_y, fit_margin)
+                                   : fit_orthographic(hulls, axes, size.aspect(), fit_margin);
+  return moved_to(fit, std::move(view), size, bounds, framed_name);
+}
+
+// Where the bounds fill its picture.
 View fitted(View view, const CameraRequest& request, ImageSize size, const DrawnBounds& bounds) {
   const DAabb box = box_to_frame(bounds.box(), view.notes);
   const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));
   const std::vector<glm::dvec3> points = request.turn_s > 0 ? turned_once(box, axes[0]) : corners_of(box);
-  if (view.perspective) {
-    const Fit fit = fit_perspective(points, axes, view.tan_x, view.tan_y, fit_margin);
-    view.position = fit.position;
-    view.near_m = std::min(largest_near_m, 0.5 * fit.nearest_m);
-    view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m);
-  } else {
-    const Fit fit = fit_orthographic(points, axes, size.aspect(), fit_margin);
-    view.position = fit.position;
-    view.tan_y = fit.half_height, view.tan_x = fit.half_height * size.aspect();
-    view.near_m = 0;
-    view.far_m = far_from_bounds(view, bounds.box());
-    view.clip_from_view = orthographic_reversed(view.tan_x, view.tan_y, view.near_m, view.far_m);
-  }
-  view.name = "fitted bounds";
-  return finished(std::move(view));
+  const Fit fit = view.perspective ? fit_perspective(points, axes, view.tan_x, view.tan_y, fit_margin)
+                                   : fit_orthographic(points, axes, size.aspect(), fit_margin);
+  return moved_to(fit, std::move(view), size, bounds, "fitted bounds");
 }
 
 Expected<View> from_eye(const CameraRequest& request, double yfov_rad, ImageSize size, const DrawnBounds& bounds) {
@@ -357,7 +355,11 @@ Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraReque
   const bool framed = !request.target && view->name == framed_name;
   if (request.framing != Framing::boxes && (places_itself || framed))
     return placed_by_outlines(std::move(*view), request, size, bounds);
-  if (!places_itself) return view;
+  if (!places_itself) {
+    if (request.framing == Framing::follow && !framed)
+      view->notes.push_back(fmt::format("{} stays as it is: cameras that place themselves follow (--fit)", view->name));
+    return view;
+  }
   return fitted(std::move(*view), request, size, bounds);
 }
 
@@ -366,10 +368,8 @@ ViewHulls DrawnBounds::outlines(const glm::dmat3& axes, bool turned) const {
   ViewHulls hulls;
   if (box().empty()) return hulls;
   hulls.middle = box().centre();
-  for (const glm::dvec3& corner : turned ? turned_once(box(), axes[0]) : corners_of(box())) {
-    const glm::dvec3 p = glm::transpose(axes) * (corner - hulls.middle);
-    hulls.x.add({p.x, p.z}), hulls.y.add({p.y, p.z});
-  }
+  for (const glm::dvec3& corner : turned ? turned_once(box(), axes[0]) : corners_of(box()))
+    hulls.add(glm::transpose(axes) * (corner - hulls.middle));
   return hulls;
 }
 

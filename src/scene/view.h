@@ -11,13 +11,13 @@
 
 namespace candela {
 
-// How the command line asks for a camera: an explicit eye and target, a camera by name or index, or nothing.
 // By what cameras that place themselves are placed.
 enum class Framing : uint8_t {
   boxes,   // the corners of boxes about what is drawn at a time, each frame anew; whole spheres without fit
   film,    // the vertices as the film shows them: one camera for all frames (scene/view_hulls.h)
   follow,  // the vertices at a time, each frame anew
 };
+// How the command line asks for a camera: an explicit eye and target, a camera by name or index, or nothing.
 struct CameraRequest {
   std::optional<glm::dvec3> eye, target;
   std::optional<double> yfov_deg;

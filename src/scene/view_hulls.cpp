@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -53,98 +54,51 @@ struct Part {
 bool is_cut_away(const Material& m) { return m.alpha_mode == AlphaMode::mask && m.base_color.w < m.alpha_cutoff; }
 
 bool counts(const Scene& scene, const Pose& pose, const MeshSection& section) {
-  if (!DrawnSections::can_be_drawn(section)) return false;
   const bool own = section.material >= 0 && size_t(section.material) < pose.materials.size();
   return !is_cut_away(own ? pose.materials[size_t(section.material)] : scene.default_material);
 }
 
-struct Sized {
-  double diagonal = 0;
-  DAabb box;
-  Part part;
-  glm::dmat4 world_from_mesh{1};  // of the first instance
-};
+using EachPose = std::function<void(const std::function<void(const Pose&)>&)>;
 
-double diagonal_of(const DAabb& box) { return box.empty() ? 0 : glm::length(box.max - box.min); }
-
-// A floor is flat and not above the middle of what stands on it. A dome surrounds it with room to all sides but below,
-// and none of its vertices is near.
-bool surrounds(const MeshSection& section, const Sized& one, const DAabb& rest) {
-  const double size = diagonal_of(rest);
-  if (one.box.max.y - one.box.min.y <= 0.01 * one.diagonal) return one.box.min.y <= rest.centre().y;
-  for (int k = 0; k < 3; ++k) {
-    if (one.box.max[k] - rest.max[k] < size) return false;
-    if (k != 1 && rest.min[k] - one.box.min[k] < size) return false;
-  }
-  return std::ranges::all_of(section.position, [&](glm::vec3 position) {
-    const glm::dvec3 world(one.world_from_mesh * glm::dvec4(position, 1));
-    return !(glm::length(world - rest.centre()) < 10 * size);
-  });
-}
-
-// Surfaces a hundred times larger than all smaller ones together: domes and floors.
-struct Surroundings {
-  std::set<Part> parts;
-  DAabb rest;
-  std::string note;
-};
-Surroundings surroundings(const Scene& scene, const Pose& pose) {
-  constexpr double ratio = 100;
-  DrawnSections drawn(scene, pose, glm::dmat4(1.0));
-  std::vector<Sized> all;
-  for (const int node_index : scene.order) {
-    const size_t n = size_t(node_index);
+// Calls f(node, section) for every surface that is drawn at a pose, whether it counts or not.
+template <class F>
+void each_drawn(const Scene& scene, DrawnSections& drawn, const F& f) {
+  for (const int node : scene.order) {
+    const size_t n = size_t(node);
     if (!drawn.has_visible_mesh(n)) continue;
     const std::vector<MeshSection>& sections = scene.meshes[size_t(scene.nodes[n].mesh)].sections;
-    for (size_t s = 0; s < sections.size(); ++s) {
-      if (!counts(scene, pose, sections[s])) continue;
-      const SectionDeformation deformation = drawn.deformation_of(sections[s], n);
-      const size_t instances = deformation.skinned ? 1 : drawn.instance_count(n);
-      const glm::dmat4 target_from_node = drawn.target_from_node(n);
-      Sized one{.part = {n, s}};
-      for (size_t i = 0; i < instances; ++i) {
-        const glm::dmat4 world_from_mesh = drawn.target_from_instance(target_from_node, n, i);
-        if (i == 0) one.world_from_mesh = world_from_mesh;
-        if (const DAabb box = drawn.bounds_of(sections[s], n, deformation, world_from_mesh); is_finite(box))
-          one.box.add(box);
-      }
-      one.diagonal = diagonal_of(one.box);
-      if (!one.box.empty()) all.push_back(one);
-    }
+    for (size_t s = 0; s < sections.size(); ++s)
+      if (DrawnSections::can_be_drawn(sections[s])) f(n, s);
   }
-  std::sort(all.begin(), all.end(), [](const Sized& a, const Sized& b) {
-    return a.diagonal < b.diagonal || (a.diagonal == b.diagonal && a.part < b.part);
-  });
-  Surroundings out;
-  std::vector<Sized> left_out;
-  for (const Sized& one : all) {
-    const double rest = diagonal_of(out.rest);
-    const MeshSection& section = scene.meshes[size_t(scene.nodes[one.part.node].mesh)].sections[one.part.section];
-    if (rest > 0 && one.diagonal >= ratio * rest && surrounds(section, one, out.rest)) {
-      left_out.push_back(one);
-      continue;
-    }
-    // Beside something as large that counts, what was left out counts too.
-    for (const Sized& before : left_out) out.rest.add(before.box);
-    left_out.clear();
-    out.rest.add(one.box);
-  }
-  for (const Sized& one : left_out) out.parts.insert(one.part);
-  if (!left_out.empty())
-    out.note = fmt::format(
-        "the camera is placed without {} {} of {:.4g} m, a hundred times larger than all else (--eye and --target "
-        "place it elsewhere)",
-        left_out.size(), left_out.size() == 1 ? "surface" : "surfaces", left_out.back().diagonal);
-  return out;
+}
+const MeshSection& section_of(const Scene& scene, Part part) {
+  return scene.meshes[size_t(scene.nodes[part.node].mesh)].sections[part.section];
 }
 
 // Matrices and weights that a surface's vertices are posed by.
 struct Posing {
-  std::vector<glm::dmat4> instances;  // world from mesh; of skinned surfaces none
+  std::vector<glm::dmat4> instances;  // world from mesh; of skinned surfaces the identity
   std::vector<glm::dmat4> joints;     // world from bind
   std::vector<float> weights;
   bool operator==(const Posing&) const = default;
 };
+Posing posing_of(const Scene& scene, const Pose& pose, const DrawnSections& drawn, Part part,
+                 const SectionDeformation& deformation) {
+  Posing posing;
+  const auto [n, s] = part;
+  if (!section_of(scene, part).morph.empty()) posing.weights = pose.node_weights[n];
+  if (deformation.skinned) {
+    const Skin& skin = scene.skins[size_t(scene.nodes[n].skin)];
+    for (size_t j = 0; j < skin.joints.size(); ++j)
+      posing.joints.push_back(pose.world_from_node[size_t(skin.joints[j])] * skin.inverse_bind[j]);
+    posing.instances = {glm::dmat4(1)};
+    return posing;
+  }
+  const glm::dmat4 target_from_node = drawn.target_from_node(n);
+  for (size_t i = 0; i < drawn.instance_count(n); ++i)
+    posing.instances.push_back(drawn.target_from_instance(target_from_node, n, i));
+  return posing;
+}
 
 std::vector<uint32_t> used_vertices(const MeshSection& section) {
   std::vector<bool> used(section.position.size());
@@ -180,15 +134,101 @@ glm::dvec3 posed_vertex(const MeshSection& section, std::span<const float> weigh
   return sum;
 }
 
+double diagonal_of(const DAabb& box) { return box.empty() ? 0 : glm::length(box.max - box.min); }
+
+// How near a surface comes to a point at any time, metres.
+double nearest_m(const Scene& scene, const EachPose& each_pose, Part part, glm::dvec3 point) {
+  double nearest = std::numeric_limits<double>::infinity();
+  const MeshSection& section = section_of(scene, part);
+  each_pose([&](const Pose& pose) {
+    DrawnSections drawn(scene, pose, glm::dmat4(1.0));
+    if (!drawn.has_visible_mesh(part.node)) return;
+    const Posing posing = posing_of(scene, pose, drawn, part, drawn.deformation_of(section, part.node));
+    const std::vector<Affine> joints(posing.joints.begin(), posing.joints.end());
+    for (const glm::dmat4& world : posing.instances)
+      for (uint32_t v = 0; v < section.position.size(); ++v)
+        nearest = std::min(nearest,
+                           glm::length(moved(Affine(world), posed_vertex(section, posing.weights, joints, v)) - point));
+  });
+  return nearest;
+}
+
+// A floor is flat and not above the middle of what stands on it. A dome has room to all sides but below, and none of
+// its vertices is near.
+bool surrounds(const DAabb& box, const DAabb& rest, const std::function<double(glm::dvec3)>& nearest) {
+  const double size = diagonal_of(rest);
+  if (box.max.y - box.min.y <= 0.01 * diagonal_of(box)) return box.min.y <= rest.centre().y;
+  for (int k = 0; k < 3; ++k) {
+    if (box.max[k] - rest.max[k] < size) return false;
+    if (k != 1 && rest.min[k] - box.min[k] < size) return false;
+  }
+  return nearest(rest.centre()) >= 10 * size;
+}
+
+// Boxes of what counts, over all times at which it is seen.
+std::map<Part, DAabb> boxes_of_parts(const Scene& scene, const EachPose& each_pose) {
+  std::map<Part, DAabb> boxes;
+  each_pose([&](const Pose& pose) {
+    DrawnSections drawn(scene, pose, glm::dmat4(1.0));
+    each_drawn(scene, drawn, [&](size_t n, size_t s) {
+      const Part part{n, s};
+      const MeshSection& section = section_of(scene, part);
+      if (!counts(scene, pose, section)) return;
+      const SectionDeformation deformation = drawn.deformation_of(section, n);
+      for (const glm::dmat4& world : posing_of(scene, pose, drawn, part, deformation).instances)
+        if (const DAabb box = drawn.bounds_of(section, n, deformation, world); is_finite(box)) boxes[part].add(box);
+    });
+  });
+  return boxes;
+}
+
+// Surfaces a hundred times larger than all smaller ones together, over all times: domes and floors.
+struct Surroundings {
+  std::set<Part> parts;
+  DAabb rest;
+  std::string note;
+};
+Surroundings surroundings(const Scene& scene, const EachPose& each_pose) {
+  constexpr double ratio = 100;
+  std::vector<std::pair<Part, DAabb>> all;
+  for (const auto& entry : boxes_of_parts(scene, each_pose)) all.push_back(entry);
+  std::ranges::sort(all, {}, [](const auto& one) { return std::pair(diagonal_of(one.second), one.first); });
+  Surroundings out;
+  std::vector<std::pair<Part, DAabb>> left_out;
+  for (const auto& [part, box] : all) {
+    const double rest = diagonal_of(out.rest);
+    const auto nearest = [&](glm::dvec3 point) { return nearest_m(scene, each_pose, part, point); };
+    if (rest > 0 && diagonal_of(box) >= ratio * rest && surrounds(box, out.rest, nearest)) {
+      left_out.emplace_back(part, box);
+      continue;
+    }
+    // Beside something as large that counts, what was left out counts too.
+    for (const auto& before : left_out) out.rest.add(before.second);
+    left_out.clear();
+    out.rest.add(box);
+  }
+  for (const auto& one : left_out) out.parts.insert(one.first);
+  if (!left_out.empty())
+    out.note = fmt::format(
+        "the camera is placed without {} {} of {:.4g} m, a hundred times larger than all else (--eye and --target "
+        "place it elsewhere)",
+        left_out.size(), left_out.size() == 1 ? "surface" : "surfaces", diagonal_of(left_out.back().second));
+  return out;
+}
+
 // Collects the outlines.
 struct Outlines {
   glm::dmat3 view_from_world;
   glm::dvec3 middle;
   std::optional<glm::dvec2> axis;  // x and z of the upright axis that all turns about
   PlanarHull x, y, swept;          // swept: (distance from the axis, height)
+  bool broken = false;             // some vertex is not finite
 
   void add(glm::dvec3 world) {
-    if (!std::isfinite(world.x) || !std::isfinite(world.y) || !std::isfinite(world.z)) return;
+    if (!std::isfinite(world.x) || !std::isfinite(world.y) || !std::isfinite(world.z)) {
+      broken = true;
+      return;
+    }
     if (axis) {
       swept.add({std::hypot(world.x - axis->x, world.z - axis->y), world.y - middle.y});
       return;
@@ -196,7 +236,10 @@ struct Outlines {
     const glm::dvec3 p = view_from_world * (world - middle);
     x.add({p.x, p.z}), y.add({p.y, p.z});
   }
-  void add(const Outlines& other) { x.add(other.x), y.add(other.y), swept.add(other.swept); }
+  void add(const Outlines& other) {
+    x.add(other.x), y.add(other.y), swept.add(other.swept);
+    broken |= other.broken;
+  }
   // Whether nothing in a box could change the outlines.
   bool contain(const DAabb& box) const {
     if (axis) return false;
@@ -208,7 +251,7 @@ struct Outlines {
     }
     return true;
   }
-  Outlines empty() const { return {view_from_world, middle, axis, {}, {}, {}}; }
+  Outlines empty() const { return {view_from_world, middle, axis, {}, {}, {}, false}; }
 };
 
 void add_vertices(Outlines& outlines, const MeshSection& section, const std::vector<uint32_t>& vertices,
@@ -237,49 +280,35 @@ class Walk {
 
   void add(const Pose& pose, Outlines& outlines) {
     DrawnSections drawn(scene_, pose, glm::dmat4(1.0));
-    for (const int node_index : scene_.order) {
-      const size_t n = size_t(node_index);
-      if (!drawn.has_visible_mesh(n)) continue;
-      const std::vector<MeshSection>& sections = scene_.meshes[size_t(scene_.nodes[n].mesh)].sections;
-      for (size_t s = 0; s < sections.size(); ++s)
-        if (!without_.contains({n, s}) && counts(scene_, pose, sections[s])) add(pose, drawn, n, s, outlines);
-    }
+    each_drawn(scene_, drawn, [&](size_t n, size_t s) {
+      const Part part{n, s};
+      if (!counts(scene_, pose, section_of(scene_, part)))
+        cut_away_ = true;
+      else if (!without_.contains(part))
+        add(pose, drawn, part, outlines);
+    });
   }
+  bool has_cut_away() const { return cut_away_; }
 
  private:
-  void add(const Pose& pose, DrawnSections& drawn, size_t n, size_t s, Outlines& outlines) {
-    const MeshSection& section = scene_.meshes[size_t(scene_.nodes[n].mesh)].sections[s];
-    const SectionDeformation deformation = drawn.deformation_of(section, n);
-    Posing posing;
-    if (!section.morph.empty()) posing.weights = pose.node_weights[n];
-    if (deformation.skinned) {
-      const Skin& skin = scene_.skins[size_t(scene_.nodes[n].skin)];
-      for (size_t j = 0; j < skin.joints.size(); ++j)
-        posing.joints.push_back(pose.world_from_node[size_t(skin.joints[j])] * skin.inverse_bind[j]);
-    } else {
-      const glm::dmat4 target_from_node = drawn.target_from_node(n);
-      for (size_t i = 0; i < drawn.instance_count(n); ++i)
-        posing.instances.push_back(drawn.target_from_instance(target_from_node, n, i));
-    }
-    Posing& before = before_[{n, s}];
+  void add(const Pose& pose, DrawnSections& drawn, Part part, Outlines& outlines) {
+    const MeshSection& section = section_of(scene_, part);
+    const SectionDeformation deformation = drawn.deformation_of(section, part.node);
+    Posing posing = posing_of(scene_, pose, drawn, part, deformation);
+    Posing& before = before_[part];
     if (before == posing) return;
     std::vector<uint32_t>& vertices = vertices_[&section];
     if (vertices.empty()) vertices = used_vertices(section);
-    if (deformation.skinned) {
-      const DAabb box = drawn.bounds_of(section, n, deformation, glm::dmat4(1.0));
-      if (!candela::is_finite(box) || !outlines.contain(box))
-        add_vertices(outlines, section, vertices, posing, glm::dmat4(1.0));
-    }
-    for (const glm::dmat4& world_from_mesh : posing.instances) {
-      const DAabb box = drawn.bounds_of(section, n, deformation, world_from_mesh);
-      if (!candela::is_finite(box) || !outlines.contain(box))
-        add_vertices(outlines, section, vertices, posing, world_from_mesh);
+    for (const glm::dmat4& world : posing.instances) {
+      const DAabb box = drawn.bounds_of(section, part.node, deformation, world);
+      if (!is_finite(box) || !outlines.contain(box)) add_vertices(outlines, section, vertices, posing, world);
     }
     before = std::move(posing);
   }
 
   const Scene& scene_;
   const std::set<Part>& without_;
+  bool cut_away_ = false;
   std::map<Part, Posing> before_;
   std::map<const MeshSection*, std::vector<uint32_t>> vertices_;
 };
@@ -300,9 +329,10 @@ std::vector<double> film_times(const Scene& scene, const AnimationChoice& choice
   size_t at = 0;
   for (const double key : keys)
     if (at++ % step == 0) times.insert(key);
-  if (step > 1)
-    note = fmt::format("the camera is placed by what is seen at {} of {} keys and {} times between", most, keys.size(),
-                       even);
+  if (!keys.empty())
+    note = fmt::format(
+        "one camera shows all that is drawn in the film's {:.4g} s{} (--follow goes along with it)", end_s,
+        step > 1 ? fmt::format(", of whose {} keys it looks at {}", keys.size(), (at + step - 1) / step) : "");
   return {times.begin(), times.end()};
 }
 
@@ -346,19 +376,24 @@ ViewHulls view_hulls(const Scene& scene, const FramedTime& time, const glm::dmat
     times = film_times(scene, time.animations, note);
     if (!note.empty()) out.notes.push_back(std::move(note));
   }
-  const Pose first = time.pose ? *time.pose : evaluate_pose(scene, time.animations, times.front());
-  Surroundings without = surroundings(scene, first);
+  const EachPose each_pose = [&](const std::function<void(const Pose&)>& f) {
+    if (time.pose) f(*time.pose);
+    for (const double t : times) f(evaluate_pose(scene, time.animations, t));
+  };
+  Surroundings without = surroundings(scene, each_pose);
   if (!without.note.empty()) out.notes.push_back(std::move(without.note));
   if (without.rest.empty()) return out;
   // About the middle of what is drawn, so that worlds far from the origin keep their digits.
   out.middle = without.rest.centre();
   const auto outline = [&](const glm::dmat3& view_from_world, std::optional<glm::dvec2> axis) {
-    Outlines outlines{view_from_world, out.middle, axis, {}, {}, {}};
+    Outlines outlines{view_from_world, out.middle, axis, {}, {}, {}, false};
     Walk walk(scene, without.parts);
-    walk.add(first, outlines);
-    for (size_t i = 1; i < times.size(); ++i) walk.add(evaluate_pose(scene, time.animations, times[i]), outlines);
+    each_pose([&](const Pose& pose) { walk.add(pose, outlines); });
+    if (walk.has_cut_away()) out.notes.emplace_back("surfaces that a mask cuts away do not count for the camera");
+    if (outlines.broken) out.notes.emplace_back("vertices that are not finite do not count for the camera");
     return outlines;
   };
+  const size_t notes_before = out.notes.size();
   const glm::dmat3 view_from_world = glm::transpose(axes);
   if (!turned) {
     Outlines seen = outline(view_from_world, std::nullopt);
@@ -372,6 +407,7 @@ ViewHulls view_hulls(const Scene& scene, const FramedTime& time, const glm::dmat
     return hull.points().empty() ? glm::dvec2(0) : least + (most - least) / 2.0;
   };
   Outlines world = outline(glm::dmat3(1), std::nullopt);
+  out.notes.resize(notes_before);  // the second walk says the same
   const glm::dvec2 off = middle_of(world.x), axis(out.middle.x + off.x, out.middle.z + off.y);
   out.middle.x = axis.x, out.middle.z = axis.y;
   constexpr int steps = 128;
@@ -384,7 +420,7 @@ ViewHulls view_hulls(const Scene& scene, const FramedTime& time, const glm::dmat
       const glm::dvec3 around =
           radius * (std::cos(turn) * side + std::sin(turn) * glm::dvec3(-side.z, 0, side.x)) + glm::dvec3(0, p.y, 0);
       const glm::dvec3 seen = view_from_world * around;
-      out.x.add({seen.x, seen.z}), out.y.add({seen.y, seen.z});
+      out.add(seen);
     }
   return out;
 }

@@ -31,14 +31,16 @@ class PlanarHull {
 struct ViewHulls {
   glm::dvec3 middle{0};  // world
   PlanarHull x, y;
+  // A point in camera axes, about the middle.
+  void add(glm::dvec3 point) { x.add({point.x, point.z}), y.add({point.y, point.z}); }
   std::vector<std::string> notes;  // what does not count, and why
 };
 
 // Vertices as they are posed, of everything that is drawn. Of a film: at the keys of the animations that play and
 // evenly between, so that the outlines belong to the file and not to a frame or a list of frames. Left out are vertices
-// that are not finite, surfaces that a mask cuts away wholly, and surroundings: surfaces a hundred times larger than
-// all that is smaller. axes: right, up and back of the camera. turned: the outlines of what all of it sweeps when it
-// turns once about the upright axis through its middle.
+// that are not finite, surfaces that a mask cuts away wholly, and surroundings: floors and domes a hundred times larger
+// than all that is smaller. axes: right, up and back of the camera. turned: the outlines of what all of it sweeps when
+// it turns once about the upright axis through its middle.
 struct FramedTime {
   const AnimationChoice& animations;
   const Pose* pose = nullptr;  // absent: the film

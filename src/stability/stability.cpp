@@ -316,7 +316,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
 
   Job job = scene.job;
   job.scene = path("scene.glb");
-  job.sky = scene.sky ? path("sky.exr") : "";
+  if (scene.sky) job.sky = path("sky.exr");  // else as the scene's job says: a word, or nothing
   job.settings.insert(job.settings.end(), options_.settings.begin(), options_.settings.end());
   if (!scene.look.empty()) return check_fog(recipe, scene, job);
   const auto plain = plain_truths(scene);

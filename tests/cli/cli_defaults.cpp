@@ -83,6 +83,29 @@ TEST(Defaults, AFilmHasOneCamera) {
   EXPECT_TRUE(alike("follow00.png", "follow12.png"));
 }
 
+// Motion is the object's: the film's camera stands.
+TEST(Defaults, MotionIsOfWhatMoves) {
+  const TestFolder folder;
+  const std::string file = moving(folder);
+  const auto motion = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"render",         file,         "--frame", "12",     "--layers", "motion", "-o",
+                                      folder / "a.exr", "--exr-type", "float",   "--size", "96x64"};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(candela(words).code, 0);
+    const auto image = read_image(folder / "a.exr");
+    EXPECT_TRUE(image);
+    double most = 0;
+    for (const Channel& channel : image->channels)
+      if (channel.name.starts_with("motion"))
+        for (const float v : channel.f) most = std::max(most, double(std::abs(v)));
+    return most;
+  };
+  EXPECT_GT(motion({}), 1);
+  EXPECT_LT(motion({"--follow"}), 0.01);
+  EXPECT_EQ(candela({"render", file, "--follow", "--eye", "0,0,9", "--target", "0,0,0", "-o", folder / "b.png"}).code,
+            2);
+}
+
 TEST(Defaults, ClipsThatMoveTheSameAreNamed) {
   const TestFolder folder;
   const std::string file = moving(folder);
@@ -134,6 +157,19 @@ TEST(Defaults, WhatIsBurntOutOrBlackIsSaid) {
   EXPECT_EQ(render(dark, {"--sky", "none", "--strict"}).code, 3);
   EXPECT_EQ(render(dark, {"--sky", "none", "--strict", "--allow-blank"}).code, 0);
   EXPECT_EQ(said(render(dark, {"--strict"})).find("black"), std::string::npos);
+}
+
+// One line a code, with the first place and how many more there are.
+TEST(Defaults, FaultsOfOneKindAreOneLine) {
+  const TestFolder folder;
+  auto json = nlohmann::json::parse(bytes_of(moving(folder)));
+  json["scenes"][0]["nodes"] = {0, 0, 0, 0};
+  std::ofstream(folder / "moving.gltf") << json.dump();
+  const Ended brief = candela({"facts", folder / "moving.gltf"});
+  EXPECT_NE(brief.err.find("/scenes/0/nodes/1: node 0 is listed twice"), std::string::npos) << brief.err;
+  EXPECT_NE(brief.err.find("(DUPLICATE_ELEMENTS), and 2 more (--verbose)"), std::string::npos) << brief.err;
+  EXPECT_EQ(brief.err.find("/scenes/0/nodes/2"), std::string::npos) << brief.err;
+  EXPECT_NE(candela({"facts", folder / "moving.gltf", "--verbose"}).err.find("/scenes/0/nodes/3"), std::string::npos);
 }
 
 TEST(Defaults, HelpIsOneScreen) {

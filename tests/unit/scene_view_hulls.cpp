@@ -185,6 +185,47 @@ TEST(ViewHulls, AFilmHasOneCamera) {
   }
 }
 
+AnimationChannel keyed(TargetPath path, int components, std::vector<float> times, std::vector<float> values) {
+  AnimationChannel channel;
+  channel.path = path, channel.object = 0, channel.components = components;
+  channel.interpolation = components == 1 ? Interpolation::step : Interpolation::linear;
+  channel.times_s = std::move(times), channel.values = std::move(values);
+  return channel;
+}
+
+// Surroundings are judged over the whole film: what is tiny or hidden at its beginning counts with its floor.
+TEST(ViewHulls, WhatGrowsOrAppearsLaterIsFramedWithItsFloor) {
+  const std::vector<glm::vec3> cube = {{-.5, 0, -.5}, {.5, 0, -.5}, {-.5, 1, -.5}, {.5, 1, -.5},
+                                       {-.5, 0, .5},  {.5, 0, .5},  {-.5, 1, .5},  {.5, 1, .5}};
+  const std::vector<glm::vec3> floor = {{-5, 0, -5}, {5, 0, -5}, {5, 0, 5}, {-5, 0, 5}};
+  CameraRequest request;
+  request.framing = Framing::film;
+  Scene scene = scene_of({section_of(cube), section_of(floor)});
+  const View whole = framed(scene, 0, request, 320, 200);
+  scene.animations = {{"grow", {keyed(TargetPath::node_scale, 3, {0, 1}, {0.001f, 0.001f, 0.001f, 1, 1, 1})}, 1}};
+  EXPECT_LT(glm::length(framed(scene, 1, request, 320, 200).position - whole.position), 1e-6);
+
+  Scene late = scene_of({section_of(cube)});
+  const View seen = framed(late, 0, request, 320, 200);
+  late.nodes[0].visible = false;
+  late.animations = {{"appear", {keyed(TargetPath::node_visible, 1, {0, 0.5f}, {0, 1})}, 0.5}};
+  const View appears = framed(late, 1, request, 320, 200);
+  EXPECT_LT(glm::length(appears.position - seen.position), 1e-6);
+  EXPECT_EQ(framed(late, 0, request, 320, 200).position, appears.position);
+  EXPECT_TRUE(std::ranges::any_of(appears.notes, [](const std::string& note) {
+    return note.find("one camera shows all that is drawn in the film's 0.5 s") != std::string::npos;
+  }));
+}
+
+// With a target the camera looks at it from outside of all that the film shows.
+TEST(ViewHulls, ATargetKeepsOneCameraToo) {
+  Scene scene = scene_of({section_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})});
+  scene.animations = {{"fly", {keyed(TargetPath::node_translation, 3, {0, 1}, {0, 0, 0, 10, 2, 0})}, 1}};
+  CameraRequest request{.target = glm::dvec3(0, 1, 0)};
+  request.framing = Framing::film;
+  EXPECT_EQ(framed(scene, 0, request, 320, 200).position, framed(scene, 1, request, 320, 200).position);
+}
+
 // A joint that swings takes its vertices along: they count where they are, not where their boxes reach.
 TEST(ViewHulls, SkinsCountAsTheyArePosed) {
   MeshSection section = section_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});

@@ -99,6 +99,23 @@ void add_colours(Recipes& all) {
            0.1);
 }
 
+// The studio is no background, so nothing that the device filters is seen but in surfaces.
+void add_studio(Recipes& all) {
+  const auto studio = [&](std::string name, std::string what, const json& sky, double lux) {
+    add(all, std::move(name), std::move(what), [=](StabilityInput& in) {
+      StabilityScene scene = outdoors(in, sky, lux > 0 ? std::optional(20.0) : std::nullopt, lux);
+      scene.job.sky = studio_sky;
+      return scene;
+    });
+  };
+  studio("studio", "", json::object(), 0);
+  studio("studio, turned by -3.6e6 degrees", "whole turns", {{"rotation_deg", -3.6e6}}, 0);
+  for (const double intensity : {1e-30, 1e30})
+    studio(fmt::format("studio, times {:g}", intensity), "", {{"intensity", intensity}}, 0);
+  studio("studio beside a sun of 1e30 lux", "", json::object(), 1e30);
+  studio("studio beside a sun of 1e-30 lux", "", json::object(), 1e-30);
+}
+
 void add_images_of_skies(Recipes& all) {
   for (const double intensity : {1e-30, 1e30})
     add(all, fmt::format("image, times {:g}", intensity), "", [=](StabilityInput& in) {
@@ -170,6 +187,7 @@ void add_suns_of_images(Recipes& all) {
 void add_skies(Recipes& all) {
   add_air(all);
   add_colours(all);
+  add_studio(all);
   add_images_of_skies(all);
   add_blends(all);
   add_suns_of_images(all);

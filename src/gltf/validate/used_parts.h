@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace candela::gltf {
+namespace candela {
 
 inline constexpr std::string_view lights_path = "/extensions/KHR_lights_punctual/lights";
 
@@ -20,6 +20,7 @@ class UsedParts {
 
  private:
   void add_node(const nlohmann::json& document, int64_t node);
+  void add_ancestors(const nlohmann::json& document);
   std::map<std::string, std::set<int64_t>, std::less<>> parts_;
   bool all_ = false;
 };
@@ -27,4 +28,4 @@ class UsedParts {
 // Puts something harmless in the place of an unused part, so that the indices of others stay.
 void blank_part(nlohmann::json& document, std::string_view path);
 
-}  // namespace candela::gltf
+}  // namespace candela

@@ -12,15 +12,15 @@ namespace {
 template <class Json>
 class DocumentBuilder : public nlohmann::json_sax<Json> {
  public:
-  explicit DocumentBuilder(JsonNumbers numbers) : numbers_(numbers) {}
+  explicit DocumentBuilder(JsonDialect dialect) : dialect_(dialect) {}
 
   bool null() override { return put(Json()); }
   bool boolean(bool value) override { return put(Json(value)); }
   bool number_integer(int64_t value) override { return put(Json(value)); }
   bool number_unsigned(uint64_t value) override { return put(Json(value)); }
   bool number_float(double value, const std::string&) override {
-    const bool whole = numbers_ == JsonNumbers::whole_as_integers && std::trunc(value) == value &&
-                       std::abs(value) < 9007199254740992.0;
+    const bool whole =
+        dialect_ == JsonDialect::gltf && std::trunc(value) == value && std::abs(value) < 9007199254740992.0;
     if (!whole) return put(Json(value));
     return value < 0 ? put(Json(int64_t(value))) : put(Json(uint64_t(value)));
   }
@@ -32,6 +32,8 @@ class DocumentBuilder : public nlohmann::json_sax<Json> {
   bool end_array() override { return close(); }
 
   bool key(std::string& name) override {
+    if (passing_over_) return true;
+    if (dialect_ == JsonDialect::gltf && name == "extras") return passing_over_ = true;
     const Json& object = *open_.back();
     if (std::is_same_v<Json, nlohmann::ordered_json> && object.size() >= most_ordered_members)
       return stop(path(), fmt::format("an object has more than {} members", most_ordered_members));
@@ -76,6 +78,10 @@ class DocumentBuilder : public nlohmann::json_sax<Json> {
   }
 
   Json* put(Json value) {
+    if (passing_over_) {
+      if (depth_passed_over_ == 0) passing_over_ = false;  // a value without depth was all there was
+      return &root_;
+    }
     if (open_.empty()) {
       root_ = std::move(value);
       return &root_;
@@ -86,6 +92,10 @@ class DocumentBuilder : public nlohmann::json_sax<Json> {
   }
 
   bool open(Json value) {
+    if (passing_over_) {
+      ++depth_passed_over_;
+      return true;
+    }
     if (open_.size() >= deepest_json)
       return stop("", fmt::format("objects and arrays nest deeper than {} levels", deepest_json));
     Json* placed = put(std::move(value));
@@ -95,30 +105,36 @@ class DocumentBuilder : public nlohmann::json_sax<Json> {
   }
 
   bool close() {
+    if (passing_over_) {
+      passing_over_ = --depth_passed_over_ > 0;
+      return true;
+    }
     open_.pop_back();
     key_ = std::move(keys_.back());
     keys_.pop_back();
     return true;
   }
 
-  JsonNumbers numbers_;
+  JsonDialect dialect_;
   Json root_;
   std::vector<Json*> open_;  // the containers around the parser; a container grows only while it is the innermost one
   std::vector<std::string> keys_;  // the key under which open_[i] stands in its parent
   std::string key_;
+  bool passing_over_ = false;  // the value of `extras`
+  size_t depth_passed_over_ = 0;
   JsonFault fault_;
 };
 
 }  // namespace
 
 template <class Json>
-std::expected<Json, JsonFault> parse_json(std::string_view text, JsonNumbers numbers) {
-  DocumentBuilder<Json> builder(numbers);
+std::expected<Json, JsonFault> parse_json(std::string_view text, JsonDialect dialect) {
+  DocumentBuilder<Json> builder(dialect);
   if (Json::sax_parse(text.begin(), text.end(), &builder)) return builder.take();
   return std::unexpected(builder.fault());
 }
-template std::expected<nlohmann::json, JsonFault> parse_json(std::string_view, JsonNumbers);
-template std::expected<nlohmann::ordered_json, JsonFault> parse_json(std::string_view, JsonNumbers);
+template std::expected<nlohmann::json, JsonFault> parse_json(std::string_view, JsonDialect);
+template std::expected<nlohmann::ordered_json, JsonFault> parse_json(std::string_view, JsonDialect);
 
 Expected<nlohmann::ordered_json> read_json(std::string_view text, const std::string& place) {
   auto json = parse_json<nlohmann::ordered_json>(text);

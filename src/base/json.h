@@ -23,12 +23,13 @@ struct JsonFault {
   std::string path, message;  // path: in the document, "/scenes/0"; empty where the parser knows the byte alone
   bool number_out_of_range = false;
 };
-// whole_as_integers: 1.0 and 1e0 come as integers, which glTF allows as indices and counts.
-enum class JsonNumbers : uint8_t { as_written, whole_as_integers };
+// gltf: 1.0 and 1e0 come as integers, which glTF allows as indices and counts, and values of `extras`, which are the
+// applications' own, are passed over however deep they nest.
+enum class JsonDialect : uint8_t { plain, gltf };
 
 // For nlohmann::json and nlohmann::ordered_json.
 template <class Json>
-std::expected<Json, JsonFault> parse_json(std::string_view text, JsonNumbers numbers = JsonNumbers::as_written);
+std::expected<Json, JsonFault> parse_json(std::string_view text, JsonDialect dialect = JsonDialect::plain);
 
 // Errors (input) name `place` and the path in the document: "suite.json: /scenes/0: ...".
 Expected<nlohmann::ordered_json> read_json(std::string_view text, const std::string& place);

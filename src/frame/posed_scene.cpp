@@ -8,7 +8,7 @@
 namespace candela {
 
 Expected<Scene> load_scene(const Job& job, LoadFor use) {
-  auto scene = load_gltf(job.scene, {use, job.variant});
+  auto scene = load_gltf(job.scene, {use, job.variant, job.animation != "none"});
   if (scene) apply_cut_outs(*scene, job.cut_outs);
   if (scene) turn_up(*scene, job.up);
   if (scene) apply_shading(*scene, job.shading);

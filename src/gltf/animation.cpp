@@ -172,7 +172,7 @@ std::set<std::string> animated_pointers(const Document& document) {
   return out;
 }
 
-void import_animations(Document& document, Scene& scene) {
+void import_animations(Document& document, bool needed, Scene& scene) {
   const Json* animations = member(document.json, "animations");
   if (!animations) return;
   for (size_t a = 0; a < animations->size(); ++a) {
@@ -180,7 +180,13 @@ void import_animations(Document& document, Scene& scene) {
     Animation animation;
     animation.name = text(document, json, "name", "", fmt::format("/animations/{}", a));
     const Json* channels = member(json, "channels");
-    for (size_t c = 0; channels && c < channels->size(); ++c) import_channel(document, scene, json, a, c, animation);
+    try {
+      for (size_t c = 0; channels && c < channels->size(); ++c) import_channel(document, scene, json, a, c, animation);
+    } catch (const Failure& failure) {
+      if (needed) throw;
+      document.warnings.push_back(failure.error.text() + "; no animation plays");
+      animation.channels.clear(), animation.end_s = 0;
+    }
     scene.animations.push_back(std::move(animation));
   }
 }

@@ -87,12 +87,13 @@ std::string light_named_by(const Json& json, const std::string& path) {
 
 // What is wrong with parts that the scene does not use is no reason to refuse it: they are blanked and become warnings.
 // The checks stop at the first group of parts that has a fault, so they begin again.
-std::vector<Finding> without_unused_faults(Document& document, const GltfParts& parts, std::vector<Finding>& warnings) {
+std::vector<Finding> without_unused_faults(Document& document, const GltfParts& parts, bool animated,
+                                           std::vector<Finding>& warnings) {
   std::vector<Finding> found = validate_gltf(document.json, parts);
   // Of lights the reader refuses what the checks only warn of.
   const auto may_refuse = [](const Finding& finding) { return finding.fatal || finding.path.starts_with(lights_path); };
   if (std::ranges::none_of(found, may_refuse)) return found;
-  const UsedParts used(document.json);
+  const UsedParts used(document.json, animated);
   constexpr int most_rounds = 16;
   for (int round = 0; round < most_rounds; ++round) {
     std::set<std::string> unused;
@@ -108,8 +109,8 @@ std::vector<Finding> without_unused_faults(Document& document, const GltfParts& 
   return found;
 }
 
-void validate(Document& document, const GltfParts& parts, std::vector<Finding>& findings) {
-  const std::vector<Finding> more = without_unused_faults(document, parts, findings);
+void validate(Document& document, const GltfParts& parts, bool animated, std::vector<Finding>& findings) {
+  const std::vector<Finding> more = without_unused_faults(document, parts, animated, findings);
   findings.insert(findings.end(), more.begin(), more.end());
   for (const Finding& finding : findings)
     if (finding.fatal)
@@ -135,7 +136,8 @@ void Document::charge(size_t count, size_t size, const std::string& path) {
   bytes_expanded = sum;
 }
 
-Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder) {
+Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder,
+                       bool animated) {
   Document document;
   document.name = name;
   document.folder = folder;
@@ -148,7 +150,7 @@ Document open_document(std::span<const std::byte> bytes, const std::string& name
   document.json = std::move(*json);
   const std::vector<Finding> repairs = repair_gltf(document.json);
   findings.insert(findings.end(), repairs.begin(), repairs.end());
-  validate(document, *parts, findings);
+  validate(document, *parts, animated, findings);
   parse_core(document);
   check_version(document);
   document.binary = parts->binary;

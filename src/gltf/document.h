@@ -57,7 +57,9 @@ struct Document {
 };
 
 // Splits, parses and validates; then tinygltf. `bytes` must outlive the document. Throws Failure.
-Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder);
+// animated: as LoadOptions has it.
+Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder,
+                       bool animated = true);
 // A buffer view's bytes; decompressed where it says so (meshopt.h).
 std::span<const std::byte> view_bytes(Document& document, int view, const std::string& path);
 

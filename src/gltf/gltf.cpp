@@ -29,7 +29,7 @@ Scene import_scene(gltf::Document& document, const LoadOptions& options) {
   gltf::import_lights(document, scene);
   gltf::import_nodes(document, scene);
   gltf::import_skins(document, scene);
-  gltf::import_animations(document, scene);
+  gltf::import_animations(document, options.animated, scene);
   gltf::check_animated_lights(document, scene);
   scene.files = std::move(document.files);
   scene.warnings = std::move(document.warnings);
@@ -60,7 +60,7 @@ Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const st
                                       const std::filesystem::path& folder, const LoadOptions& options) {
   std::set<std::string> earlier;
   try {
-    gltf::Document document = gltf::open_document(bytes, name, folder);
+    gltf::Document document = gltf::open_document(bytes, name, folder, options.animated);
     gltf::note_named_files(document);
     earlier = document.finding_codes;
     Scene scene = import_scene(document, options);

@@ -14,8 +14,10 @@ namespace candela {
 enum class LoadFor : uint8_t { raster, direct_tracing, path_tracing };
 struct LoadOptions {
   LoadFor use;
-  std::string variant;  // of materials (KHR_materials_variants); empty: what primitives have without one
-  LoadOptions(LoadFor use = LoadFor::raster, std::string variant = {}) : use(use), variant(std::move(variant)) {}
+  std::string variant;   // of materials (KHR_materials_variants); empty: what primitives have without one
+  bool animated = true;  // false: no animation is going to play, and what is wrong with them is no fault
+  LoadOptions(LoadFor use = LoadFor::raster, std::string variant = {}, bool animated = true)
+      : use(use), variant(std::move(variant)), animated(animated) {}
 };
 
 // Loads .gltf (files, base64) or .glb. Everything is checked before it is used: every index, every byte range, every

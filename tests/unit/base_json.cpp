@@ -14,7 +14,7 @@ TEST(Json, KeepsOrderAndNumbersAsTheyAreWritten) {
   const auto json = read_json(R"({"b": 1.0, "a": [1, -2, 1e3, true, null, "x"]})", "a.json");
   ASSERT_TRUE(json) << json.error().text();
   EXPECT_EQ(json->dump(), R"({"b":1.0,"a":[1,-2,1000.0,true,null,"x"]})");
-  EXPECT_TRUE(parse_json<nlohmann::json>("1.0", JsonNumbers::whole_as_integers)->is_number_integer());
+  EXPECT_TRUE(parse_json<nlohmann::json>("1.0", JsonDialect::gltf)->is_number_integer());
 }
 
 TEST(Json, WhatIsRefusedIsNamedWithItsPlace) {

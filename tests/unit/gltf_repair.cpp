@@ -181,6 +181,35 @@ TEST(GltfRepair, UnusedPartsAreNotLookedAt) {
   EXPECT_FALSE(b.load());
 }
 
+// Animations that nobody plays are no reason to refuse a file, whether the checks or the reader find them broken.
+TEST(GltfRepair, AnimationsThatDoNotPlayAreNotLookedAt) {
+  for (const bool by_reader : {false, true}) {
+    GltfBuilder b = triangle_file();
+    const int input = b.accessor<float>("SCALAR", {0, std::numeric_limits<float>::quiet_NaN()});
+    const int output = b.accessor<float>("VEC3", {0, 0, 0, 2, 0, 0});
+    b.json["animations"] = {{{"samplers", {{{"input", input}, {"output", by_reader ? output : 77}}}},
+                             {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+    EXPECT_FALSE(b.load());
+    const Expected<Scene> still = b.load({LoadFor::raster, "", false});
+    ASSERT_TRUE(still) << still.error().text();
+    ASSERT_EQ(still->animations.size(), 1u);
+    EXPECT_TRUE(still->animations[0].channels.empty());
+    EXPECT_FALSE(still->warnings.empty());
+  }
+}
+
+// Values of `extras` are passed over, however deep; what stands behind them is read.
+TEST(GltfRepair, ExtrasArePassedOver) {
+  const std::string depth = std::string(100000, '[') + std::string(100000, ']');
+  const std::string text = R"({"extras": )" + depth + R"(, "asset": {"version": "2.0", "extras": 5, "generator": "g"},
+    "nodes": [{"extras": {"a": {"a": 1, "a": 2}}, "name": "n"}], "scenes": [{"nodes": [0], "extras": []}], "scene": 0})";
+  const Expected<Scene> scene = load_gltf_from_memory(std::as_bytes(std::span(text)), "deep.gltf", "");
+  ASSERT_TRUE(scene) << scene.error().text();
+  EXPECT_EQ(scene->nodes.at(0).name, "n");
+  const std::string broken = R"({"extras": )" + depth + "]";
+  EXPECT_FALSE(load_gltf_from_memory(std::as_bytes(std::span(broken)), "deep.gltf", ""));
+}
+
 TEST(GltfRepair, VersionsOfThreeNumbersAreRead) {
   GltfBuilder b = triangle_file();
   b.json["asset"]["version"] = "2.0.1";

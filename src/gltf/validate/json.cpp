@@ -8,7 +8,7 @@ Expected<nlohmann::json> parse_gltf_json(std::span<const std::byte> bytes, const
   if (text.starts_with("\xEF\xBB\xBF"))
     return fail(ErrorKind::input, name,
                 "the JSON starts with a byte order mark, which glTF forbids; remove it (INVALID_JSON)");
-  auto json = parse_json<nlohmann::json>(text, JsonNumbers::whole_as_integers);
+  auto json = parse_json<nlohmann::json>(text, JsonDialect::gltf);
   if (json) return std::move(*json);
   const JsonFault& fault = json.error();
   return fail(ErrorKind::input, fault.path.empty() ? name : name + ": " + fault.path, "{} ({})", fault.message,

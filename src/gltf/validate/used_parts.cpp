@@ -82,7 +82,7 @@ void UsedParts::add_ancestors(const Json& document) {
       if (n = parent->second; !used.insert(n).second) break;
 }
 
-UsedParts::UsedParts(const Json& document) {
+UsedParts::UsedParts(const Json& document, bool animated) : animated_(animated) {
   const Json& scene = item_of(elements(document, "scenes"), integer(document, "scene", 0));
   const Json& roots = elements(scene, "nodes");
   all_ = !scene.is_object();
@@ -100,7 +100,9 @@ UsedParts::UsedParts(const Json& document) {
 
 bool UsedParts::uses(std::string_view path) const {
   const auto part = part_of(path);
-  if (all_ || !part) return true;
+  if (!part) return true;
+  if (part->first == "animations") return animated_;
+  if (all_) return true;
   constexpr std::string_view kinds[] = {"nodes", "meshes", "materials", "textures", "cameras", "skins", "lights"};
   if (std::ranges::find(kinds, part->first) == std::end(kinds)) return true;
   const auto found = parts_.find(part->first);
@@ -121,6 +123,8 @@ void blank_part(Json& document, std::string_view path) {
     blank = {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}};
   else if (part->first == "skins")
     blank = {{"joints", {0}}};
+  else if (part->first == "animations")
+    blank = {{"channels", Json::array()}, {"samplers", Json::array()}};
   else
     blank = Json::object();
 }

@@ -14,7 +14,8 @@ inline constexpr std::string_view lights_path = "/extensions/KHR_lights_punctual
 // materials (of all variants) and their textures. What is wrong with others cannot show.
 class UsedParts {
  public:
-  explicit UsedParts(const nlohmann::json& document);
+  // animated: animations are used, too.
+  UsedParts(const nlohmann::json& document, bool animated);
   // Of a JSON pointer into the document. Parts of other kinds (accessors, animations, ...) are always used.
   bool uses(std::string_view path) const;
 
@@ -22,7 +23,7 @@ class UsedParts {
   void add_node(const nlohmann::json& document, int64_t node);
   void add_ancestors(const nlohmann::json& document);
   std::map<std::string, std::set<int64_t>, std::less<>> parts_;
-  bool all_ = false;
+  bool all_ = false, animated_;
 };
 
 // Puts something harmless in the place of an unused part, so that the indices of others stay.

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "gltf/textures.h"
+#include "gltf/validate/used_parts.h"
 #include "scene/blinn_phong.h"
 #include "scene/material_table.h"
 #include "scene/shading.h"
@@ -344,6 +345,17 @@ void choose_uv_sets(Document& document, int index, Material& material) {
   });
 }
 
+// What cannot be read is the default material where no surface shows it.
+Material read_if_used(Importer& importer, Document& document, const std::string& path, const Json& json) {
+  try {
+    return importer.read(json, path);
+  } catch (const Failure& failure) {
+    if (UsedParts(document.json, false).uses(path)) throw;
+    document.warn(path, "{}; the scene does not use it", failure.error.message);
+    return {};
+  }
+}
+
 }  // namespace
 
 void import_materials(Document& document, const std::set<std::string>& pointers, LoadFor use, Scene& scene) {
@@ -352,7 +364,7 @@ void import_materials(Document& document, const std::set<std::string>& pointers,
   Importer importer{document, pointers, use, scene, std::vector<bool>(images ? images->size() : 0), {}};
   if (const Json* materials = member(document.json, "materials"))
     for (size_t i = 0; i < materials->size(); ++i) {
-      scene.materials.push_back(importer.read((*materials)[i], fmt::format("/materials/{}", i)));
+      scene.materials.push_back(read_if_used(importer, document, fmt::format("/materials/{}", i), (*materials)[i]));
       choose_uv_sets(document, int(i), scene.materials.back());
     }
   import_images(document, importer.image_used, scene);

@@ -53,9 +53,9 @@ struct Part {
 // A constant alpha below the cutoff; vertex colours and textures only lower it.
 bool is_cut_away(const Material& m) { return m.alpha_mode == AlphaMode::mask && m.base_color.w < m.alpha_cutoff; }
 
-bool counts(const Scene& scene, const Pose& pose, const MeshSection& section) {
+const Material& material_of(const Scene& scene, const Pose& pose, const MeshSection& section) {
   const bool own = section.material >= 0 && size_t(section.material) < pose.materials.size();
-  return !is_cut_away(own ? pose.materials[size_t(section.material)] : scene.default_material);
+  return own ? pose.materials[size_t(section.material)] : scene.default_material;
 }
 
 using EachPose = std::function<void(const std::function<void(const Pose&)>&)>;
@@ -100,13 +100,28 @@ Posing posing_of(const Scene& scene, const Pose& pose, const DrawnSections& draw
   return posing;
 }
 
-std::vector<uint32_t> used_vertices(const MeshSection& section) {
+// Vertices of what is drawn. Of masked surfaces the triangles whose vertex colours keep them below the cutoff are left
+// out: alpha is linear between vertices, and textures only lower it.
+std::vector<uint32_t> used_vertices(const MeshSection& section, const Material& material) {
+  const bool masked = material.alpha_mode == AlphaMode::mask && section.color.size() == section.position.size();
+  const auto is_kept = [&](uint32_t v) {
+    return v < section.position.size() &&
+           (!masked || section.color[v].w * material.base_color.w >= material.alpha_cutoff);
+  };
+  const size_t count = section.index.empty() ? section.position.size() : section.index.size();
+  const size_t corners = section.topology == Topology::triangles ? 3 : section.topology == Topology::lines ? 2 : 1;
   std::vector<bool> used(section.position.size());
-  for (const uint32_t v : section.index)
-    if (v < used.size()) used[v] = true;
+  const auto vertex = [&](size_t i) { return section.index.empty() ? uint32_t(i) : section.index[i]; };
+  for (size_t first = 0; first < count; first += corners) {
+    const size_t end = std::min(first + corners, count);
+    bool kept = false;
+    for (size_t i = first; i < end; ++i) kept = kept || is_kept(vertex(i));
+    for (size_t i = first; kept && i < end; ++i)
+      if (vertex(i) < used.size()) used[vertex(i)] = true;
+  }
   std::vector<uint32_t> vertices;
   for (size_t v = 0; v < used.size(); ++v)
-    if (used[v] || section.index.empty()) vertices.push_back(uint32_t(v));
+    if (used[v]) vertices.push_back(uint32_t(v));
   return vertices;
 }
 
@@ -173,7 +188,7 @@ std::map<Part, DAabb> boxes_of_parts(const Scene& scene, const EachPose& each_po
     each_drawn(scene, drawn, [&](size_t n, size_t s) {
       const Part part{n, s};
       const MeshSection& section = section_of(scene, part);
-      if (!counts(scene, pose, section)) return;
+      if (is_cut_away(material_of(scene, pose, section))) return;
       const SectionDeformation deformation = drawn.deformation_of(section, n);
       for (const glm::dmat4& world : posing_of(scene, pose, drawn, part, deformation).instances)
         if (const DAabb box = drawn.bounds_of(section, n, deformation, world); is_finite(box)) boxes[part].add(box);
@@ -282,7 +297,7 @@ class Walk {
     DrawnSections drawn(scene_, pose, glm::dmat4(1.0));
     each_drawn(scene_, drawn, [&](size_t n, size_t s) {
       const Part part{n, s};
-      if (!counts(scene_, pose, section_of(scene_, part)))
+      if (is_cut_away(material_of(scene_, pose, section_of(scene_, part))))
         cut_away_ = true;
       else if (!without_.contains(part))
         add(pose, drawn, part, outlines);
@@ -298,7 +313,7 @@ class Walk {
     Posing& before = before_[part];
     if (before == posing) return;
     std::vector<uint32_t>& vertices = vertices_[&section];
-    if (vertices.empty()) vertices = used_vertices(section);
+    if (vertices.empty()) vertices = used_vertices(section, material_of(scene_, pose, section));
     for (const glm::dmat4& world : posing.instances) {
       const DAabb box = drawn.bounds_of(section, part.node, deformation, world);
       if (!is_finite(box) || !outlines.contain(box)) add_vertices(outlines, section, vertices, posing, world);

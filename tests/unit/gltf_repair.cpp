@@ -172,13 +172,16 @@ TEST(GltfRepair, UnusedPartsAreNotLookedAt) {
   b.json["scenes"].push_back({{"nodes", {1}}});
   b.json["nodes"].push_back({{"mesh", 1}, {"camera", 5}});
   b.json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", 99}}}}}}});
-  b.json["materials"] = {{{"alphaMode", 7}}, {{"pbrMetallicRoughness", {{"roughnessFactor", "all"}}}}};
+  // The checks find the first two, the reader the third.
+  b.json["materials"] = {{{"alphaMode", 7}}, {{"pbrMetallicRoughness", {{"roughnessFactor", "all"}}}}, {{"name", 7}}};
   b.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "lamp"}}};
   const Scene scene = loaded(b);
   EXPECT_EQ(scene.meshes[0].sections.size(), 1u);
   EXPECT_TRUE(warns(scene, "the scene does not use it"));
-  b.json["meshes"][0]["primitives"][0]["material"] = 1;
-  EXPECT_FALSE(b.load());
+  for (const int used : {1, 2}) {
+    b.json["meshes"][0]["primitives"][0]["material"] = used;
+    EXPECT_FALSE(b.load());
+  }
 }
 
 // Animations that nobody plays are no reason to refuse a file, whether the checks or the reader find them broken.

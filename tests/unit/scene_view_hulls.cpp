@@ -147,6 +147,12 @@ TEST(ViewHulls, SurroundingsDoNotCount) {
   EXPECT_TRUE(same(masked));
   masked.materials[0].base_color.w = 0.7f;
   EXPECT_FALSE(same(masked));
+  // By vertex colours: triangles of which no vertex reaches the cutoff.
+  MeshSection& section = masked.meshes[1].sections[0];
+  section.color.assign(section.position.size(), glm::vec4(1, 1, 1, 0.7f));
+  EXPECT_TRUE(same(masked));
+  section.color.assign(section.position.size(), glm::vec4(1, 1, 1, 0.8f));
+  EXPECT_FALSE(same(masked));
 }
 
 // One camera for a film: the same at all times, with all times in view; what follows moves.

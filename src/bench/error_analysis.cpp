@@ -32,18 +32,17 @@ void fit_order(KnobStudy& study) {
   if (study.fit.points >= 2) study.r_squared = r_squared(study.fit, x, y);
 }
 
-bool surely_quicker(const BenchRow& a, const BenchRow& b) { return order_of_times(a, b) == Order::less; }
-
-bool no_worse(const BenchRow& a, const BenchRow& b, const std::string& reference, const std::string& metric) {
-  const Order order = order_of_errors(a, b, reference, metric);
-  return order == Order::less || order == Order::equal;
+ComparedRows compared_values(const KnobStudy& study) {
+  std::vector<const BenchRow*> rows;
+  for (const KnobStudy::Value& v : study.values) rows.push_back(v.row);
+  return ComparedRows(rows);
 }
 
-void find_dominated(KnobStudy& study) {
+void find_dominated(KnobStudy& study, ComparedRows& compared) {
   for (KnobStudy::Value& v : study.values)
     for (const KnobStudy::Value& other : study.values)
-      if (!v.dominated && surely_quicker(*other.row, *v.row) &&
-          no_worse(*other.row, *v.row, exact_reference, "relmse")) {
+      if (!v.dominated && compared.quicker(*other.row, *v.row) &&
+          compared.no_worse(*other.row, *v.row, exact_reference, "relmse")) {
         v.dominated = true;
         v.verdict = "no: " + other.text + " is quicker and no worse";
       }
@@ -51,11 +50,12 @@ void find_dominated(KnobStudy& study) {
 
 // Of values that all give the same picture: the one that presets take, unless another is surely quicker.
 void judge_times(KnobStudy& study) {
-  find_dominated(study);
+  ComparedRows compared = compared_values(study);
+  find_dominated(study, compared);
   const KnobStudy::Value* best = &study.values.back();
   for (KnobStudy::Value& v : study.values) {
     if (!v.dominated) v.verdict = "not distinguishable: no other is surely quicker";
-    if (surely_quicker(*v.row, *best->row)) best = &v;
+    if (compared.quicker(*v.row, *best->row)) best = &v;
   }
   study.advised = best->text;
 }
@@ -69,13 +69,15 @@ void judge_values(KnobStudy& study, std::optional<double> model_relmse) {
     for (KnobStudy::Value& v : study.values) v.verdict = "changes nothing in this picture";
     return;
   }
-  find_dominated(study);
+  ComparedRows compared = compared_values(study);
+  find_dominated(study, compared);
   const KnobStudy::Value* best = nullptr;
   for (KnobStudy::Value& v : study.values) {
     const bool hidden = model_relmse ? v.relmse <= 0.1 * *model_relmse : v.relmse == 0;
     if (!v.dominated) v.verdict = hidden ? "its error is hidden under the technique's own" : "its error shows";
     if (!hidden) continue;
-    if (!best || surely_quicker(*v.row, *best->row) || (!surely_quicker(*best->row, *v.row) && v.relmse < best->relmse))
+    if (!best || compared.quicker(*v.row, *best->row) ||
+        (!compared.quicker(*best->row, *v.row) && v.relmse < best->relmse))
       best = &v;
   }
   if (best) study.advised = best->text;
@@ -126,6 +128,12 @@ std::optional<double> error_of(const BenchRow& row, const std::string& reference
   return found != error->metrics.end() && std::isfinite(found->second) ? std::optional(found->second) : std::nullopt;
 }
 
+std::string truth_of(const BenchRow& row) {
+  if (!row.truth.empty()) return row.truth;
+  const bool shadowed = row.effects != "none" && error_against(row, "direct");
+  return shadowed ? "direct" : open_reference_name;
+}
+
 std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference,
                                      const std::string& metric) {
   using Standing = ErrorPoint::Standing;
@@ -134,10 +142,11 @@ std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, cons
     if (const auto error = error_of(*row, reference, metric))
       points.push_back({row, median_ms(*row), *error, median_interval(row->gpu.ms),
                         error_interval(*error_against(*row, reference), metric)});
+  ComparedRows compared(rows);
   for (ErrorPoint& p : points)
     for (const ErrorPoint& q : points) {
       if (&p == &q || p.standing == Standing::dominated) continue;
-      const bool sure = surely_quicker(*q.row, *p.row) && no_worse(*q.row, *p.row, reference, metric);
+      const bool sure = compared.quicker(*q.row, *p.row) && compared.no_worse(*q.row, *p.row, reference, metric);
       const bool seems = q.ms <= p.ms && q.error <= p.error && (q.ms < p.ms || q.error < p.error);
       if (sure || (seems && p.standing == Standing::front))
         p.standing = sure ? Standing::dominated : Standing::unclear, p.by = q.row;
@@ -193,16 +202,23 @@ const SettingPoint* cheapest(std::span<const SettingPoint> settings, double most
   const SettingPoint* named = nullptr;
   for (const SettingPoint& s : settings)
     if (s.row->settings.empty() && s.error <= best->error && s.error_ci.high <= most &&
-        !surely_quicker(*best->row, *s.row) && cheaper(s, named))
+        order_of_times(*best->row, *s.row).order != Order::less && cheaper(s, named))
       named = &s;
   return named ? named : best;
 }
 
-const SettingPoint* most_exact(std::span<const SettingPoint> settings, double most_ms) {
+const SettingPoint* most_exact(std::span<const SettingPoint> settings, double most_ms, const std::string& reference,
+                               const std::string& metric) {
   const SettingPoint* best = nullptr;
   for (const SettingPoint& s : settings)
     if (s.ms_ci.high <= most_ms && (!best || std::pair(s.error, s.ms) < std::pair(best->error, best->ms))) best = &s;
-  return best;
+  if (!best) return best;
+  const SettingPoint* quickest = best;
+  for (const SettingPoint& s : settings)
+    if (s.ms_ci.high <= most_ms && s.ms < quickest->ms &&
+        order_of_errors(*best->row, *s.row, reference, metric).order != Order::less)
+      quickest = &s;
+  return quickest;
 }
 
 std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference,
@@ -275,8 +291,8 @@ std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows) {
     const BenchRow* exact = exact_row(rows, study.technique);
     // Trimmed: a firefly of the technique's must not hide what a knob does everywhere else.
     std::optional<double> model;
-    if (exact) model = error_of(*exact, open_reference_name, "relmse-trimmed");
-    if (exact && !model) model = error_of(*exact, open_reference_name, "relmse");
+    if (exact) model = error_of(*exact, truth_of(*exact), "relmse-trimmed");
+    if (exact && !model) model = error_of(*exact, truth_of(*exact), "relmse");
     judge_values(study, model);
   }
   return studies;

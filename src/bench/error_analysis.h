@@ -18,6 +18,9 @@ std::string error_setting(const BenchRow& row);
 // The same with what plans the same work: "clustered, quality draft = forward-plus, quality draft".
 std::string error_names(const BenchRow& row);
 const PictureError* error_against(const BenchRow& row, const std::string& reference);
+// The reference that a row is judged by: the one it names; of files that name none, `direct` unless the row leaves out
+// all effects or was not compared with it.
+std::string truth_of(const BenchRow& row);
 // nullopt where the row was not measured or not compared, or the value is not finite.
 std::optional<double> error_of(const BenchRow& row, const std::string& reference, const std::string& metric);
 
@@ -45,8 +48,9 @@ std::vector<SettingPoint> setting_points(std::span<const BenchRow* const> rows, 
 // The cheapest setting whose error is surely no more than `most` (the upper end of its interval): the one and only
 // choice, of the report and of a render. A quality is taken rather than one knob of it that is not surely quicker.
 const SettingPoint* cheapest(std::span<const SettingPoint> settings, double most);
-// The most exact that surely takes no longer.
-const SettingPoint* most_exact(std::span<const SettingPoint> settings, double most_ms);
+// The most exact that surely takes no longer; of those whose errors cannot be told apart from its, the quickest.
+const SettingPoint* most_exact(std::span<const SettingPoint> settings, double most_ms, const std::string& reference,
+                               const std::string& metric);
 
 // "for relmse below 0.01 against direct the cheapest setting is ...", or that none reaches it; empty where nothing was
 // measured against it.

@@ -11,12 +11,22 @@ namespace candela {
 struct ErrorSweepOptions {
   Suite base;  // scenes, lights, sizes, times, techniques and sampling; its knobs and qualities are not asked
   TruthLimits truth;
-  std::optional<ExposureRange> exposures;  // of hdr-flip; nullopt: from the first traced reference of each place
+  std::optional<ExposureRange> exposures;  // of hdr-flip; nullopt: from the traced reference of each place
+  std::vector<BenchRow> kept;              // of an earlier run: what they measured is not measured again
 };
 
-// Rows of all places, each with an error against each reference over the place's views; those of one place are measured
-// in interleaved rounds, each sample a frame of every view.
+// Rows of all places, each with an error against each reference over the place's views.
+//
+// Without a budget: everything, exact ends first; rows of one place are measured in interleaved rounds, each sample a
+// frame of every view. With Suite::budget_s, which holds for all of it: in the order of use, until the time is over.
+// First the chosen technique's qualities, against the one traced reference that holds what it draws; then its knobs a
+// step from quality high, those that carry most error first, as small pictures show (error_screen.h); then the other
+// techniques; then the exact ends and the knobs' walks. Each row is timed when it is opened, beside the first row, which
+// is measured again and again; what time is left goes into rounds. A frame that was begun is finished.
+//
+// progress gets all rows so far after each one.
 Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSettings& settings,
-                                   const std::function<bool()>& stop);
+                                   const std::function<bool()>& stop,
+                                   const std::function<void(const BenchRun&)>& progress = {});
 
 }  // namespace candela

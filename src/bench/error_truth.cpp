@@ -1,5 +1,8 @@
 #include "bench/error_truth.h"
 
+#include <algorithm>
+#include <optional>
+
 #include "base/files.h"
 #include "base/log.h"
 #include "bench/error_parts.h"
@@ -69,7 +72,7 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const Trut
   };
   if (kept < limits.spp)
     reference::refine(
-        film, integrator, {.spp = limits.spp, .seconds = limits.seconds},
+        film, integrator, {.spp = limits.spp, .seconds = limits.seconds, .noise = std::sqrt(limits.noise)},
         [&](const reference::Progress&) { return !stop || !stop(); },
         [&] {
           if (process_clock_us() - saved_us > save_every_us) save();
@@ -86,27 +89,71 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const Trut
     return reference_image(film, frame, job, settings_json(settings, {}), with, std::nullopt, {});
   };
   truth.image = image({"variance"});
-  truth.divided = image(layers);
+  if (limits.with_parts) truth.divided = image(layers);
 }
 
 }  // namespace
 
 std::vector<std::string> error_reference_names() { return {exact_reference, open_reference_name, "direct", "path"}; }
 
-std::vector<Truth> traced_truths(const Job& job, double time_s, const TruthLimits& limits,
-                                 const std::function<bool()>& stop) {
-  std::vector<Truth> truths;
-  for (const std::string& name : error_reference_names())
-    if (name != exact_reference) truths.push_back({.name = name});
-  auto frame = open_reference(job, time_s, {});
-  for (Truth& truth : truths) {
-    // The last: paths go through what the others take as opaque.
-    if (truth.name == "path" && frame && has_transmission((*frame)->scene()))
-      frame = open_reference(job, time_s, {}, reference::Mode::path);
-    if (frame)
-      trace(truth, **frame, job, limits, stop);
-    else
-      truth.failed = frame.error().text();
+namespace {
+
+// Light goes through its surfaces, which `direct` takes for opaque.
+bool lets_light_through(const Scene& scene) {
+  return std::ranges::any_of(scene.materials, [](const Material& m) {
+    return m.has(Lobe::transmission) || m.has(Lobe::diffuse_transmission) || m.has(Lobe::scattering);
+  });
+}
+
+using LoadedScene = Expected<std::shared_ptr<const ReferenceScene>>;
+
+// A scene as each reference takes it, read once.
+class TruthScenes {
+ public:
+  explicit TruthScenes(const Job& job) : job_(job), opaque_(load_reference(job, reference::Mode::direct)) {}
+  const LoadedScene& of(reference::Mode mode) {
+    if (mode == reference::Mode::direct) return opaque_;
+    if (!see_through_) see_through_ = load_reference(job_, mode);
+    return *see_through_;
+  }
+  reference::Mode mode_of(const std::string& name) const {
+    const bool through = name == "path" && opaque_ && lets_light_through((*opaque_)->scene);
+    return through ? reference::Mode::path : reference::Mode::direct;
+  }
+
+ private:
+  const Job& job_;
+  LoadedScene opaque_;
+  std::optional<LoadedScene> see_through_;
+};
+
+}  // namespace
+
+std::string claimed_reference(const Job& job, const Scene& scene) {
+  const bool shadowed = job.effects == "auto" || job.effects.find("shadow") != std::string::npos ||
+                        job.effects.find("occlusion") != std::string::npos;
+  return lets_light_through(scene) ? "path" : shadowed ? "direct" : open_reference_name;
+}
+
+std::vector<std::vector<Truth>> traced_truths(const Job& job, const std::vector<TruthView>& views,
+                                              const std::vector<std::string>& names, const TruthLimits& limits,
+                                              const std::function<bool()>& stop) {
+  std::vector<std::vector<Truth>> truths(views.size());
+  TruthScenes scenes(job);
+  for (size_t v = 0; v < views.size(); ++v) {
+    Job of_view = job;
+    of_view.camera = views[v].camera;
+    for (const std::string& name : names) {
+      Truth& truth = truths[v].emplace_back(Truth{.name = name});
+      const reference::Mode mode = scenes.mode_of(name);
+      const LoadedScene& loaded = scenes.of(mode);
+      const auto frame = loaded ? pose_reference(*loaded, of_view, views[v].time_s, {}, mode)
+                                : std::unexpected(loaded.error());
+      if (frame)
+        trace(truth, **frame, of_view, limits, stop);
+      else
+        truth.failed = frame.error().text();
+    }
   }
   return truths;
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,9 +29,32 @@ PictureError error_over(std::vector<PictureError> views);
 Interval error_interval(const PictureError& error, const std::string& metric);
 
 // Which of two rows of the same run has less error: by pairs of views, which share reference and noise; where there are
-// too few views for that, by intervals that do not meet.
-Order order_of_errors(const BenchRow& a, const BenchRow& b, const std::string& reference, const std::string& metric);
-// Which takes less GPU time: by pairs of rounds; of different runs by intervals that do not meet.
-Order order_of_times(const BenchRow& a, const BenchRow& b);
+// too few views for that, by intervals that do not meet. No difference is sure that is less than three times what the
+// reference's noise makes of relmse. most_p: as paired_order() has it.
+Decision order_of_errors(const BenchRow& a, const BenchRow& b, const std::string& reference, const std::string& metric,
+                         double most_p = sure_p);
+
+// What rows of one run say of how its times vary.
+TimeNoise time_noise(std::span<const BenchRow* const> rows);
+// Which takes less GPU time: by pairs of rounds; where there are too few, by the least samples and the noise of the run;
+// of different runs by intervals that do not meet.
+Decision order_of_times(const BenchRow& a, const BenchRow& b, const TimeNoise& noise = {}, double most_p = sure_p);
+
+// Rows that are compared with each other: what is sure of each pair, when all pairs are asked.
+class ComparedRows {
+ public:
+  explicit ComparedRows(std::span<const BenchRow* const> rows);
+  bool quicker(const BenchRow& a, const BenchRow& b) const;
+  bool no_worse(const BenchRow& a, const BenchRow& b, const std::string& reference, const std::string& metric);
+
+ private:
+  std::vector<const BenchRow*> rows_;
+  TimeNoise noise_;
+  double most_time_p_ = sure_p;
+  std::map<std::pair<std::string, std::string>, double> most_error_p_;  // by reference and metric
+};
+
+// That the row which was measured again and again became slower or quicker, with how much; empty where it did not.
+std::string clock_change(std::span<const BenchRow* const> rows);
 
 }  // namespace candela

@@ -9,6 +9,7 @@
 #include "bench/error_views.h"
 #include "frame/job_look.h"
 #include "frame/plan_frame.h"
+#include "frame/session.h"
 #include "gltf/gltf.h"
 
 namespace candela {
@@ -18,21 +19,6 @@ std::string place_of(const Configuration& c) {
   return fmt::format("{}\n{}\n{}\n{}x{}\n{:a}\n{}\n{}\n{}\n{}\n{}", c.scene.label, c.seed, c.lights.value_or(-1),
                      c.job.width_px, c.job.height_px, c.time_s, c.scene.camera.camera, c.scene.sky.label,
                      c.scene.look.label, c.job.effects, c.job.transparency);
-}
-
-template <class T>
-std::string_view bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-// Of all that knobs decide about a frame's work.
-Hash128 work_of(const PlannedFrame& f) {
-  std::string work = plan_hash(f.graph.plan).hex();
-  work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
-  for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
-                                       bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
-    work += fmt::format("{} ", bytes.size()), work += bytes;
-  return hash128(work);
 }
 
 class Walker {
@@ -114,8 +100,9 @@ class Walker {
       const auto planned = plan_frame(job, PlanContext{scene_, layout_, &sky_},
                                       {.linear = true, .display = whole_.output == "both"}, view.time_s);
       if (!planned) return std::unexpected(planned.error());
-      all += work_of(*planned).hex();
-      for (const PlanPass& pass : planned->graph.plan.passes) work.passes.emplace(pass.pass());
+      const FrameWork of_view = work_of(*planned);
+      all += of_view.hash.hex();
+      work.passes.insert(of_view.passes.begin(), of_view.passes.end());
     }
     work.hash = hash128(all);
     return work;
@@ -221,9 +208,8 @@ class Walker {
   std::map<std::string, Work> beside_;                 // of the technique at hand, by the settings
 };
 
-}  // namespace
-
-Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& store) {
+// What a sweep asks of all places.
+Suite whole_suite(const Suite& base) {
   Suite whole = base;
   whole.set.clear();
   whole.qualities = {"exact", "draft", "normal", "high"};
@@ -238,6 +224,13 @@ Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& st
       if (name != first) whole.techniques.push_back({name, {}});
   }
   for (SuiteTechnique& technique : whole.techniques) technique.set.clear();
+  return whole;
+}
+
+}  // namespace
+
+Expected<std::vector<SweepPlace>> whole_places(const Suite& base) {
+  const Suite whole = whole_suite(base);
   auto all = configurations(whole);
   if (!all) return std::unexpected(all.error());
   std::vector<SweepPlace> places;
@@ -247,8 +240,15 @@ Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& st
     if (made) places.emplace_back();
     places[at->second].rows.push_back({"whole", std::move(c), {}, {}});
   }
+  return places;
+}
+
+Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& store) {
+  auto places = whole_places(base);
+  if (!places) return places;
+  const Suite whole = whole_suite(base);
   Walker walker(whole, store);
-  for (SweepPlace& place : places) walker.walk(place);
+  for (SweepPlace& place : *places) walker.walk(place);
   return places;
 }
 

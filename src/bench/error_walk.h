@@ -29,4 +29,7 @@ struct SweepPlace {
 // to be planned; one that cannot be has no knobs walked, and fails when it is measured. Errors (usage): of the suite.
 Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& store);
 
+// The same places with every technique at every quality alone, and nothing planned: each its own row, and no views.
+Expected<std::vector<SweepPlace>> whole_places(const Suite& base);
+
 }  // namespace candela

@@ -87,35 +87,34 @@ Measured::Measured(const Configuration& configuration, const Suite& suite, const
 }
 
 Expected<FrameResult> Measured::render(size_t view) {
-  session_->set_camera(views_[view].camera);
+  used_->set_camera(views_[view].camera);
   const auto start = Clock::now();
-  auto frame = session_->render(views_[view].time_s);
+  auto frame = used_->render(views_[view].time_s);
   last_frame_ms_ = ms_since(start);
   return frame;
 }
 
-Expected<double> Measured::render_views(const std::function<void(const FrameResult&)>& each) {
+Expected<double> Measured::render_views() {
   double ms = 0;
   for (size_t view = 0; view < views_.size(); ++view) {
     const auto frame = render(view);
     if (!frame) return std::unexpected(frame.error());
     ms += last_frame_ms_;
-    if (each) each(*frame);
   }
   return ms / double(views_.size());
 }
 
 void Measured::describe(const FrameResult& frame) {
-  const gpu::DeviceInfo& device = session_->device().info();
+  const gpu::DeviceInfo& device = used_->device().info();
   row.device = device.name, row.driver = device.driver, row.device_class = device.device_class;
   row.device_type = device.type;
-  row.scene_content = session_->scene_content().hex();
+  row.scene_content = used_->scene_content().hex();
   row.samples = frame.request.samples;
   row.plan_hash = frame.plan_hash.hex();
   row.knob_hash = knob_hash(configuration_.job, row.samples);
-  row.lights = lights_in_frame(session_->scene(), configuration_.job, frame.view, configuration_.time_s);
+  row.lights = lights_in_frame(used_->scene(), configuration_.job, frame.view, configuration_.time_s);
   row.opening_ms.clear();
-  for (const auto& [stage, ms] : session_->opening().cpu_ms) row.opening_ms.emplace_back(stage, ms);
+  for (const auto& [stage, ms] : used_->opening().cpu_ms) row.opening_ms.emplace_back(stage, ms);
   for (const char* stage : {"decode", "compile", "warm_up"})
     row.opening_ms.emplace_back(std::string("first ") + stage, frame.timings.total(stage));
   row.remarks = frame.notes;
@@ -127,7 +126,7 @@ void Measured::describe(const FrameResult& frame) {
                  {"nodes", t.nodes},         {"bytes", t.bytes},           {"instances", t.instances}};
   }
   row.memory.clear();
-  const nlohmann::ordered_json memory = memory_json(*session_, frame.plan);
+  const nlohmann::ordered_json memory = memory_json(*used_, frame.plan);
   for (const auto& [name, bytes] : memory.items())
     if (name != "process_peak_bytes") row.memory.emplace_back(name, bytes.get<uint64_t>());
 }
@@ -138,6 +137,7 @@ Expected<void> Measured::open_session(const std::string& scene_file) {
   auto session = Session::open(job, wanted_, settings_);
   if (!session) return std::unexpected(session.error());
   session_ = std::move(*session);
+  used_ = session_.get();
   return {};
 }
 
@@ -206,6 +206,13 @@ Expected<void> Measured::sample(const std::string& scene_file) {
     if (auto opened = open_session(scene_file); !opened) return opened;
     if (auto warm = warm_up(); !warm) return warm;
   }
+  if (const auto taken = take_sample({}); !taken) return std::unexpected(taken.error());
+  if (closed) session_.reset();
+  decide_runs();
+  return {};
+}
+
+Expected<bool> Measured::take_sample(const std::function<bool()>& over) {
   // Means over the views. A pass that stands several times in a frame counts once, with all its times.
   const double part = 1 / double(views_.size());
   double gpu = 0;
@@ -215,20 +222,52 @@ Expected<void> Measured::sample(const std::string& scene_file) {
     if (found == into.end()) found = into.insert(into.end(), {name, 0});
     found->second += ms * part;
   };
-  const auto ms = render_views([&](const FrameResult& frame) {
-    gpu += frame.timings.frame_gpu_ms * part;
-    for (const gpu::PassTime& pass : frame.timings.gpu_ms)
+  double frame_ms = 0;
+  for (size_t view = 0; view < views_.size(); ++view) {
+    if (over && over()) return false;
+    const auto frame = render(view);
+    if (!frame) return std::unexpected(frame.error());
+    frame_ms += last_frame_ms_ * part;
+    gpu += frame->timings.frame_gpu_ms * part;
+    for (const gpu::PassTime& pass : frame->timings.gpu_ms)
       add(passes, pass.name.substr(0, pass.name.find('.')), pass.gpu_ms);
-    for (const auto& [stage, stage_ms] : frame.timings.cpu_ms) add(stages, stage, stage_ms);
-  });
-  if (!ms) return std::unexpected(ms.error());
-  row.frame.ms.push_back(*ms);
+    for (const auto& [stage, stage_ms] : frame->timings.cpu_ms) add(stages, stage, stage_ms);
+  }
+  row.frame.ms.push_back(frame_ms);
   row.gpu.ms.push_back(gpu);
   for (const auto& [name, pass_ms] : passes) series(row.passes, name).ms.push_back(pass_ms);
   for (const auto& [stage, stage_ms] : stages) series(row.cpu, stage).ms.push_back(stage_ms);
-  if (closed) session_.reset();
+  return true;
+}
+
+Expected<bool> Measured::open_in(Session& session, const std::function<bool()>& over,
+                                 const std::function<void(size_t view, const FrameResult&, const Session&)>& seen) {
+  used_ = &session;
+  if (auto set = session.set_settings(configuration_.job); !set) return std::unexpected(set.error());
+  for (size_t view = 0; view < views_.size(); ++view) {
+    if (over()) return false;
+    const auto frame = render(view);
+    if (!frame) return std::unexpected(frame.error());
+    if (view == 0) {
+      first_frame_ms_ = last_frame_ms_;
+      describe(*frame);
+    }
+    seen(view, *frame, session);
+  }
+  return true;
+}
+
+Expected<bool> Measured::sample_in(Session& session, int round, bool visited, const std::function<bool()>& over) {
+  used_ = &session;
+  if (auto set = session.set_settings(configuration_.job); !set) return std::unexpected(set.error());
+  if (visited) {
+    if (over()) return false;
+    if (const auto warm = render(0); !warm) return std::unexpected(warm.error());
+  }
+  if (const auto taken = take_sample(over); !taken || !*taken) return taken;
+  row.rounds.push_back(round);
   decide_runs();
-  return {};
+  return true;
 }
 
 void Measured::fail_with(const Error& error) {

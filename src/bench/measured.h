@@ -24,6 +24,13 @@ class Measured {
                       const std::function<void(const FrameResult&, const Session&)>& seen = {});
   void close();
   Expected<void> sample(const std::string& scene_file);  // opens when closed
+  // The same in a session that others use, too: each visit makes its settings this one's. `over` is asked between
+  // frames, and may end a visit: then the answer is false, and nothing of that frame is kept.
+  Expected<bool> open_in(Session& session, const std::function<bool()>& over,
+                         const std::function<void(size_t view, const FrameResult&, const Session&)>& seen);
+  // A sample of that round (BenchRow::rounds). visited: another was there since; then a frame that nobody times comes
+  // first, for images are made anew.
+  Expected<bool> sample_in(Session& session, int round, bool visited, const std::function<bool()>& over);
   void fail_with(const Error& error);
   void finish();
 
@@ -39,8 +46,8 @@ class Measured {
 
  private:
   Expected<FrameResult> render(size_t view);
-  // All views once. ms is of a frame, their mean; `each` gets the frames.
-  Expected<double> render_views(const std::function<void(const FrameResult&)>& each = {});
+  Expected<double> render_views();  // all views once; milliseconds of a frame, their mean
+  Expected<bool> take_sample(const std::function<bool()>& over);  // false: over, and nothing of it is kept
   Expected<void> open_session(const std::string& scene_file);
   Expected<void> warm_up();
   void describe(const FrameResult& frame);
@@ -52,6 +59,7 @@ class Measured {
   RunSettings settings_;
   WantedOutputs wanted_;
   std::unique_ptr<Session> session_;
+  Session* used_ = nullptr;  // session_, or that of others
   std::optional<Beauty> beauty_;
   double first_frame_ms_ = 0, last_frame_ms_ = 0;
   int runs_ = 0;  // wanted in all

@@ -79,6 +79,11 @@ struct BenchRow {
   double time_s = 0;
   int views = 1;  // over which times and errors are means (error_views.h)
   int run = 0;    // rows of one run were measured in the same rounds
+  // Of each sample: the round that it is of, from 1; or a moment between rounds, below 0, which it shares with a row
+  // that was measured again beside it. Empty: sample i is of round i + 1.
+  std::vector<int> rounds;
+  // The traced reference that holds what the frame claims to draw (error_truth.h): settings are judged by it.
+  std::string truth;
   std::vector<SameWork> same_work;
   // Where.
   std::string device, driver, device_class, device_type, machine, version;

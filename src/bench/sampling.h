@@ -54,18 +54,40 @@ struct NoiseRules {
 };
 Judgement judge(std::span<const double> before, std::span<const double> after, const NoiseRules& rules);
 
-// What two configurations say about each other that were measured in the same rounds: the difference of each pair,
-// whose common disturbances cancel.
+// What two configurations say about each other. docs/deciding.md is the whole rule, with its reasons.
 enum class Order { less, greater, equal, unclear };  // unclear: not distinguishable; equal: all pairs are equal
-struct PairedOrder {
+struct Decision {
   Order order = Order::unclear;
-  Interval difference;  // 95 % of the median of a - b
+  double p = 1;  // how likely so large a difference is between equals
 };
-// Below so many pairs nothing is distinguished: the range of six holds the median in 97 % of all cases, of five in 94
-// %.
-inline constexpr size_t least_pairs = 6;
-// a[i] and b[i] are a pair; what one has more is left out.
-PairedOrder paired_order(std::span<const double> a, std::span<const double> b);
+// Of one in 20, less what outliers add, which no test takes into account.
+inline constexpr double sure_p = 0.04;
+// By pairs that were measured in the same rounds, or of the same views, whose common disturbances cancel: Student's t
+// for paired samples (1908) on the logarithms of their ratios, or on their differences where a value is not positive.
+// From eight pairs on the smallest and the largest are left out and the variance is winsorized (Yuen, "The Two-Sample
+// Trimmed t for Unequal Population Variances", 1974), so that one outlier on each side decides nothing. Fewer than
+// `least_pairs` say nothing. a[i] and b[i] are a pair; what one has more is left out. most_p: where more is not sure.
+inline constexpr size_t least_pairs = 4;
+Decision paired_order(std::span<const double> a, std::span<const double> b, double most_p = sure_p);
+
+// How much times vary in a run, as standard deviations of their logarithms: between samples of one row, and of a row
+// that was measured again and again, between the times at which that was done.
+struct TimeNoise {
+  double samples = 0.1, moments = 0.05;  // where nothing was measured often enough
+  double degrees = 1e9;                  // of freedom of `samples`
+};
+// Of what was not measured in pairs, or in too few: the least samples, as many of each, by a Student's t with the noise
+// of the whole run, which is taken to be at least 2 %.
+Decision order_of_samples(std::span<const double> a, std::span<const double> b, const TimeNoise& noise,
+                          double most_p = sure_p);
+
+// Of many comparisons the p up to which a difference is sure, so that of all that are called sure at most one in twenty
+// is false, and where nothing differs none is called so in 19 of 20 runs (Benjamini, Hochberg, "Controlling the False
+// Discovery Rate", 1995).
+double most_sure_p(std::vector<double> of_all);
+
+// The probability that a Student's t of so many degrees of freedom is as far from 0, on either side.
+double student_two_sided(double t, double degrees);
 
 // The mean of what the samples come from, with 95 % confidence (Student, "The Probable Error of a Mean", 1908); of one
 // sample that sample.

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 
 #include "base/log.h"
 #include "base/text.h"
+#include "bench/error_screen.h"
+#include "bench/error_truth.h"
 #include "bench/picture.h"
 #include "frame/plan_frame.h"
 #include "metrics/compare.h"
@@ -14,13 +17,21 @@
 namespace candela {
 namespace {
 
-constexpr size_t first_frames = 6;  // of a trial: the fewest that an interval of 95 % can be said of
+constexpr int first_frames = 2;  // timed, of a trial when it is tried
+constexpr int divisor = 4;       // of width and height of the small pictures
 
 std::string options_text(const Job& job) {
   std::string text = fmt::format("--technique {} --quality {}", job.technique, job.quality);
   if (job.samples > 0) text += fmt::format(" --samples {}", job.samples);
   for (const KnobSetting& s : job.settings) text += fmt::format(" --set {}.{}={}", s.pass, s.knob, s.value);
   return text;
+}
+
+Job with_setting(Job job, const KnobSetting& setting) {
+  std::erase_if(job.settings,
+                [&](const KnobSetting& s) { return s.pass == setting.pass && s.knob == setting.knob; });
+  job.settings.push_back(setting);
+  return job;
 }
 
 class Tuner {
@@ -30,23 +41,23 @@ class Tuner {
     settings_.timed = true;
     base_ = options.job;
     base_.settings.clear(), base_.samples = 0;
+    base_.quality = "high";
   }
 
   Expected<TuneReport> run() {
-    if (auto traced = find_exact(); !traced) return std::unexpected(traced.error());
-    for (const std::string& technique : technique_names())
-      for (const char* quality : {"draft", "normal", "high"}) {
-        Job job = base_;
-        job.technique = technique, job.quality = quality;
-        add(job);
-      }
-    if (const TuneTrial* high = best_of("high")) {
-      const Job best = high->job;
-      try_more_exact(best);
-      try_knobs(best);
+    log::info(
+        "tune, {}x{}: at most {:.0f} s, the traced reference included; techniques and qualities first, then knobs one "
+        "by one in pictures of {}x{}, then their sums at full size",
+        base_.width_px, base_.height_px, options_.seconds, divided_size(base_, divisor).width_px,
+        divided_size(base_, divisor).height_px);
+    if (auto opened = open(); !opened) return std::unexpected(opened.error());
+    if (const TuneTrial* best = try_techniques()) {
+      const Job from = best->job;
+      walk_knobs(from);
     }
     refine();
     if (options_.picture) take_picture();
+    report_.trials.assign(trials_.begin(), trials_.end());
     report_.wall_s = elapsed();
     return std::move(report_);
   }
@@ -54,60 +65,152 @@ class Tuner {
  private:
   using Clock = std::chrono::steady_clock;
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  bool over() const { return stop_() || elapsed() > options_.seconds; }
+  double left_s() const { return options_.seconds - elapsed(); }
+  bool over() const { return stop_() || left_s() <= 0; }
 
-  // A picture of the job at a size; its colour, linear.
-  // frame_s: wall time of a second frame, with all that the first had to make.
-  Expected<FloatImage> picture(Job job, int width, int height, double* frame_s = nullptr) {
-    job.width_px = width, job.height_px = height;
-    auto session = Session::open(job, {.linear = true, .display = false}, settings_);
+  Expected<void> open() {
+    auto session = Session::open(base_, {.linear = true, .display = false}, settings_);
     if (!session) return std::unexpected(session.error());
-    auto frame = (*session)->render(options_.moment_s);
-    if (!frame) return std::unexpected(frame.error());
-    report_.device = (*session)->device().info().name;
-    if (frame_s) {
-      const double before = elapsed();
-      frame = (*session)->render(options_.moment_s);
-      if (!frame) return std::unexpected(frame.error());
-      *frame_s = elapsed() - before;
-    }
-    NonFinite nonfinite;
-    return linear_image(*frame, job, **session, std::nullopt, FrameRate{}, nonfinite);
+    session_ = std::move(*session);
+    report_.device = session_->device().info().name;
+    report_.reference = claimed_reference(base_, session_->scene());
+    // Small pictures need few samples more than large ones, and are a sixteenth of them.
+    const double share_s = 0.15 * left_s();
+    auto truth = traced(base_, {.spp = 1024, .seconds = share_s, .noise = 1e-5, .with_parts = false});
+    if (!truth.failed.empty())
+      return fail(ErrorKind::input, options_.job.scene, "there is no reference to judge settings by: {}", truth.failed);
+    truth_ = std::move(truth.image);
+    report_.reference_spp = truth.spp;
+    auto small = traced(divided_size(base_, divisor),
+                        {.spp = 1024, .seconds = share_s / 3, .noise = 1e-5, .with_parts = false});
+    small_truth_ = std::move(small.image);
+    log::info("opened and traced in {:.1f} s", elapsed());
+    return {};
   }
 
-  // At the full size where that takes no more than a third of the time, else at the largest half, quarter, ... that
-  // does.
-  Expected<void> find_exact() {
-    Job job = base_;
-    job.quality = "exact";
-    constexpr int probe = 8;
-    double pixels = 0, seconds = 0;
-    for (int divisor = probe;; divisor /= 2) {
-      const int width = std::max(1, job.width_px / divisor), height = std::max(1, job.height_px / divisor);
-      const double next = double(width) * height;
-      if (pixels > 0 && elapsed() + 2 * seconds * next / pixels > options_.seconds / 3) {
-        report_.notes.push_back(
-            fmt::format("errors are of pictures of {}x{}: the exact one of {}x{} would take about {:.0f} s",
-                        report_.error_width_px, report_.error_height_px, job.width_px, job.height_px,
-                        seconds * double(job.width_px) * job.height_px / pixels));
-        return {};
+  Truth traced(const Job& job, const TruthLimits& limits) {
+    return std::move(traced_truths(job, {{job.camera, options_.moment_s}}, {report_.reference}, limits, stop_)
+                         .front()
+                         .front());
+  }
+
+  // The quickest of the techniques at quality high.
+  const TuneTrial* try_techniques() {
+    std::vector<std::string> techniques = technique_names();
+    std::erase(techniques, base_.technique);
+    if (base_.technique != auto_technique) techniques.insert(techniques.begin(), base_.technique);
+    const TuneTrial* quickest = nullptr;
+    for (const std::string& technique : techniques) {
+      Job job = base_;
+      job.technique = technique;
+      const TuneTrial* trial = add(job);
+      if (trial && trial->usable() && (!quickest || trial->median_ms < quickest->median_ms)) quickest = trial;
+    }
+    if (!quickest) return nullptr;
+    for (const char* quality : {"draft", "normal"}) {
+      Job job = quickest->job;
+      job.quality = quality;
+      add(job);
+    }
+    return quickest;
+  }
+
+  // In small pictures each knob one by one; at full size their sums, from both ends.
+  void walk_knobs(const Job& from) {
+    const std::vector<ScreenedStep> steps = screened(from, {}, 0.35);
+    std::vector<ScreenedStep> better, cheaper;
+    for (const ScreenedStep& s : steps) {
+      if (s.relmse < screen_.relmse) better.push_back(s);
+      if (s.ms < screen_.ms) cheaper.push_back(s);
+    }
+    const double ms = screen_.ms, error = screen_.relmse;
+    // Error taken away for each millisecond; a step that is quicker, too, comes first.
+    std::ranges::stable_sort(better, {}, [&](const ScreenedStep& s) {
+      return -(error - s.relmse) / std::max(s.ms - ms, 0.01 * ms);
+    });
+    std::ranges::stable_sort(cheaper, {}, [&](const ScreenedStep& s) {
+      return std::max(s.relmse - error, 0.0) / (ms - s.ms);
+    });
+    Job exact = from;
+    const TuneTrial* before = find(from);
+    int taken = 0;
+    for (const ScreenedStep& step : better) {
+      if (over()) break;
+      const TuneTrial* trial = add(with_setting(exact, step.setting));
+      if (!trial || !trial->usable()) continue;
+      // Each method that is left for another has knobs of its own, which nothing has walked yet.
+      const TuneTrial* best = trial;
+      if (taken < 3 && !is_number(step.setting.value)) best = walk_passes(*trial, step.setting.pass);
+      if (!before || best->relmse >= before->relmse) continue;
+      exact = best->job, before = best, ++taken;
+    }
+    for (const Job& start : {from, exact}) {
+      Job job = start;
+      for (const ScreenedStep& step : cheaper) {
+        if (over()) break;
+        const auto same = [&](const KnobSetting& s) { return s.pass == step.setting.pass && s.knob == step.setting.knob; };
+        if (std::ranges::any_of(job.settings, same)) continue;
+        const Job next = with_setting(job, step.setting);
+        const TuneTrial* trial = add(next);
+        const TuneTrial* own = find(job);
+        // Where it brings no time at full size it is left out of the sum.
+        if (trial && trial->usable() && own && trial->median_ms < own->median_ms) job = next;
       }
-      auto image = picture(job, width, height, &seconds);
-      if (!image) return std::unexpected(image.error());
-      exact_ = std::move(*image);
-      report_.error_width_px = width, report_.error_height_px = height;
-      pixels = next;
-      report_.exact_ms = seconds * 1e3;
-      if (divisor == 1) return {};
-      if (over()) {
-        report_.notes.push_back("the time was over before an exact picture of the size asked for");
-        return {};
+      if (options_text(exact) == options_text(from)) break;
+    }
+    if (left_ > 0) report_.notes.push_back(fmt::format("{} settings were not tried: the time was over (--seconds)", left_));
+  }
+
+  static bool is_number(const std::string& text) {
+    return text.find_first_not_of("0123456789.eE+-") == std::string::npos;
+  }
+
+  std::vector<ScreenedStep> screened(const Job& base, const std::set<std::string>& passes, double share) {
+    if (over() || small_truth_.width == 0) return {};
+    const double until = elapsed() + share * left_s();
+    auto screen = screen_knobs(*session_, {.base = base, .time_s = options_.moment_s, .divisor = divisor,
+                                           .truth = &small_truth_, .passes = passes, .frames = first_frames},
+                               [&] { return over() || elapsed() > until; });
+    if (!screen) {
+      report_.notes.push_back("knobs were not tried in small pictures: " + screen.error().text());
+      return {};
+    }
+    if (passes.empty())
+      log::info("{} knob settings tried in small pictures{}", screen->tried,
+                screen->left > 0 ? fmt::format(", {} not, for want of time", screen->left) : "");
+    screen_ = *screen;
+    return std::move(screen->steps);
+  }
+
+  // Error knobs of a pass, one after the other down to what saves time, from a setting that has chosen its method.
+  const TuneTrial* walk_passes(const TuneTrial& from, const std::string& pass) {
+    const TuneTrial* best = &from;
+    for (const KnobRow& knob : knob_rows(from.job.quality)) {
+      if (knob.pass != pass || knob.kind != "error" || !is_number(knob.value_now)) continue;
+      std::vector<std::string> values;
+      for (const std::string& value : knob.walk)
+        if (std::strtod(value.c_str(), nullptr) < std::strtod(knob.value_now.c_str(), nullptr) &&
+            std::ranges::find(values, value) == values.end())
+          values.push_back(value);
+      // From the value at hand towards the cheapest, as long as it saves time.
+      std::ranges::sort(values, [](const std::string& a, const std::string& b) {
+        return std::strtod(a.c_str(), nullptr) > std::strtod(b.c_str(), nullptr);
+      });
+      const TuneTrial* last = best;
+      for (const std::string& value : values) {
+        const TuneTrial* trial = add(with_setting(best->job, {knob.pass, knob.knob, value}));
+        if (!trial || !trial->usable() || trial->median_ms >= last->median_ms) break;
+        last = trial;
+        // Error for time: on a log scale it must bring more than it takes.
+        if (trial->median_ms * trial->relmse < best->median_ms * best->relmse) best = trial;
       }
     }
+    return best;
   }
 
   void take_picture() {
     constexpr int shown_px = 480;
+    report_.trials.assign(trials_.begin(), trials_.end());
     const auto front = tune_front(report_);
     if (front.empty()) return;
     const auto session = Session::open(front.back()->job, {.linear = false, .display = true}, settings_);
@@ -116,154 +219,92 @@ class Tuner {
       report_.picture = thumbnail_png(display_image(*frame, front.back()->job), shown_px);
   }
 
-  bool measures_at_full_size() const {
-    return report_.error_width_px == base_.width_px && report_.error_height_px == base_.height_px;
-  }
-
-  void take_frames(TuneTrial& trial, Session& session, size_t count) {
-    for (size_t i = 0; i < count && !stop_(); ++i) {
-      const auto frame = session.render(options_.moment_s);
-      if (!frame) {
-        trial.failed = frame.error().text();
-        return;
-      }
-      double ms = 0;
-      for (const gpu::PassTime& pass : frame->timings.gpu_ms) ms += pass.gpu_ms;
-      trial.gpu_ms.push_back(ms);
-    }
+  void take_time(TuneTrial& trial, const FrameResult& frame) {
+    trial.gpu_ms.push_back(frame.timings.frame_gpu_ms);
     trial.ms = median_interval(trial.gpu_ms);
     trial.median_ms = median(trial.gpu_ms);
   }
 
-  void compare_with_exact(TuneTrial& trial, const FloatImage& image) {
-    const Comparison c = compare(exact_, image, {.encoding = Encoding::linear});
-    trial.relmse = c.metrics.contains("relmse") ? c.metrics.at("relmse") : INFINITY;
-    trial.flip = c.metrics.contains("flip") ? c.metrics.at("flip") : INFINITY;
-    if (!c.refusal.empty()) trial.failed = c.refusal;
-  }
-
-  // Renders and measures; null when the time is over.
-  TuneTrial* add(const Job& job) {
-    if (over() && !report_.trials.empty()) {  // one is measured whatever it takes
+  // Renders and measures; null when the time is over, or where the setting is no other than one that was tried.
+  const TuneTrial* add(const Job& job) {
+    if (over() && !trials_.empty()) {  // one is measured whatever it takes
       ++left_;
       return nullptr;
     }
+    if (const TuneTrial* tried = find(job)) return tried;
     TuneTrial trial{.job = job, .options = options_text(job)};
-    plans_.emplace_back();
-    measure(trial);
-    log::info("{}: {}", trial.options,
+    Hash128 work;
+    measure(trial, work);
+    log::info("{}: {} ({:.0f} s left)", trial.options,
               !trial.failed.empty()    ? trial.failed
               : !trial.same_as.empty() ? "the same as " + trial.same_as
-                                       : fmt::format("{:.3g} ms, relmse {:.3g}", trial.median_ms, trial.relmse));
-    report_.trials.push_back(std::move(trial));
-    return &report_.trials.back();
+                                       : fmt::format("{:.3g} ms, relmse {:.3g}", trial.median_ms, trial.relmse),
+              std::max(0.0, left_s()));
+    trials_.push_back(std::move(trial));
+    works_.push_back(work);
+    const TuneTrial& added = trials_.back();
+    return added.same_as.empty() ? &added : find_options(added.same_as);
   }
 
-  void measure(TuneTrial& trial) {
-    auto session = Session::open(trial.job, {.linear = true, .display = false}, settings_);
-    if (!session) {
-      trial.failed = session.error().text();
-      return;
-    }
-    const auto first = (*session)->render(options_.moment_s);
-    if (!first) {
-      trial.failed = first.error().text();
-      return;
-    }
-    const std::string plan = first->plan_hash.hex();
-    if (measures_at_full_size()) {
-      NonFinite nonfinite;
-      compare_with_exact(trial, linear_image(*first, trial.job, **session, std::nullopt, FrameRate{}, nonfinite));
-    } else if (auto image = picture(trial.job, report_.error_width_px, report_.error_height_px)) {
-      compare_with_exact(trial, *image);
-    } else {
-      trial.failed = image.error().text();
-    }
-    if (!trial.failed.empty()) return;
-    for (size_t i = 0; i < report_.trials.size(); ++i)
-      if (plans_[i] == plan && report_.trials[i].relmse == trial.relmse && report_.trials[i].usable())
-        trial.same_as = report_.trials[i].options;
-    plans_.back() = plan;
-    if (trial.same_as.empty()) take_frames(trial, **session, first_frames);
-  }
-
-  const TuneTrial* best_of(const std::string& quality) const {
-    const TuneTrial* best = nullptr;
-    for (const TuneTrial& t : report_.trials)
-      if (t.usable() && t.job.quality == quality && (!best || t.median_ms < best->median_ms)) best = &t;
-    return best;
-  }
-
-  // More samples a pixel, and the exact end itself where its frames are few seconds.
-  void try_more_exact(const Job& best) {
-    for (const char* n : {"2", "4"}) {
-      Job job = best;
-      job.settings.push_back({"supersample", "n", n});
-      if (check_job(job)) add(job);
-    }
-    if (!measures_at_full_size() || report_.exact_ms * 1e-3 * (first_frames + 2) > options_.seconds / 4) return;
-    Job job = best;
-    job.quality = "exact";
-    add(job);
-  }
-
-  struct Step {
-    KnobSetting setting;
-    double saved_ms = 0, added = 0;  // per step: time and error against the base's
-  };
-
-  // The values of each knob beside its own, alone; then those that were surely faster, one after the other.
-  void try_knobs(Job base) {
-    const TuneTrial from = *find(base);
-    std::vector<Step> cheaper;
-    for (const KnobRow& knob : knob_rows(base.quality)) {
-      if (knob.kind == "look") continue;
-      const auto now = std::find(knob.walk.begin(), knob.walk.end(), knob.value_now);
-      std::vector<std::string> values;
-      if (now != knob.walk.end() && now != knob.walk.begin()) values.push_back(*(now - 1));
-      if (now != knob.walk.end() && now + 1 != knob.walk.end()) values.push_back(*(now + 1));
-      for (const std::string& value : values) {
-        Job job = base;
-        job.settings.push_back({knob.pass, knob.knob, value});
-        if (!check_job(job)) continue;
-        const TuneTrial* trial = add(job);
-        if (trial && trial->usable() && trial->ms.high < from.ms.low)
-          cheaper.push_back({job.settings.back(), from.median_ms - trial->median_ms, trial->relmse - from.relmse});
+  void measure(TuneTrial& trial, Hash128& own_work) {
+    const auto failed = [&](const Error& error) { trial.failed = error.text(); };
+    if (auto set = session_->set_settings(trial.job); !set) return failed(set.error());
+    const auto work = session_->work(options_.moment_s);
+    if (!work) return failed(work.error());
+    own_work = work->hash;
+    for (size_t i = 0; i < trials_.size(); ++i)
+      if (works_[i] == own_work && trials_[i].usable()) {
+        trial.same_as = trials_[i].options;
+        return;
       }
-    }
-    // What is cheaper and no worse first, then by error added for each millisecond saved.
-    std::sort(cheaper.begin(), cheaper.end(), [](const Step& a, const Step& b) {
-      return std::max(a.added, 0.0) / a.saved_ms < std::max(b.added, 0.0) / b.saved_ms;
-    });
-    Job job = base;
-    for (const Step& step : cheaper) {
-      if (std::any_of(job.settings.begin(), job.settings.end(),
-                      [&](const KnobSetting& s) { return s.pass == step.setting.pass && s.knob == step.setting.knob; }))
+    for (int i = 0; i <= first_frames; ++i) {
+      if (i > 1 && over()) return;
+      const auto frame = session_->render(options_.moment_s);
+      if (!frame) return failed(frame.error());
+      if (i > 0) {
+        take_time(trial, *frame);
         continue;
-      job.settings.push_back(step.setting);
-      if (job.settings.size() > 1 && check_job(job)) add(job);
+      }
+      NonFinite nonfinite;
+      const FloatImage image = linear_image(*frame, trial.job, *session_, std::nullopt, FrameRate{}, nonfinite);
+      const Comparison c = compare(truth_, image, {.encoding = Encoding::linear});
+      if (!c.refusal.empty()) {
+        trial.failed = c.refusal;
+        return;
+      }
+      const auto metric = [&](const char* name) {
+        const auto found = c.metrics.find(name);
+        return found == c.metrics.end() ? INFINITY : found->second;
+      };
+      trial.relmse = metric("relmse"), trial.flip = metric("flip");
+      if (c.noise) report_.noise = c.noise->relmse;
     }
   }
 
-  const TuneTrial* find(const Job& job) const {
-    const std::string options = options_text(job);
-    for (const TuneTrial& t : report_.trials)
-      if (t.options == options) return &t;
-    return nullptr;
+  const TuneTrial* find(const Job& job) const { return find_options(options_text(job)); }
+  const TuneTrial* find_options(const std::string& options) const {
+    const auto found = std::ranges::find(trials_, options, &TuneTrial::options);
+    if (found == trials_.end()) return nullptr;
+    return found->same_as.empty() ? &*found : find_options(found->same_as);
   }
 
-  // A machine that others use is not the same later: the front is measured again, up to four times.
+  // A machine that others use is not the same later: what is on the front is measured again, one after the other, and
+  // what is no longer on it is left out.
   void refine() {
-    for (int round = 0; round < 3; ++round)
+    constexpr int rounds = 16;
+    for (int round = 0; round < rounds && !over(); ++round) {
+      report_.trials.assign(trials_.begin(), trials_.end());
       for (const TuneTrial* on_front : tune_front(report_)) {
         if (over()) break;
-        TuneTrial& trial = report_.trials[size_t(on_front - report_.trials.data())];
-        auto session = Session::open(trial.job, {.linear = true, .display = false}, settings_);
-        if (!session || !(*session)->render(options_.moment_s)) continue;
-        take_frames(trial, **session, first_frames);
+        TuneTrial& trial = trials_[size_t(on_front - report_.trials.data())];
+        if (!session_->set_settings(trial.job)) continue;
+        for (int i = 0; i < 2; ++i) {  // the first untimed: images are made anew
+          const auto frame = session_->render(options_.moment_s);
+          if (frame && i > 0) take_time(trial, *frame);
+          if (over()) break;
+        }
       }
-    if (left_ > 0)
-      report_.notes.push_back(fmt::format("{} settings were not tried: the time was over (--seconds)", left_));
+    }
   }
 
   const TuneOptions& options_;
@@ -271,11 +312,17 @@ class Tuner {
   const std::function<bool()>& stop_;
   Clock::time_point start_;
   Job base_;
-  FloatImage exact_;
+  std::unique_ptr<Session> session_;
+  FloatImage truth_, small_truth_;
+  Screen screen_;  // of the base that was screened last
   TuneReport report_;
-  std::vector<std::string> plans_;  // of each trial, that at hand the last; empty where it failed
+  std::deque<TuneTrial> trials_;  // pointers to them last
+  std::vector<Hash128> works_;    // of each
   int left_ = 0;
 };
+
+// What errors may differ by and still cannot be told apart.
+double indistinct(const TuneReport& report, double error) { return std::max(3 * report.noise, 0.01 * error); }
 
 }  // namespace
 
@@ -306,12 +353,22 @@ std::vector<TuneChoice> cheapest_within(const TuneReport& report, std::span<cons
   return choices;
 }
 
+const TuneTrial* least_error(const TuneReport& report) {
+  const auto front = tune_front(report);
+  return front.empty() ? nullptr : front.back();
+}
+
 std::vector<TuneChoice> most_exact_within(const TuneReport& report, std::span<const double> ms) {
   std::vector<TuneChoice> choices;
   for (const double most : ms) {
     TuneChoice choice{most};
     for (const TuneTrial* t : tune_front(report))
       if (t->ms.high <= most) choice.trial = t;
+    if (choice.trial) {
+      const double bound = choice.trial->relmse + indistinct(report, choice.trial->relmse);
+      for (const TuneTrial* t : tune_front(report))
+        if (t->relmse <= bound && t->median_ms < choice.trial->median_ms) choice.trial = t;
+    }
     choices.push_back(choice);
   }
   return choices;

@@ -14,7 +14,7 @@ namespace candela {
 struct TuneOptions {
   Job job;  // its technique, quality, samples and settings are what is searched for
   double moment_s = 0;
-  double seconds = 120;  // of the whole search; a frame that was begun is finished
+  double seconds = 120;  // of all of it, opening and the traced reference too; a frame that was begun is finished
   bool picture = false;  // one frame more, for the report's picture
 };
 
@@ -24,7 +24,7 @@ struct TuneTrial {
   std::vector<double> gpu_ms;  // sums of the passes of each frame
   Interval ms;                 // 95 % of their median
   double median_ms = 0;
-  double relmse = 0, flip = 0;  // against the exact picture
+  double relmse = 0, flip = 0;  // against the traced reference
   std::string same_as;          // options of a trial that plans the same passes and gives the same picture
   std::string failed;           // it could not be rendered, and why
   bool usable() const { return failed.empty() && same_as.empty() && !gpu_ms.empty(); }
@@ -38,23 +38,27 @@ struct TuneChoice {
 struct TuneReport {
   std::vector<TuneTrial> trials;
   std::string device;
-  int error_width_px = 0, error_height_px = 0;  // of the pictures that errors are of
-  double exact_ms = 0;                          // wall time of a frame of the exact picture
-  std::vector<std::string> notes;               // what was not found out
+  std::string reference;  // that errors are against (error_truth.h)
+  uint64_t reference_spp = 0;
+  double noise = 0;                // relmse that its noise makes: smaller differences of errors say nothing
+  std::vector<std::string> notes;  // what was not found out
   double wall_s = 0;
   std::vector<std::byte>
       picture;  // PNG of the most exact setting on the front, as it is displayed; of at most 480 pixels
 };
 
-// Quality presets of all techniques first, then single knobs of the best technique's, then what helped together, then
-// more frames of those that are on the front. Errors: the scene, the device, or no exact picture.
+// Techniques at quality high, the qualities of the quickest; then its knobs, tried one by one in small pictures, walked
+// from both ends: what takes most error away for its time, and what saves most time for its error, each sum measured at
+// full size; then rounds of what is on the front. Settings that plan the same work are one. Errors: the scene, the
+// device, or no reference.
 Expected<TuneReport> tune(const TuneOptions& options, const RunSettings& settings, const std::function<bool()>& stop);
 
 // Trials that no other one beats in both time and error, the fastest first.
 std::vector<const TuneTrial*> tune_front(const TuneReport& report);
-// The cheapest with at most each error, and the one with the least error within each time (by the upper end of its
-// interval).
+// The cheapest with at most each error; and the one with the least error within each time (by the upper end of its
+// interval), or a quicker one whose error cannot be told apart from that.
 std::vector<TuneChoice> cheapest_within(const TuneReport& report, std::span<const double> errors);
+const TuneTrial* least_error(const TuneReport& report);  // null where nothing was measured
 std::vector<TuneChoice> most_exact_within(const TuneReport& report, std::span<const double> ms);
 
 }  // namespace candela

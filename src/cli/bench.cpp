@@ -25,6 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Table = std::vector<std::vector<std::string>>;
+using Json = nlohmann::ordered_json;
 
 std::string milliseconds(const Series& s) {
   const Summary sum = summary(s.ms);
@@ -121,18 +122,42 @@ std::string error_sentences(const BenchRun& run) {
   return text;
 }
 
+// Rows are written as they come, so that whatever ends the run leaves them: to the file of --json, else to that of the
+// report.
+fs::path rows_file(const BenchOptions& o) {
+  if (!o.json.empty() && o.json != "-") return o.json;
+  return o.report.empty() ? fs::path() : fs::path(o.report) / "rows.json";
+}
+
 Expected<int> run_errors(const BenchOptions& o) {
-  const auto sweep = error_sweep_of(o);
+  auto sweep = error_sweep_of(o);
   if (!sweep) return std::unexpected(sweep.error());
   note_files_of(sweep->base);
   if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
+  std::error_code failed;
+  if (o.resume && fs::exists(o.json, failed)) {
+    auto kept = read_bench_rows(o.json);
+    if (!kept) return std::unexpected(kept.error());
+    sweep->kept = std::move(kept->rows);
+  }
+  const fs::path rows = rows_file(o);
   const HeldSignals signals;
-  auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; });
+  auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; },
+                             [&](const BenchRun& so_far) {
+                               if (rows.empty()) return;
+                               const std::string text =
+                                   bench_json(so_far).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+                               if (auto written = write_file_atomically(rows, std::string_view(text)); !written)
+                                 log::warning("the rows so far are not kept: {}", written.error().text());
+                             });
   if (!run) return std::unexpected(run.error());
   for (BenchRow& row : run->rows) row.source = source_version;
   const auto finished = finish(o, *run, "candela bench: error against time");
   if (finished && o.json != "-" && o.csv != "-")
     if (auto printed = print(error_sentences(*run)); !printed) return std::unexpected(printed.error());
+  if (signals.pending() && finished && !rows.empty())
+    log::info("{} holds what was measured; --resume goes on from there", rows.string());
+  if (signals.pending() && finished) return 128 + signals.pending();
   if (!finished || *finished != 0) return finished;
   int defects = 0;
   for (const ErrorPlace& place : error_places(*run))

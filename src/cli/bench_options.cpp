@@ -216,12 +216,15 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->type_name("N");
   command
       .add_option("--budget-s", o.budget_s,
-                  "Time for samples; opening and the least number of runs of each row are taken whatever they take")
+                  "Of suites: time for samples; opening and the least number of runs of each row are taken whatever "
+                  "they take. With --error: time for all of it, opening and references too; rows in the order of use")
       ->check(positive_number())
       ->type_name("SECONDS");
   command.add_flag("--error", o.error,
                    "Error against time: every knob along its ladder, and every technique at every quality, against "
                    "exact and traced pictures");
+  command.add_flag("--resume", o.resume,
+                   "With --error: go on from the rows that --json FILE holds; it is written after every row");
   command
       .add_option("--reference-spp", o.reference_spp,
                   "With --error: samples a pixel of the traced references; 64 by default")
@@ -298,6 +301,8 @@ Expected<void> check_options(const BenchOptions& o) {
     return fail(ErrorKind::usage, "--suite", "the scenes of stability choose their own lights, sizes and times");
   if (o.error && modes > 0)
     return fail(ErrorKind::usage, "--error", "takes scenes or suite files, not --suite, --compare or --from");
+  if (o.resume && (!o.error || o.json.empty() || o.json == "-"))
+    return fail(ErrorKind::usage, "--resume", "goes with --error and --json FILE, whose rows it goes on from");
   if (!o.error && o.views) return fail(ErrorKind::usage, "--views", "goes with --error");
   if (!o.error && (o.reference_spp || o.reference_s > 0 || o.hdr_flip != "auto"))
     return fail(ErrorKind::usage, "--reference-spp",
@@ -376,8 +381,8 @@ Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& o) {
   SamplingRules& sampling = options.base.sampling;
   if (!o.precision) sampling.precision = std::max(sampling.precision, 0.03);
   if (!o.max_runs) sampling.max_runs = std::min(sampling.max_runs, 24);
-  // Fewer rounds distinguish nothing.
-  if (!o.min_runs) sampling.min_runs = std::max(sampling.min_runs, int(least_pairs));
+  // Twofold differences are found in eight rounds (docs/deciding.md), and most of them in six.
+  if (!o.min_runs) sampling.min_runs = std::max(sampling.min_runs, 6);
   if (o.reference_spp) options.truth.spp = *o.reference_spp;
   if (o.hdr_flip != "auto") {
     const auto range = parse_exposure_range(o.hdr_flip);

@@ -24,7 +24,7 @@ struct BenchOptions {
   std::string hdr_flip = "auto";
   std::optional<uint64_t> reference_spp;
   double reference_s = 0;
-  bool validate = false, quiet = false, large = false;
+  bool validate = false, quiet = false, large = false, resume = false;
 };
 void add_bench_options(CLI::App& command, BenchOptions& options);
 

@@ -35,25 +35,39 @@ std::vector<double> time_levels(const TuneReport& report) {
   return levels;
 }
 
-std::vector<std::string> row_of(const std::string& wanted, const TuneChoice& choice) {
-  if (!choice.trial) return {wanted, "", "", "", "none was found"};
+// relmse to as many digits as it takes to see on which side of the bound it lies.
+std::string error_text(double error, double bound) {
+  for (int digits = 2; digits < 9; ++digits) {
+    std::string text = fmt::format("{:.{}g}", error, digits);
+    if ((std::strtod(text.c_str(), nullptr) <= bound) == (error <= bound)) return text;
+  }
+  return fmt::format("{}", error);
+}
+
+std::vector<std::string> row_of(const std::string& wanted, const TuneChoice& choice, double bound,
+                                const std::string& otherwise) {
+  if (!choice.trial) return {wanted, "", "", "", otherwise};
   const TuneTrial& t = *choice.trial;
   return {wanted, fmt::format("{:.3g} ({:.3g} to {:.3g})", t.median_ms, t.ms.low, t.ms.high),
-          fmt::format("{:.2g}", t.relmse), fmt::format("{:.3f}", t.flip), t.options};
+          error_text(t.relmse, bound), fmt::format("{:.3f}", t.flip), t.options};
 }
 
 std::string text_of(const TuneReport& report, const Job& job) {
-  std::vector<std::vector<std::string>> rows = {{"WANTED", "GPU MS (95 %)", "RELMSE", "FLIP", "OPTIONS"}};
+  std::vector<std::vector<std::string>> rows = {{"WANTED", "MS (95 %)", "RELMSE", "FLIP", "OPTIONS"}};
+  const TuneTrial* least = least_error(report);
   for (const TuneChoice& c : cheapest_within(report, error_levels))
-    rows.push_back(row_of(fmt::format("relmse <= {}", c.wanted), c));
+    rows.push_back(row_of(fmt::format("relmse <= {}", c.wanted), c, c.wanted,
+                          least ? "none was found: the least is " + error_text(least->relmse, c.wanted)
+                                : "nothing was measured"));
+  if (least && least->relmse > error_levels.back()) rows.push_back(row_of("the least", {0, least}, 0, ""));
   for (const TuneChoice& c : most_exact_within(report, time_levels(report)))
-    rows.push_back(row_of(fmt::format("{:.3g} ms", c.wanted), c));
+    rows.push_back(row_of(fmt::format("{:.3g} ms", c.wanted), c, 0, "none is that quick"));
   std::string text = table_text(rows);
   text += fmt::format(
-      "{}x{} on {}, {} settings in {:.0f} s; errors against quality exact of the same frame at {}x{}: what knobs leave "
-      "wrong,\nnot what the techniques approximate (candela reference traces that)\n",
-      job.width_px, job.height_px, report.device, report.trials.size(), report.wall_s, report.error_width_px,
-      report.error_height_px);
+      "{}x{}, milliseconds of {}, {} settings in {:.0f} s; errors against the reference '{}' of {} samples a pixel, "
+      "whose noise\nmakes a relmse of {:.2g}\n",
+      job.width_px, job.height_px, report.device, report.trials.size(), report.wall_s, report.reference,
+      report.reference_spp, report.noise);
   for (const std::string& note : report.notes) text += note + "\n";
   return text;
 }
@@ -69,8 +83,7 @@ Json json_of(const TuneReport& report) {
   Json j;
   j["device"] = report.device;
   j["wall_s"] = report.wall_s;
-  j["errors_of"] = fmt::format("{}x{}", report.error_width_px, report.error_height_px);
-  j["exact_picture_ms"] = report.exact_ms;
+  j["reference"] = {{"name", report.reference}, {"spp", report.reference_spp}, {"relmse_of_noise", report.noise}};
   j["errors"] = choices_json(cheapest_within(report, error_levels), "relmse");
   j["times"] = choices_json(most_exact_within(report, time_levels(report)), "ms");
   j["trials"] = Json::array();
@@ -131,7 +144,7 @@ void add_tune(CLI::App& app, Action& action) {
       app.add_subcommand("tune", "Find the cheapest settings for some errors, on this scene and device");
   add_job_options(*command, o->job);
   add_moment_options(*command, o->moment);
-  command->add_option("--seconds", o->seconds, "Of the whole search; a frame that was begun is finished")
+  command->add_option("--seconds", o->seconds, "Of all of it, opening and the traced reference too; a frame that was begun is finished")
       ->capture_default_str()
       ->type_name("SECONDS");
   command->add_option("--report", o->report, "Folder for an HTML page, its figures and the result as JSON")

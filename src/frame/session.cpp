@@ -31,13 +31,15 @@ Error as_error(const gpu::GpuError& e) {
 class DeviceSession : public Session {
  public:
   DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
-      : job_(std::move(job)), wanted_(wanted), settings_(std::move(settings)) {}
+      : asked_(std::move(job)), job_(asked_), wanted_(wanted), settings_(std::move(settings)) {}
 
   Expected<void> open();
   Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
   Expected<FrameResult> finish(FrameTicket ticket) override;
   int in_flight() const override;
-  void set_camera(const CameraRequest& camera) override { job_.camera = camera; }
+  void set_camera(const CameraRequest& camera) override { asked_.camera = job_.camera = camera; }
+  Expected<void> set_settings(const Job& job) override;
+  Expected<FrameWork> work(double time_s) const override;
   const Scene& scene() const override { return scene_; }
   const gpu::Device& device() const override { return *device_; }
   const Timings& opening() const override { return opening_; }
@@ -46,6 +48,7 @@ class DeviceSession : public Session {
  private:
   Expected<void> load();
   Expected<void> choose_by_device();
+  PlanContext plan_context() const;
   // What a frame's result needs beside what the device leaves.
   struct Begun {
     FrameResult result;
@@ -70,7 +73,8 @@ class DeviceSession : public Session {
                                    const KeptImages& kept);
   void take_run(gpu::FrameRun run, Begun& begun);
 
-  Job job_;
+  Job asked_, job_;  // as it was given; with what was left to us chosen
+  std::string told_transparency_;
   bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
   WantedOutputs wanted_;
   RunSettings settings_;
@@ -82,7 +86,7 @@ class DeviceSession : public Session {
   DevicePose on_device_;
   std::optional<JobSky> sky_;
   std::string left_out_;  // of the look
-  bool has_probes_ = false;
+  bool has_probes_ = false, probes_drawn_ = false;  // drawn: with the settings of the job at hand
   bool stores_samples_ = true;  // of the job, on the device
   Hash128 scene_content_;
   std::optional<LookFile> look_;
@@ -138,7 +142,8 @@ Expected<void> DeviceSession::choose_by_device() {
     const ChosenTransparency chosen = choose_transparency(scene_, job_, limits->samples, limits->device);
     job_.transparency = chosen.name;
     chose_transparency_ = true;
-    if (!chosen.why.empty()) log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
+    if (!chosen.why.empty() && std::exchange(told_transparency_, chosen.name) != chosen.name)
+      log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
   }
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   const auto stores = stores_samples(job_, *device_);
@@ -185,18 +190,45 @@ Expected<void> DeviceSession::open() {
   return {};
 }
 
+Expected<void> DeviceSession::set_settings(const Job& job) {
+  Job next = asked_;
+  next.technique = job.technique, next.quality = job.quality;
+  next.samples = job.samples, next.settings = job.settings;
+  next.width_px = job.width_px, next.height_px = job.height_px;
+  if (job_json(next) == job_json(asked_)) return {};
+  if (auto fine = check_job(next); !fine) return fine;
+  asked_ = job_ = std::move(next);
+  probes_drawn_ = false;
+  try {
+    return choose_by_device();
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+}
+
+PlanContext DeviceSession::plan_context() const {
+  PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
+  context.on_device = on_device_;
+  context.rays = rays_;
+  context.cpu = shades_on_cpu(*device_);
+  context.stores_samples = stores_samples_;
+  return context;
+}
+
+Expected<FrameWork> DeviceSession::work(double time_s) const {
+  auto planned = plan_frame(job_, plan_context(), wanted_, time_s);
+  if (!planned) return std::unexpected(planned.error());
+  return work_of(*planned);
+}
+
 Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
   return begin_job(job_, time_s, hash_outputs);
 }
 
 Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
   const double start = process_clock_us();
-  PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
+  PlanContext context = plan_context();
   if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
-  context.on_device = on_device_;
-  context.rays = rays_;
-  context.cpu = shades_on_cpu(*device_);
-  context.stores_samples = stores_samples_;
   auto planned = plan_frame(job, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
@@ -206,12 +238,13 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
     Begun begun;
     FrameResult& result = begun.result;
     const uint64_t uploaded_before = device_->uploaded_bytes();
-    if (planned->facts.probes > 0 && !gpu_scene_->probes().loaded()) {
+    if (planned->facts.probes > 0 && !probes_drawn_) {
       const StageTimer timer(result.timings, "probes");
       PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
       without_rays.cpu = context.cpu, without_rays.stores_samples = context.stores_samples;
       if (auto drawn = draw_probes(job, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
         return std::unexpected(drawn.error());
+      probes_drawn_ = true;
     }
     result.time_s = time_s;
     double at_us = start;
@@ -413,6 +446,27 @@ Expected<FrameResult> Session::render(double time_s, bool hash_outputs) {
   const auto ticket = begin(time_s, hash_outputs);
   if (!ticket) return std::unexpected(ticket.error());
   return finish(*ticket);
+}
+
+namespace {
+
+template <class T>
+std::string_view bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+}  // namespace
+
+FrameWork work_of(const PlannedFrame& f) {
+  FrameWork result;
+  std::string work = plan_hash(f.graph.plan).hex();
+  work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
+  for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
+                                       bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
+    work += fmt::format("{} ", bytes.size()), work += bytes;
+  result.hash = hash128(work);
+  for (const PlanPass& pass : f.graph.plan.passes) result.passes.emplace(pass.pass());
+  return result;
 }
 
 Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted,

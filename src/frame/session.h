@@ -2,6 +2,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,14 @@ struct FrameResult {
   std::vector<std::string> warnings;  // textures that could not be decoded, by the first frame that needs them
 };
 
+// What knobs decide about a frame: its passes with their pipelines and sizes, constants, lights and light boxes. Frames
+// of equal hash do the same work.
+struct FrameWork {
+  Hash128 hash;
+  std::set<std::string> passes;  // kept ones, by name
+};
+FrameWork work_of(const PlannedFrame& planned);
+
 // A frame that was begun and not yet finished.
 using FrameTicket = gpu::FrameTicket;
 
@@ -80,6 +89,11 @@ class Session {
   virtual int in_flight() const = 0;  // how many frames to have begun at once on this device
   // Frames begun from now on are seen from there.
   virtual void set_camera(const CameraRequest& camera) = 0;
+  // Frames begun from now on are made with the job's technique, quality, samples, settings and size, as a session of its
+  // own would make them; nothing else of the job counts. Errors: those of check_job() and of what the device cannot do.
+  virtual Expected<void> set_settings(const Job& job) = 0;
+  // What a frame at that time would do: planned, not rendered.
+  virtual Expected<FrameWork> work(double time_s) const = 0;
   virtual const Scene& scene() const = 0;
   virtual const gpu::Device& device() const = 0;
   virtual const Timings& opening() const = 0;  // load, decode, upload

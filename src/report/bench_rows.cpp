@@ -67,6 +67,8 @@ Json row_json(const BenchRow& row) {
   j["knob_hash"] = row.knob_hash;
   j["job"] = row.job.empty() ? Json() : own_json(row.job);
   if (row.run != 0) j["run"] = row.run;
+  if (!row.rounds.empty()) j["rounds"] = row.rounds;
+  if (!row.truth.empty()) j["truth"] = row.truth;
   if (!row.same_work.empty()) j["same_work"] = same_work_json(row.same_work);
   j["remarks"] = row.remarks;
   if (!row.left_out.empty()) j["left_out"] = row.left_out;
@@ -149,6 +151,8 @@ BenchRow row_from(const Json& j) {
   row.job = j.at("job").dump();
   row.remarks = j.at("remarks").get<std::vector<std::string>>();
   row.views = j.value("views", 1), row.run = j.value("run", 0);
+  row.rounds = j.value("rounds", std::vector<int>{});
+  row.truth = j.value("truth", std::string());
   if (j.contains("same_work")) row.same_work = same_work_from(j["same_work"]);
   row.left_out = j.value("left_out", "");
   if (j.contains("error")) row.error = j["error"].at("message"), row.error_kind = j["error"].at("kind");

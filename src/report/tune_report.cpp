@@ -25,7 +25,7 @@ std::vector<PageFinding> findings_of(const std::vector<TuneChoice>& errors) {
       break;
     }
     if (c.trial == before) findings.pop_back();
-    findings.push_back({fmt::format("for relmse of at most {} the cheapest is {}: {} on the GPU", c.wanted,
+    findings.push_back({fmt::format("for relmse of at most {} the cheapest is {}: {}", c.wanted,
                                     c.trial->options, ms_text(*c.trial))});
     before = c.trial;
   }
@@ -45,7 +45,7 @@ std::string choices_table(const char* wanted, const std::vector<TuneChoice>& cho
       row.insert(row.end(), {{""}, {""}, {""}, text_cell("none was found")});
     rows.push_back(std::move(row));
   }
-  return rows.empty() ? "" : html_table({wanted, "GPU time (95 %)", "relmse", "FLIP", "options"}, 0, rows);
+  return rows.empty() ? "" : html_table({wanted, "time (95 %)", "relmse", "FLIP", "options"}, 0, rows);
 }
 
 std::string trials_table(const TuneReport& report) {
@@ -64,13 +64,13 @@ std::string trials_table(const TuneReport& report) {
                       text_cell(t.options),
                       text_cell(t.failed.empty() ? "the same as " + t.same_as : t.failed)});
   }
-  return html_table({"GPU time (95 %)", "relmse", "FLIP", "options", ""}, 0, rows);
+  return html_table({"time (95 %)", "relmse", "FLIP", "options", ""}, 0, rows);
 }
 
 ScatterPlot plot_of(const TuneReport& report) {
   ScatterPlot plot{.title = "Error against time",
-                   .x_label = "GPU time of a frame, ms: median with its 95 % confidence interval",
-                   .y_label = "relMSE against quality exact",
+                   .x_label = "time of a frame on the device, ms: median with its 95 % confidence interval",
+                   .y_label = "relMSE against the traced reference",
                    .points = {},
                    .groups = {}};
   const std::vector<const TuneTrial*> front = tune_front(report);
@@ -96,9 +96,9 @@ std::string tune_html(const TuneReport& report, const Job& job, const std::strin
                 {"device", report.device},
                 {"program", program},
                 {"search", fmt::format("{} settings in {:.0f} s", report.trials.size(), report.wall_s)},
-                {"errors", fmt::format("against quality exact of the same frame at {}x{}: what knobs leave wrong, not "
-                                       "what the techniques approximate",
-                                       report.error_width_px, report.error_height_px)}};
+                {"errors", fmt::format("against the traced reference '{}' of {} samples a pixel, whose noise makes a "
+                                       "relmse of {:.2g}",
+                                       report.reference, report.reference_spp, report.noise)}};
   head.picture = report.picture.empty()
                      ? "There is no picture of the scene: no frame of it was drawn."
                      : figures.add_picture(scene, report.picture, tune_front(report).back()->options);

@@ -1,0 +1,114 @@
+#include "bench/error_screen.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/log.h"
+#include "metrics/compare.h"
+#include "render/outputs.h"
+
+namespace candela {
+namespace {
+
+double relmse_of(const FloatImage& truth, const FloatImage& image) {
+  const Comparison c = compare(truth, image, {.encoding = Encoding::linear, .perceptual = false});
+  const auto found = c.metrics.find("relmse");
+  return found == c.metrics.end() || !std::isfinite(found->second) ? INFINITY : found->second;
+}
+
+bool is_number(const std::string& text) { return text.find_first_not_of("0123456789.eE+-") == std::string::npos; }
+
+// Neighbours along the walk and its exact end; of a choice all other values.
+std::vector<std::string> steps_of(const KnobRow& knob) {
+  std::vector<std::string> values;
+  const auto add = [&](const std::string& value) {
+    if (value != knob.value_now && std::ranges::find(values, value) == values.end()) values.push_back(value);
+  };
+  if (!is_number(knob.value_now)) {
+    for (const std::string& value : knob.walk) add(value);
+    return values;
+  }
+  const double now = std::strtod(knob.value_now.c_str(), nullptr);
+  // The nearest on either side, whichever way the walk runs, and the exact end.
+  const std::string *below = nullptr, *above = nullptr;
+  for (const std::string& value : knob.walk) {
+    const double v = std::strtod(value.c_str(), nullptr);
+    if (v < now && (!below || v > std::strtod(below->c_str(), nullptr))) below = &value;
+    if (v > now && (!above || v < std::strtod(above->c_str(), nullptr))) above = &value;
+  }
+  for (const std::string* value : {below, above})
+    if (value) add(*value);
+  if (!knob.walk.empty()) add(knob.walk.back());
+  return values;
+}
+
+}  // namespace
+
+Job divided_size(Job job, int divisor) {
+  job.width_px = std::max(1, job.width_px / divisor), job.height_px = std::max(1, job.height_px / divisor);
+  return job;
+}
+
+Expected<SmallPicture> picture_in(Session& session, const Job& job, double time_s, int frames) {
+  if (auto set = session.set_settings(job); !set) return std::unexpected(set.error());
+  SmallPicture picture{.ms = INFINITY};
+  for (int i = 0; i <= frames; ++i) {
+    const auto frame = session.render(time_s);
+    if (!frame) return std::unexpected(frame.error());
+    if (i > 0 || frames == 0) picture.ms = std::min(picture.ms, frame->timings.frame_gpu_ms);
+    if (i < frames) continue;
+    NonFinite nonfinite;
+    picture.image = linear_image(*frame, job, session, std::nullopt, FrameRate{}, nonfinite);
+  }
+  return picture;
+}
+
+Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const std::function<bool()>& over) {
+  const Job base = divided_size(o.base, o.divisor);
+  const auto own = picture_in(session, base, o.time_s, o.frames);
+  if (!own) return std::unexpected(own.error());
+  Screen screen{.ms = own->ms, .relmse = relmse_of(*o.truth, own->image)};
+  const auto own_work = session.work(o.time_s);
+  if (!own_work) return std::unexpected(own_work.error());
+  std::set<Hash128> works = {own_work->hash};
+  // What trades error first: it is what the screen is for.
+  std::vector<KnobRow> knobs = knob_rows(base.quality);
+  std::erase_if(knobs, [&](const KnobRow& knob) {
+    const auto in = [&](const std::set<std::string>& passes) {
+      return std::ranges::any_of(knob.passes, [&](const std::string& pass) { return passes.contains(pass); });
+    };
+    return knob.kind == "look" || (!o.passes.empty() && !in(o.passes));
+  });
+  std::ranges::stable_sort(knobs, {}, [](const KnobRow& knob) { return knob.kind == "error" ? 0 : 1; });
+  for (KnobRow& knob : knobs) {
+    for (const KnobSetting& s : base.settings)
+      if (s.pass == knob.pass && s.knob == knob.knob) knob.value_now = s.value;
+    for (const std::string& value : steps_of(knob)) {
+      if (over()) {
+        ++screen.left;
+        continue;
+      }
+      Job job = base;
+      std::erase_if(job.settings,
+                    [&](const KnobSetting& s) { return s.pass == knob.pass && s.knob == knob.knob; });
+      job.settings.push_back({knob.pass, knob.knob, value});
+      if (!check_job(job) || !session.set_settings(job)) continue;
+      const auto work = session.work(o.time_s);
+      if (!work || !works.insert(work->hash).second) continue;
+      const auto picture = picture_in(session, job, o.time_s, o.frames);
+      ++screen.tried;
+      if (!picture) continue;
+      const ScreenedStep step{job.settings.back(), picture->ms, relmse_of(*o.truth, picture->image), knob.unit != "px"};
+      log::debug("screen {}.{}={}: {:.3g} ms ({:.3g}), relmse {:.3g} ({:.3g})", knob.pass, knob.knob, value, step.ms,
+                 screen.ms, step.relmse, screen.relmse);
+      screen.steps.push_back(step);
+    }
+  }
+  constexpr double least = 1e-12;
+  const auto carries = [&](const ScreenedStep& s) { return std::abs(std::log(std::max(s.relmse, least) / std::max(screen.relmse, least))); };
+  std::ranges::stable_sort(screen.steps,
+                           [&](const ScreenedStep& a, const ScreenedStep& b) { return carries(a) > carries(b); });
+  return screen;
+}
+
+}  // namespace candela

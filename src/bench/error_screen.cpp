@@ -18,8 +18,9 @@ double relmse_of(const FloatImage& truth, const FloatImage& image) {
 
 bool is_number(const std::string& text) { return text.find_first_not_of("0123456789.eE+-") == std::string::npos; }
 
-// Neighbours along the walk and its exact end; of a choice all other values.
-std::vector<std::string> steps_of(const KnobRow& knob) {
+}  // namespace
+
+std::vector<std::string> knob_steps(const KnobRow& knob) {
   std::vector<std::string> values;
   const auto add = [&](const std::string& value) {
     if (value != knob.value_now && std::ranges::find(values, value) == values.end()) values.push_back(value);
@@ -41,8 +42,6 @@ std::vector<std::string> steps_of(const KnobRow& knob) {
   if (!knob.walk.empty()) add(knob.walk.back());
   return values;
 }
-
-}  // namespace
 
 Job divided_size(Job job, int divisor) {
   job.width_px = std::max(1, job.width_px / divisor), job.height_px = std::max(1, job.height_px / divisor);
@@ -70,20 +69,22 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
   Screen screen{.ms = own->ms, .relmse = relmse_of(*o.truth, own->image)};
   const auto own_work = session.work(o.time_s);
   if (!own_work) return std::unexpected(own_work.error());
-  std::set<Hash128> works = {own_work->hash};
+  std::set<Hash128> own_works;
+  std::set<Hash128>& works = o.known ? *o.known : own_works;
+  works.insert(own_work->hash);
   // What trades error first: it is what the screen is for.
   std::vector<KnobRow> knobs = knob_rows(base.quality);
   std::erase_if(knobs, [&](const KnobRow& knob) {
-    const auto in = [&](const std::set<std::string>& passes) {
-      return std::ranges::any_of(knob.passes, [&](const std::string& pass) { return passes.contains(pass); });
-    };
-    return knob.kind == "look" || (!o.passes.empty() && !in(o.passes));
+    return knob.kind == "look" || (knob.kind == "time" && !o.times) || (!o.knobs.empty() && !o.knobs.contains(knob.pass + "." + knob.knob));
   });
   std::ranges::stable_sort(knobs, {}, [](const KnobRow& knob) { return knob.kind == "error" ? 0 : 1; });
   for (KnobRow& knob : knobs) {
     for (const KnobSetting& s : base.settings)
       if (s.pass == knob.pass && s.knob == knob.knob) knob.value_now = s.value;
-    for (const std::string& value : steps_of(knob)) {
+    const std::set<std::string> walk(knob.walk.begin(), knob.walk.end());
+    const bool whole = o.whole.contains(knob.pass + "." + knob.knob);
+    for (const std::string& value : whole ? std::vector(walk.begin(), walk.end()) : knob_steps(knob)) {
+      if (value == knob.value_now) continue;
       if (over()) {
         ++screen.left;
         continue;
@@ -98,7 +99,7 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
       const auto picture = picture_in(session, job, o.time_s, o.frames);
       ++screen.tried;
       if (!picture) continue;
-      const ScreenedStep step{job.settings.back(), picture->ms, relmse_of(*o.truth, picture->image), knob.unit != "px"};
+      const ScreenedStep step{job.settings.back(), knob.kind, picture->ms, relmse_of(*o.truth, picture->image), knob.unit != "px"};
       log::debug("screen {}.{}={}: {:.3g} ms ({:.3g}), relmse {:.3g} ({:.3g})", knob.pass, knob.knob, value, step.ms,
                  screen.ms, step.relmse, screen.relmse);
       screen.steps.push_back(step);

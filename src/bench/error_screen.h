@@ -13,6 +13,7 @@ namespace candela {
 // towards draft, or every other value of a choice, all else as it is.
 struct ScreenedStep {
   KnobSetting setting;
+  std::string kind;             // what the knob trades: error or time
   double ms = 0, relmse = 0;  // of the small picture with it
   bool scales = true;         // false: its unit is pixels, which a small picture has fewer of
 };
@@ -26,15 +27,21 @@ struct ScreenOptions {
   double time_s = 0;
   int divisor = 4;          // of width and height
   const FloatImage* truth;  // of the small size
-  std::set<std::string> passes;  // knobs of these alone; empty: of all
-  int frames = 2;                // timed, of each
+  std::set<std::string> knobs;         // these alone ("occlusion.rays"); empty: all
+  std::set<std::string> whole;         // knobs whose whole walk is tried, of these
+  bool times = true;                   // knobs that change nothing but time, too
+  std::set<Hash128>* known = nullptr;  // works that need not be rendered again, and are added to; null: the base's own
+  int frames = 0;                // timed, of each, after one that is not; 0: that one
 };
 // session: of the base's scene; its settings are changed. Errors: those of the base's own picture.
 Expected<Screen> screen_knobs(Session& session, const ScreenOptions& options, const std::function<bool()>& over);
 
+// Values beside the knob's own: neighbours along its walk and its exact end; of a choice all others.
+std::vector<std::string> knob_steps(const KnobRow& knob);
+
 // A job's size divided, as the small pictures have it.
 Job divided_size(Job job, int divisor);
-// The linear picture and its GPU time (the least of `frames`, after one that nobody times).
+// The linear picture and its GPU time: the least of `frames`, after one that is not timed; of 0 that one's.
 struct SmallPicture {
   FloatImage image;
   double ms = 0;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <set>
 
 #include "base/log.h"
 #include "base/text.h"
@@ -51,10 +52,7 @@ class Tuner {
         base_.width_px, base_.height_px, options_.seconds, divided_size(base_, divisor).width_px,
         divided_size(base_, divisor).height_px);
     if (auto opened = open(); !opened) return std::unexpected(opened.error());
-    if (const TuneTrial* best = try_techniques()) {
-      const Job from = best->job;
-      walk_knobs(from);
-    }
+    if (const TuneTrial* quickest = try_techniques()) search(*quickest);
     refine();
     if (options_.picture) take_picture();
     report_.trials.assign(trials_.begin(), trials_.end());
@@ -115,97 +113,138 @@ class Tuner {
     return quickest;
   }
 
-  // In small pictures each knob one by one; at full size their sums, from both ends.
-  void walk_knobs(const Job& from) {
-    const std::vector<ScreenedStep> steps = screened(from, {}, 0.35);
-    std::vector<ScreenedStep> better, cheaper;
-    for (const ScreenedStep& s : steps) {
-      if (s.relmse < screen_.relmse) better.push_back(s);
-      if (s.ms < screen_.ms) cheaper.push_back(s);
+  // A setting as a small picture shows it.
+  struct Small {
+    Job job;                  // at full size
+    double ms = 0, error = 0;  // ms: at full size, as the change from quality high tells
+    bool expanded = false;
+  };
+
+  // A search in small pictures, then its front at full size.
+  void search(const TuneTrial& high) {
+    if (over() || small_truth_.width == 0) return;
+    // The rest is for rounds.
+    const double until_s = elapsed() + 0.8 * left_s();
+    const auto ended = [&] { return over() || elapsed() > until_s; };
+    high_ms_ = high.median_ms;
+    for (const char* quality : {"high", "draft", "normal"}) {
+      Job job = high.job;
+      job.quality = quality;
+      look_at(job);
     }
-    const double ms = screen_.ms, error = screen_.relmse;
-    // Error taken away for each millisecond; a step that is quicker, too, comes first.
-    std::ranges::stable_sort(better, {}, [&](const ScreenedStep& s) {
-      return -(error - s.relmse) / std::max(s.ms - ms, 0.01 * ms);
-    });
-    std::ranges::stable_sort(cheaper, {}, [&](const ScreenedStep& s) {
-      return std::max(s.relmse - error, 0.0) / (ms - s.ms);
-    });
-    Job exact = from;
-    const TuneTrial* before = find(from);
-    int taken = 0;
-    for (const ScreenedStep& step : better) {
-      if (over()) break;
-      const TuneTrial* trial = add(with_setting(exact, step.setting));
-      if (!trial || !trial->usable()) continue;
-      // Each method that is left for another has knobs of its own, which nothing has walked yet.
-      const TuneTrial* best = trial;
-      if (taken < 3 && !is_number(step.setting.value)) best = walk_passes(*trial, step.setting.pass);
-      if (!before || best->relmse >= before->relmse) continue;
-      exact = best->job, before = best, ++taken;
+    if (small_.empty()) return;
+    // A knob that changed neither error nor time by a fiftieth is not tried again, unless its pass has a new method.
+    constexpr double least_change = 0.02;
+    expand(small_.front(), {}, {}, ended);
+    std::set<std::string> active;
+    const Small first = small_.front();
+    for (const Small& s : small_) {
+      const bool one_more = s.job.settings.size() == first.job.settings.size() + 1;
+      const double error = std::abs(s.error / first.error - 1), time = std::abs(s.ms / first.ms - 1);
+      if (one_more && (error > least_change || time > least_change)) active.insert(name_of(s.job.settings.back()));
     }
-    for (const Job& start : {from, exact}) {
-      Job job = start;
-      for (const ScreenedStep& step : cheaper) {
-        if (over()) break;
-        const auto same = [&](const KnobSetting& s) { return s.pass == step.setting.pass && s.knob == step.setting.knob; };
-        if (std::ranges::any_of(job.settings, same)) continue;
-        const Job next = with_setting(job, step.setting);
-        const TuneTrial* trial = add(next);
-        const TuneTrial* own = find(job);
-        // Where it brings no time at full size it is left out of the sum.
-        if (trial && trial->usable() && own && trial->median_ms < own->median_ms) job = next;
-      }
-      if (options_text(exact) == options_text(from)) break;
+    const std::set<std::string> of_base = active;
+    for (int expansion = 1; !ended(); ++expansion) {
+      if (expansion % 3 == 0) confirm(ended);
+      Small* next = next_to_expand();
+      if (!next) break;
+      std::set<std::string> knobs = of_base, whole;
+      for (const KnobRow& knob : knob_rows(next->job.quality))
+        for (const KnobSetting& s : next->job.settings)
+          if (knob.pass == s.pass && !is_number(s.value)) whole.insert(knob.pass + "." + knob.knob);
+      knobs.insert(whole.begin(), whole.end());
+      expand(*next, knobs, whole, ended);
     }
-    if (left_ > 0) report_.notes.push_back(fmt::format("{} settings were not tried: the time was over (--seconds)", left_));
+    confirm([&] { return over(); });
+    try_times();
+    log::info("{} settings were tried in small pictures", small_.size());
+    if (left_ > 0)
+      report_.notes.push_back(fmt::format("{} settings were not measured: the time was over (--seconds)", left_));
+    if (small_left_ > 0)
+      report_.notes.push_back(
+          fmt::format("{} knob settings were not looked at in small pictures: the time was over", small_left_));
   }
 
+  static std::string name_of(const KnobSetting& s) { return s.pass + "." + s.knob; }
   static bool is_number(const std::string& text) {
     return text.find_first_not_of("0123456789.eE+-") == std::string::npos;
   }
-
-  std::vector<ScreenedStep> screened(const Job& base, const std::set<std::string>& passes, double share) {
-    if (over() || small_truth_.width == 0) return {};
-    const double until = elapsed() + share * left_s();
-    auto screen = screen_knobs(*session_, {.base = base, .time_s = options_.moment_s, .divisor = divisor,
-                                           .truth = &small_truth_, .passes = passes, .frames = first_frames},
-                               [&] { return over() || elapsed() > until; });
-    if (!screen) {
-      report_.notes.push_back("knobs were not tried in small pictures: " + screen.error().text());
-      return {};
-    }
-    if (passes.empty())
-      log::info("{} knob settings tried in small pictures{}", screen->tried,
-                screen->left > 0 ? fmt::format(", {} not, for want of time", screen->left) : "");
-    screen_ = *screen;
-    return std::move(screen->steps);
+  // A step changes what each pixel costs, and there are so many more of them.
+  double full_ms(double small_ms) const {
+    return std::max(0.05 * high_ms_, high_ms_ + (small_ms - small_high_ms_) * divisor * divisor);
   }
 
-  // Error knobs of a pass, one after the other down to what saves time, from a setting that has chosen its method.
-  const TuneTrial* walk_passes(const TuneTrial& from, const std::string& pass) {
-    const TuneTrial* best = &from;
-    for (const KnobRow& knob : knob_rows(from.job.quality)) {
-      if (knob.pass != pass || knob.kind != "error" || !is_number(knob.value_now)) continue;
-      std::vector<std::string> values;
-      for (const std::string& value : knob.walk)
-        if (std::strtod(value.c_str(), nullptr) < std::strtod(knob.value_now.c_str(), nullptr) &&
-            std::ranges::find(values, value) == values.end())
-          values.push_back(value);
-      // From the value at hand towards the cheapest, as long as it saves time.
-      std::ranges::sort(values, [](const std::string& a, const std::string& b) {
-        return std::strtod(a.c_str(), nullptr) > std::strtod(b.c_str(), nullptr);
-      });
-      const TuneTrial* last = best;
-      for (const std::string& value : values) {
-        const TuneTrial* trial = add(with_setting(best->job, {knob.pass, knob.knob, value}));
-        if (!trial || !trial->usable() || trial->median_ms >= last->median_ms) break;
-        last = trial;
-        // Error for time: on a log scale it must bring more than it takes.
-        if (trial->median_ms * trial->relmse < best->median_ms * best->relmse) best = trial;
+  void look_at(const Job& job) {
+    const auto picture = picture_in(*session_, divided_size(job, divisor), options_.moment_s, 1);
+    if (!picture) return;
+    if (const auto work = session_->work(options_.moment_s)) known_.insert(work->hash);
+    if (small_.empty()) small_high_ms_ = picture->ms;
+    const Comparison c =
+        compare(small_truth_, picture->image, {.encoding = Encoding::linear, .perceptual = false});
+    if (const auto error = c.metrics.find("relmse"); error != c.metrics.end())
+      small_.push_back({job, full_ms(picture->ms), error->second});
+  }
+
+  void expand(Small& from, const std::set<std::string>& knobs, const std::set<std::string>& whole,
+              const std::function<bool()>& ended) {
+    from.expanded = true;
+    const Job base = from.job;
+    const auto screen = screen_knobs(*session_, {.base = base, .time_s = options_.moment_s, .divisor = divisor,
+                                                 .truth = &small_truth_, .knobs = knobs, .whole = whole, .times = false, .known = &known_},
+                                     ended);
+    if (!screen) {
+      report_.notes.push_back("knobs were not tried in small pictures: " + screen.error().text());
+      return;
+    }
+    for (const ScreenedStep& step : screen->steps)
+      small_.push_back({with_setting(base, step.setting), full_ms(step.ms), step.relmse});
+    small_left_ += screen->left;
+  }
+
+  std::vector<Small*> small_front() {
+    std::vector<Small*> order, front;
+    for (Small& s : small_) order.push_back(&s);
+    std::ranges::stable_sort(order, {}, [](const Small* s) { return std::pair(s->ms, s->error); });
+    // A difference of a thirtieth is not worth a setting of its own.
+    for (Small* s : order)
+      if (front.empty() || s->error < 0.97 * front.back()->error) front.push_back(s);
+    return front;
+  }
+
+  // In turn: where error times time is least, the least error, and the quickest.
+  Small* next_to_expand() {
+    std::vector<Small*> front = small_front();
+    std::erase_if(front, [](const Small* s) { return s->expanded; });
+    if (front.empty()) return nullptr;
+    const int turn = turn_++ % 3;
+    if (turn == 1) return front.back();
+    if (turn == 2) return front.front();
+    return *std::ranges::min_element(front, {}, [](const Small* s) { return s->ms * s->error; });
+  }
+
+  // The front of the small pictures at full size, from its knee outwards.
+  void confirm(const std::function<bool()>& ended) {
+    std::vector<Small*> front = small_front();
+    std::ranges::stable_sort(front, {}, [](const Small* s) { return s->ms * s->error; });
+    for (const Small* s : front)
+      if (!ended()) add(s->job);
+  }
+
+  // Knobs that change nothing but time, whose gains small pictures do not show, one by one on the setting at the knee.
+  void try_times() {
+    const TuneTrial* knee = nullptr;
+    for (const TuneTrial& t : trials_)
+      if (t.usable() && (!knee || t.median_ms * t.relmse < knee->median_ms * knee->relmse)) knee = &t;
+    if (!knee) return;
+    const Job job = knee->job;
+    const double until_s = elapsed() + 0.4 * left_s();
+    for (const KnobRow& knob : knob_rows(job.quality)) {
+      if (knob.kind != "time") continue;
+      for (const std::string& value : knob_steps(knob)) {
+        const Job changed = with_setting(job, {knob.pass, knob.knob, value});
+        if (elapsed() < until_s && !over() && check_job(changed)) add(changed);
       }
     }
-    return best;
   }
 
   void take_picture() {
@@ -314,7 +353,10 @@ class Tuner {
   Job base_;
   std::unique_ptr<Session> session_;
   FloatImage truth_, small_truth_;
-  Screen screen_;  // of the base that was screened last
+  std::deque<Small> small_;      // all that was tried in small pictures; quality high first
+  std::set<Hash128> known_;      // works that were
+  double high_ms_ = 0, small_high_ms_ = 0;
+  int turn_ = 0, small_left_ = 0;
   TuneReport report_;
   std::deque<TuneTrial> trials_;  // pointers to them last
   std::vector<Hash128> works_;    // of each

@@ -47,10 +47,10 @@ struct TuneReport {
       picture;  // PNG of the most exact setting on the front, as it is displayed; of at most 480 pixels
 };
 
-// Techniques at quality high, the qualities of the quickest; then its knobs, tried one by one in small pictures, walked
-// from both ends: what takes most error away for its time, and what saves most time for its error, each sum measured at
-// full size; then rounds of what is on the front. Settings that plan the same work are one. Errors: the scene, the
-// device, or no reference.
+// Techniques at quality high, and the qualities of the quickest, at full size. Then a search in small pictures of that
+// technique: every knob a step either way, then, from one setting after another on the front of error against time, the
+// knobs that changed something. What is on that front is measured at full size, and in rounds for as long as there is
+// time. Settings that plan the same work are one. Errors: the scene, the device, or no reference.
 Expected<TuneReport> tune(const TuneOptions& options, const RunSettings& settings, const std::function<bool()>& stop);
 
 // Trials that no other one beats in both time and error, the fastest first.

@@ -35,7 +35,7 @@ std::span<const Knob<OcclusionKnobs>> OcclusionKnobs::table() {
        .highest = 65536,
        .ladder = {16, 64, 64, 256},
        .trades = "method traced: rays of a pixel; fewer leave noise",
-       .walk = {4, 16, 64, 256},
+       .walk = {1, 4, 16, 64, 256},
        .beside = "occlusion.method=traced"},
       {.name = "texel_px",
        .member = &OcclusionKnobs::texel_px,

@@ -134,6 +134,12 @@ std::string truth_of(const BenchRow& row) {
   return shadowed ? "direct" : open_reference_name;
 }
 
+std::string truth_of(std::span<const BenchRow* const> rows) {
+  for (const BenchRow* row : rows)
+    if (!row->gpu.ms.empty()) return truth_of(*row);
+  return rows.empty() ? open_reference_name : truth_of(*rows.front());
+}
+
 std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, const std::string& reference,
                                      const std::string& metric) {
   using Standing = ErrorPoint::Standing;
@@ -221,6 +227,26 @@ const SettingPoint* most_exact(std::span<const SettingPoint> settings, double mo
   return quickest;
 }
 
+namespace {
+
+// To as many digits as it takes to see on which side of the bound it lies.
+std::string bounded_text(double value, double bound) {
+  for (int digits = 3; digits < 9; ++digits) {
+    std::string text = fmt::format("{:.{}g}", value, digits);
+    if ((std::strtod(text.c_str(), nullptr) <= bound) == (value <= bound)) return text;
+  }
+  return fmt::format("{}", value);
+}
+
+// Empty where three digits show no interval.
+std::string interval_text(const char* format, double value, const Interval& ci) {
+  const std::string low = fmt::format("{:.3g}", ci.low), high = fmt::format("{:.3g}", ci.high);
+  const std::string middle = fmt::format("{:.3g}", value);
+  return low == middle && high == middle ? "" : fmt::format(fmt::runtime(format), low, high);
+}
+
+}  // namespace
+
 std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference,
                               const std::string& metric, double most) {
   const std::vector<SettingPoint> settings = setting_points(rows, reference, metric);
@@ -229,15 +255,14 @@ std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::
   if (!s) {
     const auto least = std::min_element(settings.begin(), settings.end(),
                                         [](const auto& a, const auto& b) { return a.error_ci.high < b.error_ci.high; });
-    return fmt::format("no setting surely has {} below {} against {}: {} has {:.3g} (95 % CI {:.3g} to {:.3g})", metric,
-                       most, reference, error_setting(*least->row), least->error, least->error_ci.low,
-                       least->error_ci.high);
+    return fmt::format("no setting surely has {} below {} against {}: {} has {}{}", metric, most, reference,
+                       error_setting(*least->row), bounded_text(least->error, most),
+                       interval_text(" (95 % CI {} to {})", least->error, least->error_ci));
   }
-  std::string text = fmt::format(
-      "for {} below {} against {} the cheapest setting is {}: {:.3g} ms on the GPU (95 % CI {:.3g} to {:.3g}), {} "
-      "{:.3g} ({:.3g} to {:.3g})",
-      metric, most, reference, error_setting(*s->row), s->ms, s->ms_ci.low, s->ms_ci.high, metric, s->error,
-      s->error_ci.low, s->error_ci.high);
+  std::string text =
+      fmt::format("for {} below {} against {} the cheapest setting is {}: {:.3g} ms{}, {} {}{}", metric, most,
+                  reference, error_setting(*s->row), s->ms, interval_text(" (95 % CI {} to {})", s->ms, s->ms_ci),
+                  metric, bounded_text(s->error, most), interval_text(" ({} to {})", s->error, s->error_ci));
   const auto& noise = error_against(*s->row, reference)->noise;
   if (noise && metric == "relmse" && s->error <= noise->relmse)
     text += fmt::format(", which is below the reference's own noise of {:.3g}", noise->relmse);

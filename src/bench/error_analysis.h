@@ -21,6 +21,8 @@ const PictureError* error_against(const BenchRow& row, const std::string& refere
 // The reference that a row is judged by: the one it names; of files that name none, `direct` unless the row leaves out
 // all effects or was not compared with it.
 std::string truth_of(const BenchRow& row);
+// Of rows of one place: that of the first of them which was measured.
+std::string truth_of(std::span<const BenchRow* const> rows);
 // nullopt where the row was not measured or not compared, or the value is not finite.
 std::optional<double> error_of(const BenchRow& row, const std::string& reference, const std::string& metric);
 

@@ -85,7 +85,8 @@ Expected<SettingChoice> choose_setting(const std::vector<BenchRow>& all, const B
   const std::vector<SettingPoint> settings = setting_points(*rows, budget.reference, budget.metric);
   if (settings.empty())
     return fail(ErrorKind::input, file, "no setting was measured with every camera and at every time");
-  const SettingPoint* best = budget.time_ms ? most_exact(settings, *budget.time_ms, budget.reference, budget.metric) : cheapest(settings, *budget.error);
+  const SettingPoint* best = budget.time_ms ? most_exact(settings, *budget.time_ms, budget.reference, budget.metric)
+                                            : cheapest(settings, *budget.error);
   const auto need = [&](const SettingPoint& s) { return budget.time_ms ? s.ms_ci.high : s.error_ci.high; };
   const SettingPoint& nearest = *std::min_element(settings.begin(), settings.end(),
                                                   [&](const auto& a, const auto& b) { return need(a) < need(b); });

@@ -110,10 +110,10 @@ PictureError ErrorJudge::of_exact(const std::string& technique, const Seen& seen
   const auto own = exact_.find(technique);
   std::vector<PictureError> views;
   for (size_t view = 0; view < seen.images.size(); ++view)
-    views.push_back(
-        compared(own == exact_.end() ? Truth{.name = exact_reference, .failed = "quality exact was not rendered"}
-                                     : Truth{.name = exact_reference, .image = own->second[view]},
-                 view, seen));
+    views.push_back(compared(own == exact_.end()
+                                 ? Truth{.name = exact_reference, .failed = "quality exact was not rendered"}
+                                 : Truth{.name = exact_reference, .image = own->second[view]},
+                             view, seen));
   return error_over(std::move(views));
 }
 

@@ -75,7 +75,8 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
   // What trades error first: it is what the screen is for.
   std::vector<KnobRow> knobs = knob_rows(base.quality);
   std::erase_if(knobs, [&](const KnobRow& knob) {
-    return knob.kind == "look" || (knob.kind == "time" && !o.times) || (!o.knobs.empty() && !o.knobs.contains(knob.pass + "." + knob.knob));
+    return knob.kind == "look" || (knob.kind == "time" && !o.times) ||
+           (!o.knobs.empty() && !o.knobs.contains(knob.pass + "." + knob.knob));
   });
   std::ranges::stable_sort(knobs, {}, [](const KnobRow& knob) { return knob.kind == "error" ? 0 : 1; });
   for (KnobRow& knob : knobs) {
@@ -90,8 +91,7 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
         continue;
       }
       Job job = base;
-      std::erase_if(job.settings,
-                    [&](const KnobSetting& s) { return s.pass == knob.pass && s.knob == knob.knob; });
+      std::erase_if(job.settings, [&](const KnobSetting& s) { return s.pass == knob.pass && s.knob == knob.knob; });
       job.settings.push_back({knob.pass, knob.knob, value});
       if (!check_job(job) || !session.set_settings(job)) continue;
       const auto work = session.work(o.time_s);
@@ -99,14 +99,17 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
       const auto picture = picture_in(session, job, o.time_s, o.frames);
       ++screen.tried;
       if (!picture) continue;
-      const ScreenedStep step{job.settings.back(), knob.kind, picture->ms, relmse_of(*o.truth, picture->image), knob.unit != "px"};
+      const ScreenedStep step{job.settings.back(), knob.kind, picture->ms, relmse_of(*o.truth, picture->image),
+                              knob.unit != "px"};
       log::debug("screen {}.{}={}: {:.3g} ms ({:.3g}), relmse {:.3g} ({:.3g})", knob.pass, knob.knob, value, step.ms,
                  screen.ms, step.relmse, screen.relmse);
       screen.steps.push_back(step);
     }
   }
   constexpr double least = 1e-12;
-  const auto carries = [&](const ScreenedStep& s) { return std::abs(std::log(std::max(s.relmse, least) / std::max(screen.relmse, least))); };
+  const auto carries = [&](const ScreenedStep& s) {
+    return std::abs(std::log(std::max(s.relmse, least) / std::max(screen.relmse, least)));
+  };
   std::ranges::stable_sort(screen.steps,
                            [&](const ScreenedStep& a, const ScreenedStep& b) { return carries(a) > carries(b); });
   return screen;

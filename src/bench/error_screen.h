@@ -13,7 +13,7 @@ namespace candela {
 // towards draft, or every other value of a choice, all else as it is.
 struct ScreenedStep {
   KnobSetting setting;
-  std::string kind;             // what the knob trades: error or time
+  std::string kind;           // what the knob trades: error or time
   double ms = 0, relmse = 0;  // of the small picture with it
   bool scales = true;         // false: its unit is pixels, which a small picture has fewer of
 };
@@ -23,15 +23,15 @@ struct Screen {
   int tried = 0, left = 0;          // settings rendered; not reached, for the time was over
 };
 struct ScreenOptions {
-  Job base;                 // at its full size
+  Job base;  // at its full size
   double time_s = 0;
-  int divisor = 4;          // of width and height
-  const FloatImage* truth;  // of the small size
+  int divisor = 4;                     // of width and height
+  const FloatImage* truth;             // of the small size
   std::set<std::string> knobs;         // these alone ("occlusion.rays"); empty: all
   std::set<std::string> whole;         // knobs whose whole walk is tried, of these
   bool times = true;                   // knobs that change nothing but time, too
   std::set<Hash128>* known = nullptr;  // works that need not be rendered again, and are added to; null: the base's own
-  int frames = 0;                // timed, of each, after one that is not; 0: that one
+  int frames = 0;                      // timed, of each, after one that is not; 0: that one
 };
 // session: of the base's scene; its settings are changed. Errors: those of the base's own picture.
 Expected<Screen> screen_knobs(Session& session, const ScreenOptions& options, const std::function<bool()>& over);

@@ -147,8 +147,8 @@ std::vector<std::vector<Truth>> traced_truths(const Job& job, const std::vector<
       Truth& truth = truths[v].emplace_back(Truth{.name = name});
       const reference::Mode mode = scenes.mode_of(name);
       const LoadedScene& loaded = scenes.of(mode);
-      const auto frame = loaded ? pose_reference(*loaded, of_view, views[v].time_s, {}, mode)
-                                : std::unexpected(loaded.error());
+      const auto frame =
+          loaded ? pose_reference(*loaded, of_view, views[v].time_s, {}, mode) : std::unexpected(loaded.error());
       if (frame)
         trace(truth, **frame, of_view, limits, stop);
       else

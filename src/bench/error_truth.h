@@ -18,8 +18,8 @@ inline constexpr const char* open_reference_name = "direct-unshadowed";
 std::vector<std::string> error_reference_names();
 
 // The traced reference that holds what a frame of the job claims to draw, by which settings are judged: `direct`;
-// `path` where light goes through surfaces, which `direct` takes for opaque; `direct-unshadowed` where the job's effects
-// leave out shadows and occlusion.
+// `path` where light goes through surfaces, which `direct` takes for opaque; `direct-unshadowed` where the job's
+// effects leave out shadows and occlusion.
 std::string claimed_reference(const Job& job, const Scene& scene);
 
 // A traced picture with its variance.
@@ -32,8 +32,8 @@ struct Truth {
 };
 struct TruthLimits {
   uint64_t spp = 64;
-  double seconds = 0;     // longest time for one; 0: none
-  double noise = 0;       // enough where the relmse that its noise makes is below; 0: none
+  double seconds = 0;      // longest time for one; 0: none
+  double noise = 0;        // enough where the relmse that its noise makes is below; 0: none
   bool with_parts = true;  // Truth::divided is made
 };
 // One moment and camera of a job.
@@ -42,8 +42,8 @@ struct TruthView {
   double time_s = 0;
 };
 // The traced references of these names in each view, read from one scene. Their samples are kept in the cache folder
-// (references/*.film), by all that decides them: scene, camera, size, time, settings, and this program's own bytes. What
-// is there is not traced again, and what was interrupted goes on.
+// (references/*.film), by all that decides them: scene, camera, size, time, settings, and this program's own bytes.
+// What is there is not traced again, and what was interrupted goes on.
 std::vector<std::vector<Truth>> traced_truths(const Job& job, const std::vector<TruthView>& views,
                                               const std::vector<std::string>& names, const TruthLimits& limits,
                                               const std::function<bool()>& stop);

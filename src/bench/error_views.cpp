@@ -244,8 +244,8 @@ double most_p_of_pairs(const std::vector<const BenchRow*>& rows, P&& p_of) {
 ComparedRows::ComparedRows(std::span<const BenchRow* const> rows) : noise_(time_noise(rows)) {
   for (const BenchRow* row : rows)
     if (!row->gpu.ms.empty()) rows_.push_back(row);
-  most_time_p_ = most_p_of_pairs(
-      rows_, [&](const BenchRow& a, const BenchRow& b) { return order_of_times(a, b, noise_).p; });
+  most_time_p_ =
+      most_p_of_pairs(rows_, [&](const BenchRow& a, const BenchRow& b) { return order_of_times(a, b, noise_).p; });
 }
 
 bool ComparedRows::quicker(const BenchRow& a, const BenchRow& b) const {
@@ -256,9 +256,8 @@ bool ComparedRows::no_worse(const BenchRow& a, const BenchRow& b, const std::str
                             const std::string& metric) {
   const auto [level, made] = most_error_p_.try_emplace({reference, metric});
   if (made)
-    level->second = most_p_of_pairs(rows_, [&](const BenchRow& c, const BenchRow& d) {
-      return order_of_errors(c, d, reference, metric).p;
-    });
+    level->second = most_p_of_pairs(
+        rows_, [&](const BenchRow& c, const BenchRow& d) { return order_of_errors(c, d, reference, metric).p; });
   const Order order = order_of_errors(a, b, reference, metric, level->second).order;
   return order == Order::less || order == Order::equal;
 }

@@ -36,8 +36,8 @@ Decision order_of_errors(const BenchRow& a, const BenchRow& b, const std::string
 
 // What rows of one run say of how its times vary.
 TimeNoise time_noise(std::span<const BenchRow* const> rows);
-// Which takes less GPU time: by pairs of rounds; where there are too few, by the least samples and the noise of the run;
-// of different runs by intervals that do not meet.
+// Which takes less GPU time: by pairs of rounds; where there are too few, by the least samples and the noise of the
+// run; of different runs by intervals that do not meet.
 Decision order_of_times(const BenchRow& a, const BenchRow& b, const TimeNoise& noise = {}, double most_p = sure_p);
 
 // Rows that are compared with each other: what is sure of each pair, when all pairs are asked.

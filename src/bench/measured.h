@@ -46,7 +46,7 @@ class Measured {
 
  private:
   Expected<FrameResult> render(size_t view);
-  Expected<double> render_views();  // all views once; milliseconds of a frame, their mean
+  Expected<double> render_views();                                // all views once; milliseconds of a frame, their mean
   Expected<bool> take_sample(const std::function<bool()>& over);  // false: over, and nothing of it is kept
   Expected<void> open_session(const std::string& scene_file);
   Expected<void> warm_up();

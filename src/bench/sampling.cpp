@@ -55,7 +55,8 @@ Judgement judge(std::span<const double> before, std::span<const double> after, c
 
 namespace {
 
-// Continued fraction of the incomplete beta function (Abramowitz, Stegun 1964, 26.5.8), by the modified method of Lentz.
+// Continued fraction of the incomplete beta function (Abramowitz, Stegun 1964, 26.5.8), by the modified method of
+// Lentz.
 double beta_fraction(double a, double b, double x) {
   constexpr double tiny = 1e-300;
   double c = 1, d = 1 - (a + b) * x / (a + 1);
@@ -142,7 +143,7 @@ double most_sure_p(std::vector<double> of_all) {
   std::sort(of_all.begin(), of_all.end());
   double most = 0;
   for (size_t k = 0; k < of_all.size(); ++k)
-    if (of_all[k] <= sure_p * double(k + 1) / double(of_all.size())) most = of_all[k];
+    if (const double level = sure_p * double(k + 1) / double(of_all.size()); of_all[k] <= level) most = level;
   return most;
 }
 

@@ -29,8 +29,7 @@ std::string options_text(const Job& job) {
 }
 
 Job with_setting(Job job, const KnobSetting& setting) {
-  std::erase_if(job.settings,
-                [&](const KnobSetting& s) { return s.pass == setting.pass && s.knob == setting.knob; });
+  std::erase_if(job.settings, [&](const KnobSetting& s) { return s.pass == setting.pass && s.knob == setting.knob; });
   job.settings.push_back(setting);
   return job;
 }
@@ -79,17 +78,16 @@ class Tuner {
       return fail(ErrorKind::input, options_.job.scene, "there is no reference to judge settings by: {}", truth.failed);
     truth_ = std::move(truth.image);
     report_.reference_spp = truth.spp;
-    auto small = traced(divided_size(base_, divisor),
-                        {.spp = 1024, .seconds = share_s / 3, .noise = 1e-5, .with_parts = false});
+    auto small =
+        traced(divided_size(base_, divisor), {.spp = 1024, .seconds = share_s / 3, .noise = 1e-5, .with_parts = false});
     small_truth_ = std::move(small.image);
     log::info("opened and traced in {:.1f} s", elapsed());
     return {};
   }
 
   Truth traced(const Job& job, const TruthLimits& limits) {
-    return std::move(traced_truths(job, {{job.camera, options_.moment_s}}, {report_.reference}, limits, stop_)
-                         .front()
-                         .front());
+    return std::move(
+        traced_truths(job, {{job.camera, options_.moment_s}}, {report_.reference}, limits, stop_).front().front());
   }
 
   // The quickest of the techniques at quality high.
@@ -115,7 +113,7 @@ class Tuner {
 
   // A setting as a small picture shows it.
   struct Small {
-    Job job;                  // at full size
+    Job job;                   // at full size
     double ms = 0, error = 0;  // ms: at full size, as the change from quality high tells
     bool expanded = false;
   };
@@ -179,8 +177,7 @@ class Tuner {
     if (!picture) return;
     if (const auto work = session_->work(options_.moment_s)) known_.insert(work->hash);
     if (small_.empty()) small_high_ms_ = picture->ms;
-    const Comparison c =
-        compare(small_truth_, picture->image, {.encoding = Encoding::linear, .perceptual = false});
+    const Comparison c = compare(small_truth_, picture->image, {.encoding = Encoding::linear, .perceptual = false});
     if (const auto error = c.metrics.find("relmse"); error != c.metrics.end())
       small_.push_back({job, full_ms(picture->ms), error->second});
   }
@@ -189,8 +186,15 @@ class Tuner {
               const std::function<bool()>& ended) {
     from.expanded = true;
     const Job base = from.job;
-    const auto screen = screen_knobs(*session_, {.base = base, .time_s = options_.moment_s, .divisor = divisor,
-                                                 .truth = &small_truth_, .knobs = knobs, .whole = whole, .times = false, .known = &known_},
+    const auto screen = screen_knobs(*session_,
+                                     {.base = base,
+                                      .time_s = options_.moment_s,
+                                      .divisor = divisor,
+                                      .truth = &small_truth_,
+                                      .knobs = knobs,
+                                      .whole = whole,
+                                      .times = false,
+                                      .known = &known_},
                                      ended);
     if (!screen) {
       report_.notes.push_back("knobs were not tried in small pictures: " + screen.error().text());
@@ -353,8 +357,8 @@ class Tuner {
   Job base_;
   std::unique_ptr<Session> session_;
   FloatImage truth_, small_truth_;
-  std::deque<Small> small_;      // all that was tried in small pictures; quality high first
-  std::set<Hash128> known_;      // works that were
+  std::deque<Small> small_;  // all that was tried in small pictures; quality high first
+  std::set<Hash128> known_;  // works that were
   double high_ms_ = 0, small_high_ms_ = 0;
   int turn_ = 0, small_left_ = 0;
   TuneReport report_;

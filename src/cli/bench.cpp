@@ -1,4 +1,8 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/file_uses.h"
@@ -39,17 +43,22 @@ std::string differing(const BenchRow& row) {
 std::string rows_text(const BenchRun& run) {
   // Of frames alone: their passes, timed one by one, are another quantity (--json, --report).
   Table table = {{"CONFIGURATION", "FRAME MS", "MIN", "RUNS", "DIFFERING", "NOTE"}};
+  std::map<std::string, int> without;  // by the reason
   for (const BenchRow& row : run.rows) {
     const std::string note = !row.error.empty()      ? row.error
                              : !row.left_out.empty() ? "left out: " + row.left_out
                              : row.budget_hit        ? "time ran out"
                              : row.runs_capped       ? "cap on runs"
                                                      : "";
+    if (row.frame.ms.empty() && ++without[note] > 1) continue;
     table.push_back({row_title(row), milliseconds(row.frame),
                      row.frame.ms.empty() ? "" : fmt::format("{:.3f}", summary(row.frame.ms).min),
                      fmt::format("{}", row.frame.ms.size()), differing(row), note});
   }
-  return table_text(table);
+  std::string text = table_text(table);
+  for (const auto& [note, count] : without)
+    if (count > 1) text += fmt::format("and {} more without runs: {}\n", count - 1, note);
+  return text;
 }
 
 Expected<void> write_files(const BenchOptions& o, const BenchRun& run, const std::string& title) {
@@ -99,26 +108,46 @@ Expected<int> finish(const BenchOptions& o, const BenchRun& run, const std::stri
   return code_of(run);
 }
 
+// One line a technique and kind of answer.
+std::string study_sentences(const std::vector<KnobStudy>& studies) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> told;
+  for (const KnobStudy& study : studies) {
+    if (study.values.empty()) continue;
+    const bool idle = study.values.front().verdict == "changes nothing in this picture";
+    const char* what = !study.advised.empty() ? "worth their time"
+                       : idle                 ? "change nothing in this picture"
+                                              : "no value is surely worth its time";
+    told[{study.technique, what}].push_back(study.advised.empty() ? study.knob : study.knob + "=" + study.advised);
+  }
+  std::string text;
+  for (const auto& [key, knobs] : told) text += fmt::format("  {}: {}: {}\n", key.first, key.second, joined(knobs));
+  return text;
+}
+
 std::string error_sentences(const BenchRun& run) {
   std::string text;
   for (const ErrorPlace& place : error_places(run)) {
     text += "\n" + place.name + "\n";
-    for (const char* reference : {open_reference_name, "path"})
-      for (const double bound : error_bounds)
-        if (const std::string sentence = cheapest_sentence(place.rows, reference, "relmse", bound); !sentence.empty())
-          text += "  " + sentence + "\n";
+    const BenchRow* told = nullptr;  // bounds that one setting meets are one sentence: the tightest
+    std::vector<std::string> sentences;
+    const std::string truth = truth_of(place.rows);
+    const std::vector<SettingPoint> settings = setting_points(place.rows, truth, "relmse");
+    for (const double bound : error_bounds) {
+      std::string sentence = cheapest_sentence(place.rows, truth, "relmse", bound);
+      const SettingPoint* s = cheapest(settings, bound);
+      if (sentence.empty()) continue;
+      if (s && s->row == told) sentences.pop_back();
+      sentences.push_back(std::move(sentence));
+      if (!s) break;
+      told = s->row;
+    }
+    for (const std::string& sentence : sentences) text += "  " + sentence + "\n";
     const std::vector<BenchRow> named = rows_by_name(place.rows);
     std::vector<const BenchRow*> by_name;
     for (const BenchRow& row : named) by_name.push_back(&row);
-    for (const KnobStudy& study : knob_studies(by_name))
-      text += study.advised.empty()
-                  ? fmt::format("  {}, {}: {}\n", study.technique, study.knob,
-                                study.values.empty() ? "" : study.values.front().verdict)
-                  : fmt::format("  {}, {}: {} is worth its time\n", study.technique, study.knob, study.advised);
+    text += study_sentences(knob_studies(by_name));
     for (const NoiseVerdict& verdict : noise_verdicts(place.rows)) text += "  " + verdict.sentence + "\n";
   }
-  if (const auto unswept = unswept_knobs(run.rows); !unswept.empty() && !text.empty())
-    text += "\nknobs that no row sweeps: " + joined(unswept) + "\n";
   return text;
 }
 
@@ -136,21 +165,25 @@ Expected<int> run_errors(const BenchOptions& o) {
   if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
   std::error_code failed;
   if (o.resume && fs::exists(o.json, failed)) {
+    // What it holds is gone on from, so that writing it again loses nothing.
+    if (const int file = ::open(o.json.c_str(), O_RDONLY | O_CLOEXEC); file >= 0) note_written(file), ::close(file);
     auto kept = read_bench_rows(o.json);
     if (!kept) return std::unexpected(kept.error());
     sweep->kept = std::move(kept->rows);
   }
   const fs::path rows = rows_file(o);
   const HeldSignals signals;
-  auto run = run_error_sweep(*sweep, bench_settings(o), [&] { return signals.pending() != 0; },
-                             [&](const BenchRun& so_far) {
-                               if (rows.empty()) return;
-                               const std::string text =
-                                   bench_json(so_far).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-                               if (auto written = write_file_atomically(rows, std::string_view(text)); !written)
-                                 log::warning("the rows so far are not kept: {}", written.error().text());
-                             });
+  auto run = run_error_sweep(
+      *sweep, bench_settings(o), [&] { return signals.pending() != 0; },
+      [&](const BenchRun& so_far) {
+        if (rows.empty()) return;
+        const std::string text = bench_json(so_far).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+        if (auto written = write_file_atomically(rows, std::string_view(text)); !written)
+          log::warning("the rows so far are not kept: {}", written.error().text());
+      });
   if (!run) return std::unexpected(run.error());
+  if (run->rows.empty() && !run->stopped)
+    return fail(ErrorKind::usage, "--budget-s", "nothing was measured: {}", joined(run->notes, "; "));
   for (BenchRow& row : run->rows) row.source = source_version;
   const auto finished = finish(o, *run, "candela bench: error against time");
   if (finished && o.json != "-" && o.csv != "-")

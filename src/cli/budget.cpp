@@ -1,6 +1,7 @@
 #include "cli/budget.h"
 
 #include "base/text.h"
+#include "bench/error_analysis.h"
 #include "bench/error_truth.h"
 #include "cli/job_options.h"
 #include "frame/content_hash.h"
@@ -51,8 +52,8 @@ void add_budget_options(CLI::App& command, BudgetOptions& o) {
       ->type_name("ROWS.json");
   command
       .add_option("--error-reference", o.reference,
-                  "What --error-budget and --time-budget mean by error: exact, direct-unshadowed, direct or path")
-      ->capture_default_str()
+                  "What --error-budget and --time-budget mean by error: exact, direct-unshadowed, direct or path; by "
+                  "default what the file's rows are judged by, which holds what the frame draws")
       ->type_name("NAME");
 }
 
@@ -68,13 +69,18 @@ Expected<std::optional<SettingChoice>> choice_within(const CLI::App& command, co
     if (command.count(option) > 0)
       return fail(ErrorKind::usage, option, "is what a budget chooses: give one of the two");
   const std::vector<std::string> references = error_reference_names();
-  if (std::find(references.begin(), references.end(), o.reference) == references.end())
+  if (!o.reference.empty() && std::find(references.begin(), references.end(), o.reference) == references.end())
     return fail(ErrorKind::usage, "--error-reference", "{}", unknown_name("reference", o.reference, references));
   ErrorBudget budget{.time_ms = o.time_ms, .reference = o.reference};
   if (!o.error.empty())
     if (auto parsed = parse_error_budget(o.error, budget); !parsed) return std::unexpected(parsed.error());
   const auto run = read_bench_rows(o.sweep);
   if (!run) return std::unexpected(run.error());
+  if (budget.reference.empty()) {
+    std::vector<const BenchRow*> rows;
+    for (const BenchRow& row : run->rows) rows.push_back(&row);
+    budget.reference = truth_of(rows);
+  }
   const auto place = place_of(job, device);
   if (!place) return std::unexpected(place.error());
   auto choice = choose_setting(run->rows, *place, budget, o.sweep);

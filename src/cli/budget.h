@@ -10,7 +10,7 @@ namespace candela::cli {
 // --time-budget and --error-budget: technique, quality and knobs come from the file of a sweep.
 struct BudgetOptions {
   std::optional<double> time_ms;
-  std::string error, sweep, reference = "direct-unshadowed";
+  std::string error, sweep, reference;  // reference: empty: that which the rows are judged by
 };
 void add_budget_options(CLI::App& command, BudgetOptions& options);
 

@@ -56,9 +56,9 @@ std::string text_of(const TuneReport& report, const Job& job) {
   std::vector<std::vector<std::string>> rows = {{"WANTED", "MS (95 %)", "RELMSE", "FLIP", "OPTIONS"}};
   const TuneTrial* least = least_error(report);
   for (const TuneChoice& c : cheapest_within(report, error_levels))
-    rows.push_back(row_of(fmt::format("relmse <= {}", c.wanted), c, c.wanted,
-                          least ? "none was found: the least is " + error_text(least->relmse, c.wanted)
-                                : "nothing was measured"));
+    rows.push_back(
+        row_of(fmt::format("relmse <= {}", c.wanted), c, c.wanted,
+               least ? "none was found: the least is " + error_text(least->relmse, c.wanted) : "nothing was measured"));
   if (least && least->relmse > error_levels.back()) rows.push_back(row_of("the least", {0, least}, 0, ""));
   for (const TuneChoice& c : most_exact_within(report, time_levels(report)))
     rows.push_back(row_of(fmt::format("{:.3g} ms", c.wanted), c, 0, "none is that quick"));
@@ -144,7 +144,9 @@ void add_tune(CLI::App& app, Action& action) {
       app.add_subcommand("tune", "Find the cheapest settings for some errors, on this scene and device");
   add_job_options(*command, o->job);
   add_moment_options(*command, o->moment);
-  command->add_option("--seconds", o->seconds, "Of all of it, opening and the traced reference too; a frame that was begun is finished")
+  command
+      ->add_option("--seconds", o->seconds,
+                   "Of all of it, opening and the traced reference too; a frame that was begun is finished")
       ->capture_default_str()
       ->type_name("SECONDS");
   command->add_option("--report", o->report, "Folder for an HTML page, its figures and the result as JSON")

@@ -85,9 +85,9 @@ class DeviceSession : public Session {
   InstanceLayout instances_;
   DevicePose on_device_;
   std::optional<JobSky> sky_;
-  std::string left_out_;  // of the look
+  std::string left_out_;                            // of the look
   bool has_probes_ = false, probes_drawn_ = false;  // drawn: with the settings of the job at hand
-  bool stores_samples_ = true;  // of the job, on the device
+  bool stores_samples_ = true;                      // of the job, on the device
   Hash128 scene_content_;
   std::optional<LookFile> look_;
   std::shared_ptr<const FrameRays> rays_;  // of the last frame that had some

@@ -89,8 +89,9 @@ class Session {
   virtual int in_flight() const = 0;  // how many frames to have begun at once on this device
   // Frames begun from now on are seen from there.
   virtual void set_camera(const CameraRequest& camera) = 0;
-  // Frames begun from now on are made with the job's technique, quality, samples, settings and size, as a session of its
-  // own would make them; nothing else of the job counts. Errors: those of check_job() and of what the device cannot do.
+  // Frames begun from now on are made with the job's technique, quality, samples, settings and size, as a session of
+  // its own would make them; nothing else of the job counts. Errors: those of check_job() and of what the device cannot
+  // do.
   virtual Expected<void> set_settings(const Job& job) = 0;
   // What a frame at that time would do: planned, not rendered.
   virtual Expected<FrameWork> work(double time_s) const = 0;

@@ -124,7 +124,7 @@ std::vector<PageFinding> error_findings(const BenchRun& run) {
     const std::string where = first.scene + (lights_of(first) < 0 ? "" : fmt::format(", {} lights", lights_of(first)));
     for (const std::string& defect : error_defects(place.rows)) findings.push_back({defect, true});
     for (const double bound : {0.01, 0.001})
-      if (const std::string s = cheapest_sentence(place.rows, open_reference_name, "relmse", bound); !s.empty())
+      if (const std::string s = cheapest_sentence(place.rows, truth_of(place.rows), "relmse", bound); !s.empty())
         findings.push_back({where + ": " + s});
   }
   return findings;

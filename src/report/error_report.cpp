@@ -25,7 +25,7 @@ std::string label_of(const std::string& metric) {
 std::string front_figure(const ErrorPlace& place, const std::string& reference, const std::string& metric,
                          Figures& figures) {
   ScatterPlot plot{.title = fmt::format("{} against {}", metric, reference),
-                   .x_label = "GPU time of a frame, ms: median with its 95 % confidence interval",
+                   .x_label = "time of a frame on the device, ms: median with its 95 % confidence interval",
                    .y_label = label_of(metric)};
   for (const ErrorPoint& point : error_points(place.rows, reference, metric)) {
     const std::string& technique = point.row->technique;
@@ -48,28 +48,28 @@ std::string sentences(const ErrorPlace& place) {
   for (const std::string& defect : error_defects(place.rows))
     html += "<p class=\"error\">" + escape_markup(defect) + "</p>\n";
   html += "<ul>\n";
-  for (const char* reference : {open_reference_name, "direct", "path"}) {
-    if (error_points(place.rows, reference, "relmse").empty()) continue;
-    const std::vector<SettingPoint> settings = setting_points(place.rows, reference, "relmse");
-    // Bounds that one setting meets are one sentence: the tightest.
-    std::vector<std::string> told;
-    const BenchRow* before = nullptr;
-    for (const double bound : error_bounds) {
-      const SettingPoint* choice = cheapest(settings, bound);
-      const BenchRow* row = choice ? choice->row : nullptr;
-      if (row && row == before) told.pop_back();
-      if (row || before || bound == error_bounds[0])
-        told.push_back(cheapest_sentence(place.rows, reference, "relmse", bound));
-      before = row;
-    }
-    for (const std::string& sentence : told) html += "<li>" + escape_markup(sentence) + "</li>\n";
+  // Bounds that one setting meets are one sentence: the tightest.
+  const std::string truth = truth_of(place.rows);
+  const std::vector<SettingPoint> settings = setting_points(place.rows, truth, "relmse");
+  std::vector<std::string> told;
+  const BenchRow* before = nullptr;
+  for (const double bound : error_bounds) {
+    const SettingPoint* choice = cheapest(settings, bound);
+    const BenchRow* row = choice ? choice->row : nullptr;
+    if (row && row == before) told.pop_back();
+    if (row || before || bound == error_bounds[0])
+      if (std::string sentence = cheapest_sentence(place.rows, truth, "relmse", bound); !sentence.empty())
+        told.push_back(std::move(sentence));
+    before = row;
   }
+  for (const std::string& sentence : told) html += "<li>" + escape_markup(sentence) + "</li>\n";
   html += "</ul>\n<ul class=\"faint\">\n";
   if (place.rows.front()->views > 1)
     html += fmt::format(
-        "<li>times and errors are means over {} views; what is surely quicker or worse is decided on differences of "
-        "pairs, of rounds and of views, whose 95 % interval lies on one side of 0; at least {} pairs</li>\n",
-        place.rows.front()->views, least_pairs);
+        "<li>times and errors are means over {} views; what is sure is decided by pairs of rounds and of views, so "
+        "that "
+        "at most one such sentence in twenty is false (docs/deciding.md)</li>\n",
+        place.rows.front()->views);
   else
     html += "<li class=\"note\">one view: its errors say little about others</li>\n";
   for (const NoiseVerdict& verdict : noise_verdicts(place.rows))
@@ -128,8 +128,8 @@ std::string strips(const ErrorPlace& place) {
         "<figure class=\"strip\"><div class=\"thirds\"><span>{}</span><span>result</span><span>FLIP: bright is "
         "wrong</span></div><img src=\"data:image/png;base64,{}\" "
         "alt=\"{}\"><figcaption>{}</figcaption></figure>\n",
-        escape_markup(row->suite == "whole" ? open_reference_name : "the technique's exact picture"),
-        base64(row->strip), escape_markup(settings.front()),
+        escape_markup(row->suite == "whole" ? truth_of(*row) : "the technique's exact picture"), base64(row->strip),
+        escape_markup(settings.front()),
         escape_markup(settings.front() + (settings.size() > 1
                                               ? fmt::format(" (and {} more with the same picture)", settings.size() - 1)
                                               : "")));
@@ -146,14 +146,20 @@ std::string error_html(const BenchRun& run, Figures& figures) {
     html +=
         "<h3>Fronts</h3>\n<p>Pale: another setting is surely quicker and no worse. Open: by its numbers another is no "
         "slower and no worse, but the two are not distinguishable.</p>\n";
-    for (const char* reference : {open_reference_name, "direct", "path", exact_reference})
-      html += front_figure(place, reference, "relmse", figures);
-    html += front_figure(place, open_reference_name, "hdr-flip", figures);
+    const std::string truth = truth_of(place.rows);
+    html += front_figure(place, truth, "relmse", figures);
+    html += front_figure(place, truth, "hdr-flip", figures);
+    std::string others;
+    for (const std::string& reference : error_reference_names())
+      if (reference != truth && !error_points(place.rows, reference, "relmse").empty())
+        others += front_figure(place, reference, "relmse", figures);
+    if (!others.empty()) html += folded("Against other references", others);
     html += strips(place);
     html +=
         "<h3>Techniques at each quality</h3>\n<p>All errors are relMSE. <i>Sampling</i> is the distance from the same "
-        "technique at its exact end, <i>model</i> the "
-        "exact end's own distance from the reference, <i>total</i> the row's.</p>\n" +
+        "technique at its exact end, <i>model</i> the exact end's own distance from the reference, <i>total</i> the "
+        "row's. The three do not add up: errors may cancel. What adds is <i>where the error lies</i>, by "
+        "pixels.</p>\n" +
         totals_table(place);
     if (const std::string parts = parts_table(place); !parts.empty())
       html +=

@@ -201,13 +201,10 @@ std::vector<ErrorPlace> error_places(const BenchRun& run) {
 Json error_findings_json(const BenchRun& run) {
   Json all = Json::array();
   for (const ErrorPlace& place : error_places(run)) {
-    Json j = {{"place", place.name},
-              {"cheapest", Json::array()},
-              {"fronts", Json::array()},
-              {"total", Json::array()},
-              {"noise", Json::array()},
-              {"knobs", Json::array()},
-              {"defects", error_defects(place.rows)}};
+    Json j = {{"place", place.name},       {"truth", truth_of(place.rows)},
+              {"cheapest", Json::array()}, {"fronts", Json::array()},
+              {"total", Json::array()},    {"noise", Json::array()},
+              {"knobs", Json::array()},    {"defects", error_defects(place.rows)}};
     const std::vector<BenchRow> named = rows_by_name(place.rows);
     const std::vector<const BenchRow*> by_name = pointers(named);
     for (const std::string& reference : error_reference_names()) {

@@ -19,16 +19,19 @@ std::string head(const std::vector<std::string>& names, size_t text_columns) {
 }
 std::string number(std::optional<double> value) { return value ? fmt::format("{:.3g}", *value) : ""; }
 std::string mebibytes(uint64_t bytes) { return bytes == 0 ? "" : fmt::format("{:.2f}", double(bytes) / (1 << 20)); }
-// Nothing where there is no interval.
+// Nothing where there is no interval, or none that three digits show.
 std::string interval_text(double value, const Interval& ci) {
-  return ci.low == value && ci.high == value ? "" : fmt::format(" [{:.3g}, {:.3g}]", ci.low, ci.high);
+  const std::string low = fmt::format("{:.3g}", ci.low), high = fmt::format("{:.3g}", ci.high);
+  const std::string middle = fmt::format("{:.3g}", value);
+  return low == middle && high == middle ? "" : fmt::format(" [{}, {}]", low, high);
 }
 std::string gpu_text(const BenchRow& row) { return ms_text(median(row.gpu.ms), median_interval(row.gpu.ms)); }
 
 }  // namespace
 
 std::string ms_text(double median, const Interval& ci) {
-  return fmt::format("{:.3g} [{:.3g}, {:.3g}]", median, ci.low, ci.high);
+  if (ci.low == 0 && ci.high == 0) return {};
+  return fmt::format("{:.3g}", median) + interval_text(median, ci);
 }
 
 std::string totals_table(const ErrorPlace& place) {

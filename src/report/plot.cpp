@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "report/plot_canvas.h"
 
@@ -76,6 +77,15 @@ std::vector<const ScatterPlot::Point*> front_of(const ScatterPlot& plot) {
   return front;
 }
 
+// Whether the floor lies among what was measured, or just below.
+bool shows_floor(const ScatterPlot& plot) {
+  if (!plot.floor_y || !(*plot.floor_y > 0)) return false;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& p : plot.points)
+    if (p.at.y > 0) least = std::min(least, p.at.y);
+  return *plot.floor_y > least / 5;
+}
+
 std::pair<PlotAxis, PlotAxis> axes_of(const ScatterPlot& plot) {
   std::vector<double> xs, ys;
   bool zeros = false;
@@ -86,7 +96,8 @@ std::pair<PlotAxis, PlotAxis> axes_of(const ScatterPlot& plot) {
     // A bar that reaches near 0 ends at the lower edge; the axis does not follow it there.
     if (has_bar(at.y_ci)) ys.push_back(std::max(at.y_ci.low, at.y / 5)), ys.push_back(at.y_ci.high);
   }
-  if (plot.floor_y) ys.push_back(*plot.floor_y);
+  // A floor far below what was measured must not squeeze it.
+  if (shows_floor(plot)) ys.push_back(*plot.floor_y);
   return {log_axis(xs), log_axis(ys, zeros)};
 }
 
@@ -152,7 +163,10 @@ std::string plot_script(const ScatterPlot& plot) {
     for (const auto* p : front) stairs.push_back({p->at.x, std::max(p->at.y, y_axis.low)});
     canvas.data(stairs, "1:2 with steps lw 1.5 lc rgb '#777777'");
   }
-  if (plot.floor_y && *plot.floor_y > 0) {
+  if (plot.floor_y && *plot.floor_y > 0 && !shows_floor(plot)) {
+    key.push_back(
+        {fmt::format("noise of the reference: {:.1g}, below what is shown", *plot.floor_y), "#b00020", 0, true});
+  } else if (shows_floor(plot)) {
     canvas.data({{x_axis.low, *plot.floor_y}, {x_axis.high, *plot.floor_y}},
                 "1:2 with lines lw 1.5 dt 2 lc rgb '#b00020'");
     key.push_back({"noise of the reference", "#b00020", 0, true});

@@ -25,8 +25,8 @@ std::vector<PageFinding> findings_of(const std::vector<TuneChoice>& errors) {
       break;
     }
     if (c.trial == before) findings.pop_back();
-    findings.push_back({fmt::format("for relmse of at most {} the cheapest is {}: {}", c.wanted,
-                                    c.trial->options, ms_text(*c.trial))});
+    findings.push_back({fmt::format("for relmse of at most {} the cheapest is {}: {}", c.wanted, c.trial->options,
+                                    ms_text(*c.trial))});
     before = c.trial;
   }
   return findings;

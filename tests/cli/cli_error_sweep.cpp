@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "program.h"
 
@@ -42,7 +45,9 @@ TEST(ErrorSweep, MeasuresWritesAndServesBudgets) {
                                folder / "report",
                                "--quiet"});
   ASSERT_EQ(ended.code, 0) << ended.err;
-  EXPECT_NE(ended.out.find("below 0.01 against direct-unshadowed"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("relmse below 0.1 against direct:"), std::string::npos) << ended.out;
+  EXPECT_EQ(ended.out.find("relmse below 0.1 against direct-unshadowed"), std::string::npos)
+      << "judged by the reference that holds what the frame draws";
   const Json json = Json::parse(bytes_of(folder / "e.json"));
   size_t whole = 0, of_time = 0, measured_whole = 0;
   bool one_sample = false;
@@ -170,18 +175,54 @@ TEST(ErrorSweep, ReferencesAreKept) {
     unsetenv("CANDELA_CACHE_DIR");
 }
 
-// A budget is of sampling: references and first frames have their own time, and each row its least number of runs.
-TEST(ErrorSweep, AShortBudgetLeavesNoRowWithoutRuns) {
+std::vector<std::string> budgeted(const std::string& file, const char* seconds) {
+  return {"bench", "unlit-box", "--size", "24x16", "--error", "--budget-s", seconds, "--json", file};
+}
+
+// A budget holds for all of it: what it leaves out is said, rows come in the order of use, none is without a time.
+TEST(ErrorSweep, ABudgetHoldsForAllOfIt) {
   const TestFolder folder;
-  const Ended ended =
-      candela({"bench", "unlit-box", "--size", "24x16", "--error", "--techniques", "brute-force", "--budget-s", "0.001",
-               "--min-runs", "2", "--warm-up-s", "0.001", "--reference-spp", "1", "--json", folder / "e.json"});
+  const Ended ended = candela(budgeted(folder / "e.json", "6"));
   ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.err.substr(0, ended.err.find('\n')).find("error against time in 6 s"), std::string::npos)
+      << ended.err;
   const Json json = Json::parse(bytes_of(folder / "e.json"));
-  EXPECT_GE(json["rows"].size(), 2u);
-  EXPECT_GT(json["opening_s"], 0);
-  for (const Json& row : json["rows"]) EXPECT_EQ(row["gpu_ms"]["count"], 2) << row["settings"];
-  EXPECT_NE(ended.out.find("relmse below 0.1 against direct-unshadowed"), std::string::npos) << ended.out;
+  ASSERT_GE(json["rows"].size(), 1u);
+  const Json& first = json["rows"][0];
+  EXPECT_EQ(first["technique"], "clustered");
+  EXPECT_EQ(first["quality"], "high");
+  std::set<std::string> works;
+  for (const Json& row : json["rows"]) {
+    EXPECT_GE(row["gpu_ms"]["count"], 1) << row["settings"];
+    EXPECT_EQ(row["rounds"].size(), row["gpu_ms"]["count"]);
+    EXPECT_EQ(row["truth"], "direct");
+    EXPECT_TRUE(works.insert(row["plan_hash"].get<std::string>() + row["knob_hash"].get<std::string>()).second);
+  }
+  EXPECT_EQ(json["error_findings"][0]["truth"], "direct");
+  const Ended too_short = candela(budgeted(folder / "none.json", "0.001"));
+  EXPECT_EQ(too_short.code, 2);
+  EXPECT_NE(too_short.err.find("nothing was measured"), std::string::npos) << too_short.err;
+  EXPECT_NE(too_short.err.find("give at least"), std::string::npos) << too_short.err;
+}
+
+// Rows are written as they come: a killed run leaves them, reports are made of them, and a later run goes on.
+TEST(ErrorSweep, AKilledRunLeavesItsRows) {
+  const TestFolder folder;
+  const std::string file = folder / "e.json";
+  for (int milliseconds = 4000; milliseconds < 60000 && !std::filesystem::exists(file); milliseconds *= 2)
+    candela_killed_after(budgeted(file, "600"), milliseconds, SIGKILL);
+  const Json left = Json::parse(bytes_of(file));
+  ASSERT_GE(left["rows"].size(), 1u);
+  for (const Json& row : left["rows"]) EXPECT_GE(row["gpu_ms"]["count"], 1);
+  EXPECT_EQ(candela({"bench", "--from", file, "--report", folder / "report"}).code, 0);
+  std::vector<std::string> again = budgeted(file, "5");
+  again.emplace_back("--resume");
+  const Ended resumed = candela(again);
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_NE(resumed.err.find("clustered, quality high: kept from before"), std::string::npos) << resumed.err;
+  const Json whole = Json::parse(bytes_of(file));
+  EXPECT_EQ(whole["rows"][0]["gpu_ms"], left["rows"][0]["gpu_ms"]);
+  EXPECT_EQ(candela({"bench", "unlit-box", "--error", "--resume"}).code, 2) << "no file to go on from";
 }
 
 TEST(ErrorSweep, KnobsSayWhatTheyTrade) {

@@ -79,6 +79,8 @@ class FailingSession : public Session {
   }
   int in_flight() const override { return session_.in_flight(); }
   void set_camera(const CameraRequest& camera) override { session_.set_camera(camera); }
+  Expected<void> set_settings(const Job& job) override { return session_.set_settings(job); }
+  Expected<FrameWork> work(double time_s) const override { return session_.work(time_s); }
   const Scene& scene() const override { return session_.scene(); }
   const gpu::Device& device() const override { return session_.device(); }
   const Timings& opening() const override { return session_.opening(); }

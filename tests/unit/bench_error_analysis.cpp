@@ -235,7 +235,8 @@ TEST(ErrorViews, WorseIsDecidedOnPairsOfViews) {
   a.errors = {of_views(0.1)}, b.errors = {of_views(0.104)};
   EXPECT_EQ(order_of_errors(a, b, open_reference_name, "relmse").order, Order::less) << "less in every view";
   b.errors = {of_views(0.102)};
-  EXPECT_EQ(order_of_errors(a, b, open_reference_name, "relmse").order, Order::unclear) << "less than three times the noise";
+  EXPECT_EQ(order_of_errors(a, b, open_reference_name, "relmse").order, Order::unclear)
+      << "less than three times the noise";
   b.errors = {of_views(0.1, 0.005)};
   EXPECT_EQ(order_of_errors(a, b, open_reference_name, "relmse").order, Order::unclear) << "the same in half of them";
   EXPECT_EQ(order_of_errors(a, a, open_reference_name, "relmse").order, Order::equal);

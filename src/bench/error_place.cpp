@@ -5,8 +5,8 @@
 #include <list>
 #include <map>
 
-#include "base/clock.h"
 #include "base/log.h"
+#include "bench/deadline.h"
 #include "bench/error_analysis.h"
 #include "bench/error_judge.h"
 #include "bench/error_parts.h"
@@ -19,23 +19,6 @@
 
 namespace candela {
 namespace {
-
-// What is left of a time that was given; without one there is always some.
-class Deadline {
- public:
-  Deadline(double budget_s, const std::function<bool()>& stop) : budget_s_(budget_s), stop_(stop) {}
-  bool limited() const { return budget_s_ > 0; }
-  double elapsed_s() const { return ms_since(start_) / 1000; }
-  double left_s() const { return limited() ? budget_s_ - elapsed_s() : INFINITY; }
-  bool stopped() const { return stop_ && stop_(); }
-  bool over() const { return stopped() || left_s() <= 0; }
-  double budget_s() const { return budget_s_; }
-
- private:
-  Clock::time_point start_ = Clock::now();
-  double budget_s_;
-  const std::function<bool()>& stop_;
-};
 
 // A row while it is measured.
 struct OpenRow {

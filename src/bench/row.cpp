@@ -138,6 +138,14 @@ Expected<RowComparison> compare_rows(const std::vector<BenchRow>& before, const 
   }
   for (const BenchRow& row : before)
     if (!find(after, row_key(row))) result.only_old.push_back(row_title(row));
+  std::vector<std::pair<const BenchRow*, const BenchRow*>> both;
+  for (const BenchRow& row : after)
+    if (const BenchRow* old_row = find(before, row_key(row));
+        old_row && measured(row) && measured(*old_row) && row.scene_content == old_row->scene_content)
+      both.emplace_back(old_row, &row);
+  for (const auto& [old_row, row] : both)
+    result.frames.push_back({row_title(*row), median(row->frame.ms) / median(old_row->frame.ms),
+                             ratio_interval(old_row->frame.ms, row->frame.ms, both.size())});
   return result;
 }
 

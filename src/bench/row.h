@@ -138,6 +138,13 @@ struct RowComparison {
   std::vector<RowChange> changes;                               // everything judged, in the new file's order
   std::vector<std::string> only_old, only_new, not_comparable;  // titles; the last with a reason
   std::vector<std::string> worse_pictures;  // differ from their reference in more pixels than before
+  // Of each row that both have: frame times, and how many times as long the new one takes, sure for all rows together.
+  struct Ratio {
+    std::string title;
+    double middle = 0;  // of the medians
+    Interval ratio;
+  };
+  std::vector<Ratio> frames;
   bool slower() const;
 };
 // Errors (input): rows of different devices or machines, which say nothing about each other.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/check.h"
@@ -163,6 +164,35 @@ Interval mean_interval(std::span<const double> samples) {
                : z + (z * z * z + z) / (4 * df) + (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * df * df);
   const double half = t * std::sqrt(squares / df / n);
   return {mean - half, mean + half};
+}
+
+Interval ratio_interval(std::span<const double> before, std::span<const double> after, size_t comparisons) {
+  Interval ratio{0, std::numeric_limits<double>::infinity()};
+  struct Moments {
+    double n = 0, mean = 0, variance = 0;  // of logarithms; variance of the mean
+  };
+  const auto moments = [](std::span<const double> samples) {
+    Moments m{.n = double(samples.size())};
+    for (const double s : samples) m.mean += std::log(s) / m.n;
+    for (const double s : samples) m.variance += std::pow(std::log(s) - m.mean, 2) / (m.n * (m.n - 1));
+    return m;
+  };
+  const auto usable = [](std::span<const double> s) {
+    return s.size() >= 2 && std::ranges::all_of(s, [](double v) { return v > 0; });
+  };
+  if (!usable(before) || !usable(after)) return ratio;
+  const Moments a = moments(before), b = moments(after);
+  const double variance = a.variance + b.variance, middle = b.mean - a.mean;
+  if (variance == 0) return {std::exp(middle), std::exp(middle)};
+  const double degrees =
+      variance * variance / (a.variance * a.variance / (a.n - 1) + b.variance * b.variance / (b.n - 1));
+  // The t beyond which lies so much, by bisection.
+  const double outside = 0.05 / double(std::max<size_t>(comparisons, 1));
+  double low = 0, high = 1;
+  while (student_two_sided(high, degrees) > outside && high < 1e12) high *= 2;
+  for (int i = 0; i < 100; ++i)
+    (student_two_sided((low + high) / 2, degrees) > outside ? low : high) = (low + high) / 2;
+  return {std::exp(middle - high * std::sqrt(variance)), std::exp(middle + high * std::sqrt(variance))};
 }
 
 PowerFit fit_power(std::span<const double> x, std::span<const double> y) {

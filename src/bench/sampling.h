@@ -47,6 +47,11 @@ struct Judgement {
   double bound = 0;  // differences up to this are noise, in the samples' unit
   double ratio() const { return old_median > 0 ? new_median / old_median : 0; }
 };
+// How many times as long the second takes, with 95 % confidence in each of `comparisons` such statements together
+// (Bonferroni): Welch's t on the logarithms ("The Generalization of 'Student's' Problem", 1947), of runs that share
+// nothing. Without two samples of each, from 0 to infinity.
+Interval ratio_interval(std::span<const double> before, std::span<const double> after, size_t comparisons = 1);
+
 struct NoiseRules {
   double min_relative = 0.05;  // smaller changes are not reported, however sure
   double mads = 4;             // a change must exceed so many of the larger MAD

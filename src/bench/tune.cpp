@@ -1,13 +1,13 @@
 #include "bench/tune.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <set>
 
 #include "base/log.h"
 #include "base/text.h"
+#include "bench/deadline.h"
 #include "bench/error_screen.h"
 #include "bench/error_truth.h"
 #include "bench/picture.h"
@@ -37,7 +37,7 @@ Job with_setting(Job job, const KnobSetting& setting) {
 class Tuner {
  public:
   Tuner(const TuneOptions& options, const RunSettings& settings, const std::function<bool()>& stop)
-      : options_(options), settings_(settings), stop_(stop), start_(Clock::now()) {
+      : options_(options), settings_(settings), stop_(stop), time_(options.seconds, stop) {
     settings_.timed = true;
     base_ = options.job;
     base_.settings.clear(), base_.samples = 0;
@@ -60,10 +60,9 @@ class Tuner {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  double left_s() const { return options_.seconds - elapsed(); }
-  bool over() const { return stop_() || left_s() <= 0; }
+  double elapsed() const { return time_.elapsed_s(); }
+  double left_s() const { return time_.left_s(); }
+  bool over() const { return time_.over(); }
 
   Expected<void> open() {
     auto session = Session::open(base_, {.linear = true, .display = false}, settings_);
@@ -353,7 +352,7 @@ class Tuner {
   const TuneOptions& options_;
   RunSettings settings_;
   const std::function<bool()>& stop_;
-  Clock::time_point start_;
+  Deadline time_;
   Job base_;
   std::unique_ptr<Session> session_;
   FloatImage truth_, small_truth_;

@@ -250,10 +250,60 @@ Expected<int> run_from_rows(const BenchOptions& o) {
   return 0;
 }
 
+// A file of rows; or of a folder of them the one that was measured on the same device.
+Expected<BenchRun> read_baseline(const std::string& name, const BenchRun& now) {
+  std::error_code failed;
+  if (!fs::is_directory(name, failed)) return read_bench_rows(name);
+  const auto place = [](const BenchRun& run) {
+    return run.rows.empty() ? std::string() : row_device(run.rows.front());
+  };
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(name, failed))
+    if (entry.path().extension() == ".json") files.push_back(entry.path());
+  std::ranges::sort(files);
+  std::vector<std::string> there;
+  for (const fs::path& file : files) {
+    auto run = read_bench_rows(file);
+    if (!run) return run;
+    if (place(*run) == place(now)) return run;
+    there.push_back(place(*run));
+  }
+  return fail(ErrorKind::input, name, "holds no rows of {}{}", place(now),
+              there.empty() ? "" : ", only of " + joined(there, "; "));
+}
+
+// The contract of --no-slower-than: 0 where it is sure of every row.
+int gate_code(const RowComparison& result, double percent, std::string& text) {
+  const double most = 1 + percent / 100;
+  int slower = 0, unclear = 0;
+  Table table = {{"CONFIGURATION", "RATIO", "95 % CI", "GATE"}};
+  for (const auto& [title, middle, ratio] : result.frames) {
+    const bool fine = ratio.high <= most, sure = ratio.low > most;
+    slower += sure, unclear += !fine && !sure;
+    table.push_back({title, fmt::format("{:.3f}", middle), fmt::format("{:.3f} to {:.3f}", ratio.low, ratio.high),
+                     fine   ? "passes"
+                     : sure ? "slower"
+                            : "cannot tell"});
+  }
+  text += table_text(table);
+  const size_t rows = result.frames.size();
+  if (rows == 0)
+    text += "no row is in both files: nothing is shown\n";
+  else if (slower + unclear == 0)
+    text += fmt::format("no frame is slower by more than {:g} %, with 95 % confidence in all {} rows\n", percent, rows);
+  else
+    text += fmt::format(
+        "{} of {} rows are slower by more than {:g} %, of {} it cannot be told: measure those longer "
+        "(--min-runs, --precision)\n",
+        slower, rows, percent, unclear);
+  return rows > 0 && slower + unclear == 0 ? 0 : int(ErrorKind::comparison);
+}
+
 Expected<int> run_compare(const BenchOptions& o) {
-  const auto before = read_bench_rows(o.compare[0]), after = read_bench_rows(o.compare[1]);
-  if (!before) return std::unexpected(before.error());
+  const auto after = read_bench_rows(o.compare[1]);
   if (!after) return std::unexpected(after.error());
+  const auto before = read_baseline(o.compare[0], *after);
+  if (!before) return std::unexpected(before.error());
   const auto result = compare_rows(before->rows, after->rows, {.min_relative = o.min_change});
   if (!result) return std::unexpected(result.error());
   static constexpr const char* verdicts[] = {"same", "slower", "faster", "too few runs"};
@@ -276,12 +326,14 @@ Expected<int> run_compare(const BenchOptions& o) {
   list("not comparable", result->not_comparable);
   text += fmt::format("{} slower, {} faster, {} within noise, {} with too few runs\n", counts[1], counts[2], counts[0],
                       counts[3]);
+  const int gate = o.no_slower_percent ? gate_code(*result, *o.no_slower_percent, text) : 0;
   if (!o.json.empty())
     if (auto written = write_text_output(o.json, comparison_json(*result).dump(2) + "\n"); !written)
       return std::unexpected(written.error());
   if (o.json != "-")
     if (auto printed = print(text); !printed) return std::unexpected(printed.error());
-  return result->slower() || !result->worse_pictures.empty() ? int(ErrorKind::comparison) : 0;
+  if (!result->worse_pictures.empty()) return int(ErrorKind::comparison);
+  return o.no_slower_percent ? gate : result->slower() ? int(ErrorKind::comparison) : 0;
 }
 
 std::string rows_text(const ExactnessReport& report) {

@@ -269,6 +269,13 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       .add_option("--compare", o.compare, "Say what became slower or faster beyond noise; exit 1 when something did")
       ->expected(2)
       ->type_name("OLD.json NEW.json");
+  command
+      .add_option(
+          "--no-slower-than", o.no_slower_percent,
+          "With --compare: exit 0 only where every frame is slower by at most so much with 95 % confidence, all "
+          "together; OLD may be a folder of such files, of which the device's own counts")
+      ->check(non_negative_number())
+      ->type_name("PERCENT");
   command.add_option("--min-change", o.min_change, "With --compare: smaller changes are not reported, as a part")
       ->check(non_negative_number())
       ->capture_default_str()
@@ -310,6 +317,8 @@ Expected<void> check_options(const BenchOptions& o) {
   if (o.error && (!o.settings.empty() || !o.qualities.empty() || !o.samples.empty()))
     return fail(ErrorKind::usage, "--error",
                 "walks knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
+  if (o.no_slower_percent && o.compare.empty())
+    return fail(ErrorKind::usage, "--no-slower-than", "goes with --compare OLD NEW");
   if (!o.report.empty() && (o.suite == "exactness" || !o.compare.empty()))
     return fail(ErrorKind::usage, "--report", "reports are of measurements and of --suite stability");
   if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())

@@ -17,7 +17,7 @@ struct BenchOptions {
       fps = "24", output, reference, camera, sky, look, assets, report, json, csv, device, only, pictures;
   std::vector<std::string> settings, effects, compare, from;
   std::optional<uint64_t> seed;
-  std::optional<double> budget_s, precision, warm_up_s;
+  std::optional<double> budget_s, precision, warm_up_s, no_slower_percent;
   std::optional<int> min_runs, max_runs, max_sessions, count, reference_max_lights, views;
   double min_change = 0.05, timeout_s = 600;
   bool error = false;  // sweep of error against time

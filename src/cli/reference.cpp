@@ -77,7 +77,19 @@ Expected<ReferencePlan> plan_reference(const ReferenceOptions& o) {
   return plan;
 }
 
-void show_trace(StatusLine& status, const reference::Progress& p) {
+// Until the first limit; nullopt where nothing tells.
+std::optional<double> seconds_left(const reference::Progress& p, const reference::Stop& stop) {
+  std::optional<double> left;
+  const auto limit = [&](double seconds) { left = std::max(0.0, left ? std::min(*left, seconds) : seconds); };
+  const double samples = double(p.samples);
+  if (stop.spp > 0 && p.samples > 0) limit(p.seconds * (double(stop.spp) / samples - 1));
+  if (stop.seconds > 0) limit(stop.seconds - p.seconds);
+  // Noise falls with the root of the number of samples.
+  if (stop.noise > 0 && p.relative_error > 0) limit(p.seconds * (std::pow(p.relative_error / stop.noise, 2) - 1));
+  return left;
+}
+
+void show_trace(StatusLine& status, const reference::Progress& p, const reference::Stop& stop) {
   if (p.samples == 0 || !status.due()) return;
   nlohmann::ordered_json members = {{"samples", p.samples}, {"seconds", p.seconds}};
   std::string line = fmt::format("{} spp", p.samples);
@@ -89,6 +101,10 @@ void show_trace(StatusLine& status, const reference::Progress& p) {
   if (p.relative_error > 0) {
     line += fmt::format(", noise {:.3g} %", p.relative_error * 100);
     members["noise"] = p.relative_error;
+  }
+  if (const auto left = seconds_left(p, stop); left && p.seconds > 1) {
+    line += fmt::format(", {:.0f} s left", *left);
+    members["seconds_left"] = *left;
   }
   status.show(line, members);
 }
@@ -151,6 +167,7 @@ Json result_json(const ReferencePlan& plan, const ReferenceFrame& frame, const r
 struct Traced {
   reference::Film film;
   Expected<void> saved;  // the state file; a picture of hours is written all the same
+  fs::path state;        // that file; empty: there is none
 };
 
 Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, const ReferenceFrame& frame,
@@ -178,14 +195,23 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
   reference::refine(
       film, integrator, plan.request.stop,
       [&](const reference::Progress& p) {
-        show_trace(status, p);
+        show_trace(status, p, plan.request.stop);
         return interrupted == 0;
       },
       [&] {
         if (process_clock_us() - last_save_us > save_every_s * 1e6) save();
       });
-  save();
-  return Traced{std::move(film), std::move(saved)};
+  // An interruption keeps what was traced, asked for or not.
+  fs::path state = o.state;
+  if (interrupted != 0 && state.empty() && film.samples() > 0) {
+    state = plan.paths.front().string() + ".film";
+    saved = check_output(state);
+    if (saved) saved = film.save(state, identity);
+    if (!saved) log::warning("{}: the samples so far are not kept", saved.error().text());
+  } else {
+    save();
+  }
+  return Traced{std::move(film), std::move(saved), std::move(state)};
 }
 
 Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
@@ -213,7 +239,9 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
   const reference::Film& film = traced->film;
   if (held.pending() != 0) {
     log::warning("interrupted after {} samples a pixel{}", film.samples(),
-                 o.state.empty() || !traced->saved ? "" : "; --resume goes on from the state file");
+                 traced->state.empty() || !traced->saved
+                     ? ""
+                     : fmt::format("; the same command with --state {} --resume goes on", traced->state.string()));
     return 0;  // the signal ends the program
   }
   const double trace_s = (process_clock_us() - start_us) / 1e6;

@@ -101,6 +101,7 @@ void add_trace_options(CLI::App& command, TraceOptions& o) {
       ->capture_default_str()
       ->type_name("NAME");
   command.add_option("--spp", o.spp, "Samples a pixel; 64 where no limit is given")
+      ->check(positive_number())
       ->transform(whole_number<uint64_t>())
       ->type_name("N");
   command

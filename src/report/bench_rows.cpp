@@ -379,7 +379,13 @@ Json comparison_json(const RowComparison& comparison) {
                        {"new_median_ms", rounded(c.judgement.new_median)},
                        {"noise_ms", rounded(c.judgement.bound)},
                        {"ratio", c.judgement.ratio()}});
+  Json frames = Json::array();
+  for (const auto& [title, middle, ratio] : comparison.frames)
+    frames.push_back({{"configuration", title},
+                      {"ratio", middle},
+                      {"ratio_ci95", {ratio.low, std::isfinite(ratio.high) ? Json(ratio.high) : Json()}}});
   return {{"changes", std::move(changes)},
+          {"frames", std::move(frames)},
           {"worse_pictures", comparison.worse_pictures},
           {"only_old", comparison.only_old},
           {"only_new", comparison.only_new},

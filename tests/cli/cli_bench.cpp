@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -100,6 +101,46 @@ TEST(Bench, ComparesByExitCode) {
   EXPECT_EQ(refused.code, 3);
   EXPECT_NE(refused.err.find("Some GPU"), std::string::npos) << refused.err;
   EXPECT_EQ(bench({"--compare", folder / "old.json", folder / "absent.json"}).code, 3);
+}
+
+// 0 only where it is sure that nothing is slower by more than that.
+TEST(Bench, AGateOnTime) {
+  const TestFolder folder;
+  ASSERT_EQ(bench({"unlit-box", "--size", "8x8", "--techniques", "clustered", "--min-runs", "6", "--max-runs", "6",
+                   "--warm-up-s", "0.001", "--json", folder / "a.json"})
+                .code,
+            0);
+  const Json measured = Json::parse(bytes_of(folder / "a.json"));
+  const auto write = [&](const std::string& name, double factor, const std::string& device = {}) {
+    Json run = measured;
+    const std::vector<double> ms = {10, 10.1, 9.9, 10.2, 9.8, 10};
+    for (Json& row : run["rows"]) {
+      row["frame_ms"]["samples"] = Json::array();
+      for (const double m : ms) row["frame_ms"]["samples"].push_back(m * factor);
+      if (!device.empty()) row["device"]["name"] = device;
+    }
+    std::filesystem::create_directories(std::filesystem::path(folder / name).parent_path());
+    std::ofstream(folder / name) << run;
+  };
+  write("old.json", 1), write("same.json", 1.001), write("slower.json", 1.2);
+  write("baselines/a.json", 0.5, "another device"), write("baselines/b.json", 1);
+  write("others/a.json", 0.5, "another device");
+  const auto gate = [&](const std::string& old, const std::string& now, const char* percent) {
+    return bench({"--compare", folder / old, folder / now, "--no-slower-than", percent});
+  };
+  EXPECT_EQ(gate("old.json", "same.json", "5").code, 0);
+  const Ended slower = gate("old.json", "slower.json", "5");
+  EXPECT_EQ(slower.code, 1);
+  EXPECT_NE(slower.out.find("1 of 1 rows are slower by more than 5 %"), std::string::npos) << slower.out;
+  EXPECT_EQ(gate("old.json", "slower.json", "30").code, 0);
+  const Ended unclear = gate("old.json", "same.json", "0.5");
+  EXPECT_EQ(unclear.code, 1);
+  EXPECT_NE(unclear.out.find("of 1 it cannot be told"), std::string::npos) << unclear.out;
+  EXPECT_EQ(gate("baselines", "same.json", "5").code, 0) << "the file of the same device";
+  const Ended none = gate("others", "same.json", "5");
+  EXPECT_EQ(none.code, 3);
+  EXPECT_NE(none.err.find("another device"), std::string::npos) << none.err;
+  EXPECT_EQ(bench({"unlit-box", "--no-slower-than", "5"}).code, 2);
 }
 
 TEST(Bench, ReadsSuitesStrictly) {

@@ -198,6 +198,16 @@ TEST(Reference, AnInterruptionLeavesAStateToGoOnFrom) {
   EXPECT_EQ(bytes_of(folder / "a.exr"), bytes_of(folder / "b.exr"));
 }
 
+// Without --state what was traced lies beside the picture, and the message says how to go on.
+TEST(Reference, AnInterruptionWithoutAStateKeepsItsSamplesToo) {
+  const TestFolder folder;
+  ASSERT_TRUE(candela_killed_after(traced(folder / "never.exr", {"--spp", "1000000"}), 900, SIGINT));
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"never.exr.film"});
+  EXPECT_EQ(candela(traced(folder / "a.exr", {"--spp", "2", "--state", folder / "never.exr.film", "--resume"})).code,
+            0);
+  EXPECT_EQ(candela(traced(folder / "a.exr", {"--spp", "0"})).code, 2);
+}
+
 // The limit on file sizes lets the picture through and not the sums, as a disk that is nearly full would.
 TEST(Reference, APictureIsWrittenThoughItsStateCannotBe) {
   const TestFolder folder;

@@ -27,6 +27,9 @@ class Pages(unittest.TestCase):
         stale = sorted(name for name in made.keys() | kept.keys() if made.get(name) != kept.get(name))
         self.assertEqual(stale, [], "docs/commands is not what the program's options say: ./run docs writes it anew")
 
+    def test_tables_of_curves_follow_from_the_kept_rows(self):
+        subprocess.run(["python3", ROOT / "bench/curves.py", "check"], check=True)
+
     def test_a_page_names_every_option_of_help(self):
         """The pages are made of the same tree as man pages; help is CLI11's own."""
         pages = sorted((ROOT / "docs/commands").glob("candela-*.md"))

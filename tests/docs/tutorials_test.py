@@ -43,6 +43,9 @@ class Tutorials(unittest.TestCase):
     def test_image_diff_ci(self):
         self.run_page("image-diff-ci", ["out/junit.xml", "golden/CHANGES.md", "diff.html"])
 
+    def test_time_gate_ci(self):
+        self.run_page("time-gate-ci", ["baselines/here.json", "now.json"])
+
     def test_every_page_is_run(self):
         run = {name.removeprefix("test_").replace("_", "-") for name in dir(self) if name.startswith("test_")}
         self.assertEqual({page.stem for page in TUTORIALS.glob("*.md")}, run - {"every-page-is-run"})

@@ -236,7 +236,7 @@ class PlaceRun {
     }
   }
 
-  // Knobs along their walks, all else at the exact end.
+  // All else at the exact end.
   void consider_walks(const std::string& technique) {
     const auto exact = std::ranges::find_if(rows_, [&](const OpenRow& row) {
       return row.planned.suite == "whole" && row.measured->row.quality == "exact" &&
@@ -295,12 +295,9 @@ class PlaceRun {
     if (job.quality != "exact") return 0.5 * typical_s();
     if (exact_frame_s_ <= 0) {
       constexpr int divisor = 8;
-      const double before = time_.elapsed_s();
       const auto small = picture_in(*session_, divided_size(job, divisor), place_.views[0].time_s, 1);
       if (!small) return INFINITY;
       exact_frame_s_ = small->ms / 1000 * divisor * divisor;
-      log::debug("an exact frame should take {:.3g} s ({:.3g} s to know it)", exact_frame_s_,
-                 time_.elapsed_s() - before);
     }
     return exact_frame_s_ * visit_frames();
   }
@@ -326,7 +323,7 @@ class PlaceRun {
     planned.configuration.views = place_.views;
     OpenRow open{std::move(planned), nullptr, 0};
     open.measured = std::make_unique<Measured>(open.planned.configuration, named(open.planned.suite), settings_);
-    if (const BenchRow* kept = kept_row(open.measured->row)) {
+    if (const BenchRow* kept = kept_row(options_.kept, open.measured->row, *session_)) {
       kept_rows_.push_back(*kept);
       log::info("{}: kept from before", error_setting(*kept));
       return nullptr;
@@ -444,15 +441,6 @@ class PlaceRun {
                   [&] { return time_.stopped(); });
     size_t i = 0;
     for (OpenRow& open : rows_) open.measured->row.errors = std::move(rows[i++].errors);
-  }
-
-  const BenchRow* kept_row(const BenchRow& wanted) const {
-    for (const BenchRow& kept : options_.kept)
-      if (kept.suite == wanted.suite && kept.job == wanted.job && kept.views == wanted.views &&
-          kept.time_s == wanted.time_s && kept.scene_content == session_->scene_content().hex() &&
-          kept.device == session_->device().info().name && !kept.gpu.ms.empty())
-        return &kept;
-    return nullptr;
   }
 
   std::vector<BenchRow> rows_so_far() const {

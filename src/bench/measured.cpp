@@ -281,6 +281,16 @@ void Measured::finish() {
   beauty_.reset();
 }
 
+const BenchRow* kept_row(const std::vector<BenchRow>& all, const BenchRow& wanted, const Session& session) {
+  const auto same = [&](const BenchRow& kept) {
+    return kept.suite == wanted.suite && kept.job == wanted.job && kept.views == wanted.views &&
+           kept.time_s == wanted.time_s && kept.scene_content == session.scene_content().hex() &&
+           kept.device == session.device().info().name && !kept.gpu.ms.empty();
+  };
+  const auto found = std::ranges::find_if(all, same);
+  return found == all.end() ? nullptr : &*found;
+}
+
 Expected<SeenFrame> render_once(const Configuration& configuration, SceneStore& store, const RunSettings& settings,
                                 const WantedOutputs& wanted, int most_px) {
   const auto file = store.file_of(configuration);

@@ -66,6 +66,9 @@ class Measured {
   bool decided_ = false;
 };
 
+// What an earlier run measured of the same in the session's place; null: nothing.
+const BenchRow* kept_row(const std::vector<BenchRow>& all, const BenchRow& wanted, const Session& session);
+
 // A single untimed frame with what can be seen in it.
 struct SeenFrame {
   std::optional<Beauty> beauty;

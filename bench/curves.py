@@ -11,6 +11,7 @@
 """
 import argparse
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -29,7 +30,11 @@ def measure(options):
                        str(options.budget_s), "--json", str(file)]
             command += ["--device", options.device] if options.device else []
             command += ["--report", f"{options.report}/{suite}"] if options.report else []
-            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+            done = subprocess.run(command, stdout=subprocess.DEVNULL)
+            if not file.exists():
+                raise RuntimeError(f"{suite}: nothing was measured (exit {done.returncode})")
+            if done.returncode != 0:  # a scene that is not there, or a row that failed: the others are kept
+                print(f"{suite}: exit {done.returncode}", file=sys.stderr)
             run = json.loads(file.read_text())
         for row in run["rows"]:  # pictures and what no table asks for stay in the report
             for key in ("thumbnail", "passes_ms", "cpu_ms", "memory", "opening_ms", "frame_ms"):
@@ -37,7 +42,8 @@ def measure(options):
         for place in run["error_findings"]:
             place.pop("knobs", None)
         kept = {key: run[key] for key in ("notes", "wall_s", "opening_s", "rows", "error_findings") if key in run}
-        name = Path(options.results) / run["rows"][0]["device"]["class"] / f"curves-{suite}.json"
+        kept["rows"] = [row for row in kept["rows"] if row["gpu_ms"]["count"] > 0]
+        name = Path(options.results) / kept["rows"][0]["device"]["class"] / f"curves-{suite}.json"
         name.parent.mkdir(parents=True, exist_ok=True)
         name.write_text(json.dumps(kept, separators=(",", ":")) + "\n")
         print(f"{name}: {len(run['rows'])} rows in {run['wall_s']:.0f} s")
@@ -64,7 +70,7 @@ def tables():
             text += "| --- | --- |" + " --- |" * len(BOUNDS) + "\n"
             for place in run["error_findings"]:
                 noise = [n["relmse"] for n in place["noise"] if n["reference"] == place["truth"]]
-                name = place["place"].rsplit(", ", 1)[0].split("/")[-1]
+                name = re.sub(r"\S*/", "", place["place"].rsplit(", ", 1)[0])
                 text += f"| {name} | {place['truth']} ({noise[0]:.1g}) | " + " | ".join(cell(place, b) for b in BOUNDS) + " |\n"
     return text + "\n"
 

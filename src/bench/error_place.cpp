@@ -126,6 +126,7 @@ class PlaceRun {
     int count = 1;
     for (int views = int(least_pairs); views <= suite_.view_count; ++views)
       if (views * (frames * frame_s + compare_s) <= each_s) count = views;
+    count = kept_views(options_.kept, first_.time_s, *session_).value_or(count);  // whatever time this run has
     place_.views = {{job_.camera, first_.time_s}};
     log::info("{}: opened in {:.3g} s; a frame of {}, quality high takes {:.3g} s; {} view{}", first_.scene.label,
               opening_s_, job_.technique, frame_s, count, count == 1 ? "" : "s");
@@ -236,7 +237,6 @@ class PlaceRun {
     }
   }
 
-  // All else at the exact end.
   void consider_walks(const std::string& technique) {
     const auto exact = std::ranges::find_if(rows_, [&](const OpenRow& row) {
       return row.planned.suite == "whole" && row.measured->row.quality == "exact" &&
@@ -313,10 +313,7 @@ class PlaceRun {
     open.measured->row.truth = claimed_;
     return open.measured->row;
   }
-  const Suite& named(const std::string& name) {
-    suite_.name = name;
-    return suite_;
-  }
+  const Suite& named(const std::string& name) { return suite_.name = name, suite_; }
 
   // Null where it failed or the time ended before its pictures were whole.
   OpenRow* measure(SweepRow planned) {

@@ -281,11 +281,25 @@ void Measured::finish() {
   beauty_.reset();
 }
 
+namespace {
+
+bool is_of_session(const BenchRow& row, double time_s, const Session& session) {
+  return row.time_s == time_s && row.scene_content == session.scene_content().hex() &&
+         row.device == session.device().info().name && !row.gpu.ms.empty();
+}
+
+}  // namespace
+
+std::optional<int> kept_views(const std::vector<BenchRow>& all, double time_s, const Session& session) {
+  for (const BenchRow& row : all)
+    if (is_of_session(row, time_s, session)) return row.views;
+  return std::nullopt;
+}
+
 const BenchRow* kept_row(const std::vector<BenchRow>& all, const BenchRow& wanted, const Session& session) {
   const auto same = [&](const BenchRow& kept) {
     return kept.suite == wanted.suite && kept.job == wanted.job && kept.views == wanted.views &&
-           kept.time_s == wanted.time_s && kept.scene_content == session.scene_content().hex() &&
-           kept.device == session.device().info().name && !kept.gpu.ms.empty();
+           is_of_session(kept, wanted.time_s, session);
   };
   const auto found = std::ranges::find_if(all, same);
   return found == all.end() ? nullptr : &*found;

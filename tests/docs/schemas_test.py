@@ -125,7 +125,7 @@ class Schemas(unittest.TestCase):
 
     def test_bench_error(self):
         self.run_program("bench", "unlit-box", "--size", "24x16", "--error", "--techniques", "brute-force", "--views", "2",
-                         "--budget-s", "0.001", "--min-runs", "2", "--warm-up-s", "0.001", "--reference-spp", "1",
+                         "--max-runs", "2", "--min-runs", "2", "--warm-up-s", "0.001", "--reference-spp", "1",
                          "--json", "error.json")
         rows = self.fits(self.read("error.json"), "bench")
         self.assertIn("error_findings", rows)

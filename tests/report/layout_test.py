@@ -99,7 +99,7 @@ class Pages(unittest.TestCase):
             self.look(f"{name}/index.html", name)
             self.figures(name)
         self.run_program("bench", "unlit-box", "--size", "96x64", "--error", "--techniques", "brute-force", "--views", "2",
-                         "--budget-s", "0.001", "--min-runs", "2", "--warm-up-s", "0.001", "--reference-spp", "1",
+                         "--max-runs", "2", "--min-runs", "2", "--warm-up-s", "0.001", "--reference-spp", "1",
                          "--report", "errors-fresh", "--quiet")
         self.look("errors-fresh/index.html", "errors-fresh")
         self.assertIn("01-unlit-box.png", self.figures("errors-fresh"))

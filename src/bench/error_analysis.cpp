@@ -144,9 +144,10 @@ std::vector<ErrorPoint> error_points(std::span<const BenchRow* const> rows, cons
                                      const std::string& metric) {
   using Standing = ErrorPoint::Standing;
   std::vector<ErrorPoint> points;
+  const TimeNoise noise = time_noise(rows);
   for (const BenchRow* row : rows)
     if (const auto error = error_of(*row, reference, metric))
-      points.push_back({row, median_ms(*row), *error, median_interval(row->gpu.ms),
+      points.push_back({row, median_ms(*row), *error, time_interval(row->gpu.ms, noise),
                         error_interval(*error_against(*row, reference), metric)});
   ComparedRows compared(rows);
   for (ErrorPoint& p : points)
@@ -173,6 +174,7 @@ std::vector<SettingPoint> setting_points(std::span<const BenchRow* const> rows, 
   };
   std::vector<std::pair<std::string, Gathered>> settings;  // in the order of the rows
   std::set<std::string> places;
+  const TimeNoise noise = time_noise(rows);
   for (const BenchRow* row : rows) {
     const auto error = error_of(*row, reference, metric);
     if (!error) continue;
@@ -183,7 +185,7 @@ std::vector<SettingPoint> setting_points(std::span<const BenchRow* const> rows, 
     auto& [point, seen] = found->second;
     seen.insert(error_place(*row));
     const double ms = median_ms(*row);
-    const Interval ms_ci = median_interval(row->gpu.ms);
+    const Interval ms_ci = time_interval(row->gpu.ms, noise);
     const Interval error_ci = error_interval(*error_against(*row, reference), metric);
     if (!point.row || ms > point.ms) point.row = row;
     point.ms = std::max(point.ms, ms), point.error = std::max(point.error, *error);
@@ -227,9 +229,6 @@ const SettingPoint* most_exact(std::span<const SettingPoint> settings, double mo
   return quickest;
 }
 
-namespace {
-
-// To as many digits as it takes to see on which side of the bound it lies.
 std::string bounded_text(double value, double bound) {
   for (int digits = 3; digits < 9; ++digits) {
     std::string text = fmt::format("{:.{}g}", value, digits);
@@ -237,6 +236,8 @@ std::string bounded_text(double value, double bound) {
   }
   return fmt::format("{}", value);
 }
+
+namespace {
 
 // Empty where three digits show no interval.
 std::string interval_text(const char* format, double value, const Interval& ci) {
@@ -269,6 +270,23 @@ std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::
   return text;
 }
 
+std::vector<std::string> cheapest_sentences(std::span<const BenchRow* const> rows, std::span<const double> bounds) {
+  const std::string truth = truth_of(rows);
+  const std::vector<SettingPoint> settings = setting_points(rows, truth, "relmse");
+  std::vector<std::string> sentences;
+  const BenchRow* told = nullptr;
+  for (const double bound : bounds) {
+    const SettingPoint* s = cheapest(settings, bound);
+    std::string sentence = cheapest_sentence(rows, truth, "relmse", bound);
+    if (sentence.empty()) return sentences;
+    if (s && s->row == told) sentences.pop_back();
+    sentences.push_back(std::move(sentence));
+    if (!s) return sentences;
+    told = s->row;
+  }
+  return sentences;
+}
+
 std::vector<double> passes_ms(const BenchRow& row, const std::vector<std::string>& passes) {
   std::vector<double> sums;
   for (const Series& pass : row.passes) {
@@ -287,6 +305,7 @@ uint64_t memory_of(const BenchRow& row, std::string_view name) {
 
 std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows) {
   std::vector<KnobStudy> studies;
+  const TimeNoise noise = time_noise(rows);
   const auto add = [&](const BenchRow& row, const KnobPoint& point) {
     const auto relmse = error_of(row, exact_reference, "relmse"), rmse = error_of(row, exact_reference, "rmse");
     if (!relmse || !rmse) return;
@@ -298,10 +317,10 @@ std::vector<KnobStudy> knob_studies(std::span<const BenchRow* const> rows) {
             : *found;
     KnobStudy::Value value{.row = &row, .text = point.value, .relmse = *relmse, .rmse = *rmse};
     std::from_chars(value.text.data(), value.text.data() + value.text.size(), value.value);
-    value.ms = median_ms(row), value.ms_ci = median_interval(row.gpu.ms);
+    value.ms = median_ms(row), value.ms_ci = time_interval(row.gpu.ms, noise);
     value.relmse_ci = error_interval(*error_against(row, exact_reference), "relmse");
     const std::vector<double> passes = passes_ms(row, point.passes);
-    value.passes_ms = median(passes), value.passes_ci = median_interval(passes);
+    value.passes_ms = median(passes), value.passes_ci = time_interval(passes, noise);
     study.values.push_back(std::move(value));
   };
   for (const BenchRow* row : rows)

@@ -59,6 +59,12 @@ const SettingPoint* most_exact(std::span<const SettingPoint> settings, double mo
 std::string cheapest_sentence(std::span<const BenchRow* const> rows, const std::string& reference,
                               const std::string& metric, double most);
 
+// Of each bound, which become smaller, against the rows' truth; bounds that one setting meets are one sentence, the
+// tightest, and the first that none meets is the last.
+std::vector<std::string> cheapest_sentences(std::span<const BenchRow* const> rows, std::span<const double> bounds);
+// A value to three digits, or as many as it takes to see on which side of the bound it lies.
+std::string bounded_text(double value, double bound);
+
 // Samples of the time of some passes together; empty where the row has none of them.
 std::vector<double> passes_ms(const BenchRow& row, const std::vector<std::string>& passes);
 // Bytes of what the row's memory calls so; 0 when it says nothing.

@@ -118,7 +118,8 @@ PictureError ErrorJudge::of_exact(const std::string& technique, const Seen& seen
 }
 
 PictureError ErrorJudge::compared(const Truth& truth, size_t view, const Seen& seen) const {
-  PictureError error{.reference = truth.name, .note = truth.failed, .exposures = exposures_, .spp = truth.spp};
+  PictureError error{.reference = truth.name, .note = truth.failed, .spp = truth.spp};
+  if (hdr_flip_) error.exposures = exposures_;
   if (!truth.failed.empty()) return error;
   const FloatImage& image = seen.images[view];
   CompareOptions options{.encoding = Encoding::linear};

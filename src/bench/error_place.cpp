@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <list>
 #include <map>
 
 #include "base/log.h"
@@ -14,18 +13,18 @@
 #include "bench/error_views.h"
 #include "bench/error_walk.h"
 #include "bench/measured.h"
+#include "bench/sweep_rows.h"
 #include "metrics/compare.h"
 #include "render/outputs.h"
 
 namespace candela {
 namespace {
 
-// A row while it is measured.
-struct OpenRow {
-  SweepRow planned;
-  std::unique_ptr<Measured> measured;
-  double visit_s = 0;  // of a sample, with the frame before it
-};
+// Errors are of linear pictures.
+Suite linear_too(Suite suite) {
+  if (suite.output == "png") suite.output = "both";
+  return suite;
+}
 
 class PlaceRun {
  public:
@@ -38,22 +37,21 @@ class PlaceRun {
         settings_(settings),
         store_(store),
         time_(budget_s, stop),
-        progress_(std::move(progress)),
         first_(place_.rows.front().configuration),
-        suite_(options.base) {
+        suite_(linear_too(options.base)),
+        rows_(suite_, settings, time_, std::move(progress)) {
     settings_.timed = true;
-    if (suite_.output == "png") suite_.output = "both";
   }
 
   Expected<BenchRun> run() {
     if (!first_.left_out.empty()) {
-      for (SweepRow& row : place_.rows) add_unmeasured(row).left_out = first_.left_out;
+      for (SweepRow& row : place_.rows) rows_.add_unmeasured(row, claimed_).left_out = first_.left_out;
       return finish();
     }
     announce();
     if (auto opened = open(); !opened) {
       for (SweepRow& row : place_.rows) {
-        BenchRow& failed = add_unmeasured(row);
+        BenchRow& failed = rows_.add_unmeasured(row, claimed_);
         failed.error = opened.error().text(), failed.error_kind = int(opened.error().kind);
       }
       log::error("{}: {}", first_.scene.label, opened.error().text());
@@ -69,7 +67,7 @@ class PlaceRun {
       measure_by_use();
     else
       measure_all();
-    sample_rounds();
+    rows_.sample_rounds(claimed_);
     return finish();
   }
 
@@ -102,6 +100,7 @@ class PlaceRun {
     auto session = Session::open(job_, {.linear = true, .display = suite_.output == "both"}, settings_);
     if (!session) return std::unexpected(session.error());
     session_ = std::move(*session);
+    rows_.attach(*session_);
     claimed_ = claimed_reference(job_, session_->scene());
     return time_.limited() ? choose_views() : Expected<void>();
   }
@@ -126,7 +125,10 @@ class PlaceRun {
     int count = 1;
     for (int views = int(least_pairs); views <= suite_.view_count; ++views)
       if (views * (frames * frame_s + compare_s) <= each_s) count = views;
-    count = kept_views(options_.kept, first_.time_s, *session_).value_or(count);  // whatever time this run has
+    // An earlier run chose already, whatever time this one has.
+    const auto kept = kept_row(options_.kept, rows_.named_row(place_.rows.front()), *session_, true);
+    if (!kept) return std::unexpected(kept.error());
+    if (*kept) count = (*kept)->views;
     place_.views = {{job_.camera, first_.time_s}};
     log::info("{}: opened in {:.3g} s; a frame of {}, quality high takes {:.3g} s; {} view{}", first_.scene.label,
               opening_s_, job_.technique, frame_s, count, count == 1 ? "" : "s");
@@ -137,8 +139,9 @@ class PlaceRun {
     } else {
       note("one view: {}", views.error().text());
     }
-    if (int(place_.views.size()) < suite_.view_count && suite_.views.empty())
-      note("{} of {} views: more do not fit the time", place_.views.size(), suite_.view_count);
+    const int asked = suite_.views.empty() ? suite_.view_count : int(suite_.views.size());
+    if (count < asked) note("{} of {} views: more do not fit the time", count, asked);
+    if (int(place_.views.size()) < std::min(count, asked)) note("one view: the camera is orthographic and stands");
     return {};
   }
 
@@ -160,6 +163,8 @@ class PlaceRun {
     for (const BenchView& view : place_.views) views.push_back({view.camera, view.time_s});
     judge_.emplace(traced_truths(job_, views, names, limits, [&] { return time_.over(); }), claimed_,
                    options_.exposures, !time_.limited());
+    for (const Truth& truth : judge_->truths().front())
+      if (!truth.failed.empty()) note("no errors against {}: {}", truth.name, truth.failed);
   }
 
   // Without a budget: rows that sweep_places() has planned.
@@ -168,14 +173,15 @@ class PlaceRun {
     const double start_s = time_.elapsed_s();
     for (SweepRow& row : place_.rows) {
       if (time_.over()) {
-        add_unmeasured(row).error = "the run was stopped before this was measured";
+        rows_.add_unmeasured(row, claimed_).error = "the run was stopped before this was measured";
         continue;
       }
-      measure(std::move(row));
+      row.configuration.views = place_.views;
+      if (!is_kept(row)) rows_.measure(std::move(row), *judge_);
       ++done;
       // Opening, and the rounds until each has its least number of samples.
       double visits_s = 0;
-      for (const OpenRow& open : rows_) visits_s += open.visit_s;
+      for (const OpenRow& open : rows_.all()) visits_s += open.visit_s;
       const double opening_s = (time_.elapsed_s() - start_s) / double(done);
       const double all = double(place_.rows.size());
       log::info("{} of {} settings; about {:.0f} s left", done, place_.rows.size(),
@@ -203,13 +209,14 @@ class PlaceRun {
         if (technique != own) whole(technique, quality);
     for (const std::string& technique : techniques) whole(technique, "exact");
     if (!time_.stopped() && time_.left_s() > 0) consider_walks(own);
-    if (left_ > 0) note("{} settings were not measured: the time was over (--budget-s)", left_);
+    if (left_ + rows_.interrupted() > 0)
+      note("{} settings were not measured: the time was over (--budget-s)", left_ + rows_.interrupted());
     if (dear_ > 0) note("{} settings were not measured: each would have taken more than the time that was left", dear_);
   }
 
   // Knobs a step from quality high; those that carry most error in small pictures first.
   void consider_steps() {
-    if (time_.over() || rows_.empty()) return;
+    if (time_.over()) return;
     constexpr int divisor = 4;
     const Job small = divided_size(job_, divisor);
     const double limit_s = time_.elapsed_s() + 0.25 * time_.left_s();
@@ -223,7 +230,7 @@ class PlaceRun {
         *session_,
         {.base = job_, .time_s = place_.views[0].time_s, .divisor = divisor, .truth = &truth.image, .knobs = {}},
         [&] { return time_.over() || time_.elapsed_s() > limit_s; });
-    used_ = nullptr;
+    rows_.forget_visit();
     if (!screen) return;
     log::info("{}: {} knob settings were tried in pictures of {}x{}{}", first_.scene.label, screen->tried,
               small.width_px, small.height_px, screen->left > 0 ? fmt::format(", {} not", screen->left) : "");
@@ -233,25 +240,29 @@ class PlaceRun {
       // A frame has as many more pixels; what is dear at full size waits until others have had their turn.
       const double more_s = (step.ms - screen->ms) / 1000 * divisor * divisor * visit_frames();
       const std::string name = "step " + step.setting.pass + "." + step.setting.knob;
-      consider({name, std::move(c), {}, {}}, typical_s() + std::max(more_s, 0.0), 0.2);
+      consider({name, std::move(c), {}, {}}, rows_.typical_s() + std::max(more_s, 0.0), 0.2);
     }
   }
 
   void consider_walks(const std::string& technique) {
-    const auto exact = std::ranges::find_if(rows_, [&](const OpenRow& row) {
+    const auto exact = std::ranges::find_if(rows_.all(), [&](const OpenRow& row) {
       return row.planned.suite == "whole" && row.measured->row.quality == "exact" &&
              row.measured->row.technique == technique && row.measured->can_sample();
     });
-    if (exact == rows_.end()) return;
+    if (exact == rows_.all().end()) return;
     for (const KnobRow& knob : knob_rows("exact")) {
-      if (knob.kind == "look" || knob.walk.size() < 2 || !knob.beside.empty()) continue;
+      if (knob.kind == "look" || knob.walk.size() < 2) continue;
+      const std::string name = knob.pass + "." + knob.knob;
+      const size_t before = rows_.all().size();
       for (const std::string& value : knob.walk) {
-        if (value == knob.value_now) continue;
+        if (value == knob.value_now && knob.beside.empty()) continue;
         Configuration c = exact->planned.configuration;
         c.job.settings = {{knob.pass, knob.knob, value}};
-        const std::string name = knob.pass + "." + knob.knob;
+        for (const std::string& setting : knob.beside) c.job.settings.push_back(*parse_knob_setting(setting));
         consider({"knob " + name, std::move(c), {{name, value, knob.kind, knob.passes}}, {}});
       }
+      if (rows_.all().size() > before)
+        exact->measured->row.knobs.push_back({name, knob.value_now, knob.kind, knob.passes});
     }
   }
 
@@ -267,7 +278,7 @@ class PlaceRun {
       note("{}, quality {}: {}", job.technique, job.quality, set.error().text());
       return;
     }
-    used_ = nullptr;
+    rows_.forget_visit();
     std::string works;
     for (const BenchView& view : place_.views) {
       session_->set_camera(view.camera);
@@ -279,20 +290,24 @@ class PlaceRun {
       works += work->hash.hex();
     }
     if (const auto found = works_.find(hash128(works)); found != works_.end()) {
-      judge_->see_same(row, found->second->measured->row);
+      if (found->second) judge_->see_same(row, found->second->measured->row);
+      return;
+    }
+    if (is_kept(row)) {
+      works_.emplace(hash128(works), nullptr);
       return;
     }
     if ((needs_s ? *needs_s : estimated_s(job)) > share * time_.left_s()) {
       ++dear_;
       return;
     }
-    if (OpenRow* open = measure(std::move(row))) works_.emplace(hash128(works), open);
+    if (OpenRow* open = rows_.measure(std::move(row), *judge_)) works_.emplace(hash128(works), open);
   }
 
   // Of a row before it is opened. The exact end, and what is a step from it, is known by a picture of an eighth of the
   // size.
   double estimated_s(const Job& job) {
-    if (job.quality != "exact") return 0.5 * typical_s();
+    if (job.quality != "exact") return 0.5 * rows_.typical_s();
     if (exact_frame_s_ <= 0) {
       constexpr int divisor = 8;
       const auto small = picture_in(*session_, divided_size(job, divisor), place_.views[0].time_s, 1);
@@ -303,123 +318,11 @@ class PlaceRun {
   }
   // Frames of a row until it has two samples.
   double visit_frames() const { return 1 + 3 * double(place_.views.size()); }
-  // Time of a row, the median of those before.
-  double typical_s() const { return median(took_s_); }
 
-  BenchRow& add_unmeasured(const SweepRow& row) {
-    OpenRow& open = rows_.emplace_back();
-    open.planned = row;
-    open.measured = std::make_unique<Measured>(row.configuration, named(row.suite), settings_);
-    open.measured->row.truth = claimed_;
-    return open.measured->row;
-  }
-  const Suite& named(const std::string& name) { return suite_.name = name, suite_; }
-
-  // Null where it failed or the time ended before its pictures were whole.
-  OpenRow* measure(SweepRow planned) {
-    planned.configuration.views = place_.views;
-    OpenRow open{std::move(planned), nullptr, 0};
-    open.measured = std::make_unique<Measured>(open.planned.configuration, named(open.planned.suite), settings_);
-    if (const BenchRow* kept = kept_row(options_.kept, open.measured->row, *session_)) {
-      kept_rows_.push_back(*kept);
-      log::info("{}: kept from before", error_setting(*kept));
-      return nullptr;
-    }
-    OpenRow& row = rows_.emplace_back(std::move(open));
-    const double start_s = time_.elapsed_s();
-    std::vector<FloatImage> images;
-    const auto opened = row.measured->open_in(
-        *session_, [&] { return time_.over(); },
-        [&](size_t, const FrameResult& frame, const Session& session) {
-          NonFinite nonfinite;
-          images.push_back(
-              linear_image(frame, row.planned.configuration.job, session, std::nullopt, FrameRate{}, nonfinite));
-        });
-    used_ = row.measured.get();
-    if (!opened) {
-      log::error("{}: {}", row_title(row.measured->row), opened.error().text());
-      row.measured->fail_with(opened.error());
-      return nullptr;
-    }
-    if (!*opened) {
-      rows_.pop_back();
-      used_ = nullptr;
-      ++left_;
-      return nullptr;
-    }
-    judge_->see(row.planned, row.measured->row, std::move(images));
-    const int moment = -int(rows_.size());
-    const int samples = time_.limited() ? 2 : 1;
-    for (int i = 0; i < samples && (i == 0 || !time_.over()); ++i) visit(row, moment, i == 0);
-    const double took_s = time_.elapsed_s() - start_s;
-    took_s_.push_back(took_s);
-    // The first row again, beside this one, unless that is dear.
-    OpenRow& clock = rows_.front();
-    if (&clock != &row && clock.measured->can_sample() && !time_.over() && clock.visit_s < 0.25 * took_s)
-      visit(clock, moment, false);
-    tell(row);
-    save();
-    return &row;
-  }
-
-  void visit(OpenRow& row, int round, bool warm) {
-    const double before = time_.elapsed_s();
-    const bool visited = !warm && used_ != row.measured.get();
-    // A row's first sample is taken though the time is over: else its picture would have been made for nothing.
-    const bool first = row.measured->row.gpu.ms.empty();
-    const auto sampled = row.measured->sample_in(*session_, round, visited, [&] { return !first && time_.over(); });
-    used_ = row.measured.get();
-    if (!sampled) row.measured->fail_with(sampled.error());
-    row.visit_s = time_.elapsed_s() - before;
-  }
-
-  void tell(const OpenRow& row) const {
-    const BenchRow& r = row.measured->row;
-    const auto error = error_of(r, claimed_, "relmse");
-    log::info("{}: {}{}{}", error_setting(r),
-              r.gpu.ms.empty() ? "no time" : fmt::format("{:.3g} ms", summary(r.gpu.ms).median),
-              error ? fmt::format(", relmse {:.3g} against {}", *error, claimed_) : "",
-              time_.limited() ? fmt::format(" ({:.0f} s left)", std::max(0.0, time_.left_s())) : "");
-  }
-
-  // All rows again and again, in a new order each time. Within a budget: as many rows as four rounds fit, those first
-  // that no other surely beats.
-  void sample_rounds() {
-    for (int round = 1; !time_.over(); ++round) {
-      std::vector<OpenRow*> active;
-      for (OpenRow& row : rows_)
-        if (row.measured->can_sample() && (time_.limited() || row.measured->wants_sample())) active.push_back(&row);
-      if (active.empty()) return;
-      if (time_.limited()) {
-        if (round > suite_.sampling.max_runs) return;
-        choose_for_rounds(active);
-      }
-      for (const size_t k : round_order(active.size(), suite_.sampling.order_seed, round)) {
-        if (time_.over()) break;
-        visit(*active[k], round, false);
-      }
-      save();
-    }
-  }
-
-  void choose_for_rounds(std::vector<OpenRow*>& active) {
-    std::vector<const BenchRow*> rows;
-    for (const OpenRow* row : active) rows.push_back(&row->measured->row);
-    std::map<const BenchRow*, int> rank;
-    for (const ErrorPoint& point : error_points(rows, claimed_, "relmse")) rank[point.row] = int(point.standing);
-    std::ranges::stable_sort(active, {}, [&](const OpenRow* row) {
-      const auto found = rank.find(&row->measured->row);
-      return std::pair(found == rank.end() ? 3 : found->second, row->visit_s);
-    });
-    constexpr double rounds = 4;
-    double sum_s = 0;
-    size_t count = 0;
-    for (const OpenRow* row : active) {
-      sum_s += row->visit_s;
-      if (count >= 2 && sum_s * rounds > time_.left_s()) break;
-      ++count;
-    }
-    active.resize(count);
+  bool is_kept(const SweepRow& row) {
+    const auto kept = kept_row(options_.kept, rows_.named_row(row), *session_);
+    if (kept && *kept) log::info("{}: kept from before", error_setting(**kept));
+    return kept && *kept;
   }
 
   // Whole techniques in the first view: what a knob does to them its study says.
@@ -427,7 +330,7 @@ class PlaceRun {
     if (judge_->truths().empty() || time_.stopped()) return;
     std::vector<BenchRow> rows;
     std::vector<Job> jobs;
-    for (OpenRow& open : rows_) {
+    for (OpenRow& open : rows_.all()) {
       rows.push_back(open.measured->row);
       Job& job = jobs.emplace_back();
       if (open.planned.suite != "whole" || rows.back().errors.empty()) continue;
@@ -437,24 +340,15 @@ class PlaceRun {
     divide_errors(rows, jobs, place_.views.front().time_s, judge_->truths().front(), settings_,
                   [&] { return time_.stopped(); });
     size_t i = 0;
-    for (OpenRow& open : rows_) open.measured->row.errors = std::move(rows[i++].errors);
-  }
-
-  std::vector<BenchRow> rows_so_far() const {
-    std::vector<BenchRow> rows = kept_rows_;
-    for (const OpenRow& row : rows_) rows.push_back(row.measured->row);
-    return rows;
-  }
-  void save() const {
-    if (progress_) progress_(rows_so_far());
+    for (OpenRow& open : rows_.all()) open.measured->row.errors = std::move(rows[i++].errors);
   }
 
   Expected<BenchRun> finish() {
     BenchRun run;
-    for (OpenRow& row : rows_) row.measured->finish();
-    run.rows = rows_so_far();
+    for (OpenRow& row : rows_.all()) row.measured->finish();
+    run.rows = rows_.so_far();
     std::vector<const BenchRow*> own;
-    for (const OpenRow& row : rows_) own.push_back(&row.measured->row);
+    for (OpenRow& row : rows_.all()) own.push_back(&row.measured->row);
     if (std::string change = clock_change(own); !change.empty()) notes_.push_back(std::move(change));
     run.notes = place_.notes;
     run.notes.insert(run.notes.end(), notes_.begin(), notes_.end());
@@ -469,20 +363,16 @@ class PlaceRun {
   RunSettings settings_;
   SceneStore& store_;
   Deadline time_;
-  std::function<void(const std::vector<BenchRow>&)> progress_;
   Configuration first_;
   Suite suite_;
   Job job_;  // with the scene's file
   std::string claimed_;
   std::unique_ptr<Session> session_;
   std::optional<ErrorJudge> judge_;
-  std::list<OpenRow> rows_;
-  std::vector<BenchRow> kept_rows_;
-  std::map<Hash128, OpenRow*> works_;
-  const Measured* used_ = nullptr;  // whose settings the session has
+  SweepRows rows_;
+  std::map<Hash128, OpenRow*> works_;  // null: an earlier run measured it
   double opening_s_ = 0, exact_frame_s_ = 0;
-  std::vector<double> took_s_;  // of each row
-  int left_ = 0, dear_ = 0;
+  int left_ = 0, dear_ = 0;  // rows not measured: the time was over; it would not have been enough
   std::vector<std::string> notes_;
 };
 

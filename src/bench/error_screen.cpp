@@ -16,16 +16,24 @@ double relmse_of(const FloatImage& truth, const FloatImage& image) {
   return found == c.metrics.end() || !std::isfinite(found->second) ? INFINITY : found->second;
 }
 
-bool is_number(const std::string& text) { return text.find_first_not_of("0123456789.eE+-") == std::string::npos; }
-
 }  // namespace
+
+bool is_number_text(const std::string& value) {
+  return value.find_first_not_of("0123456789.eE+-") == std::string::npos;
+}
+
+Job with_setting(Job job, const KnobSetting& setting) {
+  std::erase_if(job.settings, [&](const KnobSetting& s) { return s.pass == setting.pass && s.knob == setting.knob; });
+  job.settings.push_back(setting);
+  return job;
+}
 
 std::vector<std::string> knob_steps(const KnobRow& knob) {
   std::vector<std::string> values;
   const auto add = [&](const std::string& value) {
     if (value != knob.value_now && std::ranges::find(values, value) == values.end()) values.push_back(value);
   };
-  if (!is_number(knob.value_now)) {
+  if (!is_number_text(knob.value_now)) {
     for (const std::string& value : knob.walk) add(value);
     return values;
   }
@@ -90,17 +98,14 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
         ++screen.left;
         continue;
       }
-      Job job = base;
-      std::erase_if(job.settings, [&](const KnobSetting& s) { return s.pass == knob.pass && s.knob == knob.knob; });
-      job.settings.push_back({knob.pass, knob.knob, value});
+      const Job job = with_setting(base, {knob.pass, knob.knob, value});
       if (!check_job(job) || !session.set_settings(job)) continue;
       const auto work = session.work(o.time_s);
       if (!work || !works.insert(work->hash).second) continue;
       const auto picture = picture_in(session, job, o.time_s, o.frames);
       ++screen.tried;
       if (!picture) continue;
-      const ScreenedStep step{job.settings.back(), knob.kind, picture->ms, relmse_of(*o.truth, picture->image),
-                              knob.unit != "px"};
+      const ScreenedStep step{job.settings.back(), picture->ms, relmse_of(*o.truth, picture->image)};
       log::debug("screen {}.{}={}: {:.3g} ms ({:.3g}), relmse {:.3g} ({:.3g})", knob.pass, knob.knob, value, step.ms,
                  screen.ms, step.relmse, screen.relmse);
       screen.steps.push_back(step);

@@ -13,9 +13,7 @@ namespace candela {
 // towards draft, or every other value of a choice, all else as it is.
 struct ScreenedStep {
   KnobSetting setting;
-  std::string kind;           // what the knob trades: error or time
   double ms = 0, relmse = 0;  // of the small picture with it
-  bool scales = true;         // false: its unit is pixels, which a small picture has fewer of
 };
 struct Screen {
   double ms = 0, relmse = 0;        // of the setting itself
@@ -39,6 +37,8 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& options, co
 // Values beside the knob's own: neighbours along its walk and its exact end; of a choice all others.
 std::vector<std::string> knob_steps(const KnobRow& knob);
 
+bool is_number_text(const std::string& value);          // of a knob: no name of a choice
+Job with_setting(Job job, const KnobSetting& setting);  // in the place of another of the same knob
 // A job's size divided, as the small pictures have it.
 Job divided_size(Job job, int divisor);
 // The linear picture and its GPU time: the least of `frames`, after one that is not timed; of 0 that one's.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "bench/error_place.h"
 #include "bench/error_walk.h"
 
@@ -13,40 +14,36 @@ Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSe
   const auto start = Clock::now();
   SceneStore store;
   const double budget_s = options.base.budget_s;
+  if (budget_s <= 0) log::info("error against time of everything: planning what there is to measure");
   auto places = budget_s > 0 ? whole_places(options.base) : sweep_places(options.base, store);
   if (!places) return std::unexpected(places.error());
-  BenchRun all;
+  // What was kept stays, whether this run comes to it or not.
+  BenchRun all{.rows = options.kept};
   int run_index = 0;
   for (const BenchRow& kept : options.kept) run_index = std::max(run_index, kept.run + 1);
-  for (size_t i = 0; i < places->size(); ++i) {
+  for (size_t i = 0; i < places->size(); ++i, ++run_index) {
     const std::string label = (*places)[i].rows.front().configuration.scene.label;
     // What one place leaves of its time the others have.
-    const double share_s =
-        budget_s > 0 ? std::max(0.001, (budget_s - ms_since(start) / 1000) / double(places->size() - i)) : 0;
-    const auto with_run = [&](BenchRow row) {
-      const bool kept = std::ranges::any_of(options.kept, [&](const BenchRow& k) {
-        return k.job == row.job && k.suite == row.suite && k.gpu.ms == row.gpu.ms;
-      });
-      if (!kept) row.run = run_index;
-      return row;
+    const double left_s = std::max(0.001, budget_s - ms_since(start) / 1000);
+    const auto with_rows = [&](BenchRun run, const std::vector<BenchRow>& rows) {
+      for (const BenchRow& row : rows) run.rows.emplace_back(row).run = run_index;
+      run.wall_s = ms_since(start) / 1000;
+      return run;
     };
-    auto run = run_error_place(std::move((*places)[i]), options, share_s, store, settings, stop,
-                               [&](const std::vector<BenchRow>& rows) {
-                                 if (!progress) return;
-                                 BenchRun so_far = all;
-                                 for (const BenchRow& row : rows) so_far.rows.push_back(with_run(row));
-                                 so_far.notes.emplace_back("the run had not ended when this was written");
-                                 so_far.wall_s = ms_since(start) / 1000;
-                                 progress(so_far);
-                               });
+    const auto run =
+        run_error_place(std::move((*places)[i]), options, budget_s > 0 ? left_s / double(places->size() - i) : 0, store,
+                        settings, stop, [&](const std::vector<BenchRow>& rows) {
+                          if (!progress) return;
+                          BenchRun so_far = with_rows(all, rows);
+                          so_far.notes.emplace_back("the run had not ended when this was written");
+                          progress(so_far);
+                        });
     if (!run) return run;
-    for (BenchRow& row : run->rows) all.rows.push_back(with_run(std::move(row)));
-    ++run_index;
+    all = with_rows(std::move(all), run->rows);
     for (const std::string& note : run->notes) all.notes.push_back(label + ": " + note);
     all.opening_s += run->opening_s;
     all.stopped = all.stopped || run->stopped;
   }
-  all.wall_s = ms_since(start) / 1000;
   return all;
 }
 

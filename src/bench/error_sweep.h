@@ -12,7 +12,7 @@ struct ErrorSweepOptions {
   Suite base;  // scenes, lights, sizes, times, techniques and sampling; its knobs and qualities are not asked
   TruthLimits truth;
   std::optional<ExposureRange> exposures;  // of hdr-flip; nullopt: from the traced reference of each place
-  std::vector<BenchRow> kept;              // of an earlier run: what they measured is not measured again
+  std::vector<BenchRow> kept;              // of an earlier run: they stay, and are not measured again
 };
 
 // Rows of all places, each with an error against each reference over the place's views.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "bench/sampling.h"
 #include "frame/posed_scene.h"
@@ -185,42 +186,36 @@ std::map<int, double> by_round(const BenchRow& row) {
   return medians;
 }
 
-// The row that was measured in most rounds and moments: that which is measured again beside others.
+// The row that was measured again beside others: at the most moments. Null: none was.
 const BenchRow* clock_row(std::span<const BenchRow* const> rows) {
   const BenchRow* clock = nullptr;
-  for (const BenchRow* row : rows)
-    if (std::ranges::any_of(row->rounds, [](int r) { return r < 0; }) &&
-        (!clock || row->gpu.ms.size() > clock->gpu.ms.size()))
-      clock = row;
+  size_t most = 1;
+  for (const BenchRow* row : rows) {
+    std::set<int> moments;
+    for (const int round : row->rounds)
+      if (round < 0) moments.insert(round);
+    if (moments.size() > most) clock = row, most = moments.size();
+  }
   return clock;
 }
 
 }  // namespace
 
 TimeNoise time_noise(std::span<const BenchRow* const> rows) {
-  TimeNoise noise;
-  std::vector<double> residuals;
-  double degrees = 0;
-  for (const BenchRow* row : rows) {
-    const double middle = median(row->gpu.ms), n = double(row->gpu.ms.size());
-    if (n < 2 || middle <= 0) continue;
-    degrees += n - 1;
-    for (const double ms : row->gpu.ms)
-      if (ms > 0) residuals.push_back(std::abs(std::log(ms / middle)) * std::sqrt(n / (n - 1)));
-  }
-  constexpr double normal = 1.4826;  // sigma of a normal distribution over its median absolute deviation
-  if (degrees >= 4) noise.samples = normal * median(residuals), noise.degrees = degrees;
+  std::vector<std::span<const double>> samples;
+  for (const BenchRow* row : rows) samples.emplace_back(row->gpu.ms);
+  TimeNoise noise = noise_of(samples);
   if (const BenchRow* clock = clock_row(rows)) {
     std::vector<double> logs;
     for (const auto& [round, ms] : by_round(*clock))
       if (ms > 0) logs.push_back(std::log(ms));
-    if (logs.size() >= 4) noise.moments = normal * mad(logs), noise.degrees = double(logs.size() - 1);
+    if (logs.size() >= 4) noise.moments = 1.4826 * mad(logs), noise.degrees = double(logs.size() - 1);
   }
   return noise;
 }
 
 Decision order_of_times(const BenchRow& a, const BenchRow& b, const TimeNoise& noise, double most_p) {
-  if (a.run != b.run) return apart(median_interval(a.gpu.ms), median_interval(b.gpu.ms));
+  if (a.run != b.run) return apart(time_interval(a.gpu.ms, noise), time_interval(b.gpu.ms, noise));
   std::vector<double> of_a, of_b;
   const std::map<int, double> in_b = by_round(b);
   for (const auto& [round, ms] : by_round(a))

@@ -283,26 +283,23 @@ void Measured::finish() {
 
 namespace {
 
-bool is_of_session(const BenchRow& row, double time_s, const Session& session) {
-  return row.time_s == time_s && row.scene_content == session.scene_content().hex() &&
-         row.device == session.device().info().name && !row.gpu.ms.empty();
+bool is_of_place(const BenchRow& row, const BenchRow& wanted, const Session& session) {
+  return row.scene == wanted.scene && row.time_s == wanted.time_s && row.device == session.device().info().name &&
+         !row.gpu.ms.empty();
 }
 
 }  // namespace
 
-std::optional<int> kept_views(const std::vector<BenchRow>& all, double time_s, const Session& session) {
-  for (const BenchRow& row : all)
-    if (is_of_session(row, time_s, session)) return row.views;
-  return std::nullopt;
-}
-
-const BenchRow* kept_row(const std::vector<BenchRow>& all, const BenchRow& wanted, const Session& session) {
-  const auto same = [&](const BenchRow& kept) {
-    return kept.suite == wanted.suite && kept.job == wanted.job && kept.views == wanted.views &&
-           is_of_session(kept, wanted.time_s, session);
-  };
-  const auto found = std::ranges::find_if(all, same);
-  return found == all.end() ? nullptr : &*found;
+Expected<const BenchRow*> kept_row(const std::vector<BenchRow>& all, const BenchRow& wanted, const Session& session,
+                                   bool any_setting) {
+  for (const BenchRow& row : all) {
+    if (!is_of_place(row, wanted, session)) continue;
+    if (row.scene_content != session.scene_content().hex())
+      return fail(ErrorKind::input, row.scene,
+                  "has changed since the rows that --resume goes on from were measured; name another --json file");
+    if (any_setting || (row.suite == wanted.suite && row.job == wanted.job && row.views == wanted.views)) return &row;
+  }
+  return nullptr;
 }
 
 Expected<SeenFrame> render_once(const Configuration& configuration, SceneStore& store, const RunSettings& settings,

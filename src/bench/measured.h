@@ -66,10 +66,10 @@ class Measured {
   bool decided_ = false;
 };
 
-// Of its scene's content and its device: how many views an earlier run of that moment chose; nullopt: there was none.
-std::optional<int> kept_views(const std::vector<BenchRow>& all, double time_s, const Session& session);
-// What an earlier run measured of the same in the session's place; null: nothing.
-const BenchRow* kept_row(const std::vector<BenchRow>& all, const BenchRow& wanted, const Session& session);
+// What an earlier run measured of the same in the session's place, or of any setting there; null: nothing. Errors
+// (input): it was of another content of the scene.
+Expected<const BenchRow*> kept_row(const std::vector<BenchRow>& all, const BenchRow& wanted, const Session& session,
+                                   bool any_setting = false);
 
 // A single untimed frame with what can be seen in it.
 struct SeenFrame {

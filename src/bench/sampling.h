@@ -81,10 +81,16 @@ struct TimeNoise {
   double samples = 0.1, moments = 0.05;  // where nothing was measured often enough
   double degrees = 1e9;                  // of freedom of `samples`
 };
+// `samples` and `degrees` of the rows' samples, by median absolute deviations from each row's median.
+TimeNoise noise_of(const std::vector<std::span<const double>>& rows);
 // Of what was not measured in pairs, or in too few: the least samples, as many of each, by a Student's t with the noise
 // of the whole run, which is taken to be at least 2 %.
 Decision order_of_samples(std::span<const double> a, std::span<const double> b, const TimeNoise& noise,
                           double most_p = sure_p);
+
+// Where the median of a row's time lies with 95 % confidence: of six samples and more median_interval(), whose range
+// holds it; of fewer, whose range does not, by the noise of the run. Empty samples: 0.
+Interval time_interval(std::span<const double> samples, const TimeNoise& noise);
 
 // Of many comparisons the p up to which a difference is sure, so that of all that are called sure at most one in twenty
 // is false, and where nothing differs none is called so in 19 of 20 runs (Benjamini, Hochberg, "Controlling the False
@@ -93,6 +99,7 @@ double most_sure_p(std::vector<double> of_all);
 
 // The probability that a Student's t of so many degrees of freedom is as far from 0, on either side.
 double student_two_sided(double t, double degrees);
+double student_quantile(double two_sided, double degrees);  // its inverse
 
 // The mean of what the samples come from, with 95 % confidence (Student, "The Probable Error of a Mean", 1908); of one
 // sample that sample.

@@ -11,6 +11,7 @@
 #include "bench/error_screen.h"
 #include "bench/error_truth.h"
 #include "bench/picture.h"
+#include "bench/sampling.h"
 #include "frame/plan_frame.h"
 #include "metrics/compare.h"
 #include "render/outputs.h"
@@ -28,16 +29,10 @@ std::string options_text(const Job& job) {
   return text;
 }
 
-Job with_setting(Job job, const KnobSetting& setting) {
-  std::erase_if(job.settings, [&](const KnobSetting& s) { return s.pass == setting.pass && s.knob == setting.knob; });
-  job.settings.push_back(setting);
-  return job;
-}
-
 class Tuner {
  public:
   Tuner(const TuneOptions& options, const RunSettings& settings, const std::function<bool()>& stop)
-      : options_(options), settings_(settings), stop_(stop), time_(options.seconds, stop) {
+      : options_(options), settings_(settings), time_(options.seconds, stop) {
     settings_.timed = true;
     base_ = options.job;
     base_.settings.clear(), base_.samples = 0;
@@ -55,6 +50,9 @@ class Tuner {
     refine();
     if (options_.picture) take_picture();
     report_.trials.assign(trials_.begin(), trials_.end());
+    std::vector<std::span<const double>> samples;
+    for (const TuneTrial& t : report_.trials) samples.emplace_back(t.gpu_ms);
+    for (TuneTrial& t : report_.trials) t.ms = time_interval(t.gpu_ms, noise_of(samples));
     report_.wall_s = elapsed();
     return std::move(report_);
   }
@@ -86,7 +84,9 @@ class Tuner {
 
   Truth traced(const Job& job, const TruthLimits& limits) {
     return std::move(
-        traced_truths(job, {{job.camera, options_.moment_s}}, {report_.reference}, limits, stop_).front().front());
+        traced_truths(job, {{job.camera, options_.moment_s}}, {report_.reference}, limits, [&] { return over(); })
+            .front()
+            .front());
   }
 
   // The quickest of the techniques at quality high.
@@ -148,7 +148,7 @@ class Tuner {
       std::set<std::string> knobs = of_base, whole;
       for (const KnobRow& knob : knob_rows(next->job.quality))
         for (const KnobSetting& s : next->job.settings)
-          if (knob.pass == s.pass && !is_number(s.value)) whole.insert(knob.pass + "." + knob.knob);
+          if (knob.pass == s.pass && !is_number_text(s.value)) whole.insert(knob.pass + "." + knob.knob);
       knobs.insert(whole.begin(), whole.end());
       expand(*next, knobs, whole, ended);
     }
@@ -163,9 +163,6 @@ class Tuner {
   }
 
   static std::string name_of(const KnobSetting& s) { return s.pass + "." + s.knob; }
-  static bool is_number(const std::string& text) {
-    return text.find_first_not_of("0123456789.eE+-") == std::string::npos;
-  }
   // A step changes what each pixel costs, and there are so many more of them.
   double full_ms(double small_ms) const {
     return std::max(0.05 * high_ms_, high_ms_ + (small_ms - small_high_ms_) * divisor * divisor);
@@ -263,7 +260,7 @@ class Tuner {
 
   void take_time(TuneTrial& trial, const FrameResult& frame) {
     trial.gpu_ms.push_back(frame.timings.frame_gpu_ms);
-    trial.ms = median_interval(trial.gpu_ms);
+    trial.ms = time_interval(trial.gpu_ms, {});
     trial.median_ms = median(trial.gpu_ms);
   }
 
@@ -351,7 +348,6 @@ class Tuner {
 
   const TuneOptions& options_;
   RunSettings settings_;
-  const std::function<bool()>& stop_;
   Deadline time_;
   Job base_;
   std::unique_ptr<Session> session_;

@@ -128,20 +128,7 @@ std::string error_sentences(const BenchRun& run) {
   std::string text;
   for (const ErrorPlace& place : error_places(run)) {
     text += "\n" + place.name + "\n";
-    const BenchRow* told = nullptr;  // bounds that one setting meets are one sentence: the tightest
-    std::vector<std::string> sentences;
-    const std::string truth = truth_of(place.rows);
-    const std::vector<SettingPoint> settings = setting_points(place.rows, truth, "relmse");
-    for (const double bound : error_bounds) {
-      std::string sentence = cheapest_sentence(place.rows, truth, "relmse", bound);
-      const SettingPoint* s = cheapest(settings, bound);
-      if (sentence.empty()) continue;
-      if (s && s->row == told) sentences.pop_back();
-      sentences.push_back(std::move(sentence));
-      if (!s) break;
-      told = s->row;
-    }
-    for (const std::string& sentence : sentences) text += "  " + sentence + "\n";
+    for (const std::string& sentence : cheapest_sentences(place.rows, error_bounds)) text += "  " + sentence + "\n";
     const std::vector<BenchRow> named = rows_by_name(place.rows);
     std::vector<const BenchRow*> by_name;
     for (const BenchRow& row : named) by_name.push_back(&row);
@@ -156,6 +143,13 @@ std::string error_sentences(const BenchRun& run) {
 fs::path rows_file(const BenchOptions& o) {
   if (!o.json.empty() && o.json != "-") return o.json;
   return o.report.empty() ? fs::path() : fs::path(o.report) / "rows.json";
+}
+
+// Rows that were kept name the program that measured them.
+BenchRun with_source(BenchRun run) {
+  for (BenchRow& row : run.rows)
+    if (row.source.empty()) row.source = source_version;
+  return run;
 }
 
 Expected<int> run_errors(const BenchOptions& o) {
@@ -177,14 +171,15 @@ Expected<int> run_errors(const BenchOptions& o) {
       *sweep, bench_settings(o), [&] { return signals.pending() != 0; },
       [&](const BenchRun& so_far) {
         if (rows.empty()) return;
-        const std::string text = bench_json(so_far).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+        const std::string text =
+            bench_json(with_source(so_far)).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
         if (auto written = write_file_atomically(rows, std::string_view(text)); !written)
           log::warning("the rows so far are not kept: {}", written.error().text());
       });
   if (!run) return std::unexpected(run.error());
   if (run->rows.empty() && !run->stopped)
     return fail(ErrorKind::usage, "--budget-s", "nothing was measured: {}", joined(run->notes, "; "));
-  for (BenchRow& row : run->rows) row.source = source_version;
+  *run = with_source(std::move(*run));
   const auto finished = finish(o, *run, "candela bench: error against time");
   if (finished && o.json != "-" && o.csv != "-")
     if (auto printed = print(error_sentences(*run)); !printed) return std::unexpected(printed.error());
@@ -286,8 +281,10 @@ int gate_code(const RowComparison& result, double percent, std::string& text) {
                             : "cannot tell"});
   }
   text += table_text(table);
-  const size_t rows = result.frames.size();
-  if (rows == 0)
+  const size_t rows = result.frames.size(), missing = result.only_old.size() + result.not_comparable.size();
+  if (missing > 0)
+    text += fmt::format("{} rows cannot be compared (above): of them nothing is shown\n", missing);
+  else if (rows == 0)
     text += "no row is in both files: nothing is shown\n";
   else if (slower + unclear == 0)
     text += fmt::format("no frame is slower by more than {:g} %, with 95 % confidence in all {} rows\n", percent, rows);
@@ -296,7 +293,7 @@ int gate_code(const RowComparison& result, double percent, std::string& text) {
         "{} of {} rows are slower by more than {:g} %, of {} it cannot be told: measure those longer "
         "(--min-runs, --precision)\n",
         slower, rows, percent, unclear);
-  return rows > 0 && slower + unclear == 0 ? 0 : int(ErrorKind::comparison);
+  return rows > 0 && missing + slower + unclear == 0 ? 0 : int(ErrorKind::comparison);
 }
 
 Expected<int> run_compare(const BenchOptions& o) {

@@ -204,7 +204,10 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
   // An interruption keeps what was traced, asked for or not.
   fs::path state = o.state;
   if (interrupted != 0 && state.empty() && film.samples() > 0) {
-    state = plan.paths.front().string() + ".film";
+    // Beside the picture, and in the place of no other film.
+    const std::string picture = plan.paths.front().string();
+    state = picture + ".film";
+    for (int i = 2; fs::exists(state, failed); ++i) state = fmt::format("{}.{}.film", picture, i);
     saved = check_output(state);
     if (saved) saved = film.save(state, identity);
     if (!saved) log::warning("{}: the samples so far are not kept", saved.error().text());

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/log.h"
+#include "bench/error_analysis.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
 #include "cli/report_files.h"
@@ -35,30 +36,21 @@ std::vector<double> time_levels(const TuneReport& report) {
   return levels;
 }
 
-// relmse to as many digits as it takes to see on which side of the bound it lies.
-std::string error_text(double error, double bound) {
-  for (int digits = 2; digits < 9; ++digits) {
-    std::string text = fmt::format("{:.{}g}", error, digits);
-    if ((std::strtod(text.c_str(), nullptr) <= bound) == (error <= bound)) return text;
-  }
-  return fmt::format("{}", error);
-}
-
 std::vector<std::string> row_of(const std::string& wanted, const TuneChoice& choice, double bound,
                                 const std::string& otherwise) {
   if (!choice.trial) return {wanted, "", "", "", otherwise};
   const TuneTrial& t = *choice.trial;
   return {wanted, fmt::format("{:.3g} ({:.3g} to {:.3g})", t.median_ms, t.ms.low, t.ms.high),
-          error_text(t.relmse, bound), fmt::format("{:.3f}", t.flip), t.options};
+          bounded_text(t.relmse, bound), fmt::format("{:.3f}", t.flip), t.options};
 }
 
 std::string text_of(const TuneReport& report, const Job& job) {
   std::vector<std::vector<std::string>> rows = {{"WANTED", "MS (95 %)", "RELMSE", "FLIP", "OPTIONS"}};
   const TuneTrial* least = least_error(report);
   for (const TuneChoice& c : cheapest_within(report, error_levels))
-    rows.push_back(
-        row_of(fmt::format("relmse <= {}", c.wanted), c, c.wanted,
-               least ? "none was found: the least is " + error_text(least->relmse, c.wanted) : "nothing was measured"));
+    rows.push_back(row_of(
+        fmt::format("relmse <= {}", c.wanted), c, c.wanted,
+        least ? "none was found: the least is " + bounded_text(least->relmse, c.wanted) : "nothing was measured"));
   if (least && least->relmse > error_levels.back()) rows.push_back(row_of("the least", {0, least}, 0, ""));
   for (const TuneChoice& c : most_exact_within(report, time_levels(report)))
     rows.push_back(row_of(fmt::format("{:.3g} ms", c.wanted), c, 0, "none is that quick"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 
 #include "gltf/textures.h"
 #include "gltf/validate/used_parts.h"
@@ -345,26 +346,27 @@ void choose_uv_sets(Document& document, int index, Material& material) {
   });
 }
 
-// What cannot be read is the default material where no surface shows it.
-Material read_if_used(Importer& importer, Document& document, const std::string& path, const Json& json) {
-  try {
-    return importer.read(json, path);
-  } catch (const Failure& failure) {
-    if (UsedParts(document.json, false).uses(path)) throw;
-    document.warn(path, "{}; the scene does not use it", failure.error.message);
-    return {};
-  }
-}
-
 }  // namespace
 
 void import_materials(Document& document, const std::set<std::string>& pointers, LoadFor use, Scene& scene) {
   import_samplers(document, scene);
   const Json* images = member(document.json, "images");
   Importer importer{document, pointers, use, scene, std::vector<bool>(images ? images->size() : 0), {}};
+  std::optional<UsedParts> used;  // found where it is asked
+  // What cannot be read is the default material where no surface shows it.
+  const auto read = [&](const Json& json, const std::string& path) -> Material {
+    try {
+      return importer.read(json, path);
+    } catch (const Failure& failure) {
+      if (!used) used.emplace(document.json, false);
+      if (used->uses(path)) throw;
+      document.warn(path, "{}; the scene does not use it", failure.error.message);
+      return {};
+    }
+  };
   if (const Json* materials = member(document.json, "materials"))
     for (size_t i = 0; i < materials->size(); ++i) {
-      scene.materials.push_back(read_if_used(importer, document, fmt::format("/materials/{}", i), (*materials)[i]));
+      scene.materials.push_back(read((*materials)[i], fmt::format("/materials/{}", i)));
       choose_uv_sets(document, int(i), scene.materials.back());
     }
   import_images(document, importer.image_used, scene);

@@ -48,21 +48,8 @@ std::string sentences(const ErrorPlace& place) {
   for (const std::string& defect : error_defects(place.rows))
     html += "<p class=\"error\">" + escape_markup(defect) + "</p>\n";
   html += "<ul>\n";
-  // Bounds that one setting meets are one sentence: the tightest.
-  const std::string truth = truth_of(place.rows);
-  const std::vector<SettingPoint> settings = setting_points(place.rows, truth, "relmse");
-  std::vector<std::string> told;
-  const BenchRow* before = nullptr;
-  for (const double bound : error_bounds) {
-    const SettingPoint* choice = cheapest(settings, bound);
-    const BenchRow* row = choice ? choice->row : nullptr;
-    if (row && row == before) told.pop_back();
-    if (row || before || bound == error_bounds[0])
-      if (std::string sentence = cheapest_sentence(place.rows, truth, "relmse", bound); !sentence.empty())
-        told.push_back(std::move(sentence));
-    before = row;
-  }
-  for (const std::string& sentence : told) html += "<li>" + escape_markup(sentence) + "</li>\n";
+  for (const std::string& sentence : cheapest_sentences(place.rows, error_bounds))
+    html += "<li>" + escape_markup(sentence) + "</li>\n";
   html += "</ul>\n<ul class=\"faint\">\n";
   if (place.rows.front()->views > 1)
     html += fmt::format(

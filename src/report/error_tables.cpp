@@ -25,7 +25,9 @@ std::string interval_text(double value, const Interval& ci) {
   const std::string middle = fmt::format("{:.3g}", value);
   return low == middle && high == middle ? "" : fmt::format(" [{}, {}]", low, high);
 }
-std::string gpu_text(const BenchRow& row) { return ms_text(median(row.gpu.ms), median_interval(row.gpu.ms)); }
+std::string gpu_text(const BenchRow& row, const TimeNoise& noise) {
+  return ms_text(median(row.gpu.ms), time_interval(row.gpu.ms, noise));
+}
 
 }  // namespace
 
@@ -44,8 +46,9 @@ std::string totals_table(const ErrorPlace& place) {
       2);
   for (const BenchRow* row : rows) {
     if (row->suite != "whole") continue;
-    html += "<tr>" + cell(row->technique, "text") + cell(row->quality, "text") + cell(gpu_text(*row)) +
-            cell(mebibytes(memory_of(*row, "frame_bytes"))) + cell(mebibytes(memory_of(*row, "device_peak_bytes"))) +
+    html += "<tr>" + cell(row->technique, "text") + cell(row->quality, "text") +
+            cell(gpu_text(*row, time_noise(place.rows))) + cell(mebibytes(memory_of(*row, "frame_bytes"))) +
+            cell(mebibytes(memory_of(*row, "device_peak_bytes"))) +
             cell(number(error_of(*row, exact_reference, "relmse")));
     for (const char* reference : {open_reference_name, "direct", "path"}) {
       const auto totals = total_errors(rows, reference);
@@ -82,7 +85,7 @@ std::string error_rows_table(const ErrorPlace& place) {
   names.emplace_back("noise (relmse)");
   std::string html = head(names, 3);
   for (const BenchRow* row : place.rows) {
-    const std::string gpu = gpu_text(*row);
+    const std::string gpu = gpu_text(*row, time_noise(place.rows));
     for (const PictureError& error : row->errors) {
       html += "<tr>" + cell(error_names(*row), "text") + cell(row->suite, "text") + cell(error.reference, "text") +
               cell(gpu) + cell(mebibytes(memory_of(*row, "frame_bytes")));

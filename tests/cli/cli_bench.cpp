@@ -137,6 +137,10 @@ TEST(Bench, AGateOnTime) {
   EXPECT_EQ(unclear.code, 1);
   EXPECT_NE(unclear.out.find("of 1 it cannot be told"), std::string::npos) << unclear.out;
   EXPECT_EQ(gate("baselines", "same.json", "5").code, 0) << "the file of the same device";
+  Json failed = Json::parse(bytes_of(folder / "same.json"));
+  failed["rows"][0]["settings"] = "lights.mask=0";
+  write_json(folder / "renamed.json", failed);
+  EXPECT_EQ(gate("old.json", "renamed.json", "5").code, 1) << "of what is not there any more nothing is shown";
   const Ended none = gate("others", "same.json", "5");
   EXPECT_EQ(none.code, 3);
   EXPECT_NE(none.err.find("another device"), std::string::npos) << none.err;

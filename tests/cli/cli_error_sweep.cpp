@@ -222,6 +222,19 @@ TEST(ErrorSweep, AKilledRunLeavesItsRows) {
   EXPECT_NE(resumed.err.find("clustered, quality high: kept from before"), std::string::npos) << resumed.err;
   const Json whole = Json::parse(bytes_of(file));
   EXPECT_EQ(whole["rows"][0]["gpu_ms"], left["rows"][0]["gpu_ms"]);
+  EXPECT_GT(whole["rows"].size(), left["rows"].size()) << "knobs a step from high come after what was kept";
+  // What a run does not come to stays all the same.
+  std::vector<std::string> none = budgeted(file, "0.001");
+  none.emplace_back("--resume");
+  EXPECT_EQ(candela(none).code, 0);
+  EXPECT_EQ(Json::parse(bytes_of(file))["rows"].size(), whole["rows"].size());
+  // Another scene of that name is not gone on with.
+  Json changed = whole;
+  for (Json& row : changed["rows"]) row["scene_content"] = "00000000000000000000000000000000";
+  std::ofstream(file) << changed;
+  const Ended refused = candela(again);
+  EXPECT_EQ(refused.code, 3) << refused.err;
+  EXPECT_NE(refused.err.find("has changed since the rows"), std::string::npos) << refused.err;
   EXPECT_EQ(candela({"bench", "unlit-box", "--error", "--resume"}).code, 2) << "no file to go on from";
 }
 

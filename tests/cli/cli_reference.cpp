@@ -203,6 +203,8 @@ TEST(Reference, AnInterruptionWithoutAStateKeepsItsSamplesToo) {
   const TestFolder folder;
   ASSERT_TRUE(candela_killed_after(traced(folder / "never.exr", {"--spp", "1000000"}), 900, SIGINT));
   EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"never.exr.film"});
+  ASSERT_TRUE(candela_killed_after(traced(folder / "never.exr", {"--spp", "1000000"}), 900, SIGINT));
+  EXPECT_EQ(files_in(folder.path()).size(), 2u) << "no film takes another's place";
   EXPECT_EQ(candela(traced(folder / "a.exr", {"--spp", "2", "--state", folder / "never.exr.film", "--resume"})).code,
             0);
   EXPECT_EQ(candela(traced(folder / "a.exr", {"--spp", "0"})).code, 2);

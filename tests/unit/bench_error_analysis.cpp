@@ -200,6 +200,18 @@ TEST(ErrorPoints, WhatIsNotSurelyQuickerIsNotDistinguishable) {
   EXPECT_EQ(standing(2), Standing::unclear) << "rounds of another run are no pairs";
 }
 
+// Two samples whose ranges do not meet are no proof, of the same run or of another.
+TEST(ErrorPoints, AFewSamplesOfOtherRunsAreNotTakenForSure) {
+  auto rows = sweep();
+  rows[0].gpu.ms = {2, 2.02}, rows[2].gpu.ms = {2.1, 2.13}, rows[2].run = 1;
+  const auto all = pointers(rows);
+  EXPECT_NE(order_of_times(rows[0], rows[2]).order, Order::less);
+  EXPECT_EQ(error_points(std::span(all).first(3), open_reference_name, "relmse")[2].standing,
+            ErrorPoint::Standing::unclear);
+  rows[2].gpu.ms = {9, 9.1};
+  EXPECT_EQ(order_of_times(rows[0], rows[2]).order, Order::less);
+}
+
 // Six views: error i + shift.
 PictureError of_views(double shift, double odd = 0) {
   std::vector<PictureError> views;

@@ -185,6 +185,25 @@ TEST(DecidingOrder, FewSamplesAreJudgedByTheNoiseOfTheRun) {
   EXPECT_GE(found, 900);
 }
 
+// An interval of two samples is not their range: in a thousand runs it holds the true time in at least 95 %.
+TEST(DecidingOrder, IntervalsOfFewSamplesHoldTheMedian) {
+  const TimeNoise noise{.samples = 0.1, .moments = 0.05, .degrees = 30};
+  for (const int rounds : {1, 2, 3, 5}) {
+    int held = 0;
+    for (int run = 0; run < 1000; ++run) {
+      const SyntheticRun times({5}, rounds, uint64_t(run));
+      const double drifted = 5 * (rounds == 1 ? 1 : 1.15);
+      const Interval ci = time_interval(times.of(0), noise);
+      held += ci.low <= drifted && drifted <= ci.high;
+    }
+    EXPECT_GE(held, 950) << rounds;
+  }
+  const std::vector<double> many = {5, 6, 5, 6, 5, 6};
+  EXPECT_EQ(time_interval(many, noise).low, median_interval(many).low);
+  EXPECT_EQ(time_interval({}, noise).high, 0);
+  for (const double p : {0.5, 0.05, 0.001}) EXPECT_NEAR(student_two_sided(student_quantile(p, 7), 7), p, 1e-9);
+}
+
 TEST(DecidingOrder, PairsThatAreEqualAreEqual) {
   const std::vector<double> a = {1, 2, 3, 4};
   EXPECT_EQ(paired_order(a, a).order, Order::equal);

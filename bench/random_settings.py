@@ -41,7 +41,7 @@ class Candela:
             self.run("render", self.scene, *self.frame, *settings, "--exr-type", "float", "-o", str(file), "--timings", str(timings))
             ms.append(json.loads(timings.read_text())["gpu_frame_ms"])
         compared = json.loads(self.run("compare", str(self.folder / "truth.exr"), str(file), "--json"))
-        noise = (compared.get("noise") or {}).get("relmse", 0)
+        noise = compared["noise_floor"]["relmse"]
         return min(ms), max(compared["metrics"]["relmse"] - noise, 1e-7)
 
 

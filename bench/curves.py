@@ -70,7 +70,7 @@ def tables():
             text += "| --- | --- |" + " --- |" * len(BOUNDS) + "\n"
             for place in run["error_findings"]:
                 noise = [n["relmse"] for n in place["noise"] if n["reference"] == place["truth"]]
-                name = re.sub(r"\S*/", "", place["place"].rsplit(", ", 1)[0])
+                name = re.sub(r"\S*/", "", place["place"].removesuffix(", " + run["rows"][0]["device"]["name"]))
                 text += f"| {name} | {place['truth']} ({noise[0]:.1g}) | " + " | ".join(cell(place, b) for b in BOUNDS) + " |\n"
     return text + "\n"
 

@@ -56,7 +56,7 @@ void ErrorJudge::see(const SweepRow& planned, BenchRow& row, std::vector<FloatIm
   row.lists_note = "not counted in sweeps of errors";
   seen_.push_back({&row, std::move(images), whole});
   Seen& seen = seen_.back();
-  if (is_exact)
+  if (is_exact || seen_.size() == 1)  // within a budget there may be no exact one
     row.thumbnail = thumbnail_png(as_display(display_planes(seen.images.front(), Encoding::linear),
                                              seen.images.front().width, seen.images.front().height),
                                   thumbnail_px);

@@ -47,16 +47,17 @@ OpenRow* SweepRows::measure(SweepRow planned, ErrorJudge& judge) {
     ++interrupted_;
     return nullptr;
   }
-  judge.see(row.planned, row.measured->row, std::move(images));
   const int moment = -int(rows_.size());
   const int samples = time_.limited() ? 2 : 1;
   for (int i = 0; i < samples && (i == 0 || !time_.over()); ++i) visit(row, moment, i == 0);
-  const double took_s = time_.elapsed_s() - start_s;
-  took_s_.push_back(took_s);
   // The first row again, beside this one, unless that is dear.
   OpenRow& clock = rows_.front();
-  if (&clock != &row && clock.measured->can_sample() && !time_.over() && clock.visit_s < 0.25 * took_s)
+  if (&clock != &row && clock.measured->can_sample() && !time_.over() &&
+      clock.visit_s < 0.25 * (time_.elapsed_s() - start_s))
     visit(clock, moment, false);
+  // After the times: a device that waits for a comparison lowers its clocks.
+  judge.see(row.planned, row.measured->row, std::move(images));
+  took_s_.push_back(time_.elapsed_s() - start_s);
   tell(row, row.measured->row.truth);
   save();
   return &row;

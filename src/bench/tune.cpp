@@ -49,10 +49,7 @@ class Tuner {
     if (const TuneTrial* quickest = try_techniques()) search(*quickest);
     refine();
     if (options_.picture) take_picture();
-    report_.trials.assign(trials_.begin(), trials_.end());
-    std::vector<std::span<const double>> samples;
-    for (const TuneTrial& t : report_.trials) samples.emplace_back(t.gpu_ms);
-    for (TuneTrial& t : report_.trials) t.ms = time_interval(t.gpu_ms, noise_of(samples));
+    if (std::string changed = settle(); !changed.empty()) report_.notes.push_back(std::move(changed));
     report_.wall_s = elapsed();
     return std::move(report_);
   }
@@ -102,6 +99,7 @@ class Tuner {
       if (trial && trial->usable() && (!quickest || trial->median_ms < quickest->median_ms)) quickest = trial;
     }
     if (!quickest) return nullptr;
+    clock_ = quickest->job, high_ms_ = quickest->median_ms;
     for (const char* quality : {"draft", "normal"}) {
       Job job = quickest->job;
       job.quality = quality;
@@ -123,7 +121,6 @@ class Tuner {
     // The rest is for rounds.
     const double until_s = elapsed() + 0.8 * left_s();
     const auto ended = [&] { return over() || elapsed() > until_s; };
-    high_ms_ = high.median_ms;
     for (const char* quality : {"high", "draft", "normal"}) {
       Job job = high.job;
       job.quality = quality;
@@ -249,7 +246,7 @@ class Tuner {
 
   void take_picture() {
     constexpr int shown_px = 480;
-    report_.trials.assign(trials_.begin(), trials_.end());
+    settle();
     const auto front = tune_front(report_);
     if (front.empty()) return;
     const auto session = Session::open(front.back()->job, {.linear = false, .display = true}, settings_);
@@ -260,8 +257,21 @@ class Tuner {
 
   void take_time(TuneTrial& trial, const FrameResult& frame) {
     trial.gpu_ms.push_back(frame.timings.frame_gpu_ms);
+    trial.moments.push_back(clock_ms_.size());
     trial.ms = time_interval(trial.gpu_ms, {});
     trial.median_ms = median(trial.gpu_ms);
+  }
+
+  // One setting again, beside each that is measured, unless that is dear: what it takes says how the clocks are.
+  void look_at_clock(const TuneTrial& beside) {
+    if (clock_.scene.empty() || over() || high_ms_ > 2 * beside.median_ms + 10) return;
+    const auto picture = picture_in(*session_, clock_, options_.moment_s, 1);
+    if (picture) clock_ms_.push_back(picture->ms);
+  }
+
+  std::string settle() {
+    report_.trials.assign(trials_.begin(), trials_.end());
+    return settle_times(report_.trials, clock_ms_);
   }
 
   // Renders and measures; null when the time is over, or where the setting is no other than one that was tried.
@@ -296,28 +306,28 @@ class Tuner {
         trial.same_as = trials_[i].options;
         return;
       }
-    for (int i = 0; i <= first_frames; ++i) {
-      if (i > 1 && over()) return;
+    const auto first = session_->render(options_.moment_s);
+    if (!first) return failed(first.error());
+    for (int i = 0; i < first_frames && (i == 0 || !over()); ++i) {
       const auto frame = session_->render(options_.moment_s);
       if (!frame) return failed(frame.error());
-      if (i > 0) {
-        take_time(trial, *frame);
-        continue;
-      }
-      NonFinite nonfinite;
-      const FloatImage image = linear_image(*frame, trial.job, *session_, std::nullopt, FrameRate{}, nonfinite);
-      const Comparison c = compare(truth_, image, {.encoding = Encoding::linear});
-      if (!c.refusal.empty()) {
-        trial.failed = c.refusal;
-        return;
-      }
-      const auto metric = [&](const char* name) {
-        const auto found = c.metrics.find(name);
-        return found == c.metrics.end() ? INFINITY : found->second;
-      };
-      trial.relmse = metric("relmse"), trial.flip = metric("flip");
-      if (c.noise) report_.noise = c.noise->relmse;
+      take_time(trial, *frame);
     }
+    // After the times: a device that waits for a comparison lowers its clocks.
+    NonFinite nonfinite;
+    const FloatImage image = linear_image(*first, trial.job, *session_, std::nullopt, FrameRate{}, nonfinite);
+    look_at_clock(trial);
+    const Comparison c = compare(truth_, image, {.encoding = Encoding::linear});
+    if (!c.refusal.empty()) {
+      trial.failed = c.refusal;
+      return;
+    }
+    const auto metric = [&](const char* name) {
+      const auto found = c.metrics.find(name);
+      return found == c.metrics.end() ? INFINITY : found->second;
+    };
+    trial.relmse = metric("relmse"), trial.flip = metric("flip");
+    if (c.noise) report_.noise = c.noise->relmse;
   }
 
   const TuneTrial* find(const Job& job) const { return find_options(options_text(job)); }
@@ -332,7 +342,7 @@ class Tuner {
   void refine() {
     constexpr int rounds = 16;
     for (int round = 0; round < rounds && !over(); ++round) {
-      report_.trials.assign(trials_.begin(), trials_.end());
+      settle();
       for (const TuneTrial* on_front : tune_front(report_)) {
         if (over()) break;
         TuneTrial& trial = trials_[size_t(on_front - report_.trials.data())];
@@ -342,6 +352,7 @@ class Tuner {
           if (frame && i > 0) take_time(trial, *frame);
           if (over()) break;
         }
+        look_at_clock(trial);
       }
     }
   }
@@ -352,9 +363,11 @@ class Tuner {
   Job base_;
   std::unique_ptr<Session> session_;
   FloatImage truth_, small_truth_;
-  std::deque<Small> small_;  // all that was tried in small pictures; quality high first
-  std::set<Hash128> known_;  // works that were
-  double high_ms_ = 0, small_high_ms_ = 0;
+  std::deque<Small> small_;                 // all that was tried in small pictures; quality high first
+  std::set<Hash128> known_;                 // works that were
+  Job clock_;                               // the quickest technique at quality high; no scene: not known yet
+  std::vector<double> clock_ms_;            // it, again and again
+  double high_ms_ = 0, small_high_ms_ = 0;  // its time, and that of its small picture
   int turn_ = 0, small_left_ = 0;
   TuneReport report_;
   std::deque<TuneTrial> trials_;  // pointers to them last
@@ -369,6 +382,34 @@ double indistinct(const TuneReport& report, double error) { return std::max(3 * 
 
 Expected<TuneReport> tune(const TuneOptions& options, const RunSettings& settings, const std::function<bool()>& stop) {
   return Tuner(options, settings, stop).run();
+}
+
+std::string settle_times(std::vector<TuneTrial>& trials, std::span<const double> clock_ms) {
+  // At each moment by three samples: one may be an outlier.
+  std::vector<double> smooth;
+  for (size_t i = 0; i < clock_ms.size(); ++i) {
+    const size_t first = i > 0 ? i - 1 : 0, last = std::min(i + 2, clock_ms.size());
+    smooth.push_back(median(clock_ms.subspan(first, last - first)));
+  }
+  const double middle = median(smooth);
+  constexpr double change = 1.25;
+  const bool changed =
+      smooth.size() >= 3 && *std::ranges::max_element(smooth) > change * *std::ranges::min_element(smooth);
+  std::vector<std::vector<double>> settled;
+  for (const TuneTrial& t : trials) {
+    std::vector<double>& ms = settled.emplace_back(t.gpu_ms);
+    for (size_t i = 0; changed && i < ms.size() && i < t.moments.size(); ++i)
+      ms[i] *= middle / smooth[std::min(t.moments[i], smooth.size() - 1)];
+  }
+  const TimeNoise noise = noise_of({settled.begin(), settled.end()});
+  for (size_t i = 0; i < trials.size(); ++i)
+    if (!settled[i].empty()) trials[i].median_ms = median(settled[i]), trials[i].ms = time_interval(settled[i], noise);
+  if (!changed) return {};
+  return fmt::format(
+      "one setting, measured again and again, took from {:.3g} to {:.3g} ms: clocks or other load changed; all times "
+      "are "
+      "as they would be where it takes {:.3g} ms",
+      *std::ranges::min_element(smooth), *std::ranges::max_element(smooth), middle);
 }
 
 std::vector<const TuneTrial*> tune_front(const TuneReport& report) {

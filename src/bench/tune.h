@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,10 @@ struct TuneOptions {
 
 struct TuneTrial {
   Job job;
-  std::string options;         // as for render: "--technique clustered --quality high --set fog.grid=32x18x24"
-  std::vector<double> gpu_ms;  // sums of the passes of each frame
-  Interval ms;                 // 95 % of their median
+  std::string options;          // as for render: "--technique clustered --quality high --set fog.grid=32x18x24"
+  std::vector<double> gpu_ms;   // sums of the passes of each frame
+  std::vector<size_t> moments;  // of each: how often the clock setting had been measured before
+  Interval ms;                  // 95 % of their median, as settle_times() has it
   double median_ms = 0;
   double relmse = 0, flip = 0;  // against the traced reference
   std::string same_as;          // options of a trial that plans the same passes and gives the same picture
@@ -52,6 +54,12 @@ struct TuneReport {
 // knobs that changed something. What is on that front is measured at full size, and in rounds for as long as there is
 // time. Settings that plan the same work are one. Errors: the scene, the device, or no reference.
 Expected<TuneReport> tune(const TuneOptions& options, const RunSettings& settings, const std::function<bool()>& stop);
+
+// Medians and intervals of the trials' times. clock_ms: one setting, measured again beside the others. Where it changed
+// by more than a quarter over the search, as clocks and other load do, each sample is taken as it would have been at
+// the clock setting's median: times the ratio of that to the clock setting's own time then. The note that says so;
+// empty where nothing changed.
+std::string settle_times(std::vector<TuneTrial>& trials, std::span<const double> clock_ms);
 
 // Trials that no other one beats in both time and error, the fastest first.
 std::vector<const TuneTrial*> tune_front(const TuneReport& report);

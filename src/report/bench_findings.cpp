@@ -123,9 +123,9 @@ std::vector<PageFinding> error_findings(const BenchRun& run) {
     const BenchRow& first = *place.rows.front();
     const std::string where = first.scene + (lights_of(first) < 0 ? "" : fmt::format(", {} lights", lights_of(first)));
     for (const std::string& defect : error_defects(place.rows)) findings.push_back({defect, true});
-    for (const double bound : {0.01, 0.001})
-      if (const std::string s = cheapest_sentence(place.rows, truth_of(place.rows), "relmse", bound); !s.empty())
-        findings.push_back({where + ": " + s});
+    constexpr double bounds[] = {0.01, 0.001};
+    for (const std::string& sentence : cheapest_sentences(place.rows, bounds))
+      findings.push_back({where + ": " + sentence});
   }
   return findings;
 }

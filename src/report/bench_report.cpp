@@ -153,7 +153,7 @@ PageHead head_of(const BenchRun& run, const std::string& title, Figures& figures
                 {"run", fmt::format("{} configurations in {:.0f} s, {:.0f} s of it opening", run.rows.size(),
                                     run.wall_s, run.opening_s)},
                 {"times",
-                 "medians of interleaved rounds with 95 % confidence intervals; frame: wall time from the scene's pose "
+                 "medians with 95 % confidence intervals; frame: wall time from the scene's pose "
                  "to bytes in host memory; GPU: sum of the passes, each timed alone"}};
   head.picture = scene_pictures(run, figures);
   return head;

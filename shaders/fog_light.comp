@@ -6,6 +6,7 @@ layout(push_constant, scalar) uniform Push { FogLightPush pc; };
 #include "lib/image_kinds.glsl"
 #include "lib/fog_medium.glsl"
 #include "lib/fog_ray.glsl"
+#define FOG_STEEP
 #include "lib/fog_light.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -24,5 +25,5 @@ void main() {
   if (any(greaterThanEqual(id.xy, nodes.xy))) return;
   for (int j = 0; j < FOG_RUN; ++j)
     if (first + j < int(nodes.z))
-      imageStore(storage_volume_images[pc.target], ivec3(id.xy, first + j), vec4(gained[j] * frame.pre_exposure, 0.0));
+      imageStore(storage_volume_images[pc.target], ivec3(id.xy, first + j), vec4(gained[j], fog_steep[j]) * frame.pre_exposure);
 }

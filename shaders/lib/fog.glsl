@@ -24,15 +24,15 @@ struct FogSeen {
 };
 
 #if FOG == 2
-// Between four rays, at a node.
-vec3 fog_grid_light(vec2 at, int k) {
+// Between four rays, at a node; a: whether any of them asks for the slice before the node to be summed anew.
+vec4 fog_grid_light(vec2 at, int k) {
   const ivec2 low = ivec2(at);
   const vec2 s = at - vec2(low);
-  const vec3 a = texelFetch(pass_volume_images[pc.fog_light], ivec3(low, k), 0).rgb;
-  const vec3 b = texelFetch(pass_volume_images[pc.fog_light], ivec3(low + ivec2(1, 0), k), 0).rgb;
-  const vec3 c = texelFetch(pass_volume_images[pc.fog_light], ivec3(low + ivec2(0, 1), k), 0).rgb;
-  const vec3 d = texelFetch(pass_volume_images[pc.fog_light], ivec3(low + 1, k), 0).rgb;
-  return mix(mix(a, b, s.x), mix(c, d, s.x), s.y);
+  const vec4 a = texelFetch(pass_volume_images[pc.fog_light], ivec3(low, k), 0);
+  const vec4 b = texelFetch(pass_volume_images[pc.fog_light], ivec3(low + ivec2(1, 0), k), 0);
+  const vec4 c = texelFetch(pass_volume_images[pc.fog_light], ivec3(low + ivec2(0, 1), k), 0);
+  const vec4 d = texelFetch(pass_volume_images[pc.fog_light], ivec3(low + 1, k), 0);
+  return vec4(mix(mix(a.rgb, b.rgb, s.x), mix(c.rgb, d.rgb, s.x), s.y), max(max(a.a, b.a), max(c.a, d.a)));
 }
 #endif
 
@@ -57,10 +57,11 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
 #endif
   const vec2 most = vec2(frame.fog.nodes.xy) - 1.0;
   const vec2 at = clamp((ndc * 0.5 + 0.5) * most, vec2(0.0), most - 1e-4 * most);
-  const vec3 before = k < 0 ? vec3(0.0) : fog_grid_light(at, k);
+  const vec3 before = k < 0 ? vec3(0.0) : fog_grid_light(at, k).rgb;
+  const vec4 after = fog_grid_light(at, k + 1);
 #ifdef FOG_LAST
   // The slice in which a surface stands, as far as it lies before it: a lamp may be behind. The sky stands in none.
-  if (end_m < FOG_FAR) {
+  if (end_m < FOG_FAR && (FOG_LAST == 2 || after.a > 0.0)) {
     // A quarter of a pixel: a ray of its own stands for nothing but its pixel.
     const vec2 cells = 0.5 * frame.tan_half / vec2(frame.size_px);
     float node_m[FOG_RUN + 1];
@@ -71,8 +72,7 @@ vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
     return before + gained[0] * frame.pre_exposure;
   }
 #endif
-  const vec3 after = fog_grid_light(at, k + 1);
-  return before + (after - before) * mix(vec3(0.0), min(part / all, 1.0), greaterThan(all, vec3(0.0)));
+  return before + (after.rgb - before) * mix(vec3(0.0), min(part / all, 1.0), greaterThan(all, vec3(0.0)));
 #elif FOG == 3
   // A quarter of a pixel: a ray of its own stands for nothing but its pixel.
   const vec2 cells = 0.5 * frame.tan_half / vec2(frame.size_px);

@@ -41,11 +41,24 @@ float fog_jitter[FOG_RUN];
 #else
 #define FOG_PLACE(j) 0.5
 #endif
-// Of the distance between neighbouring rays, how much a ray keeps clear of every lamp. What it gives is interpolated
-// over its neighbourhood, and a lamp that a ray nearly meets would shine out of all of it, before the lamp's own
-// housing too. Measured on a street of 1,024 lamps: less leaves single pixels a thousand times too bright, more dulls
-// the glow.
+// A ray stands for its neighbourhood, so a lamp's glow is blurred across rays: by this much of the distance between
+// neighbouring rays (standard deviation in each direction). Less leaves single pixels a thousand times too bright on a
+// street of 1,024 lamps, more dulls the glow.
 const float FOG_SPREAD = 1.5;
+
+// Integral of a lamp's inverse square over a stretch of a ray, from a to b metres beyond where the ray passes the lamp
+// at distance h, blurred by s < h across the ray: 1/(t^2 + h^2) + 2 s^2/(t^2 + h^2)^2, where h^2 holds s^2. The first
+// term alone would lose 2 pi^2 s of each lamp's light across the rays; the second has just that, within a few s.
+float blurred_inverse_square(float a, float wide, float h, float h2, float s2) {
+  const float b = a + wide, angle = atan(wide * h, h2 + a * b), share = s2 / h2;
+  if (share < 1e-6) return angle / h;
+  return angle / h * (1.0 + share) + share * (wide / (h2 + a * a)) * ((h2 - a * b) / (h2 + b * b));
+}
+
+#ifdef FOG_STEEP
+// Of each slice's light, what comes from lamps so near that it does not grow evenly over the slice, the largest channel.
+float fog_steep[FOG_RUN];
+#endif
 
 struct FogWalk {
   uint light;
@@ -246,6 +259,9 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     before = min(before + metres, 3e38);
 #endif
   }
+#ifdef FOG_STEEP
+  for (int j = 0; j < FOG_RUN; ++j) fog_steep[j] = 0.0;
+#endif
   precise vec3 sums[FOG_RUN];
 #ifdef FOG_MEDIA
   for (int j = 0; j < FOG_RUN; ++j) sums[j] = glow[j];
@@ -277,7 +293,8 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     const float off2 = dot(off, off), inverse_range2 = z_range.y * z_range.y;
     if (!(off2 * inverse_range2 < 1.0) || !(off2 < 3.0e36)) continue;
     const float spread = FOG_SPREAD * cell * (frame.perspective != 0u ? max(nearest / ray.along, 0.0) : 1.0);
-    const float h2 = max(off2 + spread * spread, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M), h = sqrt(h2);
+    const float spread2 = spread * spread;
+    const float h2 = max(off2 + spread2, MIN_LIGHT_DISTANCE_M * MIN_LIGHT_DISTANCE_M), h = sqrt(h2);
     const vec2 cone = light_word(light, 4u);
     uint maps = no_light;
     int least_points = 1;
@@ -288,7 +305,7 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     for (int j = 0; j < FOG_RUN; ++j) {
       const float wide = slices[j].wide_m, a = slices[j].begin_m - nearest, b = a + wide;
       if (!(wide > 0.0)) continue;
-      const float angle = atan(wide * h, h2 + a * b), mean = angle / (h * wide);
+      const float angle = atan(wide * h, h2 + a * b), mean = blurred_inverse_square(a, wide, h, h2, spread2) / wide;
       const int points = max(angle > FOG_ANGLE ? FOG_POINTS : 1, least_points);
       vec3 arriving = vec3(0.0);
       for (int i = 0; i < points; ++i) {
@@ -303,7 +320,11 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
         arriving += fog_lamp(slices[j], maps, type, ray, nearest, off, y, shines, cone, inverse_range2);
       }
       if (arriving == vec3(0.0)) continue;
-      sums[j] += fog_metres(slices[j]) * intensity * (arriving * (mean / float(points)));
+      const vec3 gain = fog_metres(slices[j]) * intensity * (arriving * (mean / float(points)));
+      sums[j] += gain;
+#ifdef FOG_STEEP
+      if (angle > FOG_ANGLE) fog_steep[j] += max(gain.r, max(gain.g, gain.b));
+#endif
     }
   }
 #ifdef FOG_AMBIENT

@@ -15,7 +15,9 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
       frame.add(march, {scene, lighting.lists, surfaces.looked_up, ambient, fog.media, frame.request.still_seed}).light;
   if (!frame.request.draws_fog()) return fog;
   fog.ambient = ambient;
-  fog.last = knobs.last != 0;
+  // Without lamps nothing in a slice is steep.
+  const bool lamps = frame.facts.point_lights + frame.facts.spot_lights > 0;
+  fog.last = knobs.last == FogKnobs::near_lamps && !lamps ? 0 : knobs.last;
   fog.lamp_points = knobs.lamp_shadows;
   // What several media emit is summed with what they scatter.
   const bool sums_light =
@@ -35,7 +37,7 @@ CellLists fog_alone(const CellLists& lists) {
 
 CellLists fog_to_infinity(const CellLists& lists) {
   CellLists far = lists;
-  far.fog.last = false;
+  far.fog.last = 0;
   return fog_alone(far);
 }
 

@@ -112,7 +112,7 @@ TEST_F(FrameFog, ListsChangeNoBit) {
   for (const char* method : {"froxels", "march", "pixels"}) {
     Job job = seen(lamps(), R"({"extinction": 0.1, "falloff": 0.1, "anisotropy": 0.6})", 1);
     job.settings = {
-        {"fog", "method", method}, {"fog", "grid", "32x18x24"}, {"fog", "steps", "16"}, {"fog", "last", "1"}};
+        {"fog", "method", method}, {"fog", "grid", "32x18x24"}, {"fog", "steps", "16"}, {"fog", "last", "2"}};
     job.layers = {"fog"};
     job.technique = "brute-force";
     const Images all = images_of(job);

@@ -1,5 +1,7 @@
 // Fog as the GPU draws it against the reference's single scattering, shadows aside: the layers of fog, at pixels'
 // centres.
+#include <numeric>
+
 #include "reference_parity.h"
 #include "testscenes/make_scene.h"
 
@@ -9,17 +11,21 @@ namespace {
 struct FogPair {
   std::vector<glm::dvec3> light, through, beauty;  // of the GPU
   std::vector<glm::dvec3> true_light, true_through, true_beauty;
-  // Of the fog's light, over the pixels of which it is at least a tenth.
-  double relmse() const {
-    double sum = 0;
-    size_t count = 0;
+  // Of the fog's light, over the pixels of which it is at least a tenth, but for a share of the worst: where a lamp is
+  // seen, neither side's few samples of a pixel find the mean of a glow that goes to infinity.
+  double relmse(double trimmed = 0) const {
+    std::vector<double> errors;
     for (size_t i = 0; i < light.size(); ++i) {
       const glm::dvec3 truth = true_light[i];
       if (truth.x + truth.y + truth.z < 0.1 * (true_beauty[i].x + true_beauty[i].y + true_beauty[i].z)) continue;
-      for (int c = 0; c < 3; ++c) sum += std::pow(light[i][c] - truth[c], 2) / (truth[c] * truth[c] + 0.01) / 3;
-      ++count;
+      double error = 0;
+      for (int c = 0; c < 3; ++c) error += std::pow(light[i][c] - truth[c], 2) / (truth[c] * truth[c] + 0.01) / 3;
+      errors.push_back(error);
     }
-    return count > 0 ? sum / double(count) : 0;
+    if (errors.empty()) return 0;
+    std::ranges::sort(errors);
+    errors.resize(errors.size() - size_t(trimmed * double(errors.size())));
+    return std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
   }
   double worst_transmittance() const {
     double worst = 0;
@@ -152,8 +158,8 @@ TEST_F(ReferenceFog, LayersOfEveryKind) {
 }
 
 // Lamps behind pillars, one inside a wall, and a spot through a gate: shafts of light and of dark in the air. The more
-// points, the nearer to traced light; without maps the lamps shine through. Measured: 2.2e-2 without, 1.1e-2 in the
-// coarsest grid, 1.5e-3 in the default one, 9.5e-5 where each pixel follows its ray.
+// points, the nearer to traced light; without maps the lamps shine through. Measured: 2.2e-2 without, 3.9e-3 in the
+// coarsest grid, 1.5e-3 in the default one, 1.9e-5 where each pixel follows its ray.
 TEST_F(ReferenceFog, ShadowsOfLamps) {
   GltfBuilder b = empty_scene();
   const int stone = add_material(b, diffuse_material(0.3, 0.3, 0.3));
@@ -193,22 +199,62 @@ TEST_F(ReferenceFog, ShadowsOfLamps) {
   EXPECT_GT(shining_through, 10 * usual);
 }
 
+// A lamp's glow is blurred over the rays of the grid and loses nothing by it, with and without a thing in its light;
+// and nothing of it shines through a wall before it, wherever the slices' ends lie.
+TEST_F(ReferenceFog, LampsLoseNoLightAndWallsHideIt) {
+  const auto scene = [&](const std::vector<std::pair<float, glm::dvec3>>& squares) {
+    GltfBuilder b = empty_scene();
+    const int stone = add_material(b, diffuse_material(0.3, 0.3, 0.3));
+    add_node(b, {{"mesh", add_square_mesh(b, 20, stone)}, {"translation", {0, 0, -14}}});
+    for (const auto& [half, at] : squares)
+      add_node(b, {{"mesh", add_square_mesh(b, half, stone)}, {"translation", {at.x, at.y, at.z}}});
+    add_light(b, {{"type", "point"}, {"intensity", 100.0}, {"range", 30.0}}, {{"translation", {0, 0.5, -3}}});
+    return write(b);
+  };
+  const auto sum = [](const std::vector<glm::dvec3>& light) {
+    double s = 0;
+    for (const glm::dvec3& v : light) s += v.y;
+    return s;
+  };
+  const std::string fog = R"({"extinction": 0.05, "albedo": 0.9, "anisotropy": 0.3})";
+  for (const auto& [name, squares] : std::vector<std::pair<std::string, std::vector<std::pair<float, glm::dvec3>>>>{
+           {"open air", {}}, {"squares beside it", {{0.1f, {-0.3, 0.5, -3.2}}, {0.1f, {0.3, 0.3, -2.8}}}}}) {
+    const FogPair pair = pair_of(in_fog(scene(squares), fog), 256, 2, true);
+    ASSERT_FALSE(pair.light.empty());
+    fmt::print("{}: {:.4f} of the true light, relMSE {:.2e}\n", name, sum(pair.light) / sum(pair.true_light),
+               pair.relmse());
+    EXPECT_NEAR(sum(pair.light) / sum(pair.true_light), 1, 0.01) << name;
+  }
+  const std::string behind = scene({{0.5f, {0, 0.5, -2.8}}});
+  for (int i = 0; i < 8; ++i) {
+    Job job = in_fog(behind, fog);
+    look(job, {0, 0.5, 3 - 0.1 * i}, {0, 0.5, -3}, 50);
+    const FogPair pair = pair_of(job, 64, 1, true);
+    ASSERT_FALSE(pair.light.empty());
+    const size_t middle = size_t(height / 2) * width + width / 2;
+    EXPECT_LT(pair.light[middle].y, 0.01) << i;  // 0.8 where the slice is interpolated
+    EXPECT_LT(pair.true_light[middle].y, 0.01) << i;
+  }
+}
+
 // The goal of the default: a night street of 1,024 lamps in fog, each value of the grid nearer to the truth.
 TEST_F(ReferenceFog, TheStreetUpTheLadder) {
   const std::string path = ::testing::TempDir() + "candela_fog_street.glb";
   ASSERT_TRUE(make_scene("street", 1, 1024, path));
   Job job = job_for(path, 96, 54);
   job.look = look_file(R"({"fog": {"extinction": 0.02, "albedo": 0.95, "anisotropy": 0.3}})");
-  std::vector<double> errors;
+  std::vector<double> errors, trimmed;
   for (const char* grid : {"32x18x24", "96x54x48", "128x72x64", "160x90x128", "pixels", "march"}) {
     const bool is_method = std::isalpha(grid[0]);
     job.settings = {{"fog", is_method ? "method" : "grid", grid}};
-    errors.push_back(pair_of(job, 16, 4).relmse());
-    fmt::print("{}: relMSE {:.2e}\n", grid, errors.back());
+    const FogPair pair = pair_of(job, 16, 4);
+    errors.push_back(pair.relmse()), trimmed.push_back(pair.relmse(0.01));
+    fmt::print("{}: relMSE {:.2e}, without the worst hundredth {:.2e}\n", grid, errors.back(), trimmed.back());
   }
   EXPECT_LT(errors[2], 0.01) << "the default";
-  EXPECT_LT(errors[1], errors[0]);
-  EXPECT_LT(errors[3], errors[1]);
+  EXPECT_LT(trimmed[1], trimmed[0]);
+  EXPECT_LT(trimmed[2], trimmed[1]);
+  EXPECT_LT(trimmed[3], trimmed[2]);
   EXPECT_LT(errors[4], 0.002);
   EXPECT_LT(errors[5], 0.05) << "the seed's march";
 }

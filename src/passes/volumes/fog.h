@@ -10,8 +10,8 @@ namespace candela {
 // Rendering in Frostbite", 2015): each slice's light from every lamp of the lists, the suns and the sky, then the sum
 // front to back, kept at each slice's end. Surfaces, sky and background look it up at their own depth. Depths grow
 // exponentially; rays reach from edge to edge of the picture. Units: radiance as in beauty, pre-exposed.
-// The slice in which a surface stands may be summed by the surface itself (fog.last) instead of interpolated: a lamp
-// may stand behind it in the same slice, on a wall or a car.
+// The slice in which a surface stands is summed by the surface itself (fog.last) and not interpolated where lamps give
+// much of its light: one may stand behind it in the same slice, on a wall or a car.
 //
 // Transmittance is no part of the grid: it has a closed form (shaders/lib/fog_medium.glsl). Leaves wrong: what lies
 // between rays is interpolated, so that a lamp's glow is as wide as they lie apart; in a slice the cone of a spot, the

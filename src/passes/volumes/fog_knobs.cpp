@@ -42,11 +42,12 @@ std::span<const Knob<FogKnobs>> FogKnobs::table() {
       {.name = "last",
        .member = &FogKnobs::last,
        .lowest = 0,
-       .highest = 1,
-       .ladder = {0, 0, 0, 1},
-       .trades = "the slice in which a surface stands: 0 interpolated, so that lamps behind it shine through; 1 "
-                 "followed by each pixel through its own lists",
-       .walk = {0, 1}},
+       .highest = 2,
+       .ladder = {0, 1, 1, 2},
+       .trades = "the slice in which a surface stands: 0 interpolated, so that lamps behind it shine through; 1 summed "
+                 "by each pixel where lamps are near; 2 everywhere",
+       .walk = {0, 1, 2},
+       .beside = "fog.method=froxels"},
       {.name = "steps",
        .member = &FogKnobs::steps,
        .lowest = 4,

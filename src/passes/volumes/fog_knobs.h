@@ -12,10 +12,11 @@ struct FogKnobs {
   static constexpr std::string_view name = "fog";
   static constexpr int froxels = 0, march = 1, pixels = 2;
   int method = froxels;
-  int grid = 3;          // into fog_grids
-  int last = 0;          // the slice in which a surface stands is followed for itself
-  int steps = 128;       // of a ray that a pixel follows
-  int march_steps = 64;  // at most, of a texel's ray
+  int grid = 3;  // into fog_grids
+  static constexpr int near_lamps = 1;
+  int last = near_lamps;  // where the slice in which a surface stands is summed for itself
+  int steps = 128;        // of a ray that a pixel follows
+  int march_steps = 64;   // at most, of a texel's ray
   float march_loss = 0.025f;
   int march_px = 2;         // a texel's side
   int lamp_shadows = 1;     // points of a slice at which a lamp's maps are asked

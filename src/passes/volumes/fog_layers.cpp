@@ -30,7 +30,7 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
   GraphicsPipelineDesc behind;
   behind.vertex_shader = "background.vert";
   CellLists far = lists;
-  far.fog.last = false;
+  far.fog.last = 0;
   behind.fragment_shader = with_fog("fog_layers_sky.frag" + wanted, far);
   behind.color_formats = formats;
   behind.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;

@@ -19,7 +19,7 @@ CellLists fog_on_the_way(CellLists lists) {
 }
 
 bool fog_walks(const CellLists& lists) {
-  return lists.fog.light == FogLight::march || (lists.fog.light == FogLight::grid && lists.fog.last);
+  return lists.fog.light == FogLight::march || (lists.fog.light == FogLight::grid && lists.fog.last > 0);
 }
 
 std::string fog_shadows(bool sun, bool lamps, int lamp_points) {
@@ -33,7 +33,7 @@ std::string with_fog(std::string shader, const CellLists& lists) {
   shader += fmt::format("#FOG={}", int(lists.fog.light));
   if (lists.fog.media > 0) shader += fmt::format("#FOG_MEDIA={}", lists.fog.media);
   if (!fog_walks(lists)) return shader;
-  if (lists.fog.light == FogLight::grid) shader += "#FOG_LAST=1";
+  if (lists.fog.light == FogLight::grid) shader += fmt::format("#FOG_LAST={}", lists.fog.last);
   if (lists.fog.ambient) shader += "#FOG_AMBIENT=1";
   return shader + fog_shadows(bool(lists.sun_maps), bool(lists.lamp_maps), lists.fog.lamp_points);
 }

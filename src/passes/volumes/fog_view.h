@@ -19,7 +19,7 @@ enum class FogLight : uint8_t {
 struct FogView {
   FogLight light = FogLight::no_fog;
   bool ambient = false;  // the sky's light is scattered too
-  bool last = false;     // grid: the slice in which a surface stands is followed for itself
+  int last = 0;          // grid: whether the slice in which a surface stands is summed for itself, as fog.last
   int media = 0;         // whose sum the air is; 0: one, in closed form
   int lamp_points = 0;   // of a slice, at least, at which a lamp's shadow maps are asked; 0: none
   ImageHandle grid;

@@ -25,5 +25,6 @@ void main() {
   if (any(greaterThanEqual(id.xy, nodes.xy))) return;
   for (int j = 0; j < FOG_RUN; ++j)
     if (first + j < int(nodes.z))
-      imageStore(storage_volume_images[pc.target], ivec3(id.xy, first + j), vec4(gained[j], fog_steep[j]) * frame.pre_exposure);
+      imageStore(storage_volume_images[pc.target], ivec3(id.xy, first + j),
+                 vec4(gained[j], fog_steep[j]) * frame.pre_exposure);
 }

@@ -56,7 +56,7 @@ float blurred_inverse_square(float a, float wide, float h, float h2, float s2) {
 }
 
 #ifdef FOG_STEEP
-// Of each slice's light, what comes from lamps so near that it does not grow evenly over the slice, the largest channel.
+// Of each slice's light the part of lamps so near that it does not grow evenly over the slice, the largest channel.
 float fog_steep[FOG_RUN];
 #endif
 

@@ -29,10 +29,16 @@ bool make_piece(vec4 a, vec4 b, vec4 c, out Piece piece) {
   piece.p[0] = p0;
   piece.p[1] = piece.clockwise ? p1 : p2;
   piece.p[2] = piece.clockwise ? p2 : p1;
-  const float z0 = a.z / a.w, z1 = b.z / b.w - z0, z2 = c.z / c.w - z0;
-  const float inverse = area != 0 ? 1.0 / float(area) : 0.0;
-  piece.depth = vec3(z0, (z1 * float(e2.y) - z2 * float(e1.y)) * inverse,
-      (z2 * float(e1.x) - z1 * float(e2.x)) * inverse);
+  // The two products of a slope nearly cancel in a needle whose far corners lie side by side, but not where the edge
+  // between these is one of the factors. The shorter edge from the first corner stays one.
+  precise const float z0 = a.z / a.w, z1 = b.z / b.w - z0, z2 = c.z / c.w - z0, z3 = c.z / c.w - b.z / b.w;
+  const vec2 f1 = vec2(e1), f2 = vec2(e2), f3 = vec2(p2 - p1);
+  precise vec2 slope;
+  if (dot(f1, f1) <= dot(f2, f2))
+    slope = vec2(z1 * f3.y - z3 * f1.y, z3 * f1.x - z1 * f3.x);
+  else
+    slope = vec2(z2 * f3.y - z3 * f2.y, z3 * f2.x - z2 * f3.x);
+  piece.depth = vec3(z0, slope * (area != 0 ? 1.0 / float(area) : 0.0));
   return area != 0;
 }
 

@@ -116,12 +116,12 @@ Expected<void> write_heatmap(const std::string& file, const Comparison& comparis
 }
 
 // As the display shows them: scene-linear colour through its encoding, clamped.
-Expected<std::vector<std::byte>> shown_png(const std::string& file) {
+Expected<std::vector<Plane>> shown_planes(const std::string& file) {
   const auto image = read_image(file);
   if (!image) return std::unexpected(image.error());
-  const auto planes = display_planes(*image, encoding_of(file));
+  auto planes = display_planes(*image, encoding_of(file));
   if (planes.size() != 3) return fail(ErrorKind::input, file, "has no colour to show");
-  return encode_png(as_display(planes, image->width, image->height), file);
+  return planes;
 }
 
 Expected<void> write_html(const CompareCommand& o, const Comparison& c, const std::vector<LimitVerdict>& verdicts) {
@@ -134,16 +134,13 @@ Expected<void> write_html(const CompareCommand& o, const Comparison& c, const st
   for (const LimitVerdict& v : verdicts)
     report.limits.push_back(
         {v.limit.metric + (v.region.empty() ? "" : " of " + v.region), v.measured, v.limit.value, v.pass});
-  auto reference = shown_png(o.a), test = shown_png(o.b);
+  const auto reference = shown_planes(o.a), test = shown_planes(o.b);
   if (!reference) return std::unexpected(reference.error());
   if (!test) return std::unexpected(test.error());
-  report.pictures = {
-      .first = "reference", .second = "test", .first_png = std::move(*reference), .second_png = std::move(*test)};
-  if (!c.flip_map.empty()) {
-    auto heat = encode_png(heatmap(c.flip_map, c.width, c.height), o.html);
-    if (!heat) return std::unexpected(heat.error());
-    report.pictures.heat_png = std::move(*heat);
-  }
+  auto pictures = viewed_pictures(*reference, *test, c.flip_map, c.width, c.height, o.html);
+  if (!pictures) return std::unexpected(pictures.error());
+  report.pictures = std::move(*pictures);
+  report.pictures.first = "reference", report.pictures.second = "test";
   return write_file_atomically(o.html, compare_html(report));
 }
 

@@ -59,6 +59,7 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
   row.metrics = outcome.gate.comparison.metrics;
   row.golden = outcome.golden_png, row.actual = outcome.actual_png;
   row.heat_map = outcome.heat_map;
+  row.pictures = outcome.pictures;
   if (!outcome.gate.comparison.flip_map.empty()) {
     const GateLimits& l = outcome.limits;
     const auto& metrics = outcome.gate.comparison.metrics;

@@ -67,6 +67,11 @@ void write_pictures(const GoldenManifest& golden, const FloatImage* expected, co
   const Comparison& comparison = outcome.gate.comparison;
   if (comparison.flip_map.empty() || kept.size() != 3 || shown.size() != 3) return;
   outcome.heat_map = write("-heat.png", heatmap(comparison.flip_map, comparison.width, comparison.height));
+  auto pictures = viewed_pictures(kept, shown, comparison.flip_map, comparison.width, comparison.height, golden.name);
+  if (pictures)
+    outcome.pictures = std::move(*pictures);
+  else
+    log::warning("{}", pictures.error().text());
 }
 
 void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {

@@ -1,6 +1,7 @@
 #pragma once
 #include "cli/golden_manifest.h"
 #include "metrics/gate.h"
+#include "report/picture_viewer.h"
 
 namespace candela::cli {
 
@@ -15,6 +16,7 @@ struct GoldenOutcome {
   bool same_device = false;      // the golden was made there: only its pixels and accepted ones pass
   std::filesystem::path actual;  // the new picture; empty when there is none
   std::filesystem::path golden_png, actual_png, heat_map;  // for the report; of failed ones and those with a warning
+  std::optional<ViewedPictures> pictures;                  // the same
   double seconds = 0;
   bool missing = false;  // there is no golden picture
   bool warned() const { return kind == Kind::passed && gate.rung == GateRung::warned; }

@@ -29,14 +29,8 @@ std::string figure(const std::filesystem::path& path, std::string_view caption) 
 
 // All that there are, in a viewer where there are two to compare.
 std::string pictures(const GoldenRow& row) {
-  const auto golden = read_file(row.golden), actual = read_file(row.actual), heat = read_file(row.heat_map);
-  if (!golden || !actual)
-    return figure(row.golden, "golden") + figure(row.actual, "new") + figure(row.heat_map, "FLIP heat map");
-  return viewer_html({.first = row.golden_is,
-                      .second = row.actual_is,
-                      .first_png = *golden,
-                      .second_png = *actual,
-                      .heat_png = heat ? *heat : std::vector<std::byte>{}});
+  if (row.pictures) return viewer_html(*row.pictures);
+  return figure(row.golden, "golden") + figure(row.actual, "new") + figure(row.heat_map, "FLIP heat map");
 }
 
 // What was measured beside what is allowed.
@@ -45,13 +39,18 @@ std::string bounds_table(const GoldenRow& row) {
   const auto number = [](double limit) { return std::isfinite(limit) ? fmt::format("{:.4g}", limit) : std::string(); };
   std::string html =
       "<div class=\"wide\"><table><tr><th class=\"text\">measured</th><th>value</th><th>passes at once "
-      "to</th><th>warns above</th><th>fails above</th></tr>\n";
+      "to</th><th>warns above</th><th>fails above</th><th class=\"text\">verdict</th></tr>\n";
   for (const GoldenRow::Bound& b : row.bounds)
-    html += fmt::format("<tr{}><td class=\"text\">{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                        b.value > b.fails   ? " class=\"beyond\""
-                        : b.value > b.warns ? " class=\"above\""
-                                            : "",
-                        escape_markup(b.name), b.value, number(b.clean), number(b.warns), number(b.fails));
+    html += fmt::format(
+        "<tr{}><td class=\"text\">{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}</td><td "
+        "class=\"text\">{}</td></tr>\n",
+        b.value > b.fails   ? " class=\"beyond\""
+        : b.value > b.warns ? " class=\"above\""
+                            : "",
+        escape_markup(b.name), b.value, number(b.clean), number(b.warns), number(b.fails),
+        b.value > b.fails   ? "fails"
+        : b.value > b.warns ? "warns"
+                            : "");
   return html + "</table></div>\n";
 }
 

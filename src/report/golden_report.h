@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "report/page.h"
+#include "report/picture_viewer.h"
 
 namespace candela {
 
@@ -29,7 +30,7 @@ struct GoldenRow {
   };
   std::vector<Bound> bounds;                       // what the gate compared
   std::filesystem::path golden, actual, heat_map;  // PNG
-  std::string golden_is = "golden", actual_is = "new";
+  std::optional<ViewedPictures> pictures;          // where there are two to compare; else the files are shown
 };
 
 // One HTML page without other files: pictures lie inside as base64, in viewers (report/picture_viewer.h). Failures

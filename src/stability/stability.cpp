@@ -60,6 +60,7 @@ class StabilityRun {
   Expected<void> write_files(const StabilityScene& scene);
   Expected<Shot> shot(Job job, double time_s, bool display, const std::string& effects);
   void check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row);
+  void check_defaults(const StabilityScene& scene, Job job, std::optional<Beauty>& first, StabilityRow& row);
   Expected<void> check_every_effect(const StabilityScene& scene, Job job, StabilityRow& row);
   void count_faults(const char* with, const Expected<Shot>& made, const Shot* bare, double most,
                     StabilityRow& row) const;
@@ -237,6 +238,20 @@ void StabilityRun::check_effects(const StabilityScene& scene, const Job& job, co
   count_faults("effects", shot(job, scene.time_s, false, "auto"), bare, scene.most, row);
 }
 
+// What a plain command draws: the defaults of every knob, the light at which lamps without range end among them, and
+// the effects of the quality. `first`: the picture of the first technique whose pixels all such techniques share.
+void StabilityRun::check_defaults(const StabilityScene& scene, Job job, std::optional<Beauty>& first,
+                                  StabilityRow& row) {
+  job.settings = options_.settings;
+  const auto made = shot(job, scene.time_s, false, "auto");
+  count_faults("defaults", made, nullptr, scene.most, row);
+  if (!made || has_own_pixels(job.technique)) return;
+  if (!first)
+    first = made->beauty;
+  else if (const uint64_t pixels = difference(*first, made->beauty).differing; pixels > 0)
+    row.faults.push_back(fmt::format("with defaults {} pixels are not those of other techniques", pixels));
+}
+
 // All that a look can switch on at once, with lights of a size and shadows and occlusion by rays, and the layers that
 // come from two times and from many samples.
 Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job job, StabilityRow& row) {
@@ -327,6 +342,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
   const bool keep = keeps_pictures();
   auto loaded = renderer_->load(job.scene, job.sky);
   std::optional<Shot> first;
+  std::optional<Beauty> by_default;
   std::vector<StabilityRow> rows;
   for (const std::string& technique : techniques_) {
     StabilityRow row = empty;
@@ -366,6 +382,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
     // than it reflects: such pictures are not compared.
     const bool brightens = scene.sky || !scene.sky_look.empty() || scene.paths;
     if (!first) check_effects(scene, job, brightens ? nullptr : &*made, row);
+    check_defaults(scene, job, by_default, row);
     if (!first && keep)
       if (auto kept = keep_picture(recipe, scene, *made, row); !kept) return kept;
     if (!first) first = std::move(*made);

@@ -27,7 +27,7 @@ struct StabilityRow {
   std::string truth;  // what the picture was measured against
   std::string error;  // no picture: why; for a refused scene that is what should be
   uint64_t pixels = 0, nonfinite = 0;
-  uint64_t effects_nonfinite = 0;              // with the default effects, and with all; of the first technique
+  uint64_t effects_nonfinite = 0;              // with defaults; of the first technique with effects, and with all too
   double max_relative = 0, bound = 0;          // against the reference
   double plain_relative = 0, plain_bound = 0;  // against the plain scene
   uint64_t beyond = 0, may_be_beyond = 0;      // pixels above the reference's bound, and how many edges may be

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/files.h"
+#include "metrics/difference.h"
 #include "report/compare_report.h"
 #include "report/golden_report.h"
 #include "report/markup.h"
@@ -68,14 +69,56 @@ TEST(GoldenHtml, FailuresFirstAndPicturesInside) {
   EXPECT_NE(at("no_such_picture.png"), std::string::npos);
   EXPECT_NE(at("1 failed, 2 to look at, 1 passed"), std::string::npos);
   EXPECT_NE(at("<tr class=\"above\"><td class=\"text\">FLIP, "
-               "mean</td><td>0.005</td><td></td><td>0.004</td><td>0.01</td></tr>"),
+               "mean</td><td>0.005</td><td></td><td>0.004</td><td>0.01</td><td class=\"text\">warns</td></tr>"),
             std::string::npos);
-  EXPECT_NE(at("<tr><td class=\"text\">largest</td><td>0.5</td><td>0.25</td><td></td><td></td></tr>"),
+  EXPECT_NE(at("<tr><td class=\"text\">largest</td><td>0.5</td><td>0.25</td><td></td><td></td><td "
+               "class=\"text\"></td></tr>"),
             std::string::npos);
   const size_t first = at("data:image/png;base64,Zm9vYg==");
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(html.find("data:image/png", first + 1), std::string::npos);
   std::filesystem::remove(picture);
+}
+
+// Pictures of 40 x 20 that differ in two pixels: the larger one is named, marked in what is cut out around it, and
+// white in the map.
+TEST(PictureViewer, ShowsThePixelThatDiffersMost) {
+  constexpr int width = 40, height = 20;
+  const std::vector<Plane> first(3, Plane(size_t(width) * height, 0.5f));
+  std::vector<Plane> second = first;
+  second[1][2 * width + 3] = 0.6f;
+  second[2][17 * width + 38] = 2;  // shown as 1
+  const DisplayDifference difference = display_difference(first, second, width, height);
+  EXPECT_EQ(difference.x, 38);
+  EXPECT_EQ(difference.y, 17);
+  EXPECT_FLOAT_EQ(difference.largest, 0.5f);
+  EXPECT_FLOAT_EQ(difference.map[2 * width + 3], 0.1f);
+  const auto pictures = viewed_pictures(first, second, {}, width, height, "here");
+  ASSERT_TRUE(pictures && pictures->worst);
+  EXPECT_EQ(pictures->worst->first, (std::array{128, 128, 128}));
+  EXPECT_EQ(pictures->worst->second, (std::array{128, 128, 255}));
+  const std::string html = viewer_html(*pictures);
+  EXPECT_NE(html.find("Largest difference: 128 of 255 at pixel 38, 17"), std::string::npos);
+  EXPECT_NE(html.find("data-mode=\"scaled\" "), std::string::npos);
+  // 33 x 20 pixels are cut out, from 7, 0 on.
+  EXPECT_NE(html.find(fmt::format("left:{:.4f}%;top:{:.4f}%", 100.0 * 31 / 33, 100.0 * 17 / 20)), std::string::npos);
+  const auto alike = viewed_pictures(first, first, {}, width, height, "here");
+  ASSERT_TRUE(alike);
+  EXPECT_FALSE(alike->worst);
+  EXPECT_EQ(viewer_html(*alike).find("Largest difference"), std::string::npos);
+}
+
+TEST(PictureViewer, CutsOutPartsThatLieInThePicture) {
+  DisplayImage image{.width = 3, .height = 2};
+  for (int i = 0; i < 18; ++i) image.pixels.push_back(std::byte(i));
+  const Around part = square_around(2, 1, 2, 3, 2);
+  EXPECT_EQ(std::tuple(part.x, part.y, part.width, part.height), std::tuple(1, 0, 2, 2));
+  const DisplayImage cut = cut_out(image, part);
+  ASSERT_EQ(cut.pixels.size(), 12u);
+  EXPECT_EQ(cut.pixels[0], std::byte(3));
+  EXPECT_EQ(cut.pixels[6], std::byte(12));
+  const Around all = square_around(0, 0, 33, 3, 2);
+  EXPECT_EQ(std::tuple(all.x, all.y, all.width, all.height), std::tuple(0, 0, 3, 2));
 }
 
 TEST(PictureViewer, HoldsEachPictureOnceAndEveryMode) {

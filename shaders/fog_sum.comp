@@ -1,6 +1,6 @@
 #version 460
 // From each slice's light to that of all slices up to its end, front to back; and whether a surface that stands in the
-// slice sums it for itself (fog.last), because lamps near the slice give more than a fiftieth of all up to its end.
+// slice sums it for itself (fog.last), because lamps near the slice give more than a tenth of all up to its end.
 #include "shared/fog.h"
 layout(push_constant, scalar) uniform Push { FogSumPush pc; };
 #include "lib/frame.glsl"
@@ -21,7 +21,7 @@ void main() {
     for (int i = 0; i < ahead && first + i < int(nodes.z); ++i) {
       sum += gained[i].rgb;
       imageStore(storage_volume_images[pc.image], ivec3(place, first + i),
-                 vec4(sum, gained[i].a > 0.02 * max(sum.r, max(sum.g, sum.b)) ? 1.0 : 0.0));
+                 vec4(sum, gained[i].a > 0.1 * max(sum.r, max(sum.g, sum.b)) ? 1.0 : 0.0));
     }
   }
 }

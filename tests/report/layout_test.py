@@ -172,14 +172,19 @@ class Pages(unittest.TestCase):
         names = browser.evaluate("[...document.querySelectorAll('.first img, .second img')].map(i => i.alt).slice(0, 2)")
         self.assertEqual(seen, {("hidden", names[0]), ("visible", names[1])})
 
-        browser.click("button[data-mode=heat]")
-        shown = browser.evaluate("[...document.querySelectorAll('.viewer figure')].map(f => f.checkVisibility())")
-        self.assertEqual(shown, [False, False, True])
+        for mode, only in [("heat", [False, False, True, False]), ("scaled", [False, False, False, True])]:
+            browser.click(f"button[data-mode={mode}]")
+            shown = browser.evaluate("[...document.querySelectorAll('.viewer figure')].map(f => f.checkVisibility())")
+            self.assertEqual(shown, only)
+            bars = browser.evaluate("[...document.querySelectorAll('.viewer .bar')].map(b => b.checkVisibility())")
+            self.assertEqual(bars, only[2:])
+        self.assertEqual(browser.evaluate("document.querySelectorAll('.worst img').length"), 3)
         browser.screenshot(SHOTS / f"{name}-difference.png")
 
         browser.click("button[data-mode=beside]")
         browser.click("button[data-zoom='4']")
-        wide = browser.evaluate("[...document.querySelectorAll('.viewer img')].map(i => i.clientWidth / i.naturalWidth)")
+        wide = browser.evaluate("[...document.querySelectorAll('.viewer img')].filter(i => i.checkVisibility())"
+                                ".map(i => i.clientWidth / i.naturalWidth)")
         self.assertEqual(wide, [4, 4, 4])
         browser.evaluate("document.querySelector('.first .box').scrollLeft = 123; void 0")
         browser.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")

@@ -30,6 +30,22 @@ Colour colour_of(const FloatImage& image, const std::string& layer) {
   return colour;
 }
 
+// Shares of light that arrive, and the terms that they dim.
+struct Share {
+  const char *layer, *term, *part;
+};
+constexpr Share shares[] = {{"shadow", "direct.sun", "shadow.direct.sun"},
+                            {"shadow.lamps", "direct.point", "shadow.direct.point"},
+                            {"shadow.lamps", "direct.spot", "shadow.direct.spot"},
+                            {"occlusion", "ambient.diffuse", "occlusion"}};
+
+// Of a term's error what comes from a share: the share's error times the term without it, which is known best where
+// more of it arrives.
+double error_of_share(double true_share, double share, double truth, double value) {
+  if (true_share == share) return 0;
+  return (share - true_share) * (true_share > share ? truth / true_share : value / share);
+}
+
 class Edges {
  public:
   explicit Edges(const FloatImage& image) : width_(image.width), height_(image.height) {
@@ -69,14 +85,14 @@ class Edges {
 std::vector<std::string> gpu_part_layers() {
   std::vector<std::string> names = edge_layers();
   for (const LayerName& term : Terms::layers) names.emplace_back(term.name);
+  for (const char* share : {"shadow", "shadow.lamps", "occlusion"}) names.emplace_back(share);
   return names;
 }
 
 std::vector<std::string> reference_part_layers(bool with_air) {
   std::vector<std::string> names = edge_layers();
   for (const std::string& term : term_layer_names())
-    // Shares of light are no light.
-    if (!term.starts_with("shadow") && term != "occlusion" && (with_air || term != "volumetric")) names.push_back(term);
+    if (with_air || term != "volumetric") names.push_back(term);
   if (with_air) names.emplace_back("fog");
   return names;
 }
@@ -90,13 +106,23 @@ std::map<std::string, double> error_parts(const FloatImage& reference, const Flo
   struct Term {
     Colour reference, picture;
     double* sum;
+    const std::vector<float>*true_share = nullptr, *share = nullptr;  // null: 1 everywhere
+    double* share_sum = nullptr;                                      // null: nothing dims the term
   };
   std::map<std::string, double> parts;
   double &all = parts["part.all"], &at_edges = parts["part.edges"];
   std::vector<Term> terms;
   for (const std::string& name : reference_part_layers(true))
-    if (const Colour colour = colour_of(reference, name); colour[0])
-      terms.push_back({colour, colour_of(picture, name), &parts["part." + name]});
+    if (const Colour colour = colour_of(reference, name); colour[0]) {
+      Term& term = terms.emplace_back(colour, colour_of(picture, name), &parts["part." + name]);
+      for (const Share& share : shares) {
+        const Channel *truth = reference.find(share.layer + std::string(".Y")),
+                      *seen_share = picture.find(share.layer + std::string(".Y"));
+        if (name != share.term || (!truth && !seen_share)) continue;
+        term.true_share = truth ? &truth->f : nullptr, term.share = seen_share ? &seen_share->f : nullptr;
+        term.share_sum = &parts[std::string("part.") + share.part];
+      }
+    }
   if (terms.empty()) return {};
   for (int y = 0; y < reference.height; ++y)
     for (int x = 0; x < reference.width; ++x) {
@@ -111,8 +137,15 @@ std::map<std::string, double> error_parts(const FloatImage& reference, const Flo
           continue;
         }
         for (const Term& term : terms) {
-          const double e = (term.picture[0] ? double((*term.picture[c])[i]) : 0.0) - (*term.reference[c])[i];
-          *term.sum += e * e / scale;
+          const double of_reference = (*term.reference[c])[i], value = term.picture[0] ? (*term.picture[c])[i] : 0.0f;
+          double rest = value - of_reference;
+          if (term.share_sum) {
+            const double of_share = error_of_share(term.true_share ? (*term.true_share)[i] : 1.0f,
+                                                   term.share ? (*term.share)[i] : 1.0f, of_reference, value);
+            *term.share_sum += of_share * of_share / scale;
+            rest -= of_share;
+          }
+          *term.sum += rest * rest / scale;
         }
       }
     }

@@ -66,6 +66,31 @@ TEST(ErrorParts, ErrorsThatCancelAreSeen) {
   EXPECT_EQ(parts.at("part.direct.sun"), parts.at("part.ambient.diffuse"));
 }
 
+// A sun whose shadow is missing, one that is too dark, and one that is too dim where nothing hides it; a sky whose
+// occlusion is missing.
+TEST(ErrorParts, ShadowsAreToldFromTheLightThatTheyTake) {
+  FloatImage truth = two_objects();
+  for (const char* share : {"shadow.Y", "occlusion.Y"})
+    truth.channels.push_back({share, ChannelType::float32, std::vector<float>(pixels, 1), {}});
+  FloatImage picture = truth;
+  const size_t missing = 0, dark = 6, dim = width + 1, open = width + 6;
+  const auto set = [](FloatImage& image, const char* term, const char* share, size_t at, float light, float arrives) {
+    for (const char c : {'R', 'G', 'B'}) plane(image, std::string(term) + "." + c)[at] = light * arrives;
+    plane(image, share)[at] = arrives;
+  };
+  set(truth, "direct.sun", "shadow.Y", missing, 1, 0);
+  set(truth, "direct.sun", "shadow.Y", dark, 1, 0.5f), set(picture, "direct.sun", "shadow.Y", dark, 1, 0.25f);
+  set(picture, "direct.sun", "shadow.Y", dim, 0.9f, 1);
+  set(truth, "ambient.diffuse", "occlusion.Y", open, 0.5f, 0.6f);
+  const double scale = (1.5 * 1.5 + 0.01) * pixels;
+  const auto parts = error_parts(truth, picture);
+  EXPECT_NEAR(parts.at("part.shadow.direct.sun"), (1 + 0.0625) / scale, 1e-8);
+  EXPECT_NEAR(parts.at("part.direct.sun"), 0.01 / scale, 1e-8);
+  EXPECT_NEAR(parts.at("part.occlusion"), 0.04 / scale, 1e-8);
+  EXPECT_NEAR(parts.at("part.ambient.diffuse"), 0, 1e-12);
+  EXPECT_FALSE(parts.contains("part.shadow.direct.point"));
+}
+
 // A crease is an edge; a term that the picture lacks is black there; and without layers nothing is divided.
 TEST(ErrorParts, CreasesMissingTermsAndMissingLayers) {
   FloatImage truth = two_objects();

@@ -4,31 +4,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
+
+#include "frame/item_tree.h"
 
 namespace candela {
-namespace {
-
-// The device adds and multiplies in float: about six roundings, and it keeps what lies outside by up to four.
-constexpr double rounding = 16 * 0x1p-23;
-
-bool may_keep(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
-  for (const glm::vec4& plane : view.planes) {
-    const glm::dvec3 n(plane), n_abs = glm::abs(n);
-    const double outwards = glm::dot(n_abs, extent);
-    const double reach = glm::dot(n, centre) + double(plane.w) + outwards;
-    const double scale = glm::dot(n_abs, glm::abs(centre)) + outwards + std::abs(double(plane.w));
-    if (reach < -rounding * scale) return false;  // not for NaN
-  }
-  return true;
-}
-
-}  // namespace
 
 bool casts_shadows(const DrawRun& run) { return run.solid() && run.topology == Topology::triangles; }
-
-bool may_keep(const shared::View& view, const shared::Item& item) {
-  return may_keep(view, glm::dvec3(item.bounds_centre), glm::dvec3(item.bounds_extent));
-}
 
 std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws) {
   std::vector<ItemCluster> clusters;
@@ -57,21 +39,22 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
   const auto draws = [&](const DrawRun& run) {
     return casts_shadows(run) || (see_through && run.topology == Topology::triangles);
   };
+  // Of each item of the host's the run, where that is drawn.
+  std::vector<int> run_of(items.size(), -1);
+  size_t first = 0;
+  for (size_t r = 0; r < runs.size(); first += host[r++])
+    if (draws(runs[r])) std::fill_n(run_of.begin() + long(first), host[r], int(r));
+  std::optional<ItemTree> tree;
+  if (culling) tree.emplace(items, run_of);
   tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
+    uint32_t* of_view = &counts[v * runs.size()];
     for (const ItemCluster& cluster : clusters)
       if (draws(runs[cluster.run]) &&
           (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent)))
-        counts[v * runs.size() + cluster.run] += cluster.count;
-    size_t first = 0;
-    for (size_t r = 0; r < runs.size(); ++r) {
-      const auto of_run = items.subspan(first, host[r]);
-      first += host[r];
-      if (!draws(runs[r])) continue;
-      counts[v * runs.size() + r] +=
-          !culling ? host[r] : uint32_t(std::count_if(of_run.begin(), of_run.end(), [&](const shared::Item& item) {
-            return may_keep(placed.table[v], item);
-          }));
-    }
+        of_view[cluster.run] += cluster.count;
+    if (tree) return tree->count(placed.table[v], of_view);
+    for (size_t r = 0; r < runs.size(); ++r)
+      if (draws(runs[r])) of_view[r] += host[r];
   });
   uint64_t needed = 0;
   for (const uint32_t count : counts) {

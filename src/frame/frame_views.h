@@ -37,7 +37,4 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
 
 bool casts_shadows(const DrawRun& run);
 
-// Whether any device keeps the item in the view: the counting test of place_views.
-bool may_keep(const shared::View& view, const shared::Item& item);
-
 }  // namespace candela

@@ -42,6 +42,12 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
           "the device can, else by moments")
       ->capture_default_str()
       ->type_name("NAME");
+  command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
+      ->allow_extra_args(false)
+      ->type_name("PASS.KNOB=VALUE");
+}
+
+void add_effect_options(CLI::App& command, JobOptions& o) {
   command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")
       ->capture_default_str()
       ->type_name("NAME");
@@ -50,9 +56,6 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
                   "auto (truth by quality, look by the look file), none, or names separated by commas (docs/design.md)")
       ->capture_default_str()
       ->type_name("LIST");
-  command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
-      ->allow_extra_args(false)
-      ->type_name("PASS.KNOB=VALUE");
 }
 
 void add_layer_options(CLI::App& command, JobOptions& o) {
@@ -64,6 +67,52 @@ void add_layer_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas, or all (candela list layers)")
       ->type_name("LIST");
+}
+
+// How the picture comes out, of a frame that is otherwise the same.
+void add_picture_options(CLI::App& command, JobOptions& o, Renderer renderer) {
+  command
+      .add_option("--shading", o.shading,
+                  "How surfaces answer light: pbr, blinn-phong (Blinn's lobe instead of facets, no layers), or lambert "
+                  "(the base colour, without gloss)")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command
+      .add_option(
+          "--exposure", o.exposure,
+          "Stops, over the look's; 0 where neither says; auto: one value for the whole film, metered at fixed times")
+      ->type_name("EV");
+  command
+      .add_option(
+          "--tonemap", o.tonemap,
+          "Tone curve of PNG, over the look's: agx (where neither says; Rec. 709 primaries), agx-2020 (Rec. 2020, "
+          "as Blender), none, reinhard, reinhard-luminance, aces, neutral (Khronos) or rec709 (the camera curve)")
+      ->type_name("NAME");
+  if (renderer == Renderer::gpu) add_layer_options(command, o);
+  command
+      .add_option("--background", o.background,
+                  "Where there is no sky: transparent; a colour of the display by name or #rrggbb, which PNG and video "
+                  "are laid "
+                  "over; or linear R,G,B of the scene")
+      ->capture_default_str()
+      ->type_name("COLOR");
+  command.add_option("--seed", o.seed, "Seed of all noise")
+      ->transform(whole_number<uint64_t>())
+      ->capture_default_str()
+      ->type_name("N");
+  command.add_option("--exr-type", o.exr_type, "Colour channels of EXR: half or float")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command
+      .add_option("--exr-compression", o.exr_compression, "none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa or dwab")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--png-bits", o.png_bits, "Bits a channel of PNG: 8 or 16")->capture_default_str()->type_name("N");
+  command.add_flag("--no-dither", o.no_dither, "Round to 8 bits without dither");
+  if (renderer == Renderer::gpu)
+    command.add_flag("--metadata-timings", o.metadata_timings,
+                     "Write timings into the EXR header; its bytes then differ from run to run");
+  command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
 }
 
 }  // namespace
@@ -116,6 +165,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->capture_default_str()
       ->type_name("WxH");
   if (renderer == Renderer::gpu) add_technique_options(command, o);
+  if (renderer != Renderer::reference) add_effect_options(command, o);
   command
       .add_option(
           "--sky", o.sky,
@@ -130,12 +180,6 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
                   "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
       ->type_name("FILE");
   command
-      .add_option("--shading", o.shading,
-                  "How surfaces answer light: pbr, blinn-phong (Blinn's lobe instead of facets, no layers), or lambert "
-                  "(the base colour, without gloss)")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command
       .add_option("--cut-outs", o.cut_outs,
                   "Blended materials whose alpha is all or nothing (candela facts): blended, or masked")
       ->capture_default_str()
@@ -147,42 +191,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       .add_option("--probe", o.probe,
                   "A sphere in the middle of the view, a quarter of the picture's height: white, grey (18 %) or chrome")
       ->type_name("NAME");
-  command
-      .add_option(
-          "--exposure", o.exposure,
-          "Stops, over the look's; 0 where neither says; auto: one value for the whole film, metered at fixed times")
-      ->type_name("EV");
-  command
-      .add_option(
-          "--tonemap", o.tonemap,
-          "Tone curve of PNG, over the look's: agx (where neither says; Rec. 709 primaries), agx-2020 (Rec. 2020, "
-          "as Blender), none, reinhard, reinhard-luminance, aces, neutral (Khronos) or rec709 (the camera curve)")
-      ->type_name("NAME");
-  if (renderer == Renderer::gpu) add_layer_options(command, o);
-  command
-      .add_option("--background", o.background,
-                  "Where there is no sky: transparent; a colour of the display by name or #rrggbb, which PNG and video "
-                  "are laid "
-                  "over; or linear R,G,B of the scene")
-      ->capture_default_str()
-      ->type_name("COLOR");
-  command.add_option("--seed", o.seed, "Seed of all noise")
-      ->transform(whole_number<uint64_t>())
-      ->capture_default_str()
-      ->type_name("N");
-  command.add_option("--exr-type", o.exr_type, "Colour channels of EXR: half or float")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command
-      .add_option("--exr-compression", o.exr_compression, "none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa or dwab")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command.add_option("--png-bits", o.png_bits, "Bits a channel of PNG: 8 or 16")->capture_default_str()->type_name("N");
-  command.add_flag("--no-dither", o.no_dither, "Round to 8 bits without dither");
-  if (renderer == Renderer::gpu)
-    command.add_flag("--metadata-timings", o.metadata_timings,
-                     "Write timings into the EXR header; its bytes then differ from run to run");
-  command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
+  if (renderer != Renderer::none) add_picture_options(command, o, renderer);
   add_input_options(command);
 }
 
@@ -284,6 +293,10 @@ Expected<void> read_config(CLI::App& command, const std::string& file) {
     CLI::Option* option = nullptr;
     for (CLI::Option* candidate : command.get_options())
       if (candidate->get_single_name() == item.name) option = candidate;
+    // What is no matter of `facts` may stand in a file for several commands.
+    if (!option && command.get_name() == "facts" &&
+        command.get_parent()->get_subcommand("render")->get_option_no_throw("--" + item.name))
+      continue;
     if (!option || item.name == "help" || item.name == "config")
       return fail(ErrorKind::input, file, "{}", unknown_name("option", item.name, names));
     if (option->count() > 0) continue;

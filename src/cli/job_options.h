@@ -57,7 +57,7 @@ CLI::Validator positive_number();
 CLI::Validator non_negative_number();
 
 // The reference takes what says which picture is meant and how it is written, but not how the GPU makes it.
-enum class Renderer { gpu, reference };
+enum class Renderer { gpu, reference, none };  // none: what decides what is there, and nothing of the picture
 void add_job_options(CLI::App& command, JobOptions& options, Renderer renderer = Renderer::gpu);
 void add_run_options(CLI::App& command, JobOptions& options,
                      Renderer renderer = Renderer::gpu);  // device, validation, log

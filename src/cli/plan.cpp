@@ -24,14 +24,33 @@ struct PlanOptions {
   bool dot = false;
 };
 
-Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job, Scene& scene) {
+// What a command is asked of: the job, its scene, and when.
+struct Asked {
+  Job job;
+  Scene scene;
+  double time_s = 0;
+};
+Expected<Asked> read_asked(CLI::App& command, const PlanOptions& o) {
   if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
   set_log_level(o.job);
-  auto checked = job_of(o.job);
-  if (!checked) return std::unexpected(checked.error());
-  job = *checked;
+  auto job = job_of(o.job);
+  if (!job) return std::unexpected(job.error());
   const auto moment = moment_of(o.job, o.moment);
   if (!moment) return std::unexpected(moment.error());
+  auto scene = load_scene(*job);
+  if (!scene) return std::unexpected(scene.error());
+  if (auto noted = note_scene(*scene, strictness(o.job.strict)); !noted) return std::unexpected(noted.error());
+  const auto look = look_of(*job);
+  if (!look) return std::unexpected(look.error());
+  if (const std::string left_out = left_out_of(*job, *look); !left_out.empty()) {
+    if (strictness(o.job.strict) == Strictness::all)
+      return fail(ErrorKind::input, job->scene, "--strict refuses the scene: {}", left_out);
+    log::warning("{}", left_out);
+  }
+  return Asked{std::move(*job), std::move(*scene), moment->time_s};
+}
+
+Expected<WantedOutputs> wanted_outputs(const PlanOptions& o, const Job& job) {
   WantedOutputs wanted{
       .linear = o.outputs.empty(), .display = false, .display_bits = job.png_bits, .files = !o.outputs.empty()};
   for (const std::string& output : o.outputs) {
@@ -39,18 +58,7 @@ Expected<PlannedFrame> plan_of(CLI::App& command, const PlanOptions& o, Job& job
     if (!format) return std::unexpected(format.error());
     (*format == OutputFormat::exr ? wanted.linear : wanted.display) = true;
   }
-  auto loaded = load_scene(job);
-  if (!loaded) return std::unexpected(loaded.error());
-  scene = std::move(*loaded);
-  if (auto noted = note_scene(scene, strictness(o.job.strict)); !noted) return std::unexpected(noted.error());
-  const auto look = look_of(job);
-  if (!look) return std::unexpected(look.error());
-  if (const std::string left_out = left_out_of(job, *look); !left_out.empty()) {
-    if (strictness(o.job.strict) == Strictness::all)
-      return fail(ErrorKind::input, job.scene, "--strict refuses the scene: {}", left_out);
-    log::warning("{}", left_out);
-  }
-  return plan_frame(job, scene, wanted, moment->time_s);
+  return wanted;
 }
 
 std::string look_text(const Job& job, const Look& look) {
@@ -65,9 +73,12 @@ std::string plan_with_look(const FramePlan& plan, const Job& job, const Look& lo
 }
 
 Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
-  Job job;
-  Scene scene;
-  const auto frame = plan_of(command, o, job, scene);
+  const auto asked = read_asked(command, o);
+  if (!asked) return std::unexpected(asked.error());
+  const Job& job = asked->job;
+  const auto wanted = wanted_outputs(o, job);
+  if (!wanted) return std::unexpected(wanted.error());
+  const auto frame = plan_frame(job, asked->scene, *wanted, asked->time_s);
   if (!frame) return std::unexpected(frame.error());
   if (o.dot && o.job.json) return fail(ErrorKind::usage, "--dot", "--dot and --json both ask for stdout");
   for (const std::string& note : frame->notes) log::info("{}", note);
@@ -80,9 +91,10 @@ Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
 }
 
 Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
-  Job job;
-  Scene scene;
-  auto frame = plan_of(command, o, job, scene);
+  const auto asked = read_asked(command, o);
+  if (!asked) return std::unexpected(asked.error());
+  const auto& [job, scene, time_s] = *asked;
+  auto frame = survey_frame(job, scene, time_s);
   if (!frame) return std::unexpected(frame.error());
   frame->facts.cut_outs = cut_out_materials(scene);
   auto facts = own_json(facts_json(frame->facts));
@@ -96,13 +108,10 @@ Expected<int> run_facts(CLI::App& command, const PlanOptions& o) {
   return 0;
 }
 
-std::shared_ptr<PlanOptions> add_common(CLI::App& command) {
+std::shared_ptr<PlanOptions> add_common(CLI::App& command, Renderer renderer) {
   auto o = std::make_shared<PlanOptions>();
-  add_job_options(command, o->job);
+  add_job_options(command, o->job, renderer);
   add_moment_options(command, o->moment);
-  command.add_option("-o,--output", o->outputs, "Plan for these files (only the endings matter); without any for EXR")
-      ->allow_extra_args(false)
-      ->type_name("FILE");
   add_strict_option(command, o->job);
   command.add_option("--config", o->job.config, "Options from an INI or TOML file; the command line goes first")
       ->type_name("FILE");
@@ -116,7 +125,10 @@ std::shared_ptr<PlanOptions> add_common(CLI::App& command) {
 void add_plan(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("plan", "Print what would run, what is left out and why, and the memory; needs no device");
-  auto o = add_common(*command);
+  auto o = add_common(*command, Renderer::gpu);
+  command->add_option("-o,--output", o->outputs, "Plan for these files (only the endings matter); without any for EXR")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
   command->add_flag("--json", o->job.json, "As JSON");
   command->add_flag("--dot", o->dot, "As a Graphviz graph");
   command->callback([command, o, &action] { action = [command, o] { return run_plan(*command, *o); }; });
@@ -124,7 +136,7 @@ void add_plan(CLI::App& app, Action& action) {
 
 void add_facts(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("facts", "Print what the scene holds at one moment; needs no device");
-  auto o = add_common(*command);
+  auto o = add_common(*command, Renderer::none);
   command->add_flag("--json", o->job.json, "As JSON, with all that passes are chosen by");
   command->callback([command, o, &action] { action = [command, o] { return run_facts(*command, *o); }; });
 }

@@ -104,7 +104,7 @@ std::string drawn_text(const SceneFacts& facts) {
 
 }  // namespace
 
-void add_summary(Json& json, const Scene& scene, const Job& job, const PlannedFrame& frame) {
+void add_summary(Json& json, const Scene& scene, const Job& job, const SurveyedFrame& frame) {
   Json clips = Json::array(), cameras = Json::array(), lights = Json::array();
   const std::vector<ClipFacts> facts = clips_of(scene, job);
   for (size_t i = 0; i < facts.size(); ++i) {
@@ -140,7 +140,7 @@ void add_summary(Json& json, const Scene& scene, const Job& job, const PlannedFr
     json["bounds"] = {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
 }
 
-std::string summary_text(const Scene& scene, const Job& job, const PlannedFrame& frame) {
+std::string summary_text(const Scene& scene, const Job& job, const SurveyedFrame& frame) {
   std::string text = fmt::format("{:<11} {}\n", "scene", printable(scene.path));
   text += fmt::format("{:<11} {}\n", "bounds", bounds_text(world_bounds(scene, frame.pose)));
   text += fmt::format("{:<11} {}\n", "drawn", drawn_text(frame.facts));

@@ -26,52 +26,9 @@
 namespace candela {
 namespace {
 
-// The part of an exposure that is in the linear pictures: enough to keep bright light within a half's range, little
-// enough that nothing leaves a float's. Tone mapping applies the rest.
-constexpr float most_pre_exposure_ev = 20;
-
 std::array<float, 4> exposed(const BackgroundChoice& background, float pre_exposure) {
   const auto& [r, g, b, a] = background.linear;
   return {r * pre_exposure, g * pre_exposure, b * pre_exposure, a};
-}
-
-FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedOutputs& wanted, double time_s,
-                          Look look) {
-  const DisplayLook display = display_look(job, look);
-  FrameRequest request;
-  request.look = std::move(look);
-  request.width_px = job.width_px;
-  request.height_px = job.height_px;
-  // Supersampling takes the place of multisampling.
-  request.samples = knobs.get<Supersample::Knobs>().pictures() > 1 ? 1 : knobs.get<Resolve::Knobs>().samples;
-  request.want_linear = wanted.linear;
-  request.want_display = wanted.display;
-  request.layers = wanted.linear ? job.layers : std::vector<std::string>{};
-  // An image of the frame is of the frame as it would be without the view.
-  if (!image_of_view(job.view)) request.view = job.view;
-  request.view_is_light = layer_form(request.view) == LayerForm::light;
-  request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
-  if (request.view_alone) request.layers.push_back(request.view);
-  request.technique = job.technique;
-  request.transparency = job.transparency;
-  request.quality = job.quality;
-  request.effects = job.effects;
-  request.tonemap = display.curve;
-  request.exposure_ev = display.exposure_ev;
-  request.pre_exposure_ev = std::clamp(display.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
-  request.display_bits = wanted.display_bits;
-  request.for_files = wanted.files;
-  request.exr_float = job.exr_float;
-  request.look_nonfinite = wanted.files && !job.allow_nonfinite;
-  request.shows_through = shows_through(job, request.look);
-  if (const auto background = parse_background(job.background); background && request.shows_through)
-    request.behind_rgb = background->display_rgb;
-  request.dither = job.dither;
-  // Noise differs from frame to frame, and depends on nothing but the job and the time.
-  const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
-  request.noise_seed = uint32_t(noise ^ (noise >> 32));
-  request.still_seed = uint32_t(job.seed ^ (job.seed >> 32));
-  return request;
 }
 
 // How far what is drawn lies from the camera: along the view axis, and in all, which only orthographic views ask.
@@ -248,33 +205,6 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   return s;
 }
 
-// Layers that divide beauty composite blended surfaces by `sorted` or `layers`: by another method their sum would be
-// another picture.
-Expected<void> check_divided(PlannedFrame& f) {
-  const bool glass = f.facts.refracting_items > 0 && f.request.transparency == Phenomenological::method;
-  if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method ||
-      f.request.transparency == Fragments::method)
-    return {};
-  std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
-  parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
-  if (f.request.has_layer(all_layers)) {
-    std::erase_if(f.request.layers, [&](const std::string& layer) {
-      return std::ranges::find(parts, layer, &LayerName::name) != parts.end();
-    });
-    f.notes.push_back(
-        fmt::format("layers that divide beauty are left out: they are of see-through surfaces that are drawn by the "
-                    "method {} (--transparency)",
-                    Transparent::method));
-  }
-  for (const LayerName& part : parts)
-    if (f.request.has_layer(part.name))
-      return fail(ErrorKind::usage, "--layers",
-                  "{} is a part of beauty, which --transparency {} does not divide; leave it out, or take "
-                  "--transparency layers or sorted",
-                  part.name, f.request.transparency);
-  return {};
-}
-
 std::string probe_note(const PlannedFrame& f) {
   const size_t count = f.request.look.probes.size();
   if (count == 0) return {};
@@ -287,22 +217,15 @@ std::string probe_note(const PlannedFrame& f) {
 }
 
 void add_notes(PlannedFrame& f, const KnobValues& knobs) {
-  for (const std::string& note : f.view.notes) f.notes.push_back(note);
   const Supersample::Knobs& supersample = knobs.get<Supersample::Knobs>();
   if (supersample.pictures() > 1 && knobs.get<Resolve::Knobs>().samples > 1)
     f.notes.push_back(fmt::format("supersampling ({} x {} a pixel) takes the place of multisampling",
                                   supersample.grid().x, supersample.grid().y));
   if (const std::string note = probe_note(f); !note.empty()) f.notes.push_back(note);
-  for (const std::string& warning : f.pose.warnings) f.notes.push_back(warning);
-  if (f.request.neutral_light)
-    f.notes.push_back(
-        "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   std::vector<std::string> missing = not_drawn(f.facts, f.pose);
   if (f.facts.sized_lights > 0 && f.facts.takes_light() && !f.traced.soft_lamps)
     missing.push_back("sizes of point and spot lights (drawn as points: shadows.method, shadows.soft)");
   if (!missing.empty()) f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
-  if (f.facts.draw_items == 0)
-    f.notes.push_back("nothing is visible at this time: the image holds the background alone");
 }
 
 // Passes of which there is nothing and no reason yet are other techniques'.
@@ -323,36 +246,18 @@ void leave_out_others(GraphBuilder& builder, std::string_view technique) {
 
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s) {
-  if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
-  if (job.technique == auto_technique) {  // no device is open
-    Job any_device = job;
-    any_device.technique = quickest_technique(true, false).name;
-    auto planned = plan_frame(any_device, context, wanted, time_s);
-    if (planned)
-      planned->notes.push_back("technique auto: without a device the plan is that of " + any_device.technique);
-    return planned;
-  }
-  if (job.transparency == auto_transparency) {
-    Job any_device = job;
-    any_device.transparency = choose_transparency(context.scene, job, 1, {}).name;
-    return plan_frame(any_device, context, wanted, time_s);
-  }
   PlannedFrame f;
   f.clock.begin("animate");
-  const Expected<KnobValues> knobs = frame_knobs(job);
-  if (!knobs) return std::unexpected(knobs.error());
-  const auto technique = std::find_if(techniques().begin(), techniques().end(),
-                                      [&](const Technique& t) { return t.name == job.technique; });
-  auto look = context.look ? context.look->at(time_s) : look_of(job, time_s);
-  if (!look) return std::unexpected(look.error());
-  if (context.face) look = seen_by_probe(std::move(*look));
-  f.request = make_request(job, *knobs, wanted, time_s, std::move(*look));
-  if (!f.request.look.bloom && f.request.names_effect("bloom")) f.request.look.bloom = Bloom{};
-  const DevicePose on_device = posed_on_device(f.request, *knobs, *technique, context.on_device, context.cpu);
-  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, on_device);
-  if (!posed) return std::unexpected(posed.error());
-  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
-  if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
+  const auto asked = ask_frame(job, context, wanted, time_s);
+  if (!asked) return std::unexpected(asked.error());
+  auto surveyed = survey_frame(*asked, context, time_s);
+  if (!surveyed) return std::unexpected(surveyed.error());
+  const KnobValues* const knobs = &asked->knobs;
+  const Technique* const technique = asked->technique;
+  f.pose = std::move(surveyed->pose), f.view = std::move(surveyed->view), f.data = std::move(surveyed->data);
+  f.sky = std::move(surveyed->sky), f.facts = surveyed->facts, f.request = std::move(surveyed->request);
+  f.notes = std::move(surveyed->notes);
+  const DevicePose& on_device = surveyed->on_device;
   f.light_instances = on_device.lights ? on_device.lights->instance_count : 0;
   f.mesh_instances = on_device.instances ? on_device.instances->instance_count : 0;
   f.stores_samples = context.stores_samples && knobs->get<SampleStoreKnobs>().in != SampleStoreKnobs::buffer;
@@ -360,22 +265,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.surfaces = knobs->get<SurfaceKnobs>();
   f.image_light = knobs->get<IblKnobs>();
   f.probes = knobs->get<ProbeKnobs>();
-  if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
-  add_sky_sun(f.sky, f.data);
-  f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
   const bool refraction = f.request.wants_true(Refraction::effect);
-  f.facts = survey(context.scene, f.pose, f.data, bool(f.sky), refraction);
-  // A probe's faces hold what surfaces mirror.
-  f.request.sky_hidden = f.sky.studio && !context.face;
-  if (job.sky != "none" && !has_light(context.scene) && !f.sky && f.facts.takes_light()) {
-    f.request.neutral_light = true;
-    add_neutral_light(f.view, f.data);
-    f.facts = survey(context.scene, f.pose, f.data, false, refraction);
-  }
-  if (auto fine = check_divided(f); !fine) return std::unexpected(fine.error());
-  f.facts.image_light = f.facts.environment && f.facts.takes_light() && f.request.wants_true("ibl");
-  if (f.request.draws_probes() && !f.request.neutral_light && f.facts.takes_light())
-    f.facts.probes = uint32_t(f.request.look.probes.size());
   const float floor_lux = knobs->get<LightRangeKnobs>().floor_lux;
   const uint32_t bounded = apply_light_floor(f.data.lights, floor_lux);
   if (bounded > 0)
@@ -389,7 +279,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   const bool traces_keys = technique->keys == Technique::Keys::traced && f.upload.batch_count > 0;
   if (traces_keys) add_triangle_numbers(f.draws, f.upload);
   if (f.request.has_layer("motion") && !context.face) {
-    const auto before = pose_before(context.scene, job, time_s, f.pose);
+    const auto before = pose_before(context.scene, asked->job, time_s, f.pose);
     if (!before) return std::unexpected(before.error());
     add_motion(f.data, f.view, before->data, before->view, f.upload);
   }

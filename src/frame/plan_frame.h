@@ -12,6 +12,7 @@
 #include "frame/frame_upload.h"
 #include "frame/job.h"
 #include "frame/job_sky.h"
+#include "frame/survey_frame.h"
 #include "graph/builder.h"
 #include "passes/lights/light_grid.h"
 #include "passes/surfaces/ibl_knobs.h"
@@ -67,31 +68,6 @@ struct PlannedFrame {
   std::vector<std::string> notes;
   StageClock clock;  // the stages of planning; their sum is all of it
 };
-struct WantedOutputs {
-  bool linear = true;    // EXR
-  bool display = false;  // PNG, video
-  int display_bits = 8;  // 8 or 16
-  // For prepare_outputs() and nothing else: packed on the device as the job's files hold it. linear is then of EXR
-  // files alone: pixels that are not finite are counted on the device.
-  bool files = false;
-  std::vector<DumpRequest> dumps = {};
-};
-
-// What does not change with time, made once for a scene.
-struct PlanContext {
-  const Scene& scene;
-  const GeometryLayout& layout;
-  const JobSky* sky = nullptr;     // the job's, as the session read it; without one there is no sky
-  const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
-  // Asked once for each image that the frame could keep; empty: nothing is kept.
-  std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
-  const View* face = nullptr;  // of a reflection probe's image, which takes the place of the job's camera
-  DevicePose on_device = {};   // instances that the device can pose
-  std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
-  // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
-  bool cpu = true;
-  bool stores_samples = true;  // the device has multisampled storage images of the job's samples
-};
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);
 // The same for one frame alone; reads the job's sky and look.
@@ -103,14 +79,6 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
 Job with_every_light(Job job, const std::string& reference);
 // Whether a technique shades other points of surfaces than the hardware does (Technique::own_pixels).
 bool has_own_pixels(const std::string& technique);
-
-// The technique that a frame is made by where the job says `auto`, by what bench/results shows to be quickest: on a GPU
-// with 64-bit atomics `visibility`, else `clustered`. `why`: a sentence for the user.
-inline constexpr std::string_view auto_technique = "auto";
-struct ChosenTechnique {
-  std::string name, why;
-};
-ChosenTechnique quickest_technique(bool is_cpu, bool int64_atomics);
 
 // Tables for `candela list`, --set and the help text.
 std::vector<std::string> technique_names();

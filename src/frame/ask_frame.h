@@ -1,0 +1,63 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "frame/frame_dumps.h"
+#include "frame/frame_knobs.h"
+#include "frame/frame_rays.h"
+#include "frame/job.h"
+#include "frame/job_look.h"
+#include "frame/job_sky.h"
+#include "scene/geometry_layout.h"
+#include "techniques/technique.h"
+
+namespace candela {
+
+struct WantedOutputs {
+  bool linear = true;    // EXR
+  bool display = false;  // PNG, video
+  int display_bits = 8;  // 8 or 16
+  // For prepare_outputs() and nothing else: packed on the device as the job's files hold it. linear is then of EXR
+  // files alone: pixels that are not finite are counted on the device.
+  bool files = false;
+  std::vector<DumpRequest> dumps = {};
+};
+
+// What does not change with time, made once for a scene.
+struct PlanContext {
+  const Scene& scene;
+  const GeometryLayout& layout;
+  const JobSky* sky = nullptr;     // the job's, as the session read it; without one there is no sky
+  const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
+  // Asked once for each image that the frame could keep; empty: nothing is kept.
+  std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
+  const View* face = nullptr;  // of a reflection probe's image, which takes the place of the job's camera
+  DevicePose on_device = {};   // instances that the device can pose
+  std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
+  // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
+  bool cpu = true;
+  bool stores_samples = true;  // the device has multisampled storage images of the job's samples
+};
+
+// The technique that a frame is made by where the job says `auto`, by what bench/results shows to be quickest: on a GPU
+// with 64-bit atomics `visibility`, else `clustered`. `why`: a sentence for the user.
+inline constexpr std::string_view auto_technique = "auto";
+struct ChosenTechnique {
+  std::string name, why;
+};
+ChosenTechnique quickest_technique(bool is_cpu, bool int64_atomics);
+
+// The first stage of planning: what is asked of a frame, by the job, its look and the time alone.
+struct AskedFrame {
+  Job job;  // without auto
+  KnobValues knobs;
+  const Technique* technique = nullptr;
+  FrameRequest request;
+  std::vector<std::string> notes;
+};
+Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s);
+
+}  // namespace candela

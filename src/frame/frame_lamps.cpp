@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "frame/frame_suns.h"
 #include "frame/lamp_faces.h"
 #include "passes/geometry/depth_views.h"
 
@@ -136,7 +137,7 @@ std::string nodes_of(const FrameData& data, std::span<const uint32_t> lights) {
 
 Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
                                 const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, int rows,
-                                bool culling, bool see_through, FrameUpload& upload) {
+                                int longer_side, bool culling, bool see_through, FrameUpload& upload) {
   FrameLamps out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
@@ -148,7 +149,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
     return out;
   }
   const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
-  const uint32_t most_px = std::bit_floor(uint32_t(knobs.size_px));
+  const uint32_t most_px = std::min(std::bit_floor(uint32_t(knobs.size_px)), most_map_px(longer_side));
   const std::set<std::string> marked(request.look.shadows.lights.begin(), request.look.shadows.lights.end());
   for (const std::string& name : marked)
     if (std::ranges::none_of(data.lights, [&](const LightItem& l) {

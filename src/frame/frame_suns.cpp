@@ -65,8 +65,8 @@ double brightness_lux(const LightItem& light) {
 }  // namespace
 
 Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
-                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool culling,
-                              bool see_through, FrameUpload& upload) {
+                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs,
+                              int longer_side, bool culling, bool see_through, FrameUpload& upload) {
   FrameSuns out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
@@ -90,7 +90,8 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const V
                     suns.size() - size_t(knobs.lights), suns.size(), knobs.lights, nodes));
     suns.resize(size_t(knobs.lights));
   }
-  const SunFit fit = drawn_fit(scene, data, view);
+  SunFit fit = drawn_fit(scene, data, view);
+  fit.most_px = most_map_px(longer_side);
   ViewImage image;
   image.name = "sun.maps";
   for (const size_t light : suns) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <bit>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,10 +25,15 @@ struct FrameSuns {
   std::vector<std::string> notes;
 };
 
-// Chooses the lights that get maps, fits their cascades, and tells the uploaded lights which is whose. Errors: more
+// Of a map's side in texels, a bound by the picture's longer side: sixteen texels a pixel, as a power of two. What is
+// finer is not seen.
+inline uint32_t most_map_px(int samples_across) { return std::bit_ceil(16u * uint32_t(std::max(samples_across, 1))); }
+
+// Chooses the lights that get maps, fits their cascades, and tells the uploaded lights which is whose. longer_side: of
+// the picture, in samples. Errors: more
 // draw commands than the knob sun.draws has room for.
 Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
-                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool culling,
-                              bool see_through, FrameUpload& upload);
+                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs,
+                              int longer_side, bool culling, bool see_through, FrameUpload& upload);
 
 }  // namespace candela

@@ -298,8 +298,11 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   f.clock.begin("sun_shadows");
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
   f.shadow_colors = draws_shadow_colors(f.facts, f.request, *knobs);
-  auto suns = plan_suns(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), culling,
-                        f.shadow_colors, f.upload);
+  const Supersample::Knobs& supersample = knobs->get<Supersample::Knobs>();
+  const int longer_side =
+      std::max(f.request.width_px * int(supersample.grid().x), f.request.height_px * int(supersample.grid().y));
+  auto suns = plan_suns(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), longer_side,
+                        culling, f.shadow_colors, f.upload);
   if (!suns) return std::unexpected(suns.error());
   f.suns = std::move(*suns);
 
@@ -312,9 +315,9 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   }
 
   f.clock.begin("lamp_shadows");
-  const Supersample::Knobs& supersample = knobs->get<Supersample::Knobs>();
-  auto lamps = plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),
-                          f.request.height_px * int(supersample.grid().y), culling, f.shadow_colors, f.upload);
+  auto lamps =
+      plan_lamps(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<LampKnobs>(),
+                 f.request.height_px * int(supersample.grid().y), longer_side, culling, f.shadow_colors, f.upload);
   if (!lamps) return std::unexpected(lamps.error());
   f.lamps = std::move(*lamps);
   for (const auto* notes : {&f.suns.notes, &f.lamps.notes}) f.notes.insert(f.notes.end(), notes->begin(), notes->end());

@@ -132,7 +132,7 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
   const DAabb drawn = light.of(fit.drawn_relative, view.position);
   const bool is_bounded = is_finite(drawn.min) && is_finite(drawn.max);
   const int count = single ? 1 : knobs.cascades;
-  const uint32_t size_px = uint32_t(single ? knobs.single_px : knobs.size_px);
+  const uint32_t size_px = std::min(uint32_t(single ? knobs.single_px : knobs.size_px), fit.most_px);
 
   // Depths of the view that are divided. What is drawn beyond knobs.distance_m is left to the last cascade.
   const bool knows_depth = std::isfinite(fit.farthest_m) && fit.farthest_m > 0;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/check.h"
+#include "base/files.h"
 #include "base/text.h"
 #include "frame/frame_knobs.h"
 #include "frame/plan_frame.h"
@@ -181,6 +182,25 @@ TEST(Plan, EveryPassRunsOrSaysWhyNot) {
         }
       }
   }
+}
+
+// Maps and grids are no finer than the picture can show: fog and a sun took 89 MiB at 8x8.
+TEST(Plan, ASmallPictureTakesLittle) {
+  const Scene scene = generated("spheres");
+  const std::string look = ::testing::TempDir() + "candela_small.look.json";
+  ASSERT_TRUE(write_file_atomically(look, std::string_view(R"({"fog": {"extinction": 0.1}})")));
+  Job job = small_job(1);
+  job.look = look, job.quality = "high";
+  const auto bytes = [&](int width, int height) {
+    job.width_px = width, job.height_px = height;
+    const PlannedFrame frame = plan(scene, job, {.linear = false, .display = true});
+    EXPECT_TRUE(has(frame, "fog") && has(frame, "depth_views.sun") && has(frame, "depth_views.lamps"));
+    uint64_t sum = 0;
+    for (const uint64_t block : frame.graph.plan.block_bytes) sum += block;
+    return sum;
+  };
+  EXPECT_LT(bytes(8, 8), 16u << 20);
+  EXPECT_GT(bytes(640, 360), 80u << 20);
 }
 
 // By every technique, whether it has lists of lights or not.

@@ -102,7 +102,8 @@ std::span<const Knob<FogKnobs>> FogKnobs::table() {
 }
 
 glm::uvec3 FogKnobs::nodes(uint32_t width_px, uint32_t height_px) const {
-  if (method == froxels) return fog_grids[grid].nodes;
+  // Rays that lie closer than half a pixel tell nothing of the picture.
+  if (method == froxels) return glm::min(fog_grids[grid].nodes, glm::uvec3(2 * width_px + 1, 2 * height_px + 1, ~0u));
   // A march says the side of its texels; what is blended before it goes as many steps.
   if (method == march) return glm::uvec3(march_px, march_px, std::min(march_steps, 128));
   return glm::uvec3(width_px, height_px, steps);

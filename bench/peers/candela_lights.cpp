@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
 
-#include "frame/session.h"
 #include "frame_server.h"
 #include "image/io.h"
 #include "render/outputs.h"
+#include "session/session.h"
 
 // candela's side of the comparison: the session that `candela sequence` uses, one frame a request. The frame is the one
 // that a PNG is made of: tone curve "none", sRGB, 8 bits, without dither, which is what the peers deliver.

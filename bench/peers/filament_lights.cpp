@@ -17,9 +17,9 @@
 
 #include "filament_scene.h"
 #include "filament_sky.h"
-#include "frame/job.h"
 #include "gltf/gltf.h"
 #include "image/io.h"
+#include "job/job.h"
 
 // Filament's side of the comparison: candela's scene, camera and lights through Filament's renderer. Linear tone
 // mapping and sRGB encoding, no fog, dithering or FXAA; Filament's own choices otherwise. Shadows, ambient occlusion,

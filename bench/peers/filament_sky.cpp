@@ -10,9 +10,9 @@
 #include <numbers>
 #include <vector>
 
-#include "frame/sky_pyramid.h"
 #include "image/io.h"
 #include "scene/environment.h"
+#include "sky/sky_pyramid.h"
 
 namespace candela::peers {
 namespace {

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/statistics.h"
-#include "frame/session.h"
+#include "session/session.h"
 
 using namespace candela;
 using Json = nlohmann::ordered_json;

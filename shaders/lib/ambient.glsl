@@ -11,7 +11,7 @@ vec3 ambient_radiance(vec3 n) {
            sh[7].rgb * (1.092548 * n.x * n.z) + sh[8].rgb * (0.546274 * (n.x * n.x - n.y * n.y));
   return max(e, vec3(0.0));
 }
-// Scale of f0, bias of f90, and what the half vectors' Schlick term takes of a diffuse lobe (frame/split_sum.h).
+// Scale of f0, bias of f90, and what the half vectors' Schlick term takes of a diffuse lobe (sky/split_sum.h).
 vec3 split_sum(float roughness, float n_v) {
   const vec2 size = vec2(split_sum_columns, split_sum_rows);
   const float low = sqrt(least_roughness);

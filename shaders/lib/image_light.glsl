@@ -1,4 +1,4 @@
-// Light of a sky image (frame/prefilter_sky.h makes what is read here). Directions are in the sky's own axes. Needs
+// Light of a sky image (sky/prefilter_sky.h makes what is read here). Directions are in the sky's own axes. Needs
 // lib/brdf.glsl.
 #include "lib/axes.glsl"
 

@@ -134,7 +134,7 @@ vec3 surface_normal(Material m, Varyings v, float facing, vec3 to_viewer) {
 
 // How far normals stray within the pixel, as the variance of their slopes: by the shading normal's differences between
 // pixels (Tokuyoshi and Kaplanyan, "Improved Geometric Specular Antialiasing", 2019), or by those of the interpolated
-// normal and what the filtered normal map says of its own texels (frame/mip_chain.h).
+// normal and what the filtered normal map says of its own texels (session/mip_chain.h).
 const float specular_aa_pixel = 0.15915494;  // variance of a pixel's filter, 1 / (2 pi)
 const float specular_aa_most = 0.18;         // of what is added to alpha squared
 #ifdef TRIANGLES

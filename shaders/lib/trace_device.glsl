@@ -2,7 +2,7 @@
 // any shader (TRACE_QUERY) or by a pipeline of rays (TRACE_RAYGEN in its first shader, TRACE_HIT in those of hits). The
 // device only names triangles: where the ray meets one is computed by the operations of lib/trace.glsl, from the same
 // corners, so that pictures are those of the trees but on edges and at ties. What counts for a ray is asked there too.
-// Triangles are opaque to the device where no ray asks anything of them (frame/frame_rays.cpp).
+// Triangles are opaque to the device where no ray asks anything of them (plan/frame_rays.cpp).
 #ifdef TRACE_QUERY
 #extension GL_EXT_ray_query : require
 #else

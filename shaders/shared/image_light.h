@@ -4,7 +4,7 @@
 
 SHARED_BEGIN
 
-// A filtered sky (frame/prefilter_sky.h makes it, lib/image_light.glsl reads it): slices for lobes of rising roughness,
+// A filtered sky (sky/prefilter_sky.h makes it, lib/image_light.glsl reads it): slices for lobes of rising roughness,
 // each an octahedral map in one texture. Slice i is of the perceptual roughness 2^((i - last) / per octave).
 #ifdef __cplusplus
 inline constexpr uint sky_slice_count = 15, sky_slices_per_octave = 3;

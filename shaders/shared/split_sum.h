@@ -2,7 +2,7 @@
 #define CANDELA_SHARED_SPLIT_SUM_H
 #include "shared/types.h"
 
-// The texture of the split sum (frame/split_sum.h makes it, lib/ambient.glsl reads it): columns in equal steps of the
+// The texture of the split sum (sky/split_sum.h makes it, lib/ambient.glsl reads it): columns in equal steps of the
 // root of n.v from 0 to 1, rows in equal steps of the root of perceptual roughness from its least to 1.
 //
 // Perceptual roughness below the least counts as it: D overflows at its peak in 32-bit floats else (TECHNIQUES 9.1).

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "bench/error_truth.h"
 #include "bench/error_views.h"
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
 
 namespace candela {
 namespace {

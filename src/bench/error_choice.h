@@ -5,7 +5,7 @@
 
 #include "base/statistics.h"
 #include "bench/row.h"
-#include "frame/job.h"
+#include "job/job.h"
 
 namespace candela {
 

@@ -7,7 +7,7 @@
 
 #include "bench/error_truth.h"
 #include "bench/row.h"
-#include "frame/session.h"
+#include "session/session.h"
 
 namespace candela {
 

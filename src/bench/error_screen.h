@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "frame/session.h"
 #include "image/image.h"
+#include "session/session.h"
 
 namespace candela {
 

@@ -6,9 +6,9 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "bench/error_parts.h"
-#include "frame/session.h"
 #include "render/reference_frame.h"
 #include "render/reference_layers.h"
+#include "session/session.h"
 
 namespace candela {
 namespace {

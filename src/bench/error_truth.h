@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "frame/job.h"
 #include "image/image.h"
+#include "job/job.h"
 #include "scene/scene.h"
 
 namespace candela {

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "bench/sampling.h"
-#include "frame/posed_scene.h"
 #include "math/bounds.h"
+#include "plan/posed_scene.h"
 #include "scene/frame_data.h"
 #include "scene/view.h"
 

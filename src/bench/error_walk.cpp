@@ -7,10 +7,10 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "bench/error_views.h"
-#include "frame/job_look.h"
-#include "frame/plan_frame.h"
-#include "frame/session.h"
 #include "gltf/gltf.h"
+#include "job/job_look.h"
+#include "plan/plan_frame.h"
+#include "session/session.h"
 
 namespace candela {
 namespace {

@@ -9,7 +9,7 @@
 #include "bench/picture.h"
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 
 namespace candela {

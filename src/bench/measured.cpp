@@ -6,9 +6,9 @@
 #include <thread>
 
 #include "base/hash.h"
-#include "frame/timings.h"
 #include "render/outputs.h"
 #include "scene/frame_data.h"
+#include "session/timings.h"
 
 namespace candela {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "base/check.h"
 #include "base/statistics.h"
-#include "frame/plan_frame.h"
 #include "image/half.h"
 #include "image/png_write.h"
+#include "plan/plan_frame.h"
 
 namespace candela {
 namespace {

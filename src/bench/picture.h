@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "bench/row.h"
-#include "frame/session.h"
 #include "image/image.h"
+#include "session/session.h"
 
 namespace candela {
 

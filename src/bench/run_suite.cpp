@@ -7,7 +7,7 @@
 #include "bench/measured.h"
 #include "bench/picture.h"
 #include "bench/scene_store.h"
-#include "frame/timings.h"
+#include "session/timings.h"
 
 namespace candela {
 namespace {

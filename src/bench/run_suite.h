@@ -5,7 +5,7 @@
 
 #include "bench/row.h"
 #include "bench/suite.h"
-#include "frame/session.h"
+#include "session/session.h"
 
 namespace candela {
 

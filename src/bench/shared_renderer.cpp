@@ -1,12 +1,12 @@
 #include "bench/shared_renderer.h"
 
 #include "base/files.h"
-#include "frame/device_samples.h"
-#include "frame/draw_probes.h"
-#include "frame/job_look.h"
 #include "glsl/built_in_spirv.h"
 #include "gltf/gltf.h"
 #include "gpu/device_select.h"
+#include "job/job_look.h"
+#include "session/device_samples.h"
+#include "session/draw_probes.h"
 
 namespace candela {
 namespace {

@@ -2,10 +2,10 @@
 #include <memory>
 
 #include "bench/picture.h"
-#include "frame/device_samples.h"
-#include "frame/gpu_scene.h"
-#include "frame/plan_frame.h"
 #include "gpu/frame_runner.h"
+#include "plan/plan_frame.h"
+#include "session/device_samples.h"
+#include "session/gpu_scene.h"
 
 namespace candela {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/text.h"
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
 
 namespace candela {
 namespace {

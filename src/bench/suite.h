@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "bench/sampling.h"
-#include "frame/job.h"
+#include "job/job.h"
 
 namespace candela {
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "frame/job.h"
+#include "job/job.h"
 
 // Reading of suite files: strict, and errors (input) name file and key.
 namespace candela::suite_file {

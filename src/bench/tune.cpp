@@ -12,8 +12,8 @@
 #include "bench/error_truth.h"
 #include "bench/picture.h"
 #include "bench/sampling.h"
-#include "frame/plan_frame.h"
 #include "metrics/compare.h"
+#include "plan/plan_frame.h"
 #include "render/outputs.h"
 
 namespace candela {

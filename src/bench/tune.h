@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/statistics.h"
-#include "frame/job.h"
-#include "frame/session.h"
+#include "job/job.h"
+#include "session/session.h"
 
 namespace candela {
 

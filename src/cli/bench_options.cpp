@@ -4,8 +4,8 @@
 #include "base/text.h"
 #include "cli/input_options.h"
 #include "cli/job_options.h"
-#include "frame/device_technique.h"
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
+#include "session/device_technique.h"
 #include "stability/stability.h"
 
 namespace candela::cli {

@@ -8,7 +8,7 @@
 #include "cli/report_files.h"
 #include "cli/result.h"
 #include "cli/signals.h"
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
 #include "render/frame_names.h"
 #include "report/stability_report.h"
 #include "stability/stability.h"

@@ -4,12 +4,12 @@
 #include "bench/error_analysis.h"
 #include "bench/error_truth.h"
 #include "cli/job_options.h"
-#include "frame/content_hash.h"
-#include "frame/job_look.h"
-#include "frame/job_sky.h"
-#include "frame/posed_scene.h"
 #include "gpu/device_select.h"
+#include "job/content_hash.h"
+#include "job/job_look.h"
+#include "plan/posed_scene.h"
 #include "report/bench_rows.h"
+#include "sky/job_sky.h"
 
 namespace candela::cli {
 namespace {

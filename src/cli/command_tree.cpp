@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "base/text.h"
-#include "frame/choose_transparency.h"
-#include "frame/plan_frame.h"
+#include "job/choose_transparency.h"
+#include "plan/plan_frame.h"
 #include "render/reference_frame.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"

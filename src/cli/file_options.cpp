@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/file_uses.h"
-#include "frame/job.h"
 #include "image/cube_faces.h"
+#include "job/job.h"
 #include "render/frame_names.h"
 
 namespace candela::cli {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "frame/job.h"
+#include "job/job.h"
 
 namespace candela::cli {
 

@@ -3,9 +3,9 @@
 #include "base/log.h"
 #include "bench/scene_store.h"
 #include "cli/scene_notes.h"
-#include "frame/timings.h"
 #include "metrics/heatmap.h"
 #include "render/outputs.h"
+#include "session/timings.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::cli {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "frame/job.h"
+#include "job/job.h"
 
 namespace candela::cli {
 

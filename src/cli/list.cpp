@@ -4,10 +4,10 @@
 
 #include "base/text.h"
 #include "cli/command.h"
-#include "frame/plan_frame.h"
-#include "frame/timings.h"
 #include "gpu/device.h"
+#include "plan/plan_frame.h"
 #include "scene/look.h"
+#include "session/timings.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::cli {

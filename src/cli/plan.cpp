@@ -8,9 +8,9 @@
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/scene_summary.h"
-#include "frame/job_look.h"
-#include "frame/plan_frame.h"
-#include "frame/posed_scene.h"
+#include "job/job_look.h"
+#include "plan/plan_frame.h"
+#include "plan/posed_scene.h"
 #include "render/frame_names.h"
 #include "scene/cut_outs.h"
 

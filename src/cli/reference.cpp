@@ -14,9 +14,9 @@
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
 #include "cli/trace_options.h"
-#include "frame/timings.h"
 #include "render/frame_names.h"
 #include "render/traced_frames.h"
+#include "session/timings.h"
 
 namespace candela::cli {
 namespace {

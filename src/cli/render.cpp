@@ -17,10 +17,10 @@
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
-#include "frame/timings.h"
 #include "render/dump.h"
 #include "render/frame_names.h"
 #include "render/outputs.h"
+#include "session/timings.h"
 
 namespace candela::cli {
 namespace {

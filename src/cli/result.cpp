@@ -7,9 +7,9 @@
 #include "base/log_gather.h"
 #include "cli/command.h"
 #include "cli/scene_notes.h"
-#include "frame/job_look.h"
-#include "frame/timings.h"
+#include "job/job_look.h"
 #include "render/frame_names.h"
+#include "session/timings.h"
 
 namespace candela::cli {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cli/job_options.h"
-#include "frame/session.h"
+#include "session/session.h"
 
 namespace candela::cli {
 

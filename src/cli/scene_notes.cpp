@@ -7,9 +7,9 @@
 
 #include "base/log.h"
 #include "base/text.h"
-#include "frame/posed_scene.h"
 #include "gltf/losses.h"
 #include "math/bounds.h"
+#include "plan/posed_scene.h"
 #include "render/metering.h"
 #include "render/picture_tones.h"
 #include "scene/neutral_light.h"

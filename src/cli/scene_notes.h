@@ -4,8 +4,8 @@
 #include <string>
 
 #include "base/error.h"
-#include "frame/session.h"
 #include "scene/scene.h"
+#include "session/session.h"
 
 namespace candela::cli {
 

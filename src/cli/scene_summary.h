@@ -2,7 +2,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "frame/survey_frame.h"
+#include "plan/survey_frame.h"
 
 namespace candela::cli {
 

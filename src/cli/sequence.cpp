@@ -15,11 +15,11 @@
 #include "cli/sequence_options.h"
 #include "cli/signals.h"
 #include "farm/run_record.h"
-#include "frame/job_look.h"
-#include "frame/timings.h"
+#include "job/job_look.h"
 #include "render/current_error.h"
 #include "render/shared_frames.h"
 #include "render/traced_frames.h"
+#include "session/timings.h"
 
 namespace candela::cli {
 namespace {

@@ -16,9 +16,9 @@
 #include "cli/progress.h"
 #include "cli/sequence_options.h"
 #include "cli/signals.h"
-#include "frame/timings.h"
 #include "gpu/device.h"
 #include "render/shared_frames.h"
+#include "session/timings.h"
 
 extern char** environ;
 

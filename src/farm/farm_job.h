@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "frame/job.h"
+#include "job/job.h"
 #include "render/frame_names.h"
 
 namespace candela {

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <span>
 
-#include "frame/session.h"
 #include "image/image.h"
+#include "session/session.h"
 
 namespace candela {
 

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "frame/session.h"
 #include "image/image.h"
+#include "session/session.h"
 
 namespace candela {
 

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "frame/session.h"
 #include "image/image.h"
 #include "passes/post/pack.h"
 #include "render/outputs.h"
+#include "session/session.h"
 
 namespace candela {
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
-#include "frame/job.h"
 #include "image/image.h"
+#include "job/job.h"
 #include "scene/view.h"
 
 namespace candela {

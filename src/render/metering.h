@@ -1,6 +1,6 @@
 #pragma once
 #include "base/error.h"
-#include "frame/job.h"
+#include "job/job.h"
 
 namespace candela {
 

@@ -8,7 +8,6 @@
 
 #include "base/check.h"
 #include "base/files.h"
-#include "frame/timings.h"
 #include "image/exr.h"
 #include "image/png_text.h"
 #include "image/prepare.h"
@@ -21,6 +20,7 @@
 #include "render/metadata.h"
 #include "render/prepare_outputs.h"
 #include "render/view_picture.h"
+#include "session/timings.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "frame/session.h"
 #include "image/image.h"
+#include "session/session.h"
 
 namespace candela {
 

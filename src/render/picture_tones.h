@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "frame/session.h"
+#include "session/session.h"
 
 namespace candela {
 

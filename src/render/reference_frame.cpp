@@ -6,14 +6,14 @@
 #include "base/check.h"
 #include "base/file_uses.h"
 #include "base/text.h"
-#include "frame/background.h"
-#include "frame/content_hash.h"
-#include "frame/job_sky.h"
+#include "job/background.h"
+#include "job/content_hash.h"
 #include "reference/leaf_view.h"
 #include "render/id_names.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "scene/neutral_light.h"
+#include "sky/job_sky.h"
 
 namespace candela {
 namespace {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "frame/job.h"
-#include "frame/job_sky.h"
-#include "frame/posed_scene.h"
 #include "image/image.h"
+#include "job/job.h"
+#include "plan/posed_scene.h"
 #include "reference/film.h"
+#include "sky/job_sky.h"
 
 namespace candela {
 

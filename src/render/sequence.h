@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "frame/session.h"
 #include "render/encoder_pool.h"
 #include "render/frame_names.h"
 #include "render/prepare_outputs.h"
+#include "session/session.h"
 
 namespace candela {
 

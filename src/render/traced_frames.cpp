@@ -3,16 +3,16 @@
 #include <bit>
 #include <cmath>
 
-#include "frame/background.h"
-#include "frame/job_look.h"
-#include "frame/job_sky.h"
-#include "frame/timings.h"
 #include "image/prepare.h"
+#include "job/background.h"
+#include "job/job_look.h"
 #include "reference/display.h"
 #include "render/count_view.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "render/view_picture.h"
+#include "session/timings.h"
+#include "sky/job_sky.h"
 #include "techniques/technique.h"
 
 namespace candela {

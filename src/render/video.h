@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "base/prepared_file.h"
-#include "frame/job.h"
 #include "image/image.h"
+#include "job/job.h"
 
 namespace candela {
 

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "frame/job_look.h"
+#include "job/job_look.h"
 #include "reference/display.h"
 #include "reference/film.h"
 #include "render/reference_frame.h"

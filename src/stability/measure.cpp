@@ -5,7 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/check.h"
-#include "frame/job_look.h"
+#include "job/job_look.h"
 #include "reference/display.h"
 #include "reference/film.h"
 #include "reference/integrator.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bench/picture.h"
-#include "frame/job.h"
 #include "image/image.h"
+#include "job/job.h"
 
 namespace candela {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "frame/job.h"
 #include "image/image.h"
+#include "job/job.h"
 
 namespace candela {
 

@@ -2,7 +2,7 @@
 
 #include "base/files.h"
 #include "bench/suite_file.h"
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
 #include "stability/stability.h"
 
 namespace candela {

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "frame/session.h"
 #include "image/io.h"
 #include "render/outputs.h"
+#include "session/session.h"
 
 namespace candela {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "../unit/scene_pieces.h"
-#include "frame/session.h"
+#include "session/session.h"
 
 namespace candela::test {
 

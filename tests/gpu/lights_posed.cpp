@@ -1,9 +1,9 @@
 #include "base/rng.h"
-#include "frame/device_samples.h"
-#include "frame/frame_upload.h"
 #include "frame_fixture.h"
 #include "passes/lights/pose_lights.h"
 #include "passes_fixture.h"
+#include "plan/frame_upload.h"
+#include "session/device_samples.h"
 
 // Light instances that a compute pass poses, against the host's pose in double.
 namespace candela::test {

@@ -2,10 +2,10 @@
 #include <array>
 #include <numbers>
 
-#include "frame/plan_frame.h"
 #include "frame_fixture.h"
 #include "gltf/gltf.h"
 #include "lights_bounds_fixture.h"
+#include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::gpu::test {

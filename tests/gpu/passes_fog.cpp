@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "frame/frame_fog.h"
 #include "passes_fixture.h"
+#include "plan/frame_fog.h"
 #include "reference/medium.h"
 #include "shared/scene.h"
 

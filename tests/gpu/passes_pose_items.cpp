@@ -1,7 +1,7 @@
-#include "frame/frame_upload.h"
 #include "instances_fixture.h"
 #include "passes/geometry/pose_items.h"
 #include "passes_fixture.h"
+#include "plan/frame_upload.h"
 
 // Items that a compute pass poses, against the host's in double.
 namespace candela::gpu::test {

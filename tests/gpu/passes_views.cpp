@@ -1,4 +1,4 @@
-#include "frame/frame_views.h"
+#include "plan/frame_views.h"
 
 #include "passes_cull_fixture.h"
 

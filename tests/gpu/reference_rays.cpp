@@ -1,10 +1,10 @@
 // Rays that shaders/lib/trace.glsl sends, against those of the CPU.
 #include "../unit/reference_bvh_fixture.h"
-#include "frame/frame_rays.h"
 #include "gltf/gltf.h"
 #include "gpu/acceleration.h"
 #include "gpu/device_select.h"
 #include "passes_fixture.h"
+#include "plan/frame_rays.h"
 #include "shared/scene.h"
 #include "shared/trace.h"
 

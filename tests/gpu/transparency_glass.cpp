@@ -1,7 +1,7 @@
 // Surfaces that let light through together with blended ones, by --transparency phenomenological.
-#include "frame/plan_frame.h"
 #include "glass_fixture.h"
 #include "passes/surfaces/terms.h"
+#include "plan/plan_frame.h"
 #include "render/reference_frame.h"
 #include "testscenes/procedural_shapes.h"
 

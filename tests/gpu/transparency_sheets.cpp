@@ -1,11 +1,11 @@
 // How blended surfaces come over each other, by every method of --transparency, against sums in double.
 #include <cmath>
 
-#include "frame/choose_transparency.h"
-#include "frame/plan_frame.h"
 #include "frame_sky_fixture.h"
 #include "gltf/gltf.h"
+#include "job/choose_transparency.h"
 #include "metrics/numeric.h"
+#include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::test {

@@ -12,10 +12,10 @@
 #include "bench/error_views.h"
 #include "bench/error_walk.h"
 #include "bench/scene_store.h"
-#include "frame/frame_knobs.h"
-#include "frame/job_look.h"
-#include "frame/plan_frame.h"
 #include "gltf/gltf.h"
+#include "job/frame_knobs.h"
+#include "job/job_look.h"
+#include "plan/plan_frame.h"
 
 namespace candela::bench_error_analysis {
 namespace {

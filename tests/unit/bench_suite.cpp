@@ -7,8 +7,8 @@
 #include "bench/exactness.h"
 #include "bench/row.h"
 #include "bench/suite.h"
-#include "frame/frame_knobs.h"
-#include "frame/plan_frame.h"
+#include "job/frame_knobs.h"
+#include "plan/plan_frame.h"
 
 namespace candela {
 namespace {

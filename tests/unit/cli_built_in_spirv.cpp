@@ -6,12 +6,12 @@
 #include "base/files.h"
 #include "bench/scene_store.h"
 #include "cli/golden_manifest.h"
-#include "frame/plan_frame.h"
-#include "frame/posed_scene.h"
-#include "frame/probe_image.h"
 #include "glsl/built_in_spirv.h"
 #include "glsl/shader_compiler.h"
 #include "glsl/shader_sources.h"
+#include "plan/plan_frame.h"
+#include "plan/posed_scene.h"
+#include "plan/probe_image.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::cli {

@@ -1,5 +1,5 @@
 // The blurred background: deviations below what floats tell directions apart, and a closed form above it.
-#include "frame/blur_sky.h"
+#include "sky/blur_sky.h"
 
 #include <gtest/gtest.h>
 

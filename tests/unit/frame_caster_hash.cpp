@@ -1,4 +1,4 @@
-#include "frame/caster_hash.h"
+#include "plan/caster_hash.h"
 
 #include <gtest/gtest.h>
 

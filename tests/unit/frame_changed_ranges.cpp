@@ -1,4 +1,4 @@
-#include "frame/changed_ranges.h"
+#include "session/changed_ranges.h"
 
 #include <gtest/gtest.h>
 

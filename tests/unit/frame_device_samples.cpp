@@ -1,4 +1,4 @@
-#include "frame/device_samples.h"
+#include "session/device_samples.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "frame/frame_dumps.h"
+#include "plan/frame_dumps.h"
 
 #include <gtest/gtest.h>
 
-#include "frame/plan_frame.h"
 #include "gltf/gltf.h"
+#include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 
 namespace candela {

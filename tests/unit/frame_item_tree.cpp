@@ -1,4 +1,4 @@
-#include "frame/item_tree.h"
+#include "plan/item_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "frame/background.h"
-#include "frame/job.h"
-#include "frame/timings.h"
+#include "job/background.h"
+#include "job/job.h"
+#include "session/timings.h"
 
 namespace candela {
 namespace {

@@ -1,5 +1,5 @@
 #define GLM_ENABLE_EXPERIMENTAL
-#include "frame/lamp_faces.h"
+#include "plan/lamp_faces.h"
 
 #include <gtest/gtest.h>
 

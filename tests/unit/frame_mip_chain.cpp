@@ -1,4 +1,4 @@
-#include "frame/mip_chain.h"
+#include "session/mip_chain.h"
 
 #include <gtest/gtest.h>
 

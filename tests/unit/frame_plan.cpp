@@ -3,10 +3,10 @@
 #include "base/check.h"
 #include "base/files.h"
 #include "base/text.h"
-#include "frame/frame_knobs.h"
-#include "frame/plan_frame.h"
 #include "gltf/gltf.h"
 #include "gltf_builder.h"
+#include "job/frame_knobs.h"
+#include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 
 namespace candela {

@@ -1,4 +1,4 @@
-#include "frame/prefilter_sky.h"
+#include "sky/prefilter_sky.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "frame/sky_lights.h"
 #include "scene/environment.h"
 #include "shared/split_sum.h"
+#include "sky/sky_lights.h"
 
 namespace candela::frame_prefilter_sky {
 namespace {

@@ -1,5 +1,5 @@
 // The image of a reflection probe: six views of a cube become an equirectangular sky.
-#include "frame/probe_image.h"
+#include "plan/probe_image.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "frame/split_sum.h"
+#include "sky/split_sum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "frame/sun_cascades.h"
+#include "plan/sun_cascades.h"
 
 #include <gtest/gtest.h>
 

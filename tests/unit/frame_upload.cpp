@@ -1,4 +1,4 @@
-#include "frame/frame_upload.h"
+#include "plan/frame_upload.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "frame/frame_views.h"
+#include "plan/frame_views.h"
 
 #include <gtest/gtest.h>
 

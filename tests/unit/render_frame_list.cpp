@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "frame/job.h"
+#include "job/job.h"
 #include "render/frame_names.h"
 
 namespace candela {

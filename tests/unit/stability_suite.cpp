@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
 #include "stability/stability.h"
 
 namespace candela {

@@ -1,6 +1,6 @@
 // Blended surfaces by every method of transparency: a thousand in a pixel, next to nothing and all, light beyond what a
 // half holds.
-#include "frame/plan_frame.h"
+#include "plan/plan_frame.h"
 #include "stability/stage.h"
 
 namespace candela::stability {

@@ -1,0 +1,98 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/knob.h"
+#include "image/io.h"
+#include "scene/view.h"
+
+namespace candela {
+
+// Frames per second as a fraction, so that frame/fps is exact in double: 24, 23.976 (= 24000/1001), 30000/1001.
+struct FrameRate {
+  int64_t numerator = 24, denominator = 1;
+  double seconds(int64_t frame) const { return double(frame) * double(denominator) / double(numerator); }
+  std::string text() const;
+};
+Expected<FrameRate> parse_frame_rate(const std::string& text);
+// Inclusive, as the field writes them: "0-249", "1-100x5", "2,4,10-20", "-5--1". In the order written, without
+// duplicates.
+Expected<std::vector<int64_t>> parse_frame_list(const std::string& text);
+
+// Everything that decides a picture, as a plain value. Written into EXR metadata as JSON, so that any frame can be made
+// again.
+struct Job {
+  std::string scene;
+  std::string up = "y";           // axis of the file that points up (scene/up_axis.h); camera is of the turned world
+  std::string animation = "all";  // "auto", "all", "none", an index or a name (scene/pose.h)
+  CameraRequest camera;
+  int width_px = 1280, height_px = 720;
+  int samples = 0;  // MSAA samples 1, 2, 4 or 8; 0: as the quality says
+  std::string technique = "clustered";
+  std::string transparency = "sorted";  // how blended surfaces come over each other (candela list transparency)
+  std::string quality = "high";         // draft, normal, high, exact: rungs of every knob's ladder
+  std::vector<KnobSetting> settings;    // --set PASS.KNOB=VALUE, over the quality
+  std::string effects = "auto";         // auto (by quality and look), none, or names separated by commas
+  // Equirectangular .hdr or .exr, six faces, or a word (is_sky_word). Empty: the look's; where there is no light
+  // either, the neutral one.
+  std::string sky;
+  std::string look;                        // look file
+  std::string shading = "pbr";             // how surfaces answer light (scene/shading.h)
+  std::string cut_outs = "blended";        // blended materials that hide all or nothing (scene/cut_outs.h)
+  std::string variant;                     // of materials, by its name in the file; empty: the default materials
+  std::string probe;                       // a sphere before the camera: white, grey, chrome; empty: none
+  std::optional<float> exposure_ev;        // absent: as the look says, else 0
+  std::string tonemap;                     // a curve (tonemap_names()); empty: as the look says, else agx
+  std::vector<std::string> layers;         // beside beauty
+  double motion_s = 1.0 / 24;              // of the layer motion: from the frame before, 1 / --fps
+  std::string view = "beauty";             // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
+  std::string background = "transparent";  // a colour or "R,G,B", where there is no sky (job/background.h)
+  uint64_t seed = 0;
+  // Encoding.
+  bool exr_float = false;  // beauty as float instead of half
+  ExrCompression exr_compression = ExrCompression::zip;
+  int png_bits = 8;
+  bool dither = true;
+  bool timings_in_metadata = false;
+  bool allow_nonfinite = false;
+};
+// Among the layers of a job that asks for all there are: those that this frame cannot have are left out, and no error.
+inline constexpr std::string_view all_layers = "all";
+// Skies that --sky names without a file. auto: the look's; where the file has no light either, the studio.
+inline constexpr std::string_view auto_sky = "auto", studio_sky = "studio", neutral_sky = "neutral";
+inline bool is_sky_word(std::string_view sky) {
+  return sky == "none" || sky == "atmosphere" || sky == auto_sky || sky == studio_sky || sky == neutral_sky;
+}
+std::string job_json(const Job& job);  // stable order; one line
+Expected<Job> job_from_json(const std::string& text);
+Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720", "1080p", "4k"
+Expected<KnobSetting> parse_knob_setting(const std::string& text);  // "PASS.KNOB=VALUE"
+// Names and ranges: an unknown technique, layer or knob is an error that lists the names and suggests the nearest.
+Expected<void> check_job(const Job& job);
+// Whether files of these layers keep what they must: Cryptomatte's ids are the bits of 32-bit floats, which some
+// compressions change.
+Expected<void> check_compression(const std::vector<std::string>& layers, ExrCompression compression);
+// Identity of a frame's picture: the job, the scene's and the sky's content as hex digits, the device and the version.
+Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s);
+
+// How the run is made; none of it changes a pixel.
+struct RunSettings {
+  std::string device;  // as DeviceOptions::which
+  bool validate = false;
+  std::string shader_folder;
+  bool timed = false;
+  double timeout_s = 600;
+  std::string timeout_folder = {};  // in which a frame that takes longer leaves what shows why; empty: nowhere
+  std::string command = {};         // line that the process was started with, for that
+  int queues = 2;                   // 1: no second queue, whatever the device has
+  // Memory for images that frames with the same content share, like shadow maps of what does not move; 0: every frame
+  // makes its own, and its times are those of all its work.
+  uint64_t kept_bytes = 0;
+  bool overlap = false;  // times the frame as a whole with both queues and with one (Timings::overlap)
+};
+
+}  // namespace candela

@@ -1,0 +1,83 @@
+#include "plan/ask_frame.h"
+
+#include <bit>
+
+#include "job/background.h"
+#include "job/choose_transparency.h"
+#include "plan/probe_image.h"
+
+namespace candela {
+namespace {
+
+// The part of an exposure that is in the linear pictures: enough to keep bright light within a half's range, little
+// enough that nothing leaves a float's. Tone mapping applies the rest.
+constexpr float most_pre_exposure_ev = 20;
+
+FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedOutputs& wanted, double time_s,
+                          Look look) {
+  const DisplayLook display = display_look(job, look);
+  FrameRequest request;
+  request.look = std::move(look);
+  request.width_px = job.width_px;
+  request.height_px = job.height_px;
+  // Supersampling takes the place of multisampling.
+  request.samples = knobs.get<Supersample::Knobs>().pictures() > 1 ? 1 : knobs.get<Resolve::Knobs>().samples;
+  request.want_linear = wanted.linear;
+  request.want_display = wanted.display;
+  request.layers = wanted.linear ? job.layers : std::vector<std::string>{};
+  // An image of the frame is of the frame as it would be without the view.
+  if (!image_of_view(job.view)) request.view = job.view;
+  request.view_is_light = layer_form(request.view) == LayerForm::light;
+  request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
+  if (request.view_alone) request.layers.push_back(request.view);
+  request.technique = job.technique;
+  request.transparency = job.transparency;
+  request.quality = job.quality;
+  request.effects = job.effects;
+  request.tonemap = display.curve;
+  request.exposure_ev = display.exposure_ev;
+  request.pre_exposure_ev = std::clamp(display.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
+  request.display_bits = wanted.display_bits;
+  request.for_files = wanted.files;
+  request.exr_float = job.exr_float;
+  request.look_nonfinite = wanted.files && !job.allow_nonfinite;
+  request.shows_through = shows_through(job, request.look);
+  if (const auto background = parse_background(job.background); background && request.shows_through)
+    request.behind_rgb = background->display_rgb;
+  request.dither = job.dither;
+  // Noise differs from frame to frame, and depends on nothing but the job and the time.
+  const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(time_s);
+  request.noise_seed = uint32_t(noise ^ (noise >> 32));
+  request.still_seed = uint32_t(job.seed ^ (job.seed >> 32));
+  return request;
+}
+
+// The job with names where it says auto, for a device as the context's.
+Job without_auto(Job job, const Scene& scene, std::vector<std::string>& notes) {
+  if (job.technique == auto_technique) {  // no device is open
+    job.technique = quickest_technique(true, false).name;
+    notes.push_back("technique auto: without a device the plan is that of " + job.technique);
+  }
+  if (job.transparency == auto_transparency) job.transparency = choose_transparency(scene, job, 1, {}).name;
+  return job;
+}
+
+}  // namespace
+
+Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s) {
+  if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
+  AskedFrame asked;
+  asked.job = without_auto(job, context.scene, asked.notes);
+  auto knobs = frame_knobs(asked.job);
+  if (!knobs) return std::unexpected(knobs.error());
+  asked.knobs = std::move(*knobs);
+  asked.technique = &*std::ranges::find(techniques(), asked.job.technique, &Technique::name);
+  auto look = context.look ? context.look->at(time_s) : look_of(asked.job, time_s);
+  if (!look) return std::unexpected(look.error());
+  if (context.face) look = seen_by_probe(std::move(*look));
+  asked.request = make_request(asked.job, asked.knobs, wanted, time_s, std::move(*look));
+  if (!asked.request.look.bloom && asked.request.names_effect("bloom")) asked.request.look.bloom = Bloom{};
+  return asked;
+}
+
+}  // namespace candela

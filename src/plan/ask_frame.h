@@ -1,0 +1,56 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "job/frame_choices.h"
+#include "job/frame_knobs.h"
+#include "job/job.h"
+#include "job/job_look.h"
+#include "plan/frame_dumps.h"
+#include "plan/frame_rays.h"
+#include "scene/geometry_layout.h"
+#include "sky/job_sky.h"
+#include "techniques/technique.h"
+
+namespace candela {
+
+struct WantedOutputs {
+  bool linear = true;    // EXR
+  bool display = false;  // PNG, video
+  int display_bits = 8;  // 8 or 16
+  // For prepare_outputs() and nothing else: packed on the device as the job's files hold it. linear is then of EXR
+  // files alone: pixels that are not finite are counted on the device.
+  bool files = false;
+  std::vector<DumpRequest> dumps = {};
+};
+
+// What does not change with time, made once for a scene.
+struct PlanContext {
+  const Scene& scene;
+  const GeometryLayout& layout;
+  const JobSky* sky = nullptr;     // the job's, as the session read it; without one there is no sky
+  const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
+  // Asked once for each image that the frame could keep; empty: nothing is kept.
+  std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
+  const View* face = nullptr;  // of a reflection probe's image, which takes the place of the job's camera
+  DevicePose on_device = {};   // instances that the device can pose
+  std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
+  // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
+  bool cpu = true;
+  bool stores_samples = true;  // the device has multisampled storage images of the job's samples
+};
+
+// The first stage of planning: what is asked of a frame, by the job, its look and the time alone.
+struct AskedFrame {
+  Job job;  // without auto
+  KnobValues knobs;
+  const Technique* technique = nullptr;
+  FrameRequest request;
+  std::vector<std::string> notes;
+};
+Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s);
+
+}  // namespace candela

@@ -1,0 +1,102 @@
+#include "plan/caster_hash.h"
+
+#include <cstring>
+
+#include "plan/frame_views.h"
+#include "scene/glow.h"
+
+namespace candela {
+namespace {
+
+// Bytes of what is laid out for the device, which has no padding, and of single numbers.
+class Bytes {
+ public:
+  template <class T>
+  void add(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 8);
+    const size_t at = bytes_.size();
+    bytes_.resize(at + sizeof(T));
+    std::memcpy(bytes_.data() + at, &value, sizeof(T));
+  }
+  Hash128 hash() const { return hash128(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+void add_mask(const Material& m, Bytes& out) {
+  out.add(m.base_color.w);
+  out.add(m.alpha_cutoff);
+  const TextureSlot& slot = m.base_color_texture;
+  out.add(slot.image);
+  out.add(slot.sampler);
+  out.add(slot.uv_set);
+  out.add(slot.offset);
+  out.add(slot.scale);
+  out.add(slot.rotation_rad);
+}
+
+}  // namespace
+
+std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
+                                   const TextureKnobs& textures) {
+  Bytes out;
+  const auto add_material = [&](uint32_t index, const DrawRun& run) {
+    const Material material = index < pose.materials.size() ? pose.materials[index] : Material{};
+    out.add(uint32_t(glows_all_over(material)));
+    if (run.alpha == AlphaMode::mask) add_mask(material, out);
+  };
+  // Of instances that a pass poses, where their node is and which they are.
+  const auto add_group = [&](const DrawSpan& span, const DrawRun& run) {
+    out.add(upload.item_groups[size_t(span.group) + 1]);
+    for (uint32_t s = span.source; s < span.source + span.sections; ++s) {
+      const shared::ItemSection& section = upload.item_sections[s];
+      out.add(upload.geometries[section.geometry]);
+      out.add(section.first_index);
+      out.add(section.index_count);
+      add_material(section.material, run);
+    }
+  };
+  size_t at = 0;      // among spans, of which one of the host's may reach over several runs
+  uint32_t host = 0;  // items of the host before the run
+  for (const DrawRun& run : draws.runs) {
+    const uint32_t run_end = run.first + run.count, first_of_host = host;
+    host += run.count;
+    for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {
+      const DrawSpan& span = draws.spans[at];
+      if (span.group < 0 && span.first + span.count > run_end) break;  // the next run's too
+      if (span.group < 0) continue;
+      host -= span.count;
+      if (casts_shadows(run)) add_group(span, run);
+    }
+    if (!casts_shadows(run)) continue;
+    out.add(uint32_t(run.alpha));
+    out.add(run.count);
+    for (uint32_t i = first_of_host; i < host; ++i) {
+      const shared::Item& item = upload.items[i];
+      const shared::Geometry& geometry = upload.geometries[item.geometry];
+      if (geometry.flags & shared::geometry_deformed) return std::nullopt;
+      out.add(item.bounds_centre);
+      out.add(item.bounds_extent);
+      out.add(upload.transforms[item.transform]);
+      out.add(geometry);
+      out.add(item.first_index);
+      out.add(item.index_count);
+      add_material(item.material, run);
+    }
+  }
+  for (const Knob<TextureKnobs>& row : TextureKnobs::table()) out.add(row.value(textures));
+  return out.hash();
+}
+
+Hash128 depth_views_key(const Hash128& casters, const ViewImage& image) {
+  Bytes out;
+  out.add(casters);
+  out.add(hash128(image.name));
+  out.add(image.size_px);
+  out.add(image.layers);
+  for (const shared::View& view : image.views) out.add(view);
+  return out.hash();
+}
+
+}  // namespace candela

@@ -1,0 +1,242 @@
+#include "plan/frame_lamps.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+
+#include "passes/geometry/depth_views.h"
+#include "plan/frame_suns.h"
+#include "plan/lamp_faces.h"
+
+namespace candela {
+namespace {
+
+constexpr uint32_t usual_layer_px = 2048;
+
+std::string why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs) {
+  if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
+  if (!facts.takes_light() && !request.draws_fog() && !request.draws_volumetric())
+    return "nothing that is drawn takes light";
+  const bool traced = knobs.traced();
+  if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
+    return "nothing that is drawn casts a shadow";
+  if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
+  if (request.neutral_light) return "the neutral light casts no shadows";
+  if (knobs.lights == LampKnobs::none && !traced) return "shadows.lights is none";
+  return {};
+}
+
+// A light that may light the picture.
+struct Candidate {
+  size_t light = 0;
+  Lamp lamp;
+  uint32_t size_px = 0, wished_px = 0;
+  std::vector<int> faces;  // that matter to the picture
+};
+
+// What a light can add to the picture: its light on what it stands before, a metre off, in the share of the picture
+// that this takes; where the light is outside of the view, no nearer than the view is. 0: it lights nothing of it.
+double importance_of(const LightItem& light, const View& view, const FrustumPlanes& planes) {
+  const glm::dvec3 position(light.position);
+  const double candela = glm::dot(glm::dvec3(light.intensity), glm::dvec3(0.2126, 0.7152, 0.0722));
+  double outside_m = 0;
+  for (const glm::dvec4& plane : planes)
+    outside_m = std::max(outside_m, -(glm::dot(glm::dvec3(plane), position) + plane.w));
+  const double away_m = view.perspective ? glm::length(position) : 1;
+  if (!(outside_m < double(light.range_m)) || !std::isfinite(away_m)) return 0;
+  const double importance = candela / std::pow(std::max(away_m, 1.0) * std::max(outside_m, 1.0), 2);
+  return std::isfinite(importance) ? std::max(importance, 0.0) : 0;
+}
+
+// What lights are ordered by: they are many, and few of them become candidates.
+struct Ranked {
+  bool marked = false;  // by the look
+  double importance = 0;
+  uint32_t light = 0;
+};
+
+// Point and spot lights that may light the picture, in the order of lights.
+std::vector<Ranked> ranked_lights(const Scene& scene, const FrameData& data, const View& view,
+                                  const FrustumPlanes& planes, const std::set<std::string>& marked) {
+  std::vector<bool> marked_nodes(scene.nodes.size());
+  for (size_t n = 0; n < marked_nodes.size() && !marked.empty(); ++n)
+    marked_nodes[n] = marked.contains(scene.nodes[n].name);
+  std::vector<Ranked> out(data.lights.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, out.size(), 1024), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      const LightItem& light = data.lights[i];
+      if (light.type == LightType::directional) continue;
+      out[i] = {marked_nodes[light.node], importance_of(light, view, planes), uint32_t(i)};
+    }
+  });
+  std::erase_if(out, [](const Ranked& r) { return r.importance == 0; });
+  return out;
+}
+
+// Whether one comes before another: equal ones in the order of lights.
+bool comes_first(const Ranked& a, const Ranked& b) {
+  if (a.marked != b.marked) return a.marked;
+  return a.importance != b.importance ? a.importance > b.importance : a.light < b.light;
+}
+
+// Layers of the image that hold the maps, and their side: less than usual where all fit into one.
+struct Room {
+  uint32_t layer_px = 0, layers = 0;
+  uint64_t bytes() const { return uint64_t(layer_px) * layer_px * layers * sizeof(float); }
+};
+Room room_of(std::span<const Candidate> lamps) {
+  uint64_t texels = 0;
+  uint32_t largest = 1;
+  for (const Candidate& c : lamps) {
+    if (!c.faces.empty()) largest = std::max(largest, c.size_px);
+    texels += c.faces.size() * c.size_px * c.size_px;
+  }
+  Room room;
+  room.layer_px = std::max(largest, usual_layer_px);
+  while (room.layer_px > largest && texels <= uint64_t(room.layer_px / 2) * (room.layer_px / 2)) room.layer_px /= 2;
+  const uint64_t layer_texels = uint64_t(room.layer_px) * room.layer_px;
+  room.layers = uint32_t((texels + layer_texels - 1) / layer_texels);
+  return room;
+}
+
+// Halves maps, the least important light's first, round after round, until all fit; then leaves out lights.
+void fit_budget(std::vector<Candidate>& lamps, uint64_t bytes) {
+  bool shrank = true;
+  while (shrank && room_of(lamps).bytes() > bytes) {
+    shrank = false;
+    for (size_t i = lamps.size(); i-- > 0 && room_of(lamps).bytes() > bytes;)
+      if (lamps[i].size_px > least_lamp_px) lamps[i].size_px /= 2, shrank = true;
+  }
+  while (!lamps.empty() && room_of(lamps).bytes() > bytes) lamps.pop_back();
+}
+
+// The lights' nodes, neighbours as a range.
+std::string nodes_of(const FrameData& data, std::span<const uint32_t> lights) {
+  constexpr size_t most_ranges = 32;
+  std::set<uint32_t> nodes;
+  for (uint32_t last = ~0u; const uint32_t light : lights)
+    if (data.lights[light].node != last) nodes.insert(last = data.lights[light].node);
+  std::string text;
+  size_t ranges = 0, named = 0;
+  for (auto first = nodes.begin(); first != nodes.end() && ranges < most_ranges; ++ranges) {
+    auto last = first;
+    while (std::next(last) != nodes.end() && *std::next(last) == *last + 1) ++last, ++named;
+    ++named;
+    text +=
+        (text.empty() ? "" : ", ") + (first == last ? fmt::format("{}", *first) : fmt::format("{}-{}", *first, *last));
+    first = std::next(last);
+  }
+  if (named < nodes.size()) text += fmt::format(" and {} more", nodes.size() - named);
+  return text;
+}
+
+}  // namespace
+
+Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
+                                const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, int rows,
+                                int longer_side, bool culling, bool see_through, FrameUpload& upload) {
+  FrameLamps out;
+  out.absence = why_none(facts, request, knobs);
+  if (!out.absence.empty()) return out;
+  out.traced = knobs.traced();
+  out.by_voxels = knobs.method == LampKnobs::by_voxels;
+  const bool in_air = request.draws_fog() || request.draws_volumetric();
+  if (out.traced && (!in_air || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
+    out.absence = fmt::format("shadows.method is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
+    return out;
+  }
+  const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
+  const uint32_t most_px = std::min(std::bit_floor(uint32_t(knobs.size_px)), most_map_px(longer_side));
+  const std::set<std::string> marked(request.look.shadows.lights.begin(), request.look.shadows.lights.end());
+  for (const std::string& name : marked)
+    if (std::ranges::none_of(data.lights, [&](const LightItem& l) {
+          return l.type != LightType::directional && scene.nodes[l.node].name == name;
+        }))
+      out.notes.push_back(
+          fmt::format("the look marks '{}' for shadows, and no point or spot light that shines is at a "
+                      "node of that name",
+                      name));
+  std::vector<Ranked> ranked = ranked_lights(scene, data, view, planes, marked);
+  std::vector<Candidate> lamps;
+  std::vector<uint32_t> without;
+  // A heap gives the first ones without sorting all.
+  const auto comes_last = [](const Ranked& a, const Ranked& b) { return comes_first(b, a); };
+  std::ranges::make_heap(ranked, comes_last);
+  while (!ranked.empty()) {
+    const Ranked next = ranked.front();
+    if (knobs.lights == LampKnobs::marked_alone ? !next.marked : lamps.size() == size_t(knobs.lights)) break;
+    std::ranges::pop_heap(ranked, comes_last);
+    ranked.pop_back();
+    Candidate c;
+    c.light = next.light;
+    c.lamp = lamp_of(data.lights[c.light]);
+    c.size_px = c.wished_px = lamp_size_px(c.lamp, view, rows, most_px);
+    for (int face = 0; face < c.lamp.faces(); ++face)
+      // As wide as the smallest map's face: sizes are not final yet.
+      if (lamp_face_is_seen(c.lamp, face, least_lamp_px, planes)) c.faces.push_back(face);
+    if (!c.faces.empty()) lamps.push_back(std::move(c));
+  }
+  for (const Ranked& r : ranked) without.push_back(r.light);
+  std::ranges::sort(without);  // nodes one after the other
+  if (lamps.empty()) {
+    out.absence = without.empty() ? "no point or spot light reaches what the camera sees"
+                                  : "the look marks no point or spot light that reaches what the camera sees "
+                                    "(shadows.lights = marked)";
+    return out;
+  }
+  const std::vector<Candidate> chosen = lamps;
+  fit_budget(lamps, uint64_t(knobs.budget_mb) << 20);
+  for (size_t i = lamps.size(); i < chosen.size(); ++i) without.push_back(uint32_t(chosen[i].light));
+  const std::string lights_text = knobs.lights == LampKnobs::marked_alone ? "marked" : fmt::format("{}", knobs.lights);
+  if (!without.empty())
+    out.notes.push_back(fmt::format(
+        "{} of {} point and spot lights that may light the picture cast no shadows, those that add least "
+        "(shadows.lights "
+        "= {}, shadows.budget_mb = {}); they are of the nodes {}",
+        without.size(), without.size() + lamps.size(), lights_text, knobs.budget_mb, nodes_of(data, without)));
+  if (const auto smaller = std::ranges::count_if(lamps, [](const auto& c) { return c.size_px < c.wished_px; }))
+    out.notes.push_back(
+        fmt::format("the shadow maps of {} point and spot lights are smaller than they should be "
+                    "(shadows.budget_mb = {})",
+                    smaller, knobs.budget_mb));
+  if (lamps.empty()) {
+    out.absence = "no shadow map of a point or spot light fits into shadows.budget_mb";
+    return out;
+  }
+
+  struct Face {
+    size_t lamp;
+    int face;
+  };
+  std::vector<Face> faces;
+  for (size_t i = 0; i < lamps.size(); ++i)
+    for (const int face : lamps[i].faces) faces.push_back({i, face});
+  std::ranges::stable_sort(faces, std::ranges::greater(), [&](const Face& f) { return lamps[f.lamp].size_px; });
+  std::vector<uint32_t> sizes;
+  for (const Face& f : faces) sizes.push_back(lamps[f.lamp].size_px);
+  const Room room = room_of(lamps);
+  const std::vector<LampTile> tiles = pack_lamp_tiles(sizes, room.layer_px);
+  for (const Candidate& c : lamps) {
+    out.shadows.push_back(lamp_shadow(c.lamp, c.size_px, room.layer_px));
+    upload.lights[c.light].shadow = shared::lamp_shadow_bit | uint32_t(out.shadows.size());
+  }
+  ViewImage image;
+  image.name = "lamp.maps";
+  for (size_t f = 0; f < faces.size(); ++f) {
+    const auto [lamp, face] = faces[f];
+    image.views.push_back(place_lamp_face(lamps[lamp].lamp, face, sizes[f], tiles[f], out.shadows[lamp]));
+  }
+  image.layers = room.layers;
+  image.size_px = room.layer_px;
+  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws",
+                            see_through, item_clusters(data, draws));
+  if (!placed) return std::unexpected(placed.error());
+  out.views = std::move(*placed);
+  out.image = std::make_shared<const ViewImage>(std::move(image));
+  return out;
+}
+
+}  // namespace candela

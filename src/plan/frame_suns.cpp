@@ -1,0 +1,114 @@
+#include "plan/frame_suns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "passes/geometry/depth_views.h"
+#include "plan/sun_cascades.h"
+
+namespace candela {
+namespace {
+
+std::string why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs) {
+  if (facts.directional_lights == 0) return "no directional light shines";
+  if (!facts.takes_light()) return "nothing that is drawn takes light";
+  const bool traced = sends_rays(SunMode(knobs.mode));
+  if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
+    return "nothing that is drawn casts a shadow";
+  if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
+  if (request.neutral_light) return "the neutral light casts no shadows";
+  if (SunMode(knobs.mode) == SunMode::off) return "sun.mode is off";
+  if (knobs.lights == 0 && !traced) return "sun.lights is 0";
+  return {};
+}
+
+SunFit drawn_fit(const Scene& scene, const FrameData& data, const View& view) {
+  SunFit fit;
+  const double infinity = std::numeric_limits<double>::infinity();
+  const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
+  fit.nearest_m = infinity;
+  for (const DrawItem& item : data.items) {
+    const glm::dvec3 centre(item.bounds_relative.centre()), half(item.bounds_relative.extent());
+    if (!std::isfinite(centre.x + centre.y + centre.z + half.x + half.y + half.z))
+      return {{glm::dvec3(-infinity), glm::dvec3(infinity)}, 0, infinity};
+    fit.drawn_relative.add(DAabb{centre - half, centre + half});
+    const double depth_m = glm::dot(centre, forward), reach_m = glm::dot(half, glm::abs(forward));
+    if (depth_m + reach_m <= 0) continue;  // behind the camera
+    fit.nearest_m = std::min(fit.nearest_m, depth_m - reach_m);
+    fit.farthest_m = std::max(fit.farthest_m, depth_m + reach_m);
+  }
+  if (!data.item_groups.empty()) {
+    const auto largest = [&](auto score) { return largest_score(scene, data, score, score); };
+    DAabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto high = [&](const auto& b) { return double(b.centre()[axis]) + double(b.extent()[axis]); };
+      const auto low = [&](const auto& b) { return double(b.extent()[axis]) - double(b.centre()[axis]); };
+      box.min[axis] = -largest(low), box.max[axis] = largest(high);
+    }
+    fit.drawn_relative.add(box);
+    const auto depth = [&](const auto& b) { return glm::dot(glm::dvec3(b.centre()), forward); };
+    const auto reach = [&](const auto& b) { return glm::dot(glm::dvec3(b.extent()), glm::abs(forward)); };
+    fit.farthest_m = std::max(fit.farthest_m, largest([&](const auto& b) { return depth(b) + reach(b); }));
+    fit.nearest_m =
+        std::min(fit.nearest_m,
+                 -largest([&](const auto& b) { return depth(b) + reach(b) <= 0 ? -infinity : reach(b) - depth(b); }));
+  }
+  fit.nearest_m = std::isfinite(fit.nearest_m) ? std::max(fit.nearest_m, 0.0) : 0.0;
+  return fit;
+}
+
+double brightness_lux(const LightItem& light) {
+  return glm::dot(glm::dvec3(light.intensity), glm::dvec3(0.2126, 0.7152, 0.0722));
+}
+
+}  // namespace
+
+Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
+                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs,
+                              int longer_side, bool culling, bool see_through, FrameUpload& upload) {
+  FrameSuns out;
+  out.absence = why_none(facts, request, knobs);
+  if (!out.absence.empty()) return out;
+  out.traced = sends_rays(SunMode(knobs.mode));
+  out.by_voxels = SunMode(knobs.mode) == SunMode::voxels;
+  if (out.traced && (!request.draws_fog() || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
+    out.absence = fmt::format("sun.mode is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
+    return out;
+  }
+  std::vector<size_t> suns;
+  for (size_t i = 0; i < data.lights.size(); ++i)
+    if (data.lights[i].type == LightType::directional) suns.push_back(i);
+  std::stable_sort(suns.begin(), suns.end(),
+                   [&](size_t a, size_t b) { return brightness_lux(data.lights[a]) > brightness_lux(data.lights[b]); });
+  if (suns.size() > size_t(knobs.lights)) {
+    std::string nodes;
+    for (size_t i = size_t(knobs.lights); i < suns.size(); ++i)
+      nodes += fmt::format("{}{}", nodes.empty() ? "" : ", ", data.lights[suns[i]].node);
+    out.notes.push_back(
+        fmt::format("{} of {} directional lights cast no shadows, the dimmest (sun.lights = {}): those of the nodes {}",
+                    suns.size() - size_t(knobs.lights), suns.size(), knobs.lights, nodes));
+    suns.resize(size_t(knobs.lights));
+  }
+  SunFit fit = drawn_fit(scene, data, view);
+  fit.most_px = most_map_px(longer_side);
+  ViewImage image;
+  image.name = "sun.maps";
+  for (const size_t light : suns) {
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(data.lights[light].direction));
+    SunCascades cascades = fit_sun_cascades(direction, view, fit, knobs, uint32_t(image.views.size()));
+    out.shadows.push_back(cascades.shadow);
+    upload.lights[light].shadow = uint32_t(out.shadows.size());
+    image.views.insert(image.views.end(), cascades.views.begin(), cascades.views.end());
+  }
+  image.layers = uint32_t(image.views.size());
+  image.size_px = image.views.front().size_px.x;
+  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "sun.draws",
+                            see_through, item_clusters(data, draws));
+  if (!placed) return std::unexpected(placed.error());
+  out.views = std::move(*placed);
+  out.image = std::make_shared<const ViewImage>(std::move(image));
+  return out;
+}
+
+}  // namespace candela

@@ -1,0 +1,74 @@
+#include "plan/frame_views.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "plan/item_tree.h"
+
+namespace candela {
+
+bool casts_shadows(const DrawRun& run) { return run.solid() && run.topology == Topology::triangles; }
+
+std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws) {
+  std::vector<ItemCluster> clusters;
+  uint32_t run = 0;
+  for (const DrawSpan& span : draws.spans) {
+    if (span.group < 0) continue;
+    while (draws.runs[run].first + draws.runs[run].count <= span.first) ++run;
+    const ItemGroup& group = data.item_groups[size_t(span.group)];
+    for (const InstanceCluster& cluster : group.set->clusters) {
+      const DAabb box = relative_box(group, cluster);
+      clusters.push_back({run, cluster.count * span.sections, box.centre(), box.extent()});
+    }
+  }
+  return clusters;
+}
+
+Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
+                                 std::span<const DrawRun> runs, bool culling, uint64_t budget, std::string_view knob,
+                                 bool see_through, std::span<const ItemCluster> clusters) {
+  FrameViews placed;
+  placed.table = std::move(views);
+  std::vector<uint32_t> counts(placed.table.size() * runs.size());
+  std::vector<uint32_t> host(runs.size(), 0);  // items of each run that are not of clusters
+  for (size_t r = 0; r < runs.size(); ++r) host[r] = runs[r].count;
+  for (const ItemCluster& cluster : clusters) host[cluster.run] -= cluster.count;
+  const auto draws = [&](const DrawRun& run) {
+    return casts_shadows(run) || (see_through && run.topology == Topology::triangles);
+  };
+  // Of each item of the host's the run, where that is drawn.
+  std::vector<int> run_of(items.size(), -1);
+  size_t first = 0;
+  for (size_t r = 0; r < runs.size(); first += host[r++])
+    if (draws(runs[r])) std::fill_n(run_of.begin() + long(first), host[r], int(r));
+  std::optional<ItemTree> tree;
+  if (culling) tree.emplace(items, run_of);
+  tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
+    uint32_t* of_view = &counts[v * runs.size()];
+    for (const ItemCluster& cluster : clusters)
+      if (draws(runs[cluster.run]) &&
+          (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent)))
+        of_view[cluster.run] += cluster.count;
+    if (tree) return tree->count(placed.table[v], of_view);
+    for (size_t r = 0; r < runs.size(); ++r)
+      if (draws(runs[r])) of_view[r] += host[r];
+  });
+  uint64_t needed = 0;
+  for (const uint32_t count : counts) {
+    placed.first_command.push_back(uint32_t(std::min<uint64_t>(needed, std::numeric_limits<uint32_t>::max())));
+    needed += count;
+  }
+  const uint64_t most = std::min<uint64_t>(budget, std::numeric_limits<uint32_t>::max());
+  if (needed > most)
+    return fail(ErrorKind::usage, "--set",
+                "the frame's {} shadow views need room for {} draw commands, more than {} = {}; set {} "
+                "to {} or more ({} bytes each), or have fewer shadows",
+                placed.table.size(), needed, knob, budget, knob, needed, sizeof(shared::DrawCommand));
+  placed.first_command.push_back(uint32_t(needed));
+  return placed;
+}
+
+}  // namespace candela

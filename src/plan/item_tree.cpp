@@ -1,0 +1,139 @@
+#include "plan/item_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace candela {
+namespace {
+
+// The device adds and multiplies in float: about six roundings, and it keeps what lies outside by up to four.
+constexpr double rounding = 16 * 0x1p-23;
+constexpr size_t fan_out = 8;
+
+// Every third bit, from 21 bits on.
+uint64_t spread(uint64_t v) {
+  v = (v | v << 32) & 0x1f00000000ffff;
+  v = (v | v << 16) & 0x1f0000ff0000ff;
+  v = (v | v << 8) & 0x100f00f00f00f00f;
+  v = (v | v << 4) & 0x10c30c30c30c30c3;
+  return (v | v << 2) & 0x1249249249249249;
+}
+
+bool is_finite(const shared::Item& item) {
+  for (int c = 0; c < 3; ++c)
+    if (!std::isfinite(item.bounds_centre[c]) || !std::isfinite(item.bounds_extent[c])) return false;
+  return true;
+}
+
+// How a box lies in a view whose planes point inwards. outside: may_keep() is false for whatever lies in the box, and
+// inside: true, whatever the last bits are.
+enum class Lies { outside, across, inside };
+Lies place_of(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
+  Lies place = Lies::inside;
+  for (const glm::vec4& plane : view.planes) {
+    const glm::dvec3 n(plane), n_abs = glm::abs(n);
+    const double middle = glm::dot(n, centre) + double(plane.w), half = glm::dot(n_abs, extent);
+    // No scale of an item in the box is larger than this.
+    const double scale = glm::dot(n_abs, glm::abs(centre) + 2.0 * extent) + std::abs(double(plane.w));
+    if (middle + half < -2 * rounding * scale) return Lies::outside;
+    if (!(middle - half >= 0)) place = Lies::across;
+  }
+  return place;
+}
+
+}  // namespace
+
+bool may_keep(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
+  for (const glm::vec4& plane : view.planes) {
+    const glm::dvec3 n(plane), n_abs = glm::abs(n);
+    const double outwards = glm::dot(n_abs, extent);
+    const double reach = glm::dot(n, centre) + double(plane.w) + outwards;
+    const double scale = glm::dot(n_abs, glm::abs(centre)) + outwards + std::abs(double(plane.w));
+    if (reach < -rounding * scale) return false;  // not for NaN
+  }
+  return true;
+}
+
+bool may_keep(const shared::View& view, const shared::Item& item) {
+  return may_keep(view, glm::dvec3(item.bounds_centre), glm::dvec3(item.bounds_extent));
+}
+
+ItemTree::ItemTree(std::span<const shared::Item> items, std::span<const int> class_of)
+    : items_(items), class_of_(class_of) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  std::vector<std::pair<uint64_t, uint32_t>> curve;
+  for (uint32_t i = 0; i < items.size(); ++i) {
+    if (class_of[i] < 0) continue;
+    if (!is_finite(items[i])) {
+      unbounded_.push_back(i);
+      continue;
+    }
+    curve.emplace_back(0, i);
+    low = glm::min(low, glm::dvec3(items[i].bounds_centre)), high = glm::max(high, glm::dvec3(items[i].bounds_centre));
+  }
+  if (curve.empty()) return;
+  const glm::dvec3 scale = double((1 << 21) - 1) / glm::max(high - low, glm::dvec3(1e-300));
+  for (auto& [code, i] : curve) {
+    const glm::dvec3 cell = (glm::dvec3(items[i].bounds_centre) - low) * scale;
+    for (int c = 0; c < 3; ++c) code |= spread(uint64_t(std::clamp(cell[c], 0.0, double((1 << 21) - 1)))) << c;
+  }
+  std::ranges::sort(curve);
+  for (const auto& [code, i] : curve) order_.push_back(i);
+
+  // Boxes of the nodes of a level from those of the one below it; of leaves from the items.
+  const auto enclose = [](Node& node, size_t first, size_t end, auto&& box_of) {
+    glm::dvec3 from(std::numeric_limits<double>::infinity()), to = -from;
+    for (size_t i = first; i < end; ++i) {
+      const auto [centre, extent] = box_of(i);
+      from = glm::min(from, centre - extent), to = glm::max(to, centre + extent);
+    }
+    node.centre = 0.5 * (from + to);
+    // Rounded outwards.
+    node.extent = (0.5 * (to - from)) * (1 + 1e-12) + 1e-12 * glm::abs(node.centre);
+  };
+  std::vector<Node> leaves((order_.size() + fan_out - 1) / fan_out);
+  for (size_t n = 0; n < leaves.size(); ++n) {
+    leaves[n].first = uint32_t(n * fan_out), leaves[n].end = uint32_t(std::min((n + 1) * fan_out, order_.size()));
+    enclose(leaves[n], leaves[n].first, leaves[n].end, [&](size_t i) {
+      const shared::Item& item = items[order_[i]];
+      return std::pair(glm::dvec3(item.bounds_centre), glm::dvec3(item.bounds_extent));
+    });
+  }
+  levels_.push_back(std::move(leaves));
+  while (levels_.back().size() > 1) {
+    const std::vector<Node>& below = levels_.back();
+    std::vector<Node> nodes((below.size() + fan_out - 1) / fan_out);
+    for (size_t n = 0; n < nodes.size(); ++n) {
+      const size_t first = n * fan_out, end = std::min(first + fan_out, below.size());
+      nodes[n].first = below[first].first, nodes[n].end = below[end - 1].end;
+      enclose(nodes[n], first, end, [&](size_t i) { return std::pair(below[i].centre, below[i].extent); });
+    }
+    levels_.push_back(std::move(nodes));
+  }
+}
+
+void ItemTree::count(const shared::View& view, size_t level, size_t node_index, uint32_t* counts) const {
+  const Node& node = levels_[level][node_index];
+  const Lies place = place_of(view, node.centre, node.extent);
+  if (place == Lies::outside) return;
+  if (place == Lies::inside) {
+    for (uint32_t i = node.first; i < node.end; ++i) ++counts[class_of_[order_[i]]];
+    return;
+  }
+  if (level == 0) {
+    for (uint32_t i = node.first; i < node.end; ++i)
+      if (may_keep(view, items_[order_[i]])) ++counts[class_of_[order_[i]]];
+    return;
+  }
+  const size_t end = std::min((node_index + 1) * fan_out, levels_[level - 1].size());
+  for (size_t child = node_index * fan_out; child < end; ++child) count(view, level - 1, child, counts);
+}
+
+void ItemTree::count(const shared::View& view, uint32_t* counts) const {
+  for (const uint32_t i : unbounded_)
+    if (may_keep(view, items_[i])) ++counts[class_of_[i]];
+  if (!levels_.empty()) count(view, levels_.size() - 1, 0, counts);
+}
+
+}  // namespace candela

@@ -1,0 +1,92 @@
+#include "plan/survey_frame.h"
+
+#include "base/log.h"
+#include "passes/surfaces/terms.h"
+#include "passes/volumes/fog_layers.h"
+#include "plan/device_pose.h"
+#include "plan/posed_scene.h"
+#include "scene/neutral_light.h"
+
+namespace candela {
+namespace {
+
+// Layers that divide beauty composite blended surfaces by `sorted` or `layers`: by another method their sum would be
+// another picture.
+Expected<void> check_divided(SurveyedFrame& f) {
+  const bool glass = f.facts.refracting_items > 0 && f.request.transparency == Phenomenological::method;
+  if ((f.facts.blend_items == 0 && !glass) || f.request.transparency == Transparent::method ||
+      f.request.transparency == Fragments::method)
+    return {};
+  std::vector<LayerName> parts(std::begin(Terms::layers), std::end(Terms::layers));
+  parts.insert(parts.end(), std::begin(FogLayers::layers), std::end(FogLayers::layers));
+  if (f.request.has_layer(all_layers)) {
+    std::erase_if(f.request.layers, [&](const std::string& layer) {
+      return std::ranges::find(parts, layer, &LayerName::name) != parts.end();
+    });
+    f.notes.push_back(
+        fmt::format("layers that divide beauty are left out: they are of see-through surfaces that are drawn by the "
+                    "method {} (--transparency)",
+                    Transparent::method));
+  }
+  for (const LayerName& part : parts)
+    if (f.request.has_layer(part.name))
+      return fail(ErrorKind::usage, "--layers",
+                  "{} is a part of beauty, which --transparency {} does not divide; leave it out, or take "
+                  "--transparency layers or sorted",
+                  part.name, f.request.transparency);
+  return {};
+}
+
+}  // namespace
+
+Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s) {
+  const Job& job = asked.job;
+  SurveyedFrame f;
+  f.request = asked.request;
+  f.notes = asked.notes;
+  f.on_device = posed_on_device(f.request, asked.knobs, *asked.technique, context.on_device, context.cpu);
+  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, f.on_device);
+  if (!posed) return std::unexpected(posed.error());
+  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
+  if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
+  if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
+  add_sky_sun(f.sky, f.data);
+  f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
+  const bool refraction = f.request.wants_true(Refraction::effect);
+  f.facts = survey(context.scene, f.pose, f.data, bool(f.sky), refraction);
+  // A probe's faces hold what surfaces mirror.
+  f.request.sky_hidden = f.sky.studio && !context.face;
+  if (job.sky != "none" && !has_light(context.scene) && !f.sky && f.facts.takes_light()) {
+    f.request.neutral_light = true;
+    add_neutral_light(f.view, f.data);
+    f.facts = survey(context.scene, f.pose, f.data, false, refraction);
+  }
+  if (auto fine = check_divided(f); !fine) return std::unexpected(fine.error());
+  f.facts.image_light = f.facts.environment && f.facts.takes_light() && f.request.wants_true("ibl");
+  if (f.request.draws_probes() && !f.request.neutral_light && f.facts.takes_light())
+    f.facts.probes = uint32_t(f.request.look.probes.size());
+  f.notes.insert(f.notes.end(), f.view.notes.begin(), f.view.notes.end());
+  f.notes.insert(f.notes.end(), f.pose.warnings.begin(), f.pose.warnings.end());
+  if (f.request.neutral_light)
+    f.notes.push_back(
+        "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
+  if (f.facts.draw_items == 0)
+    f.notes.push_back("nothing is visible at this time: the image holds the background alone");
+  return f;
+}
+
+Expected<SurveyedFrame> survey_frame(const Job& job, const Scene& scene, double time_s) {
+  const auto look = look_of(job, time_s);
+  if (!look) return std::unexpected(look.error());
+  std::vector<std::string> warnings;
+  const auto sky = JobSky::read(job, *look, scene, warnings);
+  if (!sky) return std::unexpected(sky.error());
+  for (const std::string& warning : warnings) log::warning("{}", warning);
+  const GeometryLayout none;
+  const PlanContext context{scene, none, &*sky};
+  const auto asked = ask_frame(job, context, WantedOutputs{}, time_s);
+  if (!asked) return std::unexpected(asked.error());
+  return survey_frame(*asked, context, time_s);
+}
+
+}  // namespace candela

@@ -1,0 +1,26 @@
+#pragma once
+#include "plan/ask_frame.h"
+#include "scene/pose.h"
+#include "scene/survey.h"
+#include "scene/view.h"
+
+namespace candela {
+
+// The second stage of planning: where everything stands at the frame's time, what lights it, and what is there of which
+// kind, which is what passes are chosen by. `candela facts` ends here.
+struct SurveyedFrame {
+  Pose pose;
+  View view;
+  FrameData data;  // with the neutral light, where there is no other
+  DevicePose on_device;
+  FrameSky sky;
+  SceneFacts facts;
+  FrameRequest request;  // that of the stage before, with what the scene decides: neutral light, sky, layers
+  std::vector<std::string> notes;
+};
+Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s);
+
+// Both stages for one frame alone; reads the job's sky and look. Warnings are logged.
+Expected<SurveyedFrame> survey_frame(const Job& job, const Scene& scene, double time_s);
+
+}  // namespace candela

@@ -1,0 +1,480 @@
+#include "session/session.h"
+
+#include <future>
+
+#include "base/check.h"
+#include "base/file_uses.h"
+#include "base/files.h"
+#include "base/log.h"
+#include "base/statistics.h"
+#include "glsl/built_in_spirv.h"
+#include "gpu/device_select.h"
+#include "gpu/kept_image.h"
+#include "job/choose_transparency.h"
+#include "job/content_hash.h"
+#include "job/job_look.h"
+#include "plan/posed_scene.h"
+#include "session/device_samples.h"
+#include "session/draw_probes.h"
+#include "session/gpu_scene.h"
+#include "session/gpu_sky.h"
+#include "session/timeout_report.h"
+#include "session/timings.h"
+
+namespace candela {
+namespace {
+
+Error as_error(const gpu::GpuError& e) {
+  return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), e.place};
+}
+
+class DeviceSession : public Session {
+ public:
+  DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
+      : asked_(std::move(job)), job_(asked_), wanted_(wanted), settings_(std::move(settings)) {}
+
+  Expected<void> open();
+  Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
+  Expected<FrameResult> finish(FrameTicket ticket) override;
+  int in_flight() const override;
+  void set_camera(const CameraRequest& camera) override { asked_.camera = job_.camera = camera; }
+  Expected<void> set_settings(const Job& job) override;
+  Expected<FrameWork> work(double time_s) const override;
+  const Scene& scene() const override { return scene_; }
+  const gpu::Device& device() const override { return *device_; }
+  const Timings& opening() const override { return opening_; }
+  Hash128 scene_content() const override { return scene_content_; }
+
+ private:
+  Expected<void> load();
+  Expected<void> choose_by_device();
+  PlanContext plan_context() const;
+  // What a frame's result needs beside what the device leaves.
+  struct Begun {
+    FrameResult result;
+    std::vector<FrameReport> reports;
+    std::string refusal;                // why the device's picture is not the frame's
+    std::vector<KnobSetting> enlarged;  // with which it would be
+    bool hash_outputs = false;
+    int counts = -1;
+    double submit_us = 0;  // when recording began
+  };
+  Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
+  Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
+  struct KeptImages {
+    std::vector<std::shared_ptr<gpu::KeptImage>> held;
+    std::map<int, const gpu::KeptImage*> by_resource;
+    std::vector<std::pair<Hash128, std::shared_ptr<gpu::KeptImage>>> filled;  // by this frame
+  };
+  KeptImages kept_images(const PlannedFrame& planned);
+  // The error with where the frame left what shows why it did not end in time (session/timeout_report.h).
+  Error failed(const gpu::GpuError& error, const FramePlan& plan) const;
+  Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports,
+                                   const KeptImages& kept);
+  void take_run(gpu::FrameRun run, Begun& begun);
+
+  Job asked_, job_;  // as it was given; with what was left to us chosen
+  std::string told_transparency_;
+  bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
+  WantedOutputs wanted_;
+  RunSettings settings_;
+  Timings opening_;
+  Scene scene_;
+  GeometryLayout layout_;
+  LightLayout lights_;  // where the device can pose them
+  InstanceLayout instances_;
+  DevicePose on_device_;
+  std::optional<JobSky> sky_;
+  std::string left_out_;                            // of the look
+  bool has_probes_ = false, probes_drawn_ = false;  // drawn: with the settings of the job at hand
+  bool stores_samples_ = true;                      // of the job, on the device
+  Hash128 scene_content_;
+  std::optional<LookFile> look_;
+  std::shared_ptr<const FrameRays> rays_;  // of the last frame that had some
+  std::unique_ptr<gpu::Device> device_;
+  std::unique_ptr<gpu::Bindless> bindless_;
+  std::unique_ptr<GpuScene> gpu_scene_;
+  std::unique_ptr<gpu::ImageCache> kept_;  // null: nothing is kept
+  std::unique_ptr<gpu::FrameRunner> runner_;
+  std::map<FrameTicket, Begun> begun_;
+};
+
+Expected<void> DeviceSession::load() {
+  const StageTimer timer(opening_, "load");
+  auto scene = load_scene(job_);
+  if (!scene) return std::unexpected(scene.error());
+  scene_ = std::move(*scene);
+  auto layout = layout_geometry(scene_);
+  if (!layout) return std::unexpected(layout.error());
+  layout_ = std::move(*layout);
+  if (!job_.look.empty()) {
+    auto read = read_look_file(job_.look);
+    if (!read) return std::unexpected(read.error());
+    look_ = std::move(*read);
+  }
+  const auto look = look_ ? look_->at() : Expected<Look>(Look{});
+  if (!look) return std::unexpected(look.error());
+  left_out_ = left_out_of(job_, *look);
+  has_probes_ = !look->probes.empty();
+  std::vector<std::string> warnings;
+  auto sky = JobSky::read(job_, *look, scene_, warnings);
+  if (!sky) return std::unexpected(sky.error());
+  for (const std::string& warning : warnings) log::warning("{}", warning);
+  sky_ = std::move(*sky);
+  const auto skies = sky_files(job_, *look);
+  if (!skies) return std::unexpected(skies.error());
+  auto content = hash_files(scene_.files, *skies, job_.look);
+  if (!content) return std::unexpected(content.error());
+  scene_content_ = *content;
+  return check_outputs();
+}
+
+// What the job leaves to us or asks of the device. GpuError where it does not say what it has.
+Expected<void> DeviceSession::choose_by_device() {
+  if (job_.technique == auto_technique) {
+    const ChosenTechnique chosen = quickest_technique(device_->info().is_cpu, device_->info().int64_atomics);
+    job_.technique = chosen.name;
+    log::info("technique auto: {}, because {}", chosen.name, chosen.why);
+  }
+  if (job_.transparency == auto_transparency) {
+    const auto limits = transparency_device(job_, *device_);
+    if (!limits) return std::unexpected(limits.error());
+    const ChosenTransparency chosen = choose_transparency(scene_, job_, limits->samples, limits->device);
+    job_.transparency = chosen.name;
+    chose_transparency_ = true;
+    if (!chosen.why.empty() && std::exchange(told_transparency_, chosen.name) != chosen.name)
+      log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
+  }
+  if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
+  const auto stores = stores_samples(job_, *device_);
+  if (!stores) return std::unexpected(stores.error());
+  stores_samples_ = *stores;
+  return {};
+}
+
+Expected<void> DeviceSession::open() {
+  // The device opens while the scene loads; an error of the scene is the more useful one to name.
+  auto opening_device = std::async(std::launch::async, [&] {
+    const double start = process_clock_us();
+    auto device = gpu::Device::open({settings_.device, settings_.validate, settings_.queues});
+    return std::pair(std::move(device), std::pair(start, process_clock_us() - start));
+  });
+  const auto loaded = load();
+  auto [device, span] = opening_device.get();
+  opening_.spans.push_back({"open device", "device", span.first, span.second});
+  if (!loaded) return loaded;
+  if (!device) return std::unexpected(device.error());
+  device_ = std::move(*device);
+  try {
+    if (auto chosen = choose_by_device(); !chosen) return chosen;
+    const StageTimer timer(opening_, "upload");
+    // An image may be uploaded twice, as sRGB and as linear; the split sum is one more.
+    const size_t textures =
+        std::min<size_t>(2 * scene_.images.size() + 1 + 9 * gpu_sky_textures + (has_probes_ ? GpuProbes::textures : 0),
+                         gpu::Bindless::most_textures);
+    bindless_ = std::make_unique<gpu::Bindless>(*device_, uint32_t(textures));
+    if (gpu::has_float64(device_->physical())) {
+      lights_ = layout_lights(scene_), instances_ = layout_instances(scene_);
+      on_device_ = {&lights_, &instances_};
+    }
+    gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, on_device_);
+    const std::filesystem::path cache = cache_folder();
+    runner_ = std::make_unique<gpu::FrameRunner>(
+        *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
+    runner_->timeout_s = settings_.timeout_s;
+    if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
+    opening_.uploaded_bytes = device_->uploaded_bytes();
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+  return {};
+}
+
+Expected<void> DeviceSession::set_settings(const Job& job) {
+  Job next = asked_;
+  next.technique = job.technique, next.quality = job.quality;
+  next.samples = job.samples, next.settings = job.settings;
+  next.width_px = job.width_px, next.height_px = job.height_px;
+  if (job_json(next) == job_json(asked_)) return {};
+  if (auto fine = check_job(next); !fine) return fine;
+  asked_ = job_ = std::move(next);
+  probes_drawn_ = false;
+  try {
+    return choose_by_device();
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(as_error(e));
+  }
+}
+
+PlanContext DeviceSession::plan_context() const {
+  PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
+  context.on_device = on_device_;
+  context.rays = rays_;
+  context.cpu = shades_on_cpu(*device_);
+  context.stores_samples = stores_samples_;
+  return context;
+}
+
+Expected<FrameWork> DeviceSession::work(double time_s) const {
+  auto planned = plan_frame(job_, plan_context(), wanted_, time_s);
+  if (!planned) return std::unexpected(planned.error());
+  return work_of(*planned);
+}
+
+Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
+  return begin_job(job_, time_s, hash_outputs);
+}
+
+Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
+  const double start = process_clock_us();
+  PlanContext context = plan_context();
+  if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
+  auto planned = plan_frame(job, context, wanted_, time_s);
+  if (!planned) return std::unexpected(planned.error());
+  if (planned->rays) rays_ = planned->rays;
+  if (auto fine = check_traversal(planned->traced.tree, device_->info().rays, device_->info().name); !fine)
+    return std::unexpected(fine.error());
+  try {
+    Begun begun;
+    FrameResult& result = begun.result;
+    const uint64_t uploaded_before = device_->uploaded_bytes();
+    if (planned->facts.probes > 0 && !probes_drawn_) {
+      const StageTimer timer(result.timings, "probes");
+      PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
+      without_rays.cpu = context.cpu, without_rays.stores_samples = context.stores_samples;
+      if (auto drawn = draw_probes(job, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
+        return std::unexpected(drawn.error());
+      probes_drawn_ = true;
+    }
+    result.time_s = time_s;
+    double at_us = start;
+    for (const auto& [stage, ms] : planned->clock.stages()) {
+      result.timings.add(stage, ms);
+      result.timings.spans.push_back({stage, "cpu", at_us, ms * 1000});
+      at_us += ms * 1000;
+    }
+    const auto ticket = begin_planned(*planned, begun, hash_outputs);
+    if (!ticket) return ticket;
+    result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
+    result.width_px = job_.width_px;
+    result.height_px = job_.height_px;
+    result.view = planned->view;
+    result.request = planned->request;
+    result.outputs = planned->outputs;
+    result.pre_exposure = planned->upload.constants.pre_exposure;
+    result.plan_hash = planned->hash;
+    result.rays = planned->rays;
+    result.dumps = std::move(planned->dumps);
+    result.left_out = planned->graph.plan.left_out;
+    result.plan = std::move(planned->graph.plan);
+    result.notes = std::move(planned->notes);
+    if (!left_out_.empty()) result.warnings.push_back(left_out_);
+    begun.reports = std::move(planned->reports);
+    begun.hash_outputs = hash_outputs;
+    begun.counts = planned->counts;
+    begun_.emplace(*ticket, std::move(begun));
+    return ticket;
+  } catch (const gpu::GpuError& e) {
+    // Not begun again with less in memory: what was half made when memory ended, an image on the device without its
+    // content, would be taken for whole, and the frame would be another.
+    return std::unexpected(failed(e, planned->graph.plan));
+  }
+}
+
+// The images of the plan that outlive it; to be submitted with the frame, and held until it is done.
+DeviceSession::KeptImages DeviceSession::kept_images(const PlannedFrame& planned) {
+  KeptImages images;
+  for (const KeptUse& use : planned.kept) {
+    if (use.resource < 0) continue;
+    const PlanResource& resource = planned.graph.plan.resources[size_t(use.resource)];
+    if (resource.first_pass < 0) continue;
+    images.held.push_back(use.to_fill ? kept_->make(use.desc, resource.image_usage) : kept_->find(use.key));
+    CHECK_MSG(images.held.back(), use.desc.name);
+    images.by_resource[use.resource] = images.held.back().get();
+    if (use.to_fill) images.filled.emplace_back(use.key, images.held.back());
+  }
+  return images;
+}
+
+Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
+  Timings& t = begun.result.timings;
+  // Pipelines know nothing of texels and memory: they are made while textures are decoded and images allocated.
+  const bool fresh = !runner_->is_compiled(planned.graph);
+  Timings compiling_times;
+  std::future<Expected<gpu::PrepareTimes>> compiling;
+  if (fresh)
+    compiling = std::async(std::launch::async, [&] {
+      const StageTimer timer(compiling_times, "compile", "compile");
+      return runner_->compile(planned.graph);
+    });
+  const double upload_start = process_clock_us();
+  GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
+  begun.result.warnings = std::move(uploaded.warnings);
+  t.add("decode", uploaded.decode_ms);
+  t.add("upload", (process_clock_us() - upload_start) / 1000 - uploaded.decode_ms);
+  t.spans.push_back({"decode and upload", "cpu", upload_start, process_clock_us() - upload_start});
+  {
+    const StageTimer timer(t, "allocate");
+    runner_->allocate(planned.graph);
+  }
+  if (fresh)
+    if (const auto compiled = compiling.get(); !compiled) return std::unexpected(compiled.error());
+  t.add("compile", compiling_times.total("compile"));
+  t.spans.insert(t.spans.end(), compiling_times.spans.begin(), compiling_times.spans.end());
+  if (const auto prepared = runner_->prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
+  const KeptImages kept = kept_images(planned);
+  uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
+  if (settings_.timed && fresh) {
+    // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own
+    // work.
+    const StageTimer timer(t, "warm_up");
+    runner_->run(planned.graph, uploaded.imports, {.images = kept.by_resource}, uploaded.keep);
+  }
+  if (settings_.overlap) {
+    const StageTimer timer(t, "overlap");
+    t.overlap = measure_overlap(planned.graph, uploaded.imports, kept);
+  }
+  const double submit_start = process_clock_us();
+  const FrameTicket ticket = runner_->submit(
+      planned.graph, uploaded.imports,
+      {.timed = settings_.timed, .hash_outputs = hash_outputs, .images = kept.by_resource}, std::move(uploaded.keep));
+  for (const auto& [key, image] : kept.filled) kept_->insert(key, image);
+  t.spans.push_back({"record and submit", "cpu", submit_start, process_clock_us() - submit_start});
+  begun.submit_us = submit_start;
+  return ticket;
+}
+
+Error DeviceSession::failed(const gpu::GpuError& error, const FramePlan& plan) const {
+  Error result = as_error(error);
+  if (error.result != VK_TIMEOUT || settings_.timeout_folder.empty()) return result;
+  const gpu::DeviceInfo& device = device_->info();
+  const auto folder = write_timeout_report(
+      settings_.timeout_folder,
+      {.command = settings_.command,
+       .job = job_json(job_),
+       .versions = fmt::format("candela {}\n{}\n{}\n", CANDELA_VERSION, device.name, device.driver),
+       .plan = plan_text(plan),
+       .message = result.message});
+  result.message += folder ? fmt::format("; {} holds command, job, versions, plan and log", folder->string())
+                           : fmt::format("; what shows why could not be kept: {}", folder.error().text());
+  return result;
+}
+
+Timings::Overlap DeviceSession::measure_overlap(const CompiledGraph& graph,
+                                                const std::map<int, const gpu::Buffer*>& imports,
+                                                const KeptImages& kept) {
+  constexpr int runs = 15;
+  std::vector<double> all, one;
+  for (int i = 0; i <= runs; ++i)  // the first of each warms up
+    for (const bool one_queue : {false, true}) {
+      const double ms =
+          runner_->run(graph, imports, {.whole = true, .one_queue = one_queue, .images = kept.by_resource}).whole_ms;
+      if (i > 0) (one_queue ? one : all).push_back(ms);
+    }
+  return {device_->has_second_queue() ? 2 : 1, std::max(1, int(graph.plan.batches.size())), runs, median(all),
+          median(one)};
+}
+
+Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
+  const auto found = begun_.find(ticket);
+  CHECK_MSG(found != begun_.end(), "finish of a frame that was not begun");
+  Begun begun = std::move(found->second);
+  begun_.erase(found);
+  try {
+    const double start = process_clock_us();
+    gpu::FrameRun run = runner_->collect(ticket);
+    begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
+    take_run(std::move(run), begun);
+  } catch (const gpu::GpuError& e) {
+    return std::unexpected(failed(e, begun.result.plan));
+  }
+  if (!begun.refusal.empty() && chose_transparency_ && !begun.enlarged.empty()) {
+    Job larger = job_;
+    larger.settings.insert(larger.settings.end(), begun.enlarged.begin(), begun.enlarged.end());
+    chose_transparency_ = false;  // once: what was counted does not change
+    const auto again = begin_job(larger, begun.result.time_s, begun.hash_outputs);
+    auto result = again ? finish(*again) : Expected<FrameResult>(std::unexpected(again.error()));
+    chose_transparency_ = true;
+    return result;
+  }
+  if (!begun.refusal.empty()) return fail(ErrorKind::out_of_memory, "", "{}", begun.refusal);
+  if (settings_.validate)
+    if (const auto messages = device_->validation_messages(); !messages.empty())
+      return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
+                  messages.front());
+  return std::move(begun.result);
+}
+
+void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
+  FrameResult& result = begun.result;
+  Timings& t = result.timings;
+  t.add("record", run.record_ms);
+  t.add("wait", run.submit_ms + run.wait_ms);
+  double gpu_at = begun.submit_us + run.record_ms * 1000;
+  for (const gpu::PassTime& pass : run.passes) {
+    t.spans.push_back({pass.name, "gpu", gpu_at, pass.gpu_ms * 1000});
+    gpu_at += pass.gpu_ms * 1000;
+  }
+  t.gpu_ms = std::move(run.passes);
+  t.frame_gpu_ms = run.frame_gpu_ms;
+  result.readbacks = std::move(run.readbacks);
+  result.hashes = std::move(run.hashes);
+  if (const auto found = result.readbacks.find(begun.counts); found != result.readbacks.end()) {
+    const std::span<const std::byte> bytes = found->second->bytes();
+    result.counts.resize(bytes.size() / sizeof(shared::PackCounts));
+    std::memcpy(result.counts.data(), bytes.data(), result.counts.size() * sizeof(shared::PackCounts));
+  }
+  for (const FrameReport& report : begun.reports) {
+    const auto found = result.readbacks.find(report.resource);
+    if (found == result.readbacks.end()) continue;
+    const std::span<const std::byte> bytes = found->second->bytes();
+    for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
+    if (report.enlarged && report.refusal && begun.enlarged.empty() && !report.refusal(bytes).empty())
+      begun.enlarged = report.enlarged(bytes);
+    if (report.refusal && begun.refusal.empty()) begun.refusal = report.refusal(bytes);
+    if (!report.notes) continue;
+    for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));
+  }
+}
+
+// The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.
+int DeviceSession::in_flight() const { return settings_.timed || device_->info().is_cpu ? 1 : 2; }
+
+}  // namespace
+
+Expected<FrameResult> Session::render(double time_s, bool hash_outputs) {
+  const auto ticket = begin(time_s, hash_outputs);
+  if (!ticket) return std::unexpected(ticket.error());
+  return finish(*ticket);
+}
+
+namespace {
+
+template <class T>
+std::string_view bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+}  // namespace
+
+FrameWork work_of(const PlannedFrame& f) {
+  FrameWork result;
+  std::string work = plan_hash(f.graph.plan).hex();
+  work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
+  for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
+                                       bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
+    work += fmt::format("{} ", bytes.size()), work += bytes;
+  result.hash = hash128(work);
+  for (const PlanPass& pass : f.graph.plan.passes) result.passes.emplace(pass.pass());
+  return result;
+}
+
+Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted,
+                                                 const RunSettings& settings) {
+  if (auto fine = check_job(job); !fine) return std::unexpected(fine.error());
+  auto session = std::make_unique<DeviceSession>(job, wanted, settings);
+  if (auto opened = session->open(); !opened) return std::unexpected(opened.error());
+  return session;
+}
+
+}  // namespace candela

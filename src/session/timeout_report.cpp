@@ -1,0 +1,31 @@
+#include "session/timeout_report.h"
+
+#include "base/files.h"
+#include "base/log_form.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+
+Expected<fs::path> write_timeout_report(const fs::path& where, const TimeoutReport& report) {
+  std::error_code failed;
+  fs::create_directories(where.empty() ? fs::path(".") : where, failed);
+  fs::path folder;
+  for (int n = 1; !failed; ++n) {
+    folder = where / (n == 1 ? "candela-timeout" : fmt::format("candela-timeout-{}", n));
+    if (fs::create_directory(folder, failed)) break;
+  }
+  if (failed) return fail(ErrorKind::output, folder.string(), "cannot be made: {}", failed.message());
+  std::string log;
+  for (const std::string& line : log::recent_lines()) log += line + "\n";
+  const std::pair<const char*, std::string> files[] = {{"command.sh", report.command + "\n"},
+                                                       {"job.json", report.job + "\n"},
+                                                       {"versions.txt", report.versions},
+                                                       {"plan.txt", report.plan},
+                                                       {"log.txt", log + report.message + "\n"}};
+  for (const auto& [name, text] : files)
+    if (auto written = write_file_atomically(folder / name, std::string_view(text)); !written)
+      return std::unexpected(written.error());
+  return folder;
+}
+
+}  // namespace candela

@@ -1,0 +1,351 @@
+#include "sky/job_sky.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "base/check.h"
+#include "base/input.h"
+#include "image/cube_faces.h"
+#include "image/environment_file.h"
+#include "job/background.h"
+#include "scene/atmosphere.h"
+#include "scene/gradient_sky.h"
+#include "scene/neutral_light.h"
+#include "scene/scene_images.h"
+#include "scene/studio.h"
+#include "sky/sky_lights.h"
+#include "sky/sky_pyramid.h"
+
+namespace candela {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Source : uint8_t { none, file, gradient, atmosphere, studio };
+
+// What comes first: the command line, then the look.
+Source source_of(const Job& job, const Look& look) {
+  if (job.sky == "none") return Source::none;
+  if (job.sky == "atmosphere") return Source::atmosphere;
+  if (job.sky == studio_sky) return Source::studio;
+  if (job.sky == neutral_sky) return Source::none;
+  if ((!job.sky.empty() && job.sky != auto_sky) || !look.sky.image.empty()) return Source::file;
+  return look.sky.gradient ? Source::gradient : look.sky.atmosphere ? Source::atmosphere : Source::none;
+}
+bool has_second(const Job& job, const Look& look) {
+  return look.sky.second && job.sky != "none" && job.sky != studio_sky && job.sky != neutral_sky;
+}
+
+// What --sky auto gives files without any light, whatever is lit at a time.
+bool wants_studio(const Job& job, const Look& look, const Scene& scene) {
+  if (job.sky != auto_sky || job.effects == "none" || source_of(job, look) != Source::none || has_second(job, look) ||
+      has_light(scene))
+    return false;
+  const auto takes_light = [&](const MeshSection& section) {
+    return section.material < 0 || !scene.materials[size_t(section.material)].unlit;
+  };
+  return std::ranges::any_of(scene.meshes,
+                             [&](const Mesh& mesh) { return std::ranges::any_of(mesh.sections, takes_light); });
+}
+
+// A file that the look names, from the look's folder.
+Expected<std::string> named_by_look(const Job& job, const std::string& name) {
+  const fs::path folder = fs::path(job.look).parent_path(), file = folder / name;
+  std::vector<fs::path> files = {file};
+  if (names_cube_faces(file)) {
+    const auto faces = cube_face_files(file);
+    if (!faces) return std::unexpected(faces.error());
+    files.assign(faces->begin(), faces->end());
+  }
+  for (const fs::path& one : files)
+    if (auto allowed = check_named_file(one, folder.empty() ? "." : folder, job.look); !allowed)
+      return fail(ErrorKind::input, job.look + ": /sky", "{}", allowed.error().message);
+  return file.string();
+}
+
+// Half the texels each way.
+DecodedImage halved(const DecodedImage& image) {
+  const SkyLevel half = std::move(sky_pyramid(sky_level(image))[1]);
+  DecodedImage out{half.width, half.height, DecodedImage::Format::rgba32f, 3, {}};
+  const auto bytes = std::as_bytes(std::span(half.texels));
+  out.pixels.assign(bytes.begin(), bytes.end());
+  return out;
+}
+
+std::shared_ptr<const SkyImage> as_part(DecodedImage image, std::optional<DecodedImage> coarse = {},
+                                        bool passing = false) {
+  auto part = std::make_shared<SkyImage>();
+  part->coarse = std::move(coarse), part->passing = passing;
+  part->sh = project_environment(image);
+  part->content = hash128(fmt::format("{}x{} {}", image.width, image.height, hash128(image.pixels).hex()));
+  part->image = std::move(image);
+  return part;
+}
+
+glm::vec4 texel(const DecodedImage& image, int x, int y) {
+  x = (x % image.width + image.width) % image.width;
+  y = std::clamp(y, 0, image.height - 1);
+  glm::vec4 t;
+  std::memcpy(&t, image.pixels.data() + (size_t(y) * size_t(image.width) + size_t(x)) * 16, 16);
+  return t;
+}
+
+// Bilinear, to more texels.
+DecodedImage enlarged(const DecodedImage& image, int width, int height) {
+  if (image.width == width && image.height == height) return image;
+  DecodedImage out{width, height, DecodedImage::Format::rgba32f, 3, {}};
+  out.pixels.resize(size_t(width) * size_t(height) * 16);
+  tbb::parallel_for(0, height, [&](int y) {
+    const double v = (y + 0.5) / height * image.height - 0.5;
+    const int y0 = int(std::floor(v));
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + 0.5) / width * image.width - 0.5;
+      const int x0 = int(std::floor(u));
+      const float fx = float(u - x0), fy = float(v - y0);
+      const glm::vec4 t = glm::mix(glm::mix(texel(image, x0, y0), texel(image, x0 + 1, y0), fx),
+                                   glm::mix(texel(image, x0, y0 + 1), texel(image, x0 + 1, y0 + 1), fx), fy);
+      std::memcpy(out.pixels.data() + (size_t(y) * size_t(width) + size_t(x)) * 16, &t, 16);
+    }
+  });
+  return out;
+}
+
+constexpr double degree = std::numbers::pi / 180;
+
+double smoothstep(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+}  // namespace
+
+AmbientSh FrameSky::ambient() const {
+  if (is_plain()) return turned(parts[0].image->sh, glm::radians(rotation_deg), intensity);
+  AmbientSh sum{};
+  for (const SkyPart& part : parts)
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += part.weight * part.image->sh[i];
+  return turned(sum, glm::radians(rotation_deg), intensity);
+}
+
+Hash128 FrameSky::key() const {
+  std::string text;
+  for (const SkyPart& part : parts)
+    text += fmt::format("{} {:a} {:a} {:a}\n", part.image->content.hex(), part.weight.x, part.weight.y, part.weight.z);
+  return hash128(text);
+}
+
+DecodedImage sum_of(const std::vector<SkyPart>& parts) {
+  const DecodedImage& first = parts.front().image->image;
+  DecodedImage out{first.width, first.height, DecodedImage::Format::rgba32f, 3, {}};
+  out.pixels.resize(first.pixels.size());
+  tbb::parallel_for(0, first.height, [&](int y) {
+    for (int x = 0; x < first.width; ++x) {
+      glm::vec3 sum(0);
+      for (const SkyPart& part : parts) sum += part.weight * glm::vec3(texel(part.image->image, x, y));
+      const glm::vec4 t(sum, 1);
+      std::memcpy(out.pixels.data() + (size_t(y) * size_t(first.width) + size_t(x)) * 16, &t, 16);
+    }
+  });
+  return out;
+}
+
+bool has_sky(const Job& job, const Look& look) {
+  const Source source = source_of(job, look);
+  return (source != Source::none && source != Source::studio) || has_second(job, look);
+}
+bool shows_through(const Job& job, const Look& look) {
+  const auto background = parse_background(job.background);
+  return background && background->transparent() && !has_sky(job, look);
+}
+
+Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look) {
+  std::vector<std::string> files;
+  if (source_of(job, look) == Source::file) {
+    if (!job.sky.empty() && job.sky != auto_sky) {
+      files.push_back(job.sky);
+    } else {
+      const auto file = named_by_look(job, look.sky.image);
+      if (!file) return std::unexpected(file.error());
+      files.push_back(*file);
+    }
+  }
+  if (has_second(job, look)) {
+    const auto file = named_by_look(job, look.sky.second->image);
+    if (!file) return std::unexpected(file.error());
+    files.push_back(*file);
+  }
+  return files;
+}
+
+Expected<JobSky> JobSky::read(const Job& job, const Look& look, const Scene& scene,
+                              std::vector<std::string>& warnings) {
+  JobSky sky;
+  sky.for_want_of_light_ = wants_studio(job, look, scene);
+  const Source source = sky.for_want_of_light_ ? Source::studio : source_of(job, look);
+  sky.first_ = First(source);
+  const auto files = sky_files(job, look);
+  if (!files) return std::unexpected(files.error());
+  auto bytes = files->empty() ? Expected<uint64_t>(0) : decoded_bytes(scene);
+  if (!bytes) return std::unexpected(bytes.error());
+  std::vector<DecodedImage> images;
+  for (const std::string& file : *files) {
+    auto image = read_environment(file, warnings, *bytes);
+    if (!image) return std::unexpected(image.error());
+    *bytes += uint64_t(image->pixels.size()) / 3 * 4;
+    if (look.sky.extract_sun && source == Source::file && images.empty()) sky.take_sun(*image);
+    sky.width_ = std::max(sky.width_, image->width), sky.height_ = std::max(sky.height_, image->height);
+    images.push_back(std::move(*image));
+  }
+  if (source == Source::file) sky.image_ = as_part(enlarged(images.front(), sky.width_, sky.height_));
+  if (has_second(job, look)) sky.second_ = as_part(enlarged(images.back(), sky.width_, sky.height_));
+  // Without images: gradients do not depend on the longitude, and air is smooth but for the horizon.
+  if (images.empty() && source == Source::gradient) sky.width_ = 4, sky.height_ = 512;
+  if (images.empty() && source == Source::atmosphere) sky.width_ = atmosphere_width, sky.height_ = atmosphere_width / 2;
+  if (source == Source::studio) {
+    sky.width_ = 512, sky.height_ = 256;  // five texels across the narrowest edge
+    sky.image_ = as_part(studio_image(sky.width_, sky.height_));
+  }
+  return sky;
+}
+
+// The brightest spot of the image, narrow enough to be a sun, and the image without it.
+void JobSky::take_sun(DecodedImage& image) {
+  const SkyLevel all = sky_level(image);
+  const SkyParts parts = take_lights(all, 1);
+  if (parts.lights.empty()) return;
+  double sum = 0;
+  for (int y = 0; y < all.height; ++y)
+    for (int x = 0; x < all.width; ++x) sum += luminance(all.at(x, y)) * all.solid_angle(y);
+  const shared::SkyLight& light = parts.lights[0];
+  sun_ = FrameSky::Sun{glm::dvec3(light.direction), glm::dvec3(light.illuminance)};
+  sun_share_ = luminance(SkyTexel{light.illuminance.x, light.illuminance.y, light.illuminance.z, 0}) / sum;
+  image.width = all.width, image.height = all.height;
+  const auto bytes = std::as_bytes(std::span(parts.rest.texels));
+  image.pixels.assign(bytes.begin(), bytes.end());
+}
+
+void add_sky_sun(const FrameSky& sky, FrameData& data) {
+  if (!sky.sun) return;
+  LightItem light{};
+  light.type = LightType::directional;
+  light.direction = glm::vec3(-sky.sun->direction);
+  light.intensity = glm::vec3(sky.sun->illuminance);
+  light.range_m = std::numeric_limits<float>::infinity();
+  data.lights.push_back(light);
+}
+
+std::optional<glm::dvec3> first_sun(const FrameData& data) {
+  if (!data.first_sun) return std::nullopt;
+  return -glm::normalize(glm::dvec3(data.first_sun->direction));
+}
+
+std::shared_ptr<const SkyImage> JobSky::gradient_band(int band, double exponent) const {
+  const std::string key = fmt::format("gradient {} {:a}", band, exponent);
+  for (const auto& [made, image] : made_)
+    if (made == key) return image;
+  std::optional<DecodedImage> coarse;
+  if (!second_) coarse = gradient_image(band, exponent, width_, height_ / 4);
+  keep(key, as_part(gradient_image(band, exponent, width_, height_), std::move(coarse)));
+  return gradient_band(band, exponent);
+}
+
+// One lux of sun above the air; the newest images are kept by what they show.
+std::shared_ptr<const SkyImage> JobSky::air_image(const Atmosphere& a, glm::dvec3 to_sun) const {
+  const std::string air = fmt::format("{:a} {:a} {:a} {:a}", a.haze, a.ozone, a.ground_albedo, a.altitude_m);
+  const std::string key = fmt::format("air {} {:a} {:a} {:a}", air, to_sun.x, to_sun.y, to_sun.z);
+  for (const auto& [made, image] : made_)
+    if (made == key) return image;
+  if (!air_ || air_key_ != air) air_ = std::make_shared<Air>(a), air_key_ = air;
+  const int width = std::min(width_, atmosphere_width);
+  DecodedImage image = air_->image(to_sun, width, width / 2);
+  std::optional<DecodedImage> coarse;
+  if (!second_) coarse = halved(image);  // with an image beside it both are filtered alike
+  keep(key, as_part(enlarged(image, width_, height_), std::move(coarse), true));
+  return air_image(a, to_sun);
+}
+
+void JobSky::keep(std::string key, std::shared_ptr<const SkyImage> image) const {
+  made_.emplace_back(std::move(key), std::move(image));
+  constexpr size_t most = 12;
+  if (made_.size() > most) made_.erase(made_.begin());
+}
+
+FrameSky JobSky::at(const Look& look, const FrameData& data, std::vector<std::string>& notes) const {
+  FrameSky sky;
+  sky.rotation_deg = look.sky.rotation_deg, sky.intensity = look.sky.intensity, sky.blur_deg = look.sky.blur_deg;
+  const std::optional<glm::dvec3> sun = first_sun(data);
+  float first = 1;
+  if (second_ && look.sky.second) {
+    const SecondSky& second = *look.sky.second;
+    double weight = second.weight;
+    if (second.follows_sun) {
+      if (!sun)
+        notes.emplace_back("the second sky follows the sun, and the scene has no directional light: its weight is 0");
+      weight =
+          sun ? 1 - smoothstep(second.from_deg, second.to_deg, glm::degrees(std::asin(glm::clamp(sun->y, -1., 1.))))
+              : 0;
+    }
+    first = float(1 - weight);
+    if (weight > 0 || first_ == First::none)
+      sky.parts.push_back({second_, glm::vec3(float(weight * second.intensity))});
+  }
+  if (!(first > 0)) return sky;
+  if (first_ == First::image) {
+    sky.parts.insert(sky.parts.begin(), {image_, glm::vec3(first)});
+    if (look.sky.extract_sun && !sun_)
+      notes.emplace_back("the sky image has no spot that is bright and narrow enough for a sun: none is taken out");
+    if (look.sky.extract_sun && sun_) {
+      const double turn = glm::radians(sky.rotation_deg), c = std::cos(turn), s = std::sin(turn);
+      const glm::dvec3 d = sun_->direction;
+      sky.sun =
+          FrameSky::Sun{{c * d.x + s * d.z, d.y, c * d.z - s * d.x}, double(first) * sky.intensity * sun_->illuminance};
+      notes.push_back(fmt::format(
+          "the sky image's sun is a directional light: {:.1f} degrees up, {:.4g} lux, {:.1f} % of the image's light",
+          glm::degrees(std::asin(glm::clamp(d.y, -1.0, 1.0))),
+          glm::dot(sky.sun->illuminance, glm::dvec3(0.2126, 0.7152, 0.0722)), 100 * sun_share_));
+    }
+  }
+  if (first_ == First::studio) {
+    sky.parts.insert(sky.parts.begin(), {image_, glm::vec3(first)});
+    sky.studio = true;
+    if (for_want_of_light_)
+      notes.emplace_back(
+          "the file has neither lights nor a sky: a studio lights it (--sky FILE, or none for no light)");
+  }
+  if (first_ == First::gradient) {
+    const SkyGradient& g = look.sky.gradient ? *look.sky.gradient : SkyGradient{};
+    const glm::dvec3 colors[] = {g.zenith, g.horizon, g.ground};
+    for (int band = 0; band < 3; ++band)
+      sky.parts.push_back({gradient_band(band, g.exponent), first * glm::vec3(colors[band]), true});
+    sky.gradient = g, sky.gradient_weight = first;
+  }
+  if (first_ == First::atmosphere) {
+    const Atmosphere air = look.sky.atmosphere.value_or(Atmosphere{});
+    if (!sun)
+      notes.emplace_back(
+          "the scene has no directional light: the sky is that of a sun of 10 lux, 35 degrees up towards +X, and "
+          "lights "
+          "the scene alone");
+    // The image's sun stands above its middle, and the image is turned, so that a sun that goes round costs nothing.
+    glm::dvec3 to_sun = sun.value_or(glm::dvec3(std::cos(35 * degree), std::sin(35 * degree), 0));
+    const double across = std::hypot(to_sun.x, to_sun.z);
+    const double azimuth_deg = across > 1e-9 ? glm::degrees(std::atan2(-to_sun.z, to_sun.x)) : 0;
+    if (second_) {
+      const double by = glm::radians(azimuth_deg - sky.rotation_deg);  // another image turns with it
+      to_sun = {across * std::cos(by), to_sun.y, -across * std::sin(by)};
+    } else {
+      sky.rotation_deg = azimuth_deg;
+      to_sun = {across, to_sun.y, 0};
+    }
+    const glm::dvec3 lux =
+        air.sun_lux.value_or(data.first_sun ? glm::dvec3(data.first_sun->intensity) : glm::dvec3(10));
+    sky.parts.push_back({air_image(air, to_sun), first * glm::vec3(lux)});
+  }
+  return sky;
+}
+
+}  // namespace candela

@@ -1,0 +1,98 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "image/io.h"
+#include "job/job.h"
+#include "scene/atmosphere.h"
+#include "scene/environment.h"
+#include "scene/frame_data.h"
+#include "scene/look.h"
+#include "scene/scene.h"
+
+namespace candela {
+
+// An equirectangular image (scene/environment.h) that skies are made of.
+struct SkyImage {
+  DecodedImage image;  // rgba32f
+  // What is filtered instead, of skies so smooth that fewer texels hold what surfaces reflect.
+  std::optional<DecodedImage> coarse;
+  const DecodedImage& to_filter() const { return coarse ? *coarse : image; }
+  AmbientSh sh{};
+  Hash128 content;
+  bool passing = false;  // of one moment: not worth room on disk
+};
+struct SkyPart {
+  std::shared_ptr<const SkyImage> image;
+  glm::vec3 weight{1};
+  bool of_gradient = false;  // one of the three bands of FrameSky::gradient
+};
+
+// The sky of one frame: a sum of images of one size. Everything that is made of a sky is linear in it, so the sum of
+// what was made of the parts is that of the sky: nothing is filtered again when weights alone change.
+struct FrameSky {
+  std::vector<SkyPart> parts;  // empty: no sky
+  double rotation_deg = 0, intensity = 1, blur_deg = 0;
+  // For the reference, which knows its formula.
+  std::optional<SkyGradient> gradient;
+  double gradient_weight = 0;
+  bool studio = false;  // scene/studio.h: lights and is mirrored, and is no background
+  // Taken out of the image, as the world has it: towards it, and its illuminance.
+  struct Sun {
+    glm::dvec3 direction{0, 1, 0}, illuminance{0};
+  };
+  std::optional<Sun> sun;
+  explicit operator bool() const { return !parts.empty(); }
+  bool is_plain() const { return parts.size() == 1 && parts[0].weight == glm::vec3(1); }
+  AmbientSh ambient() const;  // turned, times intensity
+  Hash128 key() const;        // of parts and weights
+};
+DecodedImage sum_of(const std::vector<SkyPart>& parts);
+
+// Whether the job has a sky that is seen, whatever the time: the studio is not.
+bool has_sky(const Job& job, const Look& look);
+// Whether pictures are transparent where nothing is: by the job and not by the pixels, so that all frames of a sequence
+// have the same channels.
+bool shows_through(const Job& job, const Look& look);
+// The files that its sky is read from, and the error (input) of a name that a look may not name.
+Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look);
+
+// A job's sky: what is read and made once, and each frame's sum of it.
+class JobSky {
+ public:
+  // Images are charged on top of the scene's (base/input.h). look: at any time; says which skies there are.
+  static Expected<JobSky> read(const Job& job, const Look& look, const Scene& scene,
+                               std::vector<std::string>& warnings);
+  // notes: what the look asks for and the scene does not have.
+  FrameSky at(const Look& look, const FrameData& data, std::vector<std::string>& notes) const;
+
+ private:
+  enum class First : uint8_t { none, image, gradient, atmosphere, studio };
+  std::shared_ptr<const SkyImage> gradient_band(int band, double exponent) const;
+  std::shared_ptr<const SkyImage> air_image(const Atmosphere& air, glm::dvec3 to_sun) const;
+  void take_sun(DecodedImage& image);
+  void keep(std::string key, std::shared_ptr<const SkyImage> image) const;
+
+  First first_ = First::none;
+  std::shared_ptr<const SkyImage> image_, second_;
+  std::optional<FrameSky::Sun> sun_;  // of the image, in its own axes
+  double sun_share_ = 0;              // of the image's light
+  bool for_want_of_light_ = false;    // the studio, which nobody asked for
+  int width_ = 0, height_ = 0;        // of all parts
+  // Images by what they are made from, the newest last; a few, so that frames in any order find theirs.
+  mutable std::vector<std::pair<std::string, std::shared_ptr<const SkyImage>>> made_;
+  mutable std::shared_ptr<const Air> air_;
+  mutable std::string air_key_;
+};
+
+// A sun that was taken out of a sky's image shines as a light of the scene does.
+void add_sky_sun(const FrameSky& sky, FrameData& data);
+
+// The direction towards the first directional light; absent where there is none.
+std::optional<glm::dvec3> first_sun(const FrameData& data);
+
+}  // namespace candela

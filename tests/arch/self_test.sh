@@ -8,7 +8,7 @@ failures=0
 
 fresh() {
   rm -rf -- "${tree:?}"/*
-  mkdir -p "$tree"/{src/{base,math,scene,graph,gpu,passes,techniques,reference,render,cli},shaders/{shared,lib},cmake,.ci,bench,tests}
+  mkdir -p "$tree"/{src/{base,math,scene,graph,gpu,passes,techniques,reference,job,sky,plan,session,render,cli},shaders/{shared,lib},cmake,.ci,bench,tests}
   cp "$here/../../.clang-format" "$tree/"
   touch "$tree"/{run,CMakeLists.txt,CMakePresets.json,tests/CMakeLists.txt}
   printf '#include "base/error.h"\n\n#include <fmt/format.h>\n' >"$tree/src/base/error.cpp"
@@ -45,6 +45,11 @@ expect includes src/passes/blur.cpp '#include "passes/tone.h"' 'passes may not i
 expect includes src/passes/blur.cpp '#include "gpu/device.h"' 'passes may not include'
 expect includes src/techniques/a.cpp '#include "gpu/command_list.h"' 'techniques may not include'
 expect includes src/reference/a.cpp '#include "lib/brdf.glsl"' 'reference may not include'
+expect includes src/job/a.cpp '#include "plan/plan_frame.h"' 'job may not include'
+expect includes src/sky/a.cpp '#include "gpu/resources.h"' 'sky may not include'
+expect includes src/plan/a.h '#include "gpu/acceleration.h"' 'plan may not include'
+expect includes src/plan/a.cpp '#include "session/session.h"' 'plan may not include'
+expect includes src/session/a.cpp '#include "render/outputs.h"' 'session may not include'
 expect includes src/render/a.cpp '#include "cli/cli.h"' 'render may not include'
 expect includes src/render/a.cpp '#include <CLI/CLI.hpp>' 'only cli may'
 expect includes src/render/a.cpp '#include "../cli/cli.h"' 'does not say its module'

@@ -31,14 +31,8 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
     sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(grid, i) / glm::dvec2(scene.width_px, scene.height_px));
     const Surfaces seen = seen_again(frame, sample, surfaces, instance);
     Lighting lit = lighting;
-    if (scene.light_grid.tiled) lit = light_surfaces(frame, sample, seen, instance);
-    lit.lists.sun_maps = lighting.lists.sun_maps;
-    lit.lists.fog = lighting.lists.fog;
-    lit.lists.rays = lighting.lists.rays;
+    if (scene.light_grid.tiled) lit = lighting.with_cells(light_cells(frame, sample, seen, instance));
     if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, pictures);
-    lit.lists.lamp_maps = lighting.lists.lamp_maps;
-    lit.shadow_colors = lighting.shadow_colors;
-    lit.voxels = lighting.voxels;
     const Shaded shaded = technique.shade(frame, sample, seen, lit, instance);
     const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(seen_all.radiance, sum, instance);
@@ -68,18 +62,7 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   const Supersample::Knobs& supersample = frame.knobs.get<Supersample::Knobs>();
   const uint32_t pictures = supersample.pictures();
   const Surfaces surfaces = visible_surfaces(frame, scene);
-  Lighting lighting = light_surfaces(frame, scene, surfaces);
-  // Of a supersampled frame only the layer is of this depth. Before the suns' maps, which are drawn meanwhile.
-  OcclusionTexels occlusion;
-  if (pictures == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
-    occlusion = ambient_occlusion(frame, scene, surfaces.looked_up);
-  if (pictures == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
-  lighting.lists.rays = scene.rays;
-  lighting.lists.rays.surfaces = false;  // not where the camera's surfaces are shaded
-  lighting.lists.rays.trees = scene.trees, lighting.lists.rays.settings = scene.ray_settings;
-  lighting.voxels = light_voxels(frame, scene, surfaces, lighting.lists);
-  shadow_maps(frame, scene, surfaces, lighting);
-  lighting.lists.fog = fog_view(frame, scene, surfaces, lighting);
+  const auto [lighting, occlusion] = light_surfaces(frame, scene, surfaces, pictures);
   ImageHandle radiance;
   bool resolved = false;
   TermImages terms;

@@ -4,8 +4,8 @@ namespace candela {
 namespace {
 
 // Of surfaces that rays meet. Maps and texels know those before the camera alone, so shadows and occlusion are by rays.
-CellLists lights_off_camera(const Lighting& lighting) {
-  CellLists lists = fog_on_the_way(lighting.lists);
+Lighting lights_off_camera(const Lighting& lighting) {
+  Lighting lists = fog_on_the_way(lighting.unoccluded());
   lists.rays.surfaces = true;
   lists.rays.suns |= bool(lists.sun_maps), lists.rays.lamps |= bool(lists.lamp_maps);
   lists.sun_maps = lists.lamp_maps = {};
@@ -21,7 +21,7 @@ Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& su
   if (const Need need = Reflections{}.needed(frame.facts, request); !need)
     return frame.add(Reflections{}, {}, instance).reflected;
   const std::string resolved = instance.empty() ? "opaque" : fmt::format("{}.opaque", instance);
-  Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.lists)};
+  Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.unoccluded())};
   in.lists.occlusion = lighting.occlusion;
   Reflections pass;
   pass.knobs = frame.knobs.get<Reflections::Knobs>();
@@ -44,7 +44,7 @@ void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
     frame.add(Refraction{}, {}, instance);
     return;
   }
-  const CellLists lists = of_blended(lighting.lists);
+  const Lighting lists = of_blended(lighting.unoccluded());
   over.depth = frame.add(DepthPrepass{true}, {scene, surfaces.visible, surfaces.deformed}, name).depth;
   const Transparent::In blended{scene,          surfaces.visible, surfaces.deformed, lists,
                                 surfaces.depth, over.radiance,    over.depth};
@@ -82,7 +82,7 @@ Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surf
       for (const std::string_view pass : {Sky::name, Background::name})
         frame.builder.leave_out(std::string(pass), "surfaces are shaded with what is behind them (shade_visible)");
   } else {
-    const CellLists fog = fog_to_infinity(lighting.lists);
+    const Lighting fog = fog_to_infinity(lighting.unoccluded());
     color = newest(frame.add(Sky{}, {scene, depth, color, fog}, instance).color, color);
     color = newest(frame.add(Background{}, {scene, depth, color, fog}, instance).color, color);
   }
@@ -98,7 +98,7 @@ Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surf
   out.depth = depth;
   refract(frame, scene, surfaces, lighting, out, instance);
   out.radiance = transparent(
-      frame, {scene, surfaces.visible, surfaces.deformed, of_blended(lighting.lists), out.depth, out.radiance},
+      frame, {scene, surfaces.visible, surfaces.deformed, of_blended(lighting.unoccluded()), out.depth, out.radiance},
       instance);
   return out;
 }

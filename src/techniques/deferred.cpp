@@ -2,7 +2,7 @@
 
 namespace candela {
 namespace {
-GBufferImages gbuffer_of(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists,
+GBufferImages gbuffer_of(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lists,
                          std::string_view instance) {
   return frame.add(GBuffer{}, {scene, surfaces.visible, surfaces.deformed, lists, surfaces.depth}, instance).gbuffer;
 }
@@ -13,7 +13,7 @@ GBufferImages gbuffer_of(Frame& frame, const SceneInputs& scene, const Surfaces&
 // Billeter, Assarsson 2012).
 Shaded deferred(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                 std::string_view instance) {
-  const CellLists lists = lighting.of_opaque();
+  const Lighting lists = lighting;
   const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
   return {sampled_image(frame, scene, frame.add(ShadeGBuffer{}, {scene, gbuffer, lists}, instance).samples, instance)};
 }
@@ -21,7 +21,7 @@ Shaded deferred(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces
 // The same, light by light (Hargreaves and Harris, "Deferred Shading", 2004).
 Shaded deferred_volumes(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                         std::string_view instance) {
-  const CellLists lists = lighting.of_opaque();
+  const Lighting lists = lighting;
   const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
   const LightVolumes volumes =
       frame.add(LightVolumeLists{}, {scene, frame.knobs.get<ShadeVolumes::Knobs>().depth_test == 0}, instance).volumes;

@@ -7,12 +7,13 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   const bool ambient = frame.facts.environment || frame.request.neutral_light;
   const Look& look = frame.request.look;
   fog.media = int(summed_fog(look));
-  fog.grid = frame.add(FogGrid{}, {scene, lighting.lists, ambient, fog.media}).light;
+  fog.grid = frame.add(FogGrid{}, {scene, lighting.unoccluded(), ambient, fog.media}).light;
   const FogKnobs& knobs = frame.knobs.get<FogKnobs>();
   FogMarch march;
   march.shared_knobs = knobs;
   const ImageHandle texels =
-      frame.add(march, {scene, lighting.lists, surfaces.looked_up, ambient, fog.media, frame.request.still_seed}).light;
+      frame.add(march, {scene, lighting.unoccluded(), surfaces.looked_up, ambient, fog.media, frame.request.still_seed})
+          .light;
   if (!frame.request.draws_fog()) return fog;
   fog.ambient = ambient;
   // Without lamps nothing in a slice is steep.
@@ -27,31 +28,31 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   return fog;
 }
 
-CellLists fog_alone(const CellLists& lists) {
-  CellLists alone;
+Lighting fog_alone(const Lighting& lists) {
+  Lighting alone;
   if (fog_walks(lists)) alone = lists;
   if (lists.fog.lamp_points == 0) alone.lamp_maps = {};
   alone.fog = lists.fog;
   return alone;
 }
 
-CellLists fog_to_infinity(const CellLists& lists) {
-  CellLists far = lists;
+Lighting fog_to_infinity(const Lighting& lists) {
+  Lighting far = lists;
   far.fog.last = 0;
   return fog_alone(far);
 }
 
 FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                      const Composite& composite, std::string_view instance) {
-  CellLists lists = fog_alone(lighting.lists);
-  if (fog_walks(of_blended(lighting.lists))) lists = lighting.lists;
+  Lighting lists = fog_alone(lighting.unoccluded());
+  if (fog_walks(of_blended(lighting.unoccluded()))) lists = lighting.unoccluded();
   FogLayers::In in{scene, surfaces.visible, surfaces.deformed, lists, surfaces.depth, {}};
   if (composite.seen) in.nearest = composite.depth;
   for (size_t i = 0; i < in.wanted.size(); ++i) in.wanted[i] = frame.request.has_layer(FogLayers::layers[i].name);
   in.without_blended = stores_blended(frame);
   FogImages images = frame.add(FogLayers{}, in, instance).images;
   if (!in.without_blended) return images;
-  BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.lists), composite.depth, {}};
+  BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.unoccluded()), composite.depth, {}};
   for (size_t i = 0; i < images.size(); ++i) {
     over.color = images[i];
     if (images[i])

@@ -17,11 +17,11 @@ Shaded forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
 
 ImageHandle draw_forward(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                          ImageHandle color, bool lines_alone, std::string_view instance) {
-  SurfacePass<true>::In lit{scene, surfaces.visible, surfaces.deformed, lighting.of_opaque(), surfaces.depth, color};
+  SurfacePass<true>::In lit{scene, surfaces.visible, surfaces.deformed, lighting, surfaces.depth, color};
   lit.lines_alone = lines_alone;
   color = newest(frame.add(ShadeForward{}, lit, instance).color, color);
-  SurfacePass<false>::In unlit{scene, surfaces.visible, surfaces.deformed, fog_alone(lighting.lists), surfaces.depth,
-                               color};
+  SurfacePass<false>::In unlit{
+      scene, surfaces.visible, surfaces.deformed, fog_alone(lighting.unoccluded()), surfaces.depth, color};
   unlit.lines_alone = lines_alone;
   return newest(frame.add(ShadeUnlit{}, unlit, instance).color, color);
 }

@@ -3,7 +3,7 @@
 namespace candela {
 namespace {
 
-CellLists light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance) {
+Lighting light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth, std::string_view instance) {
   const LightGridShape& grid = scene.light_grid;
   const BufferHandle tiles = frame.add(TileDepth{grid}, {scene, depth}, instance).tiles;
   LightBoxes boxes{scene.light_bounds, scene.light_chunks, scene.light_dispatch};
@@ -80,7 +80,7 @@ void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   const LightMaps lamps = maps(
       scene.lamp_image, scene.lamp_key, {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command},
       draws_shadow_colors(frame.facts, frame.request, frame.knobs), scene.lamp_absence, "lamps");
-  lighting.lists.sun_maps = suns.depth, lighting.lists.lamp_maps = lamps.depth;
+  lighting.sun_maps = suns.depth, lighting.lamp_maps = lamps.depth;
   // Rays tell themselves what is left of a light.
   if (!scene.rays.suns) lighting.shadow_colors.suns = suns.colors;
   if (!scene.rays.lamps) lighting.shadow_colors.lamps = lamps.colors;
@@ -98,7 +98,7 @@ OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const 
   return {frame.add(pass, in, instance).open, pass.shape(scene), pass.traced(frame.facts, frame.request)};
 }
 
-LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists) {
+LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lists) {
   return frame
       .add(FillLightVoxels{.wanted = scene.rays.suns_by_voxels || scene.rays.lamps_by_voxels},
            {scene, lists, surfaces.looked_up})
@@ -107,8 +107,24 @@ LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces&
 
 bool shades_occluded(const Frame& frame) { return bool(AmbientOcclusion::shades(frame.facts, frame.request)); }
 
-Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view instance) {
-  return {light_lists(frame, scene, surfaces.depth, instance)};
+Lighting light_cells(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view instance) {
+  return light_lists(frame, scene, surfaces.depth, instance);
+}
+
+FrameLighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, uint32_t pictures) {
+  Lighting lighting = light_cells(frame, scene, surfaces);
+  // Of a supersampled frame only the layer is of this depth. Before the suns' maps, which are drawn meanwhile.
+  OcclusionTexels occlusion;
+  if (pictures == 1 || frame.request.has_layer("occlusion") || !shades_occluded(frame))
+    occlusion = ambient_occlusion(frame, scene, surfaces.looked_up);
+  if (pictures == 1 && shades_occluded(frame)) lighting.occlusion = occlusion;
+  lighting.rays = scene.rays;
+  lighting.rays.surfaces = false;  // not where the camera's surfaces are shaded
+  lighting.rays.trees = scene.trees, lighting.rays.settings = scene.ray_settings;
+  lighting.voxels = light_voxels(frame, scene, surfaces, lighting.unoccluded());
+  shadow_maps(frame, scene, surfaces, lighting);
+  lighting.fog = fog_view(frame, scene, surfaces, lighting);
+  return {lighting, occlusion};
 }
 
 }  // namespace candela

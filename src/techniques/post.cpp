@@ -55,7 +55,7 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   else
     picture =
         newest(frame.add(Resolve{}, {radiance, scene.width_px, scene.height_px, scene.samples}).resolved, radiance);
-  VolumetricLight::In volumetric{scene, picture, surfaces.looked_up, lighting.lists};
+  VolumetricLight::In volumetric{scene, picture, surfaces.looked_up, lighting.unoccluded()};
   volumetric.look = frame.request.look.volumetric.value_or(Volumetric{});
   volumetric.layer_wanted = frame.request.has_layer("volumetric");
   const ImageHandle linear = newest(frame.add(VolumetricLight{}, volumetric).color, picture);

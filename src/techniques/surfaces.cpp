@@ -139,16 +139,16 @@ BufferHandle deformed_before(Frame& frame, const SceneInputs& scene, const Surfa
 
 void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
               const OcclusionTexels& occlusion) {
-  Layers::In wanted{scene, surfaces.draws, surfaces.deformed, lighting.lists};
+  Layers::In wanted{scene, surfaces.draws, surfaces.deformed, lighting.unoccluded()};
   for (uint32_t i = 0; i < layer_count; ++i) wanted.wanted[i] = frame.request.has_layer(Layers::layers[i].name);
   frame.add(Layers{}, wanted);
-  CellLists shadows = lighting.lists;
+  Lighting shadows = lighting.unoccluded();
   shadows.voxels = lighting.voxels;
   frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, shadows});
   frame.add(LampLayers{}, {scene, surfaces.draws, surfaces.deformed, shadows});
-  frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.lists.rays});
+  frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.rays});
   frame.add(MotionLayer{}, {scene, surfaces.draws, surfaces.deformed, deformed_before(frame, scene, surfaces)});
-  frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.lists});
+  frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.unoccluded()});
   LightVolumes volumes;
   if (LightVolumeLayer{}.needed(frame.facts, frame.request))
     volumes = frame.add(LightVolumeLists{}, {scene, true}, "layer").volumes;

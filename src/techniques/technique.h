@@ -20,35 +20,28 @@ Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);
 // The same geometry seen by one picture of a supersampled frame: a depth of its own.
 Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, std::string_view instance);
 
-// What surfaces are lit by, beside what the scene's buffers hold.
-struct Lighting {
-  CellLists lists;
-  OcclusionTexels occlusion;   // empty: nothing hides the sky
-  ShadowColors shadow_colors;  // empty: see-through surfaces let all light through
-  LightVoxels voxels;          // empty: rays alone tell what is lit
-  // As opaque and masked surfaces take it.
-  CellLists of_opaque() const {
-    CellLists with = lists;
-    with.occlusion = occlusion;
-    with.shadow_colors = shadow_colors;
-    with.voxels = voxels;
-    return with;
-  }
-};
 // What is seen through fog: the grid of its light, or how points do without. Made once, for all samples of a picture.
 FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
 // For passes that walk no lights unless the fog does.
-CellLists fog_alone(const CellLists& lists);
-CellLists fog_to_infinity(const CellLists& lists);  // the same for what stands in no slice
+Lighting fog_alone(const Lighting& lists);
+Lighting fog_to_infinity(const Lighting& lists);  // the same for what stands in no slice
 // The depth maps of directional lights' cascades, and of point and spot lights, and what see-through surfaces leave of
 // that light; empty: none casts a shadow.
 void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, Lighting& lighting);
 // Whether they are drawn: the views of maps have room for see-through surfaces too.
 bool draws_shadow_colors(const SceneFacts& facts, const FrameRequest& request, const KnobValues& knobs);
 // Cells of the view that know which lights are seen from them; empty: none does.
-LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const CellLists& lists);
-Lighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
-                        std::string_view instance = {});
+LightVoxels light_voxels(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lists);
+// The lists of lights for surfaces of this depth, and nothing else.
+Lighting light_cells(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view instance = {});
+// All that surfaces and air are lit by: lists, ambient occlusion, trees for rays, shadow maps, cells of the view, fog.
+// occlusion: of the layer, which shows it where shading does not take it too. pictures: of a supersampled frame, whose
+// surfaces take that of their own depth.
+struct FrameLighting {
+  Lighting lighting;
+  OcclusionTexels occlusion;
+};
+FrameLighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, uint32_t pictures);
 
 // How open to the sky the opaque and masked surfaces of a depth are. `index`: which of `count` samples of a
 // supersampled frame the depth is of; each has its own part of the slices.

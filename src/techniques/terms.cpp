@@ -5,15 +5,15 @@ namespace candela {
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   const Composite& composite, std::string_view instance) {
   const ImageHandle depth = surfaces.depth;
-  Terms::In in{scene, surfaces.visible,    surfaces.deformed, lighting.of_opaque(), depth,
+  Terms::In in{scene, surfaces.visible,    surfaces.deformed, lighting,       depth,
                {},    composite.reflected, composite.seen,    composite.depth};
   for (uint32_t i = 0; i < term_count; ++i) in.wanted[i] = frame.request.wants_term(Terms::layers[i].name);
   constexpr size_t background = size_t(Term::background);
   if (in.wanted[background]) {
     const std::string behind = instance.empty() ? "term" : fmt::format("{}.term", instance);
     // Through fog, without the fog's own light: so nothing has to be looked up.
-    CellLists clear;
-    if (lighting.lists.fog) clear.fog.light = FogLight::nothing;
+    Lighting clear;
+    if (lighting.fog) clear.fog.light = FogLight::nothing;
     in.background = frame.add(Sky{}, {scene, depth, {}, clear, false}, behind).color;
     in.background =
         newest(frame.add(Background{}, {scene, depth, in.background, clear, false}, behind).color, in.background);
@@ -23,7 +23,7 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
   // Where nothing is visible there is no pass, and the background is all.
   images[background] = newest(images[background], in.background);
   if (!in.without_blended) return images;
-  BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.lists), composite.depth, {}};
+  BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.unoccluded()), composite.depth, {}};
   if (over.lists.fog) over.lists.fog.light = FogLight::nothing;
   for (uint32_t i = 0; i < term_count; ++i) {
     over.color = images[i];

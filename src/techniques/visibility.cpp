@@ -23,7 +23,7 @@ ImageHandle sampled_image(Frame& frame, const SceneInputs& scene, const SampleSt
 Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   std::string_view instance) {
   if (!surfaces.keys) return forward(frame, scene, surfaces, lighting, instance);
-  ShadeVisible::In in{scene, surfaces.keys, surfaces.deformed, lighting.of_opaque()};
+  ShadeVisible::In in{scene, surfaces.keys, surfaces.deformed, lighting};
   in.whole = !drawn_over(frame, scene);
   in.draws_sky = frame.facts.environment && frame.request.draw_background && !frame.request.sky_hidden;
   const ShadeVisible::Out shaded = frame.add(ShadeVisible{}, in, instance);

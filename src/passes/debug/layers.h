@@ -28,7 +28,7 @@ struct Layers {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // empty: every light for every pixel
+    Lighting lists;         // empty: every light for every pixel
     std::array<bool, layer_count> wanted{};
   };
   struct Out {

@@ -17,7 +17,7 @@ struct LightHeat {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // empty: every light for every pixel
+    Lighting lists;         // empty: every light for every pixel
   };
   struct Out {
     std::array<ImageHandle, 3> counts;

@@ -14,10 +14,10 @@ VkPrimitiveTopology vulkan_topology(Topology t) {
          : t == Topology::lines   ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST
                                   : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
 }
-bool traces(const CellLists& lists) {
+bool traces(const Lighting& lists) {
   return lists.rays.trees && (lists.rays.suns || lists.rays.lamps || lists.rays.surfaces || lists.occlusion.traced);
 }
-bool takes_settings(const CellLists& lists) {
+bool takes_settings(const Lighting& lists) {
   return lists.rays.settings && (traces(lists) || lists.rays.soft_suns || lists.rays.soft_lamps);
 }
 }  // namespace
@@ -54,7 +54,7 @@ bool draws_lines(const SceneInputs& scene) {
   return std::ranges::any_of(*scene.runs, [](const DrawRun& r) { return r.solid() && r.is_lines(); });
 }
 
-void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, const ReadBy& by) {
+void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Lighting& lists, const ReadBy& by) {
   for (const BufferHandle b : {scene.lights, scene.light_globals, lists.cells, lists.entries, lists.tiles})
     builder.read_optional(b, by.buffer);
   builder.read_optional(lists.occlusion.open, by.image);
@@ -90,7 +90,7 @@ std::string with_shadow_colors(std::string shader, const ShadowColors& colors) {
          fmt::format("#COLORED_SHADOWS={}", (colors.suns ? 1 : 0) + (colors.lamps ? 2 : 0) + (colors.bent ? 4 : 0));
 }
 
-std::vector<SpecConstant> light_constants(const CellLists& lists) {
+std::vector<SpecConstant> light_constants(const Lighting& lists) {
   std::vector<SpecConstant> constants;
   const TracedRays& rays = lists.rays;
   if (lists.sun_maps || rays.suns) constants.push_back(sun_shadows_constant(rays.suns, rays.soft_suns));
@@ -106,7 +106,7 @@ std::vector<SpecConstant> light_constants(const CellLists& lists) {
   return constants;
 }
 
-void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& s, BufferHandle deformed, const CellLists& met) {
+void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& s, BufferHandle deformed, const Lighting& met) {
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
   for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.drawn_items})
     builder.read(b, Access::compute_read, "the scene");
@@ -116,7 +116,7 @@ void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& s, BufferHan
   declare_fog(builder, s, met, true, ReadBy::compute());
 }
 
-std::vector<SpecConstant> met_constants(const SceneInputs& scene, const CellLists& met) {
+std::vector<SpecConstant> met_constants(const SceneInputs& scene, const Lighting& met) {
   std::vector<SpecConstant> constants = light_constants(met);
   constants.insert(constants.end(), scene.features.begin(), scene.features.end());
   return constants;
@@ -171,7 +171,7 @@ ImageHandle write_color(GraphBuilder& builder, const SceneInputs& scene, ImageHa
 namespace {
 // Into the members that DrawPush and SkyPush share.
 template <class Push>
-void push_lights(CommandList& commands, const SceneInputs& scene, const CellLists* lists, const CellLists* fog,
+void push_lights(CommandList& commands, const SceneInputs& scene, const Lighting* lists, const Lighting* fog,
                  Push& push) {
   if (fog && fog_is_read(*fog)) push.fog_light = commands.sampled(fog->fog.grid);
   if (!lists && fog && fog_walks(*fog)) lists = fog;
@@ -179,7 +179,7 @@ void push_lights(CommandList& commands, const SceneInputs& scene, const CellList
 }
 }  // namespace
 
-shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists) {
+shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const Lighting& lists) {
   shared::SkyPush push{};
   push.subsample_ndc = scene.subsample_ndc;
   push_lights(commands, scene, nullptr, &lists, push);
@@ -187,7 +187,7 @@ shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const 
 }
 
 shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, BufferHandle deformed,
-                           const CellLists* lists, const CellLists* fog, const OwnInputs& own) {
+                           const Lighting* lists, const Lighting* fog, const OwnInputs& own) {
   shared::DrawPush push{};
   push.table = own.table ? commands.address(own.table) : own.word;
   push.own = own.number;
@@ -209,7 +209,7 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
 }
 
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists, const CellLists* fog, const OwnInputs& own) {
+                 const RunPipelines& pipelines, const Lighting* lists, const Lighting* fog, const OwnInputs& own) {
   commands.bind_index_buffer(scene.indices);
   const shared::DrawPush push = draw_push(commands, scene, deformed, lists, fog, own);
   for (size_t r = 0; r < scene.runs->size(); ++r) {

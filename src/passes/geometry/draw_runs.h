@@ -57,19 +57,19 @@ struct OwnInputs {
 };
 // What compute passes declare that shade surfaces where rays meet them (shaders/lib/shade_hit.glsl), and the constants
 // of their pipelines.
-void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& scene, BufferHandle deformed, const CellLists& met);
-std::vector<SpecConstant> met_constants(const SceneInputs& scene, const CellLists& met);
+void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& scene, BufferHandle deformed, const Lighting& met);
+std::vector<SpecConstant> met_constants(const SceneInputs& scene, const Lighting& met);
 // The push constants of passes that shade the scene. lists, fog: as for record_runs.
 shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, BufferHandle deformed,
-                           const CellLists* lists, const CellLists* fog, const OwnInputs& own);
+                           const Lighting* lists, const Lighting* fog, const OwnInputs& own);
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights. fog: of one
 // that declared fog.
 void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const CellLists* lists = nullptr, const CellLists* fog = nullptr,
+                 const RunPipelines& pipelines, const Lighting* lists = nullptr, const Lighting* fog = nullptr,
                  const OwnInputs& own = {});
 
 // The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
-shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const CellLists& lists);
+shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const Lighting& lists);
 
 // The same for a view of the range that the draws are of, by its number there: surfaces from both sides.
 template <class Push>
@@ -92,13 +92,13 @@ void record_view_depth(CommandList& commands, const SceneInputs& scene, const Dr
                        const RunPipelines& pipelines, uint32_t number, const shared::View& view);
 
 // The specialization constants that say what such a pass finds.
-std::vector<SpecConstant> light_constants(const CellLists& lists);
+std::vector<SpecConstant> light_constants(const Lighting& lists);
 
 // A shader's name with the definition that has it take coloured shadows, where there are any.
 std::string with_shadow_colors(std::string shader, const ShadowColors& colors);
 
 // What a pass that shades under lights reads besides.
-void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, const ReadBy& by = {});
+void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Lighting& lists, const ReadBy& by = {});
 
 // Whether opaque or masked lines or points are among the runs.
 bool draws_lines(const SceneInputs& scene);

@@ -71,7 +71,7 @@ struct LightVoxels {
 
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
 // that all is seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
-struct CellLists {
+struct Lighting {
   using MadeBy = std::tuple<LightKnobs, SunKnobs, LampKnobs, LightVoxelKnobs, ColoredShadowKnobs, OcclusionKnobs,
                             FogKnobs, BvhKnobs, ResolveKnobs, SupersampleKnobs>;
   BufferHandle cells;     // bitmasks of all cells, or where each cell's entries begin
@@ -84,6 +84,18 @@ struct CellLists {
   OcclusionTexels occlusion;   // for opaque and masked surfaces alone
   ShadowColors shadow_colors;  // the same
   LightVoxels voxels;          // the same
+  // For what is no opaque or masked surface: blended ones, the air, layers.
+  Lighting unoccluded() const {
+    Lighting without = *this;
+    without.occlusion = {}, without.shadow_colors = {}, without.voxels = {};
+    return without;
+  }
+  // The same with lists of other cells.
+  Lighting with_cells(const Lighting& of) const {
+    Lighting with = *this;
+    with.cells = of.cells, with.entries = of.entries, with.tiles = of.tiles;
+    return with;
+  }
 };
 
 }  // namespace candela

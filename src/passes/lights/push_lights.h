@@ -9,7 +9,7 @@ namespace candela {
 // share; suns, sun_maps, lamps and lamp_maps stay 0 where the lists have no such map. No address of a list is 0, even
 // of one that is never walked: see shaders/lib/light_list.glsl.
 template <class Push>
-void push_light_lists(CommandList& commands, const SceneInputs& scene, const CellLists& lists, Push& push) {
+void push_light_lists(CommandList& commands, const SceneInputs& scene, const Lighting& lists, Push& push) {
   if (!scene.lights) return;
   const auto address = [&](BufferHandle buffer) { return commands.address(buffer ? buffer : scene.lights); };
   push.lights = commands.address(scene.lights);

@@ -3,8 +3,8 @@
 namespace candela {
 namespace {
 
-CellLists lists_of(const OcclusionLayer::In& in) {
-  CellLists lists;
+Lighting lists_of(const OcclusionLayer::In& in) {
+  Lighting lists;
   lists.occlusion = in.occlusion;
   lists.rays = in.rays;
   lists.rays.suns = lists.rays.lamps = lists.rays.soft_suns = lists.rays.soft_lamps = false;
@@ -32,7 +32,7 @@ OcclusionLayer::Out OcclusionLayer::declare(GraphBuilder& builder, const In& in)
 
 void OcclusionLayer::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.layer};
-  const CellLists lists = lists_of(in);
+  const Lighting lists = lists_of(in);
   commands.begin_rendering({&color, 1}, out.drawn.depth);
   record_runs(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &lists);
   commands.end_rendering();

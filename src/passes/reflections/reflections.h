@@ -53,8 +53,8 @@ struct Reflections {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // fog and ambient occlusion, where there are any
-    CellLists met;          // what surfaces that rays meet are lit by; only where the scene is traced
+    Lighting lists;         // fog and ambient occlusion, where there are any
+    Lighting met;           // what surfaces that rays meet are lit by; only where the scene is traced
     ImageHandle picture;    // of one sample; only where it is not
     bool has_sky = false;   // the frame's harmonics are those of a sky
     uint32_t seed = 0;

@@ -15,7 +15,7 @@ struct LampLayers {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // for the maps
+    Lighting lists;         // for the maps
   };
   struct Out {
     ImageHandle image;

@@ -27,7 +27,7 @@ struct FillLightVoxels {
   using Knobs = LightVoxelKnobs;
   struct In {
     SceneInputs scene;
-    CellLists lists;
+    Lighting lists;
     SampledDepth depth;
   };
   struct Out {

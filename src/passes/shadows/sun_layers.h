@@ -16,7 +16,7 @@ struct SunLayers {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // for the maps
+    Lighting lists;         // for the maps
   };
   struct Out {
     std::array<ImageHandle, 2> images;

@@ -13,7 +13,7 @@ struct Background {
     SceneInputs scene;
     ImageHandle depth;      // optional: of what has been drawn
     ImageHandle color;      // optional: what has been drawn
-    CellLists lists;        // of the fog that it is seen through
+    Lighting lists;         // of the fog that it is seen through
     bool fog_glows = true;  // otherwise the light of fog is left out, as it is no part of this term
   };
   struct Out {

@@ -43,7 +43,7 @@ struct GBuffer {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // of those that shade: whether they take the triangle's plane
+    Lighting lists;         // of those that shade: whether they take the triangle's plane
     ImageHandle depth;      // of the pre-pass
   };
   struct Out {

@@ -42,8 +42,8 @@ struct Refraction {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // empty: every light for every pixel
-    CellLists met;          // what surfaces that rays meet are lit by; only where they are sent
+    Lighting lists;         // empty: every light for every pixel
+    Lighting met;           // what surfaces that rays meet are lit by; only where they are sent
     bool shows_sky = false;
     ImageHandle depth;    // of these surfaces and of the opaque ones together
     ImageHandle behind;   // optional: depth of the opaque ones alone; nothing is opaque without it

@@ -16,7 +16,7 @@ struct ShadeGBuffer {
   struct In {
     SceneInputs scene;
     GBufferImages gbuffer;
-    CellLists lists;  // empty: every light for every pixel
+    Lighting lists;  // empty: every light for every pixel
   };
   struct Out {
     SampleStore samples;

@@ -22,7 +22,7 @@ struct ShadeVisible {
     SceneInputs scene;
     BufferHandle keys;
     BufferHandle deformed;  // optional
-    CellLists lists;        // empty: every light for every pixel
+    Lighting lists;         // empty: every light for every pixel
     bool whole = false, draws_sky = false;
   };
   struct Out {

@@ -34,7 +34,7 @@ struct ShadeVolumes {
   struct In {
     SceneInputs scene;
     GBufferImages gbuffer;
-    CellLists lists;       // of shadows, occlusion and fog
+    Lighting lists;        // of shadows, occlusion and fog
     LightVolumes volumes;  // optional: no light
     ImageHandle depth;
   };

@@ -27,7 +27,7 @@ struct SurfacePass {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;     // optional
-    CellLists lists;           // empty: every light for every pixel. Unlit: its fog alone
+    Lighting lists;            // empty: every light for every pixel. Unlit: its fog alone
     ImageHandle depth;         // of the pre-pass
     ImageHandle color;         // optional: without one the pass makes it
     bool lines_alone = false;  // and points: triangles are in the colour

@@ -13,7 +13,7 @@ bool wants_lighting(const Terms::In& in) {
 }
 
 // Terms are what fog leaves of them; its own light is none of them.
-CellLists transmitted(CellLists lists) {
+Lighting transmitted(Lighting lists) {
   if (lists.fog) lists.fog.light = FogLight::nothing;
   return lists;
 }
@@ -76,7 +76,7 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   out.opaque = declare_runs(
       builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
   if (wants_lighting(in)) {
-    CellLists unoccluded = in.lists;
+    Lighting unoccluded = in.lists;
     unoccluded.occlusion = {};
     choice.desc.constants = light_constants(unoccluded);
   }
@@ -118,9 +118,9 @@ void Terms::record(CommandList& commands, const In& in, const Out& out) const {
   std::vector<CommandList::Attachment> colors;
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
-  const CellLists* const lists = wants_lighting(in) ? &in.lists : nullptr;
-  const CellLists seen_fog = in.seen ? of_blended(in.lists) : CellLists{};
-  const CellLists* const fog = in.seen ? &seen_fog : nullptr;
+  const Lighting* const lists = wants_lighting(in) ? &in.lists : nullptr;
+  const Lighting seen_fog = in.seen ? of_blended(in.lists) : Lighting{};
+  const Lighting* const fog = in.seen ? &seen_fog : nullptr;
   const OwnInputs own = in.seen ? own_inputs(commands, in.seen) : OwnInputs{};
   const auto draw = [&](const RunPipelines& runs) {
     record_runs(commands, in.scene, in.draws, in.deformed, runs, lists, fog, own);

@@ -48,7 +48,7 @@ struct Terms {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;   // optional
-    CellLists lists;         // empty: every light for every pixel
+    Lighting lists;          // empty: every light for every pixel
     ImageHandle depth;       // optional: there are blended surfaces alone without it
     ImageHandle background;  // optional: sky or background where no opaque surface is
     Reflected reflected;     // optional: without it surfaces reflect the sky alone

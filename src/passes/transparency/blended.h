@@ -12,11 +12,11 @@ namespace candela {
 // the same shaders, and differ in how they come over each other. Not a pass.
 using BlendedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
 struct BlendedIn {
-  using MadeBy = CellLists::MadeBy;
+  using MadeBy = Lighting::MadeBy;
   SceneInputs scene;
   Draws draws;
   BufferHandle deformed;   // optional
-  CellLists lists;         // empty: every light for every pixel
+  Lighting lists;          // empty: every light for every pixel
   ImageHandle depth;       // optional: nothing opaque lies in front without it
   ImageHandle color;       // what lies behind them, premultiplied; `sorted` makes it where there is none
   ImageHandle glass = {};  // optional, of `sorted`: depth of surfaces that refract; what is not behind them is left out

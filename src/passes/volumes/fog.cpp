@@ -63,7 +63,7 @@ void FogGrid::record(CommandList& commands, const In& in, const Out& out) const 
     return;
   }
   shared::FogLightPush push{};
-  CellLists lists = in.lists;
+  Lighting lists = in.lists;
   lists.tiles = {};  // air lies before and behind what tiles know the depths of
   if (knobs.lamp_shadows == 0) lists.lamp_maps = {};
   push_light_lists(commands, in.scene, lists, push);

@@ -24,7 +24,7 @@ struct FogGrid {
   using SharedKnobs = std::tuple<LightRangeKnobs>;
   struct In {
     SceneInputs scene;
-    CellLists lists;
+    Lighting lists;
     bool ambient = false;
     int media = 0;  // FogView::media
   };

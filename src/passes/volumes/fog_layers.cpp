@@ -19,7 +19,7 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
   std::string wanted;
   std::vector<VkFormat> formats;
   static constexpr const char* defines[] = {"LIGHT", "TRANSMITTANCE"};
-  CellLists lists = in.lists;
+  Lighting lists = in.lists;
   if (!in.wanted[0]) lists.fog.light = FogLight::nothing;  // transmittance alone looks no light up
   for (size_t i = 0; i < 2; ++i) {
     if (!in.wanted[i]) continue;
@@ -29,7 +29,7 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
   declare_fog(builder, in.scene, lists);
   GraphicsPipelineDesc behind;
   behind.vertex_shader = "background.vert";
-  CellLists far = lists;
+  Lighting far = lists;
   far.fog.last = 0;
   behind.fragment_shader = with_fog("fog_layers_sky.frag" + wanted, far);
   behind.color_formats = formats;
@@ -73,7 +73,7 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void FogLayers::record(CommandList& commands, const In& in, const Out& out) const {
-  CellLists lists = in.lists;
+  Lighting lists = in.lists;
   if (!in.wanted[0]) lists.fog.light = FogLight::nothing;
   std::vector<CommandList::Attachment> colors;
   for (const ImageHandle image : out.images)

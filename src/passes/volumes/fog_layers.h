@@ -19,7 +19,7 @@ struct FogLayers {
     SceneInputs scene;
     Draws draws;
     BufferHandle deformed;  // optional
-    CellLists lists;        // with the fog
+    Lighting lists;         // with the fog
     ImageHandle depth;      // optional: there are blended surfaces alone without it
     std::array<bool, 2> wanted{};
     ImageHandle nearest;           // optional: depth of surfaces that refract too

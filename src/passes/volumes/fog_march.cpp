@@ -42,7 +42,7 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
 
 void FogMarch::record(CommandList& commands, const In& in, const Out& out) const {
   shared::FogMarchPush push{};
-  CellLists lists = in.lists;
+  Lighting lists = in.lists;
   lists.tiles = {};  // air lies before and behind what tiles know the depths of
   if (shared_knobs.lamp_shadows == 0) lists.lamp_maps = {};
   push_light_lists(commands, in.scene, lists, push);

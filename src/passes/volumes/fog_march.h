@@ -21,7 +21,7 @@ struct FogMarch {
   using SharedKnobs = std::tuple<LightRangeKnobs, FogKnobs>;
   struct In {
     SceneInputs scene;
-    CellLists lists;
+    Lighting lists;
     SampledDepth depth;  // optional: nothing is drawn
     bool ambient = false;
     int media = 0;  // FogView::media

@@ -4,21 +4,21 @@
 
 namespace candela {
 
-bool fog_is_read(const CellLists& lists) {
+bool fog_is_read(const Lighting& lists) {
   return lists.fog.light == FogLight::grid || lists.fog.light == FogLight::texels;
 }
 
-CellLists of_blended(CellLists lists) {
+Lighting of_blended(Lighting lists) {
   if (lists.fog.light == FogLight::texels) lists.fog.light = FogLight::march, lists.fog.grid = {};
   return lists;
 }
 
-CellLists fog_on_the_way(CellLists lists) {
+Lighting fog_on_the_way(Lighting lists) {
   if (lists.fog) lists.fog.light = FogLight::nothing, lists.fog.grid = {};
   return lists;
 }
 
-bool fog_walks(const CellLists& lists) {
+bool fog_walks(const Lighting& lists) {
   return lists.fog.light == FogLight::march || (lists.fog.light == FogLight::grid && lists.fog.last > 0);
 }
 
@@ -28,7 +28,7 @@ std::string fog_shadows(bool sun, bool lamps, int lamp_points) {
   return defined;
 }
 
-std::string with_fog(std::string shader, const CellLists& lists) {
+std::string with_fog(std::string shader, const Lighting& lists) {
   if (!lists.fog) return shader;
   shader += fmt::format("#FOG={}", int(lists.fog.light));
   if (lists.fog.media > 0) shader += fmt::format("#FOG_MEDIA={}", lists.fog.media);
@@ -38,7 +38,7 @@ std::string with_fog(std::string shader, const CellLists& lists) {
   return shader + fog_shadows(bool(lists.sun_maps), bool(lists.lamp_maps), lists.fog.lamp_points);
 }
 
-void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared,
+void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const Lighting& lists, bool lights_declared,
                  const ReadBy& by) {
   if (lists.fog.grid && fog_is_read(lists)) builder.read(lists.fog.grid, by.image, "the fog's light");
   if (fog_walks(lists) && !lights_declared) declare_lights(builder, scene, lists, by);

@@ -6,7 +6,7 @@
 namespace candela {
 
 struct SceneInputs;
-struct CellLists;
+struct Lighting;
 
 // What the frame's shaders know of its fog. Not a pass. Its values are FOG in shaders/lib/fog.glsl.
 enum class FogLight : uint8_t {
@@ -28,7 +28,7 @@ struct FogView {
 
 // A shader's name with the definitions that have it seen through the fog; the name alone in clear air. Definitions and
 // not specialization constants: a frame without fog compiles the source that it would have without this effect.
-std::string with_fog(std::string shader, const CellLists& lists);
+std::string with_fog(std::string shader, const Lighting& lists);
 // The same for the maps of suns and lamps that the light in fog is shadowed by.
 std::string fog_shadows(bool sun, bool lamps, int lamp_points);
 // Which shaders read what a shading pass declares.
@@ -37,15 +37,15 @@ struct ReadBy {
   static ReadBy compute() { return {Access::compute_read, Access::sampled_compute}; }
 };
 // What such a shader reads besides the frame's constants: the grid, and, to walk, lights and shadow maps.
-void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const CellLists& lists, bool lights_declared = false,
+void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const Lighting& lists, bool lights_declared = false,
                  const ReadBy& by = {});
 // Whether such a shader reads the light of fog from an image.
-bool fog_is_read(const CellLists& lists);
+bool fog_is_read(const Lighting& lists);
 // Texels hold the light up to the nearest opaque surface: what is blended before it follows its own rays.
-CellLists of_blended(CellLists lists);
+Lighting of_blended(Lighting lists);
 // For shaders that know what fog takes on other ways than the camera's, and no light of it.
-CellLists fog_on_the_way(CellLists lists);
+Lighting fog_on_the_way(Lighting lists);
 // Whether such a shader walks the lists of lights itself.
-bool fog_walks(const CellLists& lists);
+bool fog_walks(const Lighting& lists);
 
 }  // namespace candela

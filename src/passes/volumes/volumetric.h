@@ -35,7 +35,7 @@ struct VolumetricLight {
     SceneInputs scene;
     ImageHandle color;   // resolved
     SampledDepth depth;  // optional: nothing is drawn
-    CellLists lists;
+    Lighting lists;
     Volumetric look;
     bool layer_wanted = false;
   };

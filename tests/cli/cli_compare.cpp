@@ -90,7 +90,8 @@ TEST_F(CompareImages, APageShowsBothPicturesAndWhatBroke) {
   size_t pictures = 0;
   for (size_t at = page.find("data:image/png"); at != std::string::npos; at = page.find("data:image/png", at + 1))
     ++pictures;
-  EXPECT_EQ(pictures, 3u);
+  EXPECT_EQ(pictures, 7u) << "both, FLIP, the difference, and the three cut out around its largest pixel";
+  EXPECT_NE(page.find("Largest difference: "), std::string::npos);
 }
 
 TEST_F(CompareImages, WhatWasNotMeasuredIsSaid) {

@@ -58,8 +58,7 @@ TEST(Help, ListsEveryOption) {
       {"sequence",
        {"--frames", "-o,--output", "--video", "--audio", "--resume", "--in-flight", "--shard", "--timings", "--trace",
         "--device", "--queues", "--json"}},
-      {"plan", {"--frame", "--time", "--json", "--dot"}},
-      {"facts", {"--frame", "--time"}}};
+      {"plan", {"--frame", "--time", "--json", "--dot"}}};
   for (const auto& [command, options] : own) {
     const Ended help = candela({command, "--help"});
     EXPECT_EQ(help.code, 0);
@@ -67,6 +66,21 @@ TEST(Help, ListsEveryOption) {
       for (const std::string& option : *list)
         EXPECT_TRUE(contains(help.out, "  " + option)) << command << " " << option;
   }
+}
+
+// What decides what is there, and nothing of the picture, which a file for several commands may say all the same.
+TEST(Help, FactsTakesWhatDecidesThem) {
+  const std::string help = candela({"facts", "--help"}).out;
+  for (const char* option : {"scene", "--camera", "--size", "--effects", "--quality", "--sky", "--look", "--variant",
+                             "--cut-outs", "--frame", "--time", "--strict", "--config", "--json"})
+    EXPECT_TRUE(contains(help, "  " + std::string(option))) << option;
+  for (const char* option : {"--png-bits", "--exposure", "--technique", "--layers", "--set", "--dither", "--output"})
+    EXPECT_FALSE(contains(help, option)) << option;
+  const std::string file = scene("spheres"), config = ::testing::TempDir() + "candela_facts.toml";
+  std::ofstream(config) << "png-bits = 16\nquality = \"draft\"\n";
+  EXPECT_EQ(candela({"facts", file, "--config", config}).code, 0);
+  std::ofstream(config) << "png-bitz = 16\n";
+  EXPECT_EQ(candela({"facts", file, "--config", config}).code, 3);
 }
 
 // Long lists are found by group; what is left in the first is the help alone.

@@ -26,7 +26,7 @@ struct FrameLamps {
 
 // Chooses the lights that get maps (those that the look marks first) and the maps' sizes, places these in one layered
 // image, and tells the uploaded lights which is whose. rows: of the picture's samples, height times the side of
-// supersampling, which maps follow in size; longer_side: of the picture, in samples. Errors: more draw commands than
+// supersampling, which maps follow in size; longer_side: of the picture, in pixels. Errors: more draw commands than
 // the knob shadows.draws has room for.
 Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
                                 const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, int rows,

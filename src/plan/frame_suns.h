@@ -25,12 +25,12 @@ struct FrameSuns {
   std::vector<std::string> notes;
 };
 
-// Of a map's side in texels, a bound by the picture's longer side: sixteen texels a pixel, as a power of two. What is
-// finer is not seen.
-inline uint32_t most_map_px(int samples_across) { return std::bit_ceil(16u * uint32_t(std::max(samples_across, 1))); }
+// Of a map's side in texels, a bound by the picture's longer side: 64 texels a pixel, as a power of two; half of it for
+// the maps of point and spot lights, whose default side is half too. What is finer is not seen.
+inline uint32_t most_map_px(int longer_side_px) { return std::bit_ceil(64u * uint32_t(std::max(longer_side_px, 1))); }
 
 // Chooses the lights that get maps, fits their cascades, and tells the uploaded lights which is whose. longer_side: of
-// the picture, in samples. Errors: more
+// the picture, in pixels. Errors: more
 // draw commands than the knob sun.draws has room for.
 Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
                               const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs,

@@ -299,8 +299,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   const bool culling = knobs->get<Cull::Knobs>().enabled != 0;
   f.shadow_colors = draws_shadow_colors(f.facts, f.request, *knobs);
   const Supersample::Knobs& supersample = knobs->get<Supersample::Knobs>();
-  const int longer_side =
-      std::max(f.request.width_px * int(supersample.grid().x), f.request.height_px * int(supersample.grid().y));
+  const int longer_side = std::max(f.request.width_px, f.request.height_px);
   auto suns = plan_suns(context.scene, f.data, f.view, f.draws, f.facts, f.request, knobs->get<SunKnobs>(), longer_side,
                         culling, f.shadow_colors, f.upload);
   if (!suns) return std::unexpected(suns.error());

@@ -149,7 +149,8 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
     return out;
   }
   const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
-  const uint32_t most_px = std::min(std::bit_floor(uint32_t(knobs.size_px)), most_map_px(longer_side) / 2);
+  const uint32_t most_px =
+      std::min(std::bit_floor(uint32_t(knobs.size_px)), most_map_px(longer_side, request.quality) / 2);
   const std::set<std::string> marked(request.look.shadows.lights.begin(), request.look.shadows.lights.end());
   for (const std::string& name : marked)
     if (std::ranges::none_of(data.lights, [&](const LightItem& l) {

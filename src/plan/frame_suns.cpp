@@ -91,7 +91,13 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const V
     suns.resize(size_t(knobs.lights));
   }
   SunFit fit = drawn_fit(scene, data, view);
-  fit.most_px = most_map_px(longer_side);
+  fit.most_px = most_map_px(longer_side, request.quality);
+  const bool single = SunMode(knobs.mode) == SunMode::single;
+  if (const int wished = single ? knobs.single_px : knobs.size_px; uint32_t(wished) > fit.most_px)
+    out.notes.push_back(
+        fmt::format("the shadow maps of directional lights have {} texels a side and not {} (sun.{}): "
+                    "in a picture this small more are not seen",
+                    fit.most_px, wished, single ? "single_px" : "size_px"));
   ViewImage image;
   image.name = "sun.maps";
   for (const size_t light : suns) {

@@ -3,6 +3,7 @@
 #include <bit>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "passes/geometry/views.h"
@@ -26,8 +27,11 @@ struct FrameSuns {
 };
 
 // Of a map's side in texels, a bound by the picture's longer side: 64 texels a pixel, as a power of two; half of it for
-// the maps of point and spot lights, whose default side is half too. What is finer is not seen.
-inline uint32_t most_map_px(int longer_side_px) { return std::bit_ceil(64u * uint32_t(std::max(longer_side_px, 1))); }
+// the maps of point and spot lights, whose default side is half too. What is finer is
+// not seen. At quality exact there is none.
+inline uint32_t most_map_px(int longer_side_px, std::string_view quality) {
+  return quality == "exact" ? 1u << 30 : std::bit_ceil(64u * uint32_t(std::max(longer_side_px, 1)));
+}
 
 // Chooses the lights that get maps, fits their cascades, and tells the uploaded lights which is whose. longer_side: of
 // the picture, in pixels. Errors: more

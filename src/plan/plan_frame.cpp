@@ -373,10 +373,8 @@ Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const Want
   if (!layout) return std::unexpected(layout.error());
   const auto look = look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
-  std::vector<std::string> warnings;
-  const auto sky = JobSky::read(job, *look, scene, warnings);
+  const auto sky = JobSky::read_logged(job, *look, scene);
   if (!sky) return std::unexpected(sky.error());
-  for (const std::string& warning : warnings) log::warning("{}", warning);
   return plan_frame(job, PlanContext{scene, *layout, &*sky}, wanted, time_s);
 }
 

@@ -78,10 +78,8 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
 Expected<SurveyedFrame> survey_frame(const Job& job, const Scene& scene, double time_s) {
   const auto look = look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
-  std::vector<std::string> warnings;
-  const auto sky = JobSky::read(job, *look, scene, warnings);
+  const auto sky = JobSky::read_logged(job, *look, scene);
   if (!sky) return std::unexpected(sky.error());
-  for (const std::string& warning : warnings) log::warning("{}", warning);
   const GeometryLayout none;
   const PlanContext context{scene, none, &*sky};
   const auto asked = ask_frame(job, context, WantedOutputs{}, time_s);

@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/input.h"
+#include "base/log.h"
 #include "image/cube_faces.h"
 #include "image/environment_file.h"
 #include "job/background.h"
@@ -179,6 +180,13 @@ Expected<std::vector<std::string>> sky_files(const Job& job, const Look& look) {
     files.push_back(*file);
   }
   return files;
+}
+
+Expected<JobSky> JobSky::read_logged(const Job& job, const Look& look, const Scene& scene) {
+  std::vector<std::string> warnings;
+  auto sky = read(job, look, scene, warnings);
+  for (const std::string& warning : warnings) log::warning("{}", warning);
+  return sky;
 }
 
 Expected<JobSky> JobSky::read(const Job& job, const Look& look, const Scene& scene,

@@ -67,6 +67,8 @@ class JobSky {
   // Images are charged on top of the scene's (base/input.h). look: at any time; says which skies there are.
   static Expected<JobSky> read(const Job& job, const Look& look, const Scene& scene,
                                std::vector<std::string>& warnings);
+  // The same, its warnings logged.
+  static Expected<JobSky> read_logged(const Job& job, const Look& look, const Scene& scene);
   // notes: what the look asks for and the scene does not have.
   FrameSky at(const Look& look, const FrameData& data, std::vector<std::string>& notes) const;
 

@@ -58,7 +58,8 @@ std::span<const Knob<LampKnobs>> LampKnobs::table() {
        .lowest = 64,
        .highest = 4096,
        .ladder = {256, 512, 1024, 2048},
-       .trades = "most texels along a side of a map, to the power of two below; lights that show small have fewer",
+       .trades = "most texels along a side of a map, to the power of two below; lights that show small and pictures of "
+                 "few pixels have fewer",
        .walk = {256, 512, 1024, 2048},
        .beside = from_maps},
       {.name = "draws",

@@ -42,7 +42,7 @@ std::span<const Knob<SunKnobs>> SunKnobs::table() {
        .lowest = 64,
        .highest = 16384,
        .ladder = {1024, 2048, 2048, 4096},
-       .trades = "side of a cascade's map; memory grows with its square",
+       .trades = "side of a cascade's map, at most 64 texels a pixel of the picture; memory grows with its square",
        .walk = {512, 1024, 2048, 4096},
        .beside = "sun.mode=cascades"},
       {.name = "single_px",

@@ -35,7 +35,7 @@ std::span<const Knob<FogKnobs>> FogKnobs::table() {
        .lowest = 0,
        .highest = double(std::size(fog_grids) - 1),
        .ladder = {0, 2, 3, 5},
-       .trades = "rays across and down and depths at which the light of fog is kept",
+       .trades = "rays across and down, at most two a pixel, and depths at which the light of fog is kept",
        .choices = names,
        .walk = {0, 1, 2, 3, 4, 5},
        .beside = "fog.method=froxels"},

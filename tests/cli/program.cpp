@@ -68,17 +68,36 @@ Ended candela(std::vector<std::string> arguments, const std::string& folder) {
   return run_program(std::move(arguments), folder);
 }
 
-bool candela_killed_after(std::vector<std::string> arguments, int milliseconds, int signal) {
+namespace {
+int started_in_silence(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), CANDELA_PROGRAM);
   const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
   const int process = spawn(arguments, nothing, nothing, "");
   close(nothing);
-  std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+  return process;
+}
+
+bool killed(int process, int signal) {
   int status = 0;
   if (waitpid(process, &status, WNOHANG) == process) return false;
   kill(process, signal);
   waitpid(process, &status, 0);
   return WIFSIGNALED(status);
+}
+}  // namespace
+
+bool candela_killed_after(std::vector<std::string> arguments, int milliseconds, int signal) {
+  const int process = started_in_silence(std::move(arguments));
+  std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+  return killed(process, signal);
+}
+
+bool candela_killed_once_written(std::vector<std::string> arguments, const std::string& file, int signal) {
+  const int process = started_in_silence(std::move(arguments));
+  siginfo_t ended = {};
+  while (!fs::exists(file) && waitid(P_PID, id_t(process), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && !ended.si_pid)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return killed(process, signal);
 }
 
 TestFolder::TestFolder() {

@@ -17,6 +17,8 @@ Ended candela(std::vector<std::string> arguments, const std::string& folder = {}
 
 // Starts it and kills it after the time given; true when it was killed before it ended.
 bool candela_killed_after(std::vector<std::string> arguments, int milliseconds, int signal);
+// The same once the file is there, however long that takes; false when it ended first.
+bool candela_killed_once_written(std::vector<std::string> arguments, const std::string& file, int signal);
 
 // A fresh folder for one test, removed afterwards.
 class TestFolder {

@@ -42,28 +42,24 @@ namespace {
 constexpr size_t most_seen = 256;
 
 // What the device makes; the clear value is how it was filled, and part of the key.
-bool same_shape(const ImageDesc& a, const ImageDesc& b) {
-  return a.format == b.format && a.width_px == b.width_px && a.height_px == b.height_px && a.samples == b.samples &&
-         a.kind == b.kind && a.mips == b.mips && a.layers == b.layers && a.depth_px == b.depth_px;
-}
 }  // namespace
 
-KeptState ImageCache::look_up(const Hash128& key, const ImageDesc& desc) {
-  if (range_bytes(desc, whole(desc)) * desc.samples > budget_bytes_) return KeptState::unknown;
-  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
-  if (found != entries_.end()) {
-    if (!same_shape(found->image->desc(), desc)) return KeptState::unknown;
-    entries_.splice(entries_.begin(), entries_, found);
-    return KeptState::filled;
-  }
-  const auto seen = std::find(seen_.begin(), seen_.end(), key);
-  if (seen != seen_.end()) {
-    seen_.splice(seen_.begin(), seen_, seen);
-    return KeptState::seen;
-  }
+KeptKeys ImageCache::keys() const {
+  KeptKeys keys;
+  for (const Entry& entry : entries_) keys.filled.insert(entry.key);
+  for (const Hash128& key : seen_)
+    if (!keys.filled.contains(key)) keys.seen.insert(key);
+  return keys;
+}
+
+void ImageCache::used(const Hash128& key, const ImageDesc& desc) {
+  if (const auto found = std::ranges::find(entries_, key, &Entry::key); found != entries_.end())
+    return entries_.splice(entries_.begin(), entries_, found);
+  if (const auto seen = std::ranges::find(seen_, key); seen != seen_.end())
+    return seen_.splice(seen_.begin(), seen_, seen);
+  if (range_bytes(desc, whole(desc)) * desc.samples > budget_bytes_) return;
   seen_.push_front(key);
   if (seen_.size() > most_seen) seen_.pop_back();
-  return KeptState::unknown;
 }
 
 std::shared_ptr<KeptImage> ImageCache::find(const Hash128& key) const {

@@ -41,9 +41,10 @@ class KeptImage {
 class ImageCache {
  public:
   ImageCache(Device& device, uint64_t budget_bytes) : device_(device), budget_bytes_(budget_bytes) {}
-  // Of a frame that is being planned; it counts as a use, and a key that was unknown is seen from now on. What does not
-  // fit the budget stays unknown.
-  KeptState look_up(const Hash128& key, const ImageDesc& desc);
+  KeptKeys keys() const;
+  // A planned frame has an image of that key: a key that was unknown is seen from now on, unless the image does not fit
+  // the budget.
+  void used(const Hash128& key, const ImageDesc& desc);
   std::shared_ptr<KeptImage> find(const Hash128& key) const;  // null: it is not here
   // An image that is not in the cache yet; it is the caller's to have filled.
   std::shared_ptr<KeptImage> make(const ImageDesc& desc, VkImageUsageFlags usage);

@@ -68,10 +68,26 @@ BufferHandle GraphBuilder::import_buffer(BufferDesc desc, Import import) {
   return {int(resources_.size()) - 1, 0};
 }
 
-ImageHandle GraphBuilder::import_image(ImageDesc desc, Import import) {
+ImageHandle GraphBuilder::import_image(ImageDesc desc) {
   if (const char* wrong = wrong_shape(desc)) refuse(desc.name, wrong);
-  resources_.push_back({.desc = std::move(desc), .imported = true, .to_fill = import == Import::to_fill});
+  resources_.push_back({.desc = std::move(desc), .imported = true});
   return {int(resources_.size()) - 1, 0};
+}
+
+void GraphBuilder::keep(ImageHandle image, const Hash128& key, std::string why) {
+  Resource& resource = resource_of(image);
+  if (resource.imported) refuse(resource.name(), "an imported image is to be kept");
+  const ImageDesc& desc = std::get<ImageDesc>(resource.desc);
+  std::vector<bool> holds(size_t(desc.mips) * desc.layers, false);
+  for (const ImageRange& range : resource.written)
+    for_subresources(range, desc.layers, [&](size_t i) { holds[i] = true; });
+  if (std::ranges::find(holds, false) != holds.end())
+    refuse(resource.name(), "an image is to be kept before all of it is written");
+  for (const Pass& pass : passes_)
+    for (const PlanUse& use : pass.uses)
+      if (use.resource == image.resource && !use.writes)
+        refuse(resource.name(), "an image is to be kept after it was read");
+  resource.key = key, resource.kept_reason = std::move(why);
 }
 
 void GraphBuilder::begin_pass(std::string name, Queue queue) {
@@ -159,23 +175,6 @@ PlanUse GraphBuilder::use_of(const Resource& resource, PlanUse use, const Part& 
 }
 
 // Of an image that later frames find filled: all of it is written, and only then read.
-void GraphBuilder::check_filling(const Resource& resource, const PlanUse& use) const {
-  const auto* desc = std::get_if<ImageDesc>(&resource.desc);
-  if (!desc || !resource.to_fill || !missing_.empty()) return;
-  if (!use.writes) {
-    std::vector<bool> holds(size_t(desc->mips) * desc->layers, false);
-    for (const ImageRange& range : resource.written)
-      for_subresources(range, desc->layers, [&](size_t i) { holds[i] = true; });
-    if (std::find(holds.begin(), holds.end(), false) != holds.end())
-      refuse(resource.name(), "an image to fill is read before all of it is written");
-    return;
-  }
-  for (const Pass& pass : passes_)
-    for (const PlanUse& other : pass.uses)
-      if (other.resource == use.resource && !other.writes)
-        refuse(resource.name(), "an image to fill is written after it was read");
-}
-
 // Of a read: every subresource holds something. Of a drawing: all do or none does, for it clears or keeps them all.
 void GraphBuilder::check_written(const Resource& resource, const PlanUse& use) const {
   const auto* image = std::get_if<ImageDesc>(&resource.desc);
@@ -226,7 +225,6 @@ void GraphBuilder::read_any(Handle handle, Access access, std::string_view what,
   if (access_info(access).writes)
     refuse(resource.name(), fmt::format("read as {}, which writes", access_info(access).name));
   const PlanUse use = use_of(resource, {handle.resource, access, handle.version, false}, part);
-  check_filling(resource, use);
   check_written(resource, use);
   std::vector<PlanUse>& uses = passes_.back().uses;
   if (std::find(uses.begin(), uses.end(), use) != uses.end()) return;
@@ -265,8 +263,8 @@ Handle GraphBuilder::write_any(Handle handle, Access access, const Part& part) {
   if (!access_info(access).writes)
     refuse(resource.name(), fmt::format("written as {}, which only reads", access_info(access).name));
   if (resource.imported && !resource.to_fill) refuse(resource.name(), "an imported resource is written");
+  if (resource.key) refuse(resource.name(), "an image that is kept is written");
   const PlanUse use = use_of(resource, {handle.resource, access, handle.version + 1, true}, part);
-  check_filling(resource, use);
   check_written(resource, use);
   check_together(resource, use);
   passes_.back().uses.push_back(use);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "graph/kept.h"
 #include "graph/plan.h"
 
 namespace candela {
@@ -27,11 +28,12 @@ class GraphBuilder {
   // A buffer that someone else owns, filled before the frame, or to fill: then this frame's passes write it first.
   enum class Import { filled, to_fill };
   BufferHandle import_buffer(BufferDesc desc, Import import = Import::filled);
-  // An image that someone else owns (gpu/kept_image.h). Filled by an earlier frame: it can be read. To fill: the
-  // frame's passes write all of it before any reads it, so that later frames can import it as filled; where nobody
-  // reads it, nobody fills it. Either way the frame leaves it in the layout in which its format is sampled, which is
-  // how a filled one is found.
-  ImageHandle import_image(ImageDesc desc, Import import = Import::filled);
+  // An image that someone else owns and filled before, in the layout in which its format is sampled, as it is left.
+  ImageHandle import_image(ImageDesc desc);
+  // The image, all of which passes have written and none has read, depends on nothing but what `key` is a hash of:
+  // compile_graph takes it from an earlier frame, or lets it outlive this one (gpu/kept_image.h). why: what is said of
+  // passes that need not run then.
+  void keep(ImageHandle image, const Hash128& key, std::string why);
 
   // Opens a pass; every declaration up to end_pass belongs to it. A frame's passes have different names: what stands in
   // a frame several times has a name for each instance, "blur.wide" (times, hashes and plans tell them apart).
@@ -96,6 +98,8 @@ class GraphBuilder {
     int creator = -1;   // declared pass that made it
     int left_out = -1;  // into left_out(): made by a pass that was left out; its handles are refused, the place stays
     std::vector<ImageRange> written;  // of images: what each version wrote, from version 1
+    std::optional<Hash128> key;       // of images that may be kept; kept_reason with it
+    std::string kept_reason;
     const std::string& name() const {
       return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
     }
@@ -120,7 +124,6 @@ class GraphBuilder {
   Handle write_any(Handle handle, Access access, const Part& part = {});
   PlanUse use_of(const Resource& resource, PlanUse use, const Part& part) const;
   void check_written(const Resource& resource, const PlanUse& use) const;
-  void check_filling(const Resource& resource, const PlanUse& use) const;
   template <class Desc>
   int create_any(Desc desc);
   template <class Desc>
@@ -150,12 +153,12 @@ struct CompiledGraph {
 
 // validate, prune (reference counts from the sinks; dropped passes are listed as "nobody reads NAME"), order
 // (declaration order, which is topological), make physical (usage unions, lifetimes), alias (interval colouring,
-// size-sorted first fit), barriers. Throws GraphError for a graph that cannot be right (read of a version nobody made,
-// cycle).
-CompiledGraph compile_graph(const GraphBuilder& builder);
+// size-sorted first fit), barriers. kept: what other frames left; passes that would make it again are left out. Throws
+// GraphError for a graph that cannot be right (read of a version nobody made, cycle).
+CompiledGraph compile_graph(const GraphBuilder& builder, const KeptKeys& kept = {});
 
 // The named steps, for tests. prune says which declared passes stay; the others fill in more of the plan.
-std::vector<bool> prune(const GraphBuilder& builder, std::vector<LeftOut>& left_out);
+std::vector<bool> prune(const GraphBuilder& builder, std::vector<LeftOut>& left_out, const KeptKeys& kept = {});
 void alias_memory(FramePlan& plan);
 void place_barriers(FramePlan& plan);
 

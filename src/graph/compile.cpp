@@ -50,7 +50,7 @@ uint64_t size_bytes(const ImageDesc& image) {
 }
 uint64_t size_bytes(const BufferDesc& buffer) { return buffer.size_bytes; }
 
-Lifetime lifetime_of(const GraphBuilder::Resource& resource) {
+Lifetime lifetime_of(const PlanResource& resource) {
   if (resource.imported) return Lifetime::scene;
   const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
   return buffer && buffer->memory == BufferMemory::host_read ? Lifetime::readback : Lifetime::frame;
@@ -73,12 +73,15 @@ void mark_first_writes(FramePlan& plan) {
     }
 }
 
-void make_physical(const GraphBuilder& builder, FramePlan& plan) {
+void make_physical(const GraphBuilder& builder, const KeptKeys& kept, FramePlan& plan) {
   for (const GraphBuilder::Resource& resource : builder.resources()) {
-    PlanResource planned{.desc = resource.desc,
-                         .imported = resource.imported,
-                         .to_fill = resource.to_fill,
-                         .lifetime = lifetime_of(resource)};
+    PlanResource planned{
+        .desc = resource.desc, .imported = resource.imported, .to_fill = resource.to_fill, .key = resource.key};
+    if (resource.key) {
+      planned.to_fill = kept.seen.contains(*resource.key);
+      planned.imported = planned.to_fill || kept.filled.contains(*resource.key);
+    }
+    planned.lifetime = lifetime_of(planned);
     plan.resources.push_back(std::move(planned));
   }
   for (size_t pass = 0; pass < plan.passes.size(); ++pass) {
@@ -106,13 +109,13 @@ void make_physical(const GraphBuilder& builder, FramePlan& plan) {
 
 }  // namespace
 
-CompiledGraph compile_graph(const GraphBuilder& builder) {
+CompiledGraph compile_graph(const GraphBuilder& builder, const KeptKeys& keys) {
   validate(builder);
   CompiledGraph graph;
   graph.plan.left_out = builder.left_out();
-  const std::vector<bool> kept = prune(builder, graph.plan.left_out);
+  const std::vector<bool> kept = prune(builder, graph.plan.left_out, keys);
   order(builder, kept, graph);
-  make_physical(builder, graph.plan);
+  make_physical(builder, keys, graph.plan);
   mark_first_writes(graph.plan);
   place_batches(graph.plan);
   alias_memory(graph.plan);

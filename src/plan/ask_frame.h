@@ -1,10 +1,10 @@
 #pragma once
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "graph/kept.h"
 #include "job/frame_choices.h"
 #include "job/frame_knobs.h"
 #include "job/job.h"
@@ -33,10 +33,9 @@ struct PlanContext {
   const GeometryLayout& layout;
   const JobSky* sky = nullptr;     // the job's, as the session read it; without one there is no sky
   const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
-  // Asked once for each image that the frame could keep; empty: nothing is kept.
-  std::function<KeptState(const Hash128& key, const ImageDesc& desc)> kept = {};
-  const View* face = nullptr;  // of a reflection probe's image, which takes the place of the job's camera
-  DevicePose on_device = {};   // instances that the device can pose
+  const KeptKeys* kept = nullptr;  // what earlier frames left; null: nothing is kept
+  const View* face = nullptr;      // of a reflection probe's image, which takes the place of the job's camera
+  DevicePose on_device = {};       // instances that the device can pose
   std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
   // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
   bool cpu = true;

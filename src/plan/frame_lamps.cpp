@@ -135,9 +135,12 @@ std::string nodes_of(const FrameData& data, std::span<const uint32_t> lights) {
 
 }  // namespace
 
-Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
-                                const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, int rows,
-                                int longer_side, bool culling, bool see_through, FrameUpload& upload) {
+Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
+                                const LampKnobs& knobs, int rows, const MapOptions& options) {
+  const FrameData& data = frame.data;
+  const View& view = frame.view;
+  const SceneFacts& facts = frame.facts;
+  const FrameRequest& request = frame.request;
   FrameLamps out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
@@ -150,7 +153,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   }
   const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
   const uint32_t most_px =
-      std::min(std::bit_floor(uint32_t(knobs.size_px)), most_map_px(longer_side, request.quality) / 2);
+      std::min(std::bit_floor(uint32_t(knobs.size_px)), most_map_px(options.longer_side_px, request.quality) / 2);
   const std::set<std::string> marked(request.look.shadows.lights.begin(), request.look.shadows.lights.end());
   for (const std::string& name : marked)
     if (std::ranges::none_of(data.lights, [&](const LightItem& l) {
@@ -222,7 +225,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   const std::vector<LampTile> tiles = pack_lamp_tiles(sizes, room.layer_px);
   for (const Candidate& c : lamps) {
     out.shadows.push_back(lamp_shadow(c.lamp, c.size_px, room.layer_px));
-    upload.lights[c.light].shadow = shared::lamp_shadow_bit | uint32_t(out.shadows.size());
+    out.lights.push_back(uint32_t(c.light));
   }
   ViewImage image;
   image.name = "lamp.maps";
@@ -232,11 +235,10 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const FrameData& data, const
   }
   image.layers = room.layers;
   image.size_px = room.layer_px;
-  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "shadows.draws",
-                            see_through, item_clusters(data, draws));
-  if (!placed) return std::unexpected(placed.error());
-  out.views = std::move(*placed);
-  out.image = std::make_shared<const ViewImage>(std::move(image));
+  if (auto placed = place_maps(out, std::move(image), data, packed.draws, packed.upload.items, options, knobs.draws,
+                               "shadows.draws");
+      !placed)
+    return std::unexpected(placed.error());
   return out;
 }
 

@@ -64,9 +64,11 @@ double brightness_lux(const LightItem& light) {
 
 }  // namespace
 
-Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const View& view, const DrawList& draws,
-                              const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs,
-                              int longer_side, bool culling, bool see_through, FrameUpload& upload) {
+Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
+                              const SunKnobs& knobs, const MapOptions& options) {
+  const FrameData& data = frame.data;
+  const SceneFacts& facts = frame.facts;
+  const FrameRequest& request = frame.request;
   FrameSuns out;
   out.absence = why_none(facts, request, knobs);
   if (!out.absence.empty()) return out;
@@ -90,8 +92,8 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const V
                     suns.size() - size_t(knobs.lights), suns.size(), knobs.lights, nodes));
     suns.resize(size_t(knobs.lights));
   }
-  SunFit fit = drawn_fit(scene, data, view);
-  fit.most_px = most_map_px(longer_side, request.quality);
+  SunFit fit = drawn_fit(scene, data, frame.view);
+  fit.most_px = most_map_px(options.longer_side_px, request.quality);
   const bool single = SunMode(knobs.mode) == SunMode::single;
   if (const int wished = single ? knobs.single_px : knobs.size_px; uint32_t(wished) > fit.most_px)
     out.notes.push_back(
@@ -102,18 +104,17 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const FrameData& data, const V
   image.name = "sun.maps";
   for (const size_t light : suns) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(data.lights[light].direction));
-    SunCascades cascades = fit_sun_cascades(direction, view, fit, knobs, uint32_t(image.views.size()));
+    SunCascades cascades = fit_sun_cascades(direction, frame.view, fit, knobs, uint32_t(image.views.size()));
     out.shadows.push_back(cascades.shadow);
-    upload.lights[light].shadow = uint32_t(out.shadows.size());
+    out.lights.push_back(uint32_t(light));
     image.views.insert(image.views.end(), cascades.views.begin(), cascades.views.end());
   }
   image.layers = uint32_t(image.views.size());
   image.size_px = image.views.front().size_px.x;
-  auto placed = place_views(image.views, upload.items, draws.runs, culling, uint64_t(knobs.draws), "sun.draws",
-                            see_through, item_clusters(data, draws));
-  if (!placed) return std::unexpected(placed.error());
-  out.views = std::move(*placed);
-  out.image = std::make_shared<const ViewImage>(std::move(image));
+  if (auto placed =
+          place_maps(out, std::move(image), data, packed.draws, packed.upload.items, options, knobs.draws, "sun.draws");
+      !placed)
+    return std::unexpected(placed.error());
   return out;
 }
 

@@ -71,4 +71,15 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
   return placed;
 }
 
+Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,
+                          std::span<const shared::Item> items, const MapOptions& options, int draws_knob,
+                          std::string_view knob_name) {
+  auto placed = place_views(image.views, items, draws.runs, options.culling, uint64_t(draws_knob), knob_name,
+                            options.see_through, item_clusters(data, draws));
+  if (!placed) return std::unexpected(placed.error());
+  maps.views = std::move(*placed);
+  maps.image = std::make_shared<const ViewImage>(std::move(image));
+  return {};
+}
+
 }  // namespace candela

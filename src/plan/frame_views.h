@@ -1,9 +1,12 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "passes/geometry/views.h"
 #include "scene/draw_list.h"
 #include "shared/cull.h"
 #include "shared/scene.h"
@@ -36,5 +39,26 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
                                  std::span<const ItemCluster> clusters = {});
 
 bool casts_shadows(const DrawRun& run);
+
+// What a frame's shadow maps of one kind of light are, decided before the graph is built.
+struct ShadowMaps {
+  bool traced = false;           // shading sends rays; maps, where there are any, are for fog
+  bool by_voxels = false;        // where cells of the view do not know what these find
+  std::string absence;           // why there are none; empty: there are
+  std::vector<uint32_t> lights;  // whose shadows they are, by their places in the frame's data
+  FrameViews views;
+  std::shared_ptr<const ViewImage> image;  // null: none
+  std::vector<std::string> notes;
+};
+// What both kinds of maps depend on beside their own knobs.
+struct MapOptions {
+  int longer_side_px = 0;    // of the picture
+  bool culling = true;       // the pass that culls does so
+  bool see_through = false;  // see-through surfaces are drawn into the views
+};
+// Gives the views of the maps room for their draw commands, and the maps their image. Errors: as place_views().
+Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,
+                          std::span<const shared::Item> items, const MapOptions& options, int draws_knob,
+                          std::string_view knob_name);
 
 }  // namespace candela

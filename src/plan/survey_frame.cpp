@@ -72,6 +72,11 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   if (f.facts.draw_items == 0)
     f.notes.push_back("nothing is visible at this time: the image holds the background alone");
+  const float floor_lux = asked.knobs.get<LightRangeKnobs>().floor_lux;
+  if (const uint32_t bounded = apply_light_floor(f.data.lights, floor_lux))
+    f.notes.push_back(fmt::format(
+        "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
+        bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
   return f;
 }
 

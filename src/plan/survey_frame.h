@@ -11,7 +11,7 @@ namespace candela {
 struct SurveyedFrame {
   Pose pose;
   View view;
-  FrameData data;  // with the neutral light, where there is no other
+  FrameData data;  // with the neutral light, where there is no other; lights end where the knob lights.floor_lux says
   DevicePose on_device;
   FrameSky sky;
   SceneFacts facts;

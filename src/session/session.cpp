@@ -228,7 +228,8 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
 Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
   const double start = process_clock_us();
   PlanContext context = plan_context();
-  if (kept_) context.kept = [&](const Hash128& key, const ImageDesc& desc) { return kept_->look_up(key, desc); };
+  const KeptKeys kept = kept_ ? kept_->keys() : KeptKeys{};
+  if (kept_) context.kept = &kept;
   auto planned = plan_frame(job, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
@@ -284,14 +285,17 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
 // The images of the plan that outlive it; to be submitted with the frame, and held until it is done.
 DeviceSession::KeptImages DeviceSession::kept_images(const PlannedFrame& planned) {
   KeptImages images;
-  for (const KeptUse& use : planned.kept) {
-    if (use.resource < 0) continue;
-    const PlanResource& resource = planned.graph.plan.resources[size_t(use.resource)];
-    if (resource.first_pass < 0) continue;
-    images.held.push_back(use.to_fill ? kept_->make(use.desc, resource.image_usage) : kept_->find(use.key));
-    CHECK_MSG(images.held.back(), use.desc.name);
-    images.by_resource[use.resource] = images.held.back().get();
-    if (use.to_fill) images.filled.emplace_back(use.key, images.held.back());
+  const std::vector<PlanResource>& resources = planned.graph.plan.resources;
+  for (size_t r = 0; r < resources.size() && kept_; ++r) {
+    const PlanResource& resource = resources[r];
+    if (!resource.key) continue;
+    const ImageDesc& desc = std::get<ImageDesc>(resource.desc);
+    kept_->used(*resource.key, desc);
+    if (!resource.imported || resource.first_pass < 0) continue;
+    images.held.push_back(resource.to_fill ? kept_->make(desc, resource.image_usage) : kept_->find(*resource.key));
+    CHECK_MSG(images.held.back(), desc.name);
+    images.by_resource[int(r)] = images.held.back().get();
+    if (resource.to_fill) images.filled.emplace_back(*resource.key, images.held.back());
   }
   return images;
 }

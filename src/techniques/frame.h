@@ -6,7 +6,6 @@
 #include <span>
 
 #include "base/fields.h"
-#include "graph/kept.h"
 #include "passes/all_passes.h"
 
 namespace candela {
@@ -46,31 +45,7 @@ struct Frame {
   std::vector<FrameReport> reports;
   // Called behind each pass that is added, with its instance's name: what looks at a frame without being part of it.
   std::function<void(Frame&, const std::string&)> observe = {};
-  // What is known of images that may be kept from frame to frame, by key; and which this frame could use.
-  std::map<Hash128, KeptState> kept_states = {};
-  std::vector<KeptUse> kept = {};
   int counts = -1;  // the buffer of shared::PackCounts in the plan
-
-  // An image that a pass is going to fill with what `key` is a hash of. Empty: of this frame alone, the pass makes it.
-  // `filled`: an earlier frame did, and this one leaves out the passes that would. Else the pass
-  // writes all of it (docs/design.md, "What is kept").
-  struct Kept {
-    ImageHandle image;
-    bool filled = false;
-  };
-  Kept keep(const ImageDesc& desc, const std::optional<Hash128>& key) {
-    if (!key) return {};
-    const auto known = kept_states.find(*key);
-    const KeptState state = known == kept_states.end() ? KeptState::unknown : known->second;
-    kept.push_back({*key, desc});
-    if (state == KeptState::unknown) return {};
-    const bool filled = state == KeptState::filled;
-    const ImageHandle image =
-        builder.import_image(desc, filled ? GraphBuilder::Import::filled : GraphBuilder::Import::to_fill);
-    kept.back().resource = image.resource;
-    kept.back().to_fill = !filled;
-    return {image, filled};
-  }
 
   // Adds a pass and returns its outputs; empty ones, which carry the reason, when the pass says it is not needed or a
   // required input is empty (docs/design.md, "Leaving out"). A pass that stands in the frame several times has an

@@ -18,7 +18,12 @@ Lighting light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth, 
   return {grid.compact ? offsets : assigned.lists, entries, tiles};
 }
 
-// What the views of an image show, drawn into it or kept from before; without the image the reason why it is not there.
+// Of what casts the views' shadows, in an image of that format.
+Hash128 depth_image_key(const Hash128& key, bool floats) {
+  return hash128(std::as_bytes(std::span(&key, 1)), floats ? 1 : 0);
+}
+
+// What the views of an image show, drawn or kept from before; without the image the reason why it is not there.
 // And what see-through surfaces leave of the light (ColoredShadows), where maps are drawn. as_depth: samplers compare
 // with the image or passes draw over it; otherwise depths from compute are plain floats, which a GPU copies faster.
 struct LightMaps {
@@ -39,25 +44,16 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                           in_compute ? "shadow maps are drawn in compute (rasterize_views)"
                                      : "the hardware draws shadow maps (depth_views)");
   const bool floats = in_compute && !as_depth;
-  const Frame::Kept maps = frame.keep(image_desc(*image, floats ? float_format : depth_format), key);
-  if (maps.filled) {
-    for (const std::string_view pass :
-         {Cull::name, CullCompact::name, in_compute ? RasterizeViews::name : DepthViews::name})
-      frame.builder.leave_out(fmt::format("{}.{}", pass, instance), "kept from before: nothing that casts has moved");
-    frame.add(ColoredShadows{}, {}, instance);
-    out.depth = maps.image;
-    return out;
-  }
   views.count = uint32_t(image->views.size());
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
   if (in_compute)
     out.depth =
-        frame
-            .add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, maps.image, floats}, instance)
-            .depth;
+        frame.add(RasterizeViews{}, {scene, views, culled.masks, surfaces.deformed, image, floats}, instance).depth;
   else
-    out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image, maps.image}, instance).depth;
+    out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image}, instance).depth;
+  if (key && out.depth)
+    frame.builder.keep(out.depth, depth_image_key(*key, floats), "kept from before: nothing that casts has moved");
   const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};
   out.colors = frame.add(ColoredShadows{}, in, instance).colors;
   return out;

@@ -384,17 +384,18 @@ TEST_F(Subresources, AKeptImageOutlivesItsFrame) {
   EXPECT_GE(kept.bytes(), 6 * (16 + 4) * 16u);
   const std::vector<glm::vec4> directions = {{1, 0, 0, 0},  {-1, 0, 0, 0}, {0, 1, 0, 0},
                                              {0, -1, 0, 0}, {0, 0, 1, 0},  {0, 0, -1, 0}};
+  const KeptKeys to_fill{.filled = {}, .seen = {{1, 2}}};
   const auto sampled = [&](GraphBuilder& builder, ImageHandle sky, float lod, bool hashed) {
     const BufferHandle buffer =
         add_samples(builder, sky, {}, ImageKind::cube, 2, SAMPLER_NEAREST_CLAMP, directions, lod);
-    const CompiledGraph graph = compile_graph(builder);
+    const CompiledGraph graph = compile_graph(builder, to_fill);
     const FrameRun result = run(graph, {.hash_outputs = hashed, .images = {{sky.resource, &kept}}});
     return values_of<glm::vec4>(*result.readbacks.at(buffer.resource));
   };
   for (const float value : {1.0f, 10.0f}) {  // filled anew: nothing of the old stays
     GraphBuilder builder;
-    ImageHandle sky = builder.import_image(desc, GraphBuilder::Import::to_fill);
     builder.begin_pass("fill");
+    ImageHandle sky = builder.create(desc);
     for (uint32_t mip = 0; mip < 2; ++mip)
       for (uint32_t face = 0; face < 6; ++face) {
         const Access access = mip == 0 ? Access::transfer_destination : Access::color_attachment;
@@ -407,6 +408,7 @@ TEST_F(Subresources, AKeptImageOutlivesItsFrame) {
         commands.end_rendering();
       }
     });
+    builder.keep(sky, {1, 2}, "kept");
     const auto values = sampled(builder, sky, 0, value > 1);
     for (size_t face = 0; face < 6; ++face) EXPECT_EQ(values.at(face).x, value + float(face));
   }
@@ -435,12 +437,15 @@ TEST_F(Subresources, TheCacheKeepsToItsBudget) {
   const auto key = [](int i) { return Hash128{uint64_t(i), 7}; };
   const uint64_t each = KeptImage(*device, desc, VK_IMAGE_USAGE_TRANSFER_DST_BIT).bytes();
   ImageCache cache(*device, 2 * each + each / 2);
-  using State = KeptState;
   const auto insert = [&](int i) { cache.insert(key(i), cache.make(desc, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); };
-  EXPECT_EQ(cache.look_up(key(1), desc), State::unknown);
-  EXPECT_EQ(cache.look_up(key(1), desc), State::seen);
+  const auto is_seen = [&](int i) { return cache.keys().seen.contains(key(i)); };
+  const auto is_filled = [&](int i) { return cache.keys().filled.contains(key(i)); };
+  EXPECT_FALSE(is_seen(1) || is_filled(1));
+  cache.used(key(1), desc);
+  EXPECT_TRUE(is_seen(1) && !is_filled(1));
   insert(1), insert(2);
-  EXPECT_EQ(cache.look_up(key(1), desc), State::filled);
+  EXPECT_TRUE(is_filled(1) && !is_seen(1));
+  cache.used(key(1), desc);
   const std::shared_ptr<KeptImage> held = cache.find(key(2));
   insert(3);
   EXPECT_EQ(cache.size(), 2u);
@@ -448,15 +453,13 @@ TEST_F(Subresources, TheCacheKeepsToItsBudget) {
   EXPECT_TRUE(cache.find(key(1)) && cache.find(key(3)));
   EXPECT_EQ(cache.find(key(2)), nullptr);
   EXPECT_NE(held->view({0, {0, 1, 0, 1}, ImageKind::d2, false}), VK_NULL_HANDLE);
-  ImageDesc other = desc;
-  other.width_px = 32;
-  EXPECT_EQ(cache.look_up(key(1), other), State::unknown) << "of another shape";
   ImageCache small(*device, each - 1);
   small.insert(key(1), small.make(desc, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
   EXPECT_EQ(small.size(), 0u);
   ImageDesc large = desc;
   large.width_px = 1024;
-  for (int i = 0; i < 2; ++i) EXPECT_EQ(small.look_up(key(9), large), State::unknown) << "never fits";
+  small.used(key(9), large);
+  EXPECT_TRUE(small.keys().seen.empty()) << "never fits";
 }
 
 }  // namespace candela::gpu::test::graph_subresources

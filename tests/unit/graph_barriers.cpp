@@ -187,7 +187,7 @@ TEST(GraphBarriers, AliasedSuccessorWaitsForThePredecessor) {
 TEST(GraphBarriers, RandomGraphsHaveNoHazard) {
   size_t passes = 0, shared_blocks = 0;
   for (uint32_t seed = 0; seed < 600; ++seed) {
-    const FramePlan plan = compile_graph(test::RandomGraph(seed).builder()).plan;
+    const FramePlan plan = test::RandomGraph(seed).compiled().plan;
     const std::vector<std::string> hazards = test::find_hazards(plan);
     ASSERT_TRUE(hazards.empty()) << "seed " << seed << ": " << hazards[0] << "\n" << plan_text(plan);
     passes += plan.passes.size();
@@ -204,7 +204,7 @@ TEST(GraphBarriers, RandomGraphsHaveNoHazard) {
 TEST(GraphBarriers, EveryDroppedBarrierIsCaught) {
   size_t dropped = 0, caught = 0, images_dropped = 0, images_caught = 0, last_dropped = 0, last_caught = 0;
   for (uint32_t seed = 0; seed < 80; ++seed) {
-    const FramePlan plan = compile_graph(test::RandomGraph(seed).builder()).plan;
+    const FramePlan plan = test::RandomGraph(seed).compiled().plan;
     std::vector<std::pair<size_t, size_t>> places;  // pass, step
     for (size_t p = 0; p < plan.passes.size(); ++p)
       for (size_t step = 0; step < plan.passes[p].steps(); ++step) places.emplace_back(p, step);
@@ -242,7 +242,7 @@ TEST(GraphBarriers, EveryDroppedBarrierIsCaught) {
 TEST(GraphBarriers, ALostTakeoverOfAliasedMemoryIsCaught) {
   size_t lost = 0;
   for (uint32_t seed = 0; seed < 150; ++seed) {
-    const FramePlan plan = compile_graph(test::RandomGraph(seed).builder()).plan;
+    const FramePlan plan = test::RandomGraph(seed).compiled().plan;
     for (size_t p = 0; p < plan.passes.size(); ++p)
       for (size_t i = 0; i < plan.passes[p].barriers.images.size(); ++i) {
         FramePlan mutant = plan;

@@ -178,7 +178,7 @@ TEST(GraphQueues, ADrawOnTheComputeQueueIsRefused) {
 TEST(GraphQueues, RandomGraphsHaveNoHazard) {
   size_t batches = 0, waits = 0, shared_blocks = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
-    const FramePlan plan = compile_graph(test::RandomGraph(seed, 2).builder()).plan;
+    const FramePlan plan = test::RandomGraph(seed, 2).compiled().plan;
     const std::vector<std::string> hazards = test::find_hazards(plan);
     ASSERT_TRUE(hazards.empty()) << "seed " << seed << ": " << hazards[0] << "\n" << plan_text(plan);
     batches += plan.batches.size();
@@ -198,7 +198,7 @@ TEST(GraphQueues, RandomGraphsHaveNoHazard) {
 TEST(GraphQueues, EveryDroppedWaitIsCaught) {
   size_t dropped = 0, images_dropped = 0;
   for (uint32_t seed = 0; seed < 150; ++seed) {
-    const FramePlan plan = compile_graph(test::RandomGraph(seed, 2).builder()).plan;
+    const FramePlan plan = test::RandomGraph(seed, 2).compiled().plan;
     for (size_t b = 0; b < plan.batches.size(); ++b) {
       if (plan.batches[b].waits.empty()) continue;
       FramePlan mutant = plan;

@@ -30,6 +30,7 @@ class RandomGraph {
       if (buffer.handle.version > 0 && (buffer.readback || below(4) == 0)) builder_.sink(buffer.handle);
   }
   const GraphBuilder& builder() const { return builder_; }
+  CompiledGraph compiled() const { return compile_graph(builder_, kept_); }  // images are filled for later frames
 
  private:
   struct Image {
@@ -97,7 +98,7 @@ class RandomGraph {
                    .width_px = 16,
                    .height_px = 16};
     choose_shape(desc);
-    ImageHandle handle = builder_.import_image(desc, GraphBuilder::Import::to_fill);
+    ImageHandle handle = builder_.create(desc);
     const bool drawn = !compute_ && desc.kind != ImageKind::d3 && below(2);
     Access access = depth ? Access::depth_attachment : drawn ? Access::color_attachment : Access::storage_image_write;
     for (uint32_t mip = 0; mip < desc.mips; ++mip) {
@@ -108,6 +109,7 @@ class RandomGraph {
         handle = builder_.write(handle, access, ImageRange::mip(mip));
     }
     used_.push_back({handle.resource, {0, desc.mips, 0, desc.layers}});
+    to_keep_.push_back(handle);
     filled_.push_back({handle, depth, 1, desc});
     filled_.back().holds.assign(filled_.back().holds.size(), true);
   }
@@ -209,6 +211,12 @@ class RandomGraph {
         for (int i = below(3); i >= 0; --i) create(index);
     }
     builder_.end_pass({});
+    for (const ImageHandle image : to_keep_) {
+      const Hash128 key{uint64_t(image.resource), 0};
+      builder_.keep(image, key, "kept");
+      kept_.seen.insert(key);
+    }
+    to_keep_.clear();
   }
 
   std::mt19937 random_;
@@ -216,7 +224,9 @@ class RandomGraph {
   bool compute_ = false;  // the open pass is of the compute queue
   GraphBuilder builder_;
   std::vector<Image> images_;
-  std::vector<Image> filled_;  // imported, or to be
+  std::vector<Image> filled_;         // imported, or to be
+  std::vector<ImageHandle> to_keep_;  // of the open pass
+  KeptKeys kept_;
   std::vector<Buffer> buffers_;
   std::vector<std::pair<int, ImageRange>> used_;  // by the step that is being declared
 };

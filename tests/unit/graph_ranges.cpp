@@ -267,32 +267,40 @@ TEST(GraphRanges, AFilledImageIsSampledAndNeedsNoBarrier) {
   EXPECT_FALSE(test::find_hazards(plan).empty()) << "left in the layout of copies";
 }
 
-TEST(GraphRanges, AFrameFillsAnImageForLaterOnes) {
+TEST(GraphRanges, AFrameFillsAnImageForLaterOnesWhichTakeIt) {
   GraphBuilder builder;
-  ImageDesc desc = cube_desc("sky");
-  ImageHandle sky = builder.import_image(desc, GraphBuilder::Import::to_fill);
+  ImageHandle sky;
   const auto fill = [&](std::string name, uint32_t first, uint32_t count) {
     builder.begin_pass(std::move(name));
+    if (!sky) sky = builder.create(cube_desc("sky"));
     sky = builder.write(sky, Access::storage_image_write, {0, 1, first, count});
     builder.end_pass({});
   };
+  const Hash128 key{1, 2};
   fill("top", 0, 2);
-  builder.begin_pass("early");
-  expect_refused([&] { builder.read(sky, Access::sampled_compute, "sky", ImageRange::layer(0)); },
-                 {"sky", "all of it"});
-  builder.end_pass({});
+  expect_refused([&] { builder.keep(sky, key, "why"); }, {"sky", "before all of it"});
   fill("rest", 2, 4);
-  EXPECT_TRUE(compile_graph(builder).plan.passes.empty()) << "nobody reads it";
+  builder.keep(sky, key, "kept from before");
+  EXPECT_TRUE(compile_graph(builder, {.filled = {}, .seen = {key}}).plan.passes.empty()) << "nobody reads it";
   builder.begin_pass("read");
   builder.read(sky, Access::sampled_compute, "sky", ImageRange::layer(5));
   builder.sink(builder.write(builder.create(BufferDesc{"out", 64}), Access::compute_write));
   builder.end_pass({});
   builder.begin_pass("late");
-  expect_refused([&] { builder.write(sky, Access::storage_image_write); }, {"sky", "after it was read"});
+  expect_refused([&] { builder.write(sky, Access::storage_image_write); }, {"sky", "that is kept"});
   builder.end_pass({});
-  FramePlan plan = compile_graph(builder).plan;
+  expect_refused([&] { builder.keep(sky, key, "why"); }, {"sky", "after it was read"});
+
+  const FramePlan alone = compile_graph(builder, {.filled = {{3, 4}}, .seen = {{5, 6}}}).plan;
+  EXPECT_EQ(alone.passes.size(), 2u) << "one layer is read, and that one is made";
+  EXPECT_FALSE(alone.resources[0].imported);
+  EXPECT_EQ(plan_hash(alone), plan_hash(compile_graph(builder).plan));
+
+  const FramePlan plan = compile_graph(builder, {.filled = {}, .seen = {key}}).plan;
   ASSERT_EQ(plan.passes.size(), 3u) << "one layer is read, and all are made";
   EXPECT_TRUE(test::find_hazards(plan).empty());
+  EXPECT_TRUE(plan.resources[0].imported && plan.resources[0].to_fill);
+  EXPECT_EQ(plan.resources[0].key, key);
   EXPECT_EQ(plan.resources[0].block, -1);
   ASSERT_FALSE(plan.final_barriers.images.empty());
   for (const ImageBarrier& barrier : plan.final_barriers.images)
@@ -307,6 +315,34 @@ TEST(GraphRanges, AFrameFillsAnImageForLaterOnes) {
   broken = plan;
   broken.resources[0].to_fill = false;
   EXPECT_NE(plan_hash(broken), plan_hash(plan));
+
+  const FramePlan found = compile_graph(builder, {.filled = {key}, .seen = {}}).plan;
+  ASSERT_EQ(found.passes.size(), 1u);
+  EXPECT_EQ(found.passes[0].name, "read");
+  EXPECT_TRUE(test::find_hazards(found).empty());
+  EXPECT_TRUE(found.resources[0].imported && !found.resources[0].to_fill);
+  const auto reason = [&](std::string_view pass) {
+    const auto left = std::ranges::find(found.left_out, pass, &LeftOut::pass);
+    return left == found.left_out.end() ? std::string() : left->reason;
+  };
+  EXPECT_EQ(reason("rest"), "kept from before");
+  EXPECT_EQ(reason("top"), "nobody reads sky") << "with or without what is kept";
+}
+
+TEST(GraphRanges, APassThatMakesMoreThanAKeptImageIsADefect) {
+  GraphBuilder builder;
+  builder.begin_pass("both");
+  const ImageHandle sky = builder.write(builder.create(cube_desc("sky")), Access::storage_image_write, {0, 1, 0, 6});
+  builder.sink(builder.write(builder.create(BufferDesc{"more", 64}), Access::compute_write));
+  builder.end_pass({});
+  builder.keep(sky, {1, 2}, "kept");
+  EXPECT_EQ(compile_graph(builder).plan.passes.size(), 1u);
+  try {
+    compile_graph(builder, {.filled = {{1, 2}}, .seen = {}});
+    FAIL() << "it would write an image that other frames read";
+  } catch (const GraphError& e) {
+    EXPECT_NE(std::string(e.what()).find("'both' makes more than 'sky'"), std::string::npos) << e.what();
+  }
 }
 
 TEST(GraphRanges, PlansPrintAndHashParts) {
@@ -333,7 +369,7 @@ TEST(GraphRanges, PlansPrintAndHashParts) {
 TEST(GraphRanges, ThousandsOfRandomGraphsHaveNoHazard) {
   size_t steps = 0, parts = 0;
   for (uint32_t seed = 10000; seed < 12500; ++seed) {
-    const FramePlan plan = compile_graph(test::RandomGraph(seed).builder()).plan;
+    const FramePlan plan = test::RandomGraph(seed).compiled().plan;
     const std::vector<std::string> hazards = test::find_hazards(plan);
     ASSERT_TRUE(hazards.empty()) << "seed " << seed << ": " << hazards[0] << "\n" << plan_text(plan);
     for (const PlanPass& pass : plan.passes) {

@@ -17,7 +17,7 @@ DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   out.pipelines = declare_runs(
       builder, in.scene, in.draws, in.deformed,
       [](const DrawRun& r) { return r.solid() && r.topology == Topology::triangles; }, choice);
-  out.depth = in.target ? in.target : builder.create(image_desc(*in.image, depth_format));
+  out.depth = builder.create(image_desc(*in.image, depth_format));
   for (uint32_t layer = 0; layer < in.image->layers; ++layer)
     out.depth = builder.write(out.depth, Access::depth_attachment, ImageRange::layer(layer));
   return out;

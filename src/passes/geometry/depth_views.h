@@ -20,7 +20,6 @@ struct DepthViews {
     Draws draws;
     BufferHandle deformed;  // optional
     std::shared_ptr<const ViewImage> image;
-    ImageHandle target;  // optional: drawn into instead of an image of this frame alone
   };
   struct Out {
     ImageHandle depth;

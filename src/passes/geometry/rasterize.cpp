@@ -136,7 +136,7 @@ RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in)
   out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, knobs, "#VIEWS=1", {});
   builder.begin_step();
   builder.read(out.texels, in.floats ? Access::compute_read : Access::transfer_source, "the views' depths");
-  out.depth = in.target ? in.target : builder.create(image_desc(image, in.floats ? float_format : depth_format));
+  out.depth = builder.create(image_desc(image, in.floats ? float_format : depth_format));
   if (in.floats) out.store = builder.pipeline(ComputePipelineDesc{"view_texels.comp", {}});
   out.depth = builder.write(out.depth, in.floats ? Access::storage_image_write : Access::transfer_destination);
   return out;

@@ -59,7 +59,6 @@ struct RasterizeViews {
     BufferHandle masks;     // of culling, by these views
     BufferHandle deformed;  // optional
     std::shared_ptr<const ViewImage> image;
-    ImageHandle target;  // optional: written instead of an image of this frame alone
     // The image holds plain floats instead of depths: written in compute, where a GPU's copy of a buffer to an image
     // takes several times as long.
     bool floats = false;

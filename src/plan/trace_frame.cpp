@@ -1,0 +1,83 @@
+#include "plan/trace_frame.h"
+
+#include <cmath>
+
+namespace candela {
+namespace {
+
+// Of lights with a size: whether shading draws their shadows soft.
+bool soft_suns(const FrameRequest& request, const FrameSuns& suns, const SunKnobs& knobs) {
+  const bool sized = request.look.sun && request.look.sun->angular_radius_deg > 0;
+  return sized && (suns.traced || (suns.image && knobs.soft == SunKnobs::pcss));
+}
+bool soft_lamps(const SceneFacts& facts, const FrameLamps& lamps, const LampKnobs& knobs) {
+  return facts.sized_lights > 0 && (lamps.traced || (lamps.image && knobs.soft == LampKnobs::pcss));
+}
+
+}  // namespace
+
+TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
+                        const LitFrame& lit, const PlanContext& context) {
+  TracedFrame out;
+  AmbientOcclusion occlusion;
+  occlusion.knobs = asked.knobs.get<AmbientOcclusion::Knobs>();
+  if (packed.upload.item_count == 0) return out;
+  const bool refraction = frame.facts.refracting_items > 0;
+  Reflections reflections;
+  reflections.knobs = asked.knobs.get<Reflections::Knobs>();
+  Refraction refracted;
+  refracted.knobs = asked.knobs.get<Refraction::Knobs>();
+  out.traced.surfaces = reflections.traced(frame.facts, frame.request) || refracted.traced(frame.facts, frame.request);
+  const bool shades =
+      lit.suns.traced || lit.lamps.traced || occlusion.traced(frame.facts, frame.request) || out.traced.surfaces;
+  out.traced.tree = asked.knobs.get<BvhKnobs>();
+  int& traversal = out.traced.tree.traversal;
+  if (traversal == BvhKnobs::by_query && (shades || packed.traces_keys)) {
+    out.notes.push_back("rays ask the device what they meet: its own trees are built beside ours (bvh.traversal)");
+  } else if (traversal == BvhKnobs::by_pipeline && packed.traces_keys) {
+    out.notes.push_back(
+        "a pipeline of the device finds what the camera's rays meet, its own trees are built beside ours; other rays "
+        "go "
+        "through ours (bvh.traversal)");
+  } else if (traversal != BvhKnobs::by_shader) {
+    if (shades || shows_trees(frame.request))
+      out.notes.push_back(
+          "bvh.traversal is left at shader: a pipeline sends the camera's rays alone (--technique ray)");
+    traversal = BvhKnobs::by_shader;
+  }
+  if (shades || packed.traces_keys || shows_trees(frame.request))
+    out.rays = context.rays &&
+                       context.rays->key == rays_key(context.scene, frame.pose, frame.data, refraction, out.traced.tree)
+                   ? context.rays
+                   : make_frame_rays(context.scene, frame.pose, frame.data, refraction, out.traced.tree);
+  TracedRays& traced = out.traced;
+  traced.soft_suns = soft_suns(frame.request, lit.suns, asked.knobs.get<SunKnobs>());
+  traced.soft_lamps = soft_lamps(frame.facts, lit.lamps, asked.knobs.get<LampKnobs>());
+  if (!out.rays && !traced.soft_suns && !traced.soft_lamps) return out;
+  const uint32_t pictures = asked.knobs.get<Supersample::Knobs>().pictures();
+  const auto a_picture = [&](int count) { return (uint32_t(count) + pictures - 1) / pictures; };
+  const Occlusion look = frame.request.look.occlusion.value_or(Occlusion{});
+  shared::RaySettings s{};
+  s.occlusion_radius_m = float(look.radius_m);
+  s.occlusion_fade_m = std::max(float(look.falloff * look.radius_m), 1e-6f * s.occlusion_radius_m);
+  s.occlusion_strength = float(look.strength);
+  s.occlusion_rays = traced.occlusion_rays = a_picture(occlusion.knobs.rays);
+  s.sun_samples = traced.sun_samples = a_picture(asked.knobs.get<SunKnobs>().samples);
+  s.lamp_samples = traced.lamp_samples = a_picture(asked.knobs.get<LampKnobs>().samples);
+  if (traced.soft_suns) {
+    const double angle = glm::radians(frame.request.look.sun->angular_radius_deg);
+    s.sun_height = float(2 * std::pow(std::sin(angle / 2), 2));
+    s.sun_tangent = float(std::tan(angle));
+  }
+  s.seed = frame.request.still_seed;
+  if (shades || traced.soft_suns || traced.soft_lamps) out.ray_settings = {s};
+  if (!out.rays) return out;
+  // Rounded up, so that frames whose trees differ a little share their pipelines.
+  traced.stack = (out.rays->stack + 7) / 8 * 8;
+  traced.blended = out.rays->blended;
+  traced.suns = lit.suns.traced, traced.lamps = lit.lamps.traced;
+  traced.suns_by_voxels = lit.suns.by_voxels, traced.lamps_by_voxels = lit.lamps.by_voxels;
+  return out;
+}
+
+}  // namespace candela

@@ -1,0 +1,22 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plan/frame_rays.h"
+#include "plan/light_frame.h"
+#include "shared/trace.h"
+
+namespace candela {
+
+// The fifth stage of planning: trees, where rays are sent, and how shading sends them.
+struct TracedFrame {
+  std::shared_ptr<const FrameRays> rays;          // null: nothing is traced
+  std::vector<shared::RaySettings> ray_settings;  // one, where shading sends rays or shadows are soft
+  TracedRays traced;                              // without handles
+  std::vector<std::string> notes;
+};
+TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
+                        const LitFrame& lit, const PlanContext& context);
+
+}  // namespace candela

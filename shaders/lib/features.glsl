@@ -1,5 +1,5 @@
 // What the scene's visible materials use, as specialization constants: an absent feature leaves neither branch nor
-// fetch in the shader. Ids and names are those of passes/geometry/features.cpp.
+// fetch in the shader. Ids and names are those of passes/shared/features.cpp.
 layout(constant_id = 0) const int HAS_BASE_TEXTURE = 0;
 layout(constant_id = 1) const int HAS_ORM_TEXTURE = 0;
 layout(constant_id = 2) const int HAS_OCCLUSION_TEXTURE = 0;

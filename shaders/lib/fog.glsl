@@ -2,7 +2,7 @@
 // Fog between the camera and what is shaded. Transmittance and the light that fog emits are closed forms. The light
 // that it scatters comes from the grid (FOG is 2), is followed along the ray of the point itself (3), or comes from
 // coarse texels that followed rays (4); 1: there is none.
-// Passes compile these lines only for frames with fog, by "#FOG=..." behind a shader's name (passes/volumes/fog_view.h):
+// Passes compile these lines only for frames with fog, by "#FOG=..." behind a shader's name (passes/shared/fog_view.h):
 // shaders of other frames stay what they were, to the byte.
 #include "lib/image_kinds.glsl"
 #include "lib/fog_medium.glsl"

@@ -1,6 +1,6 @@
 // Light that rays find open: the exact end of shadows and of ambient occlusion. Needs lib/scene.glsl, the push
 // constants of DrawPush, lib/light_data.glsl, and a fragment shader that calls begin_rays first. Only where TRACES is
-// defined, which pipelines that send rays do (passes/geometry/draw_runs.cpp): else nothing of it is compiled.
+// defined, which pipelines that send rays do (passes/shared/draw_batches.cpp): else nothing of it is compiled.
 // With LIGHT_EVAL lib/light_eval.glsl too.
 //
 // A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by

@@ -23,7 +23,7 @@ struct FogBox {
   uint bounded;
 };
 
-// The fog of a look (scene/look.h) in relative space, and the grid that its light is kept in. All zero without fog.
+// The fog of a look (look/look.h) in relative space, and the grid that its light is kept in. All zero without fog.
 struct FogMedium {
   vec3 extinction;  // per metre at density 1
   float falloff;    // per metre

@@ -12,10 +12,10 @@
 #include "base/text.h"
 #include "cli/file_options.h"
 #include "cli/input_options.h"
+#include "look/look.h"
 #include "plan/plan_frame.h"
 #include "plan/posed_scene.h"
 #include "render/metering.h"
-#include "scene/look.h"
 #include "scene/up_axis.h"
 
 namespace candela::cli {

@@ -1,6 +1,6 @@
 #pragma once
 #include "job/job.h"
-#include "scene/look.h"
+#include "look/look.h"
 
 namespace candela {
 

@@ -41,13 +41,13 @@ void add_mask(const Material& m, Bytes& out) {
 std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
                                    const TextureKnobs& textures) {
   Bytes out;
-  const auto add_material = [&](uint32_t index, const DrawRun& run) {
+  const auto add_material = [&](uint32_t index, const DrawBatch& run) {
     const Material material = index < pose.materials.size() ? pose.materials[index] : Material{};
     out.add(uint32_t(glows_all_over(material)));
     if (run.alpha == AlphaMode::mask) add_mask(material, out);
   };
   // Of instances that a pass poses, where their node is and which they are.
-  const auto add_group = [&](const DrawSpan& span, const DrawRun& run) {
+  const auto add_group = [&](const DrawSpan& span, const DrawBatch& run) {
     out.add(upload.item_groups[size_t(span.group) + 1]);
     for (uint32_t s = span.source; s < span.source + span.sections; ++s) {
       const shared::ItemSection& section = upload.item_sections[s];
@@ -59,7 +59,7 @@ std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upl
   };
   size_t at = 0;      // among spans, of which one of the host's may reach over several runs
   uint32_t host = 0;  // items of the host before the run
-  for (const DrawRun& run : draws.runs) {
+  for (const DrawBatch& run : draws.batches) {
     const uint32_t run_end = run.first + run.count, first_of_host = host;
     host += run.count;
     for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "base/hash.h"
-#include "passes/geometry/views.h"
+#include "passes/shared/views.h"
 #include "passes/surfaces/texture_knobs.h"
 #include "plan/frame_upload.h"
 #include "scene/pose.h"

@@ -1,7 +1,7 @@
 #pragma once
+#include "look/look.h"
 #include "passes/volumes/fog.h"
 #include "scene/frame_data.h"
-#include "scene/look.h"
 #include "scene/view.h"
 #include "shared/fog.h"
 

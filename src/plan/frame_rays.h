@@ -6,7 +6,7 @@
 #include "base/hash.h"
 #include "bvh/acceleration_input.h"
 #include "bvh/raw_vector.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/scene_inputs.h"
 #include "reference/accel.h"
 #include "scene/frame_data.h"
 

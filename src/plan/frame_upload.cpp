@@ -164,8 +164,8 @@ void add_item_groups(const Scene& scene, const FrameData& data, const DrawList& 
 }
 
 void add_groups(const DrawList& draws, FrameUpload& upload) {
-  for (uint32_t r = 0; r < draws.runs.size(); ++r) {
-    const DrawRun& run = draws.runs[r];
+  for (uint32_t r = 0; r < draws.batches.size(); ++r) {
+    const DrawBatch& run = draws.batches[r];
     const uint32_t first_group = uint32_t(upload.groups.size());
     for (uint32_t at = 0; at < run.count; at += shared::cull_group_size) {
       const uint32_t count = std::min(shared::cull_group_size, run.count - at);
@@ -293,7 +293,7 @@ uint32_t lobes_of(const Material& m) {
 // Nothing where no visible material shows a lobe that the frame shades.
 std::vector<uint32_t> lobe_table(const Scene& scene, const std::vector<Material>& materials, const FrameData& data,
                                  const DrawList& draws) {
-  const bool refraction = std::ranges::any_of(draws.runs, &DrawRun::refracts);
+  const bool refraction = std::ranges::any_of(draws.batches, &DrawBatch::refracts);
   const uint32_t shaded = shared::shaded_lobes | (refraction ? 1u << uint32_t(Lobe::transmission) : 0u);
   std::vector<bool> shows(materials.size());
   bool any = false;
@@ -401,7 +401,7 @@ void add_host_batches(const DrawSpan& span, uint32_t first, uint32_t end, uint32
 void add_batches(const DrawList& draws, FrameUpload& upload) {
   size_t at = 0;  // among spans, of which one of the host's may reach over several runs
   uint32_t first_group = 0;
-  for (const DrawRun& run : draws.runs) {
+  for (const DrawBatch& run : draws.batches) {
     const uint32_t flags =
         (run.cull_back ? shared::batch_cull_back : 0u) | (run.mirrored ? shared::batch_mirrored : 0u) |
         (run.alpha == AlphaMode::mask ? shared::batch_masked : 0u) | (run.unlit ? shared::batch_unlit : 0u);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "passes/shared/frame_request.h"
 #include "scene/draw_list.h"
 #include "scene/environment.h"
 #include "scene/frame_data.h"

@@ -10,14 +10,14 @@
 
 namespace candela {
 
-bool casts_shadows(const DrawRun& run) { return run.solid() && run.topology == Topology::triangles; }
+bool casts_shadows(const DrawBatch& run) { return run.solid() && run.topology == Topology::triangles; }
 
 std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws) {
   std::vector<ItemCluster> clusters;
   uint32_t run = 0;
   for (const DrawSpan& span : draws.spans) {
     if (span.group < 0) continue;
-    while (draws.runs[run].first + draws.runs[run].count <= span.first) ++run;
+    while (draws.batches[run].first + draws.batches[run].count <= span.first) ++run;
     const ItemGroup& group = data.item_groups[size_t(span.group)];
     for (const InstanceCluster& cluster : group.set->clusters) {
       const DAabb box = relative_box(group, cluster);
@@ -28,7 +28,7 @@ std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& dr
 }
 
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
-                                 std::span<const DrawRun> runs, bool culling, uint64_t budget, std::string_view knob,
+                                 std::span<const DrawBatch> runs, bool culling, uint64_t budget, std::string_view knob,
                                  bool see_through, std::span<const ItemCluster> clusters) {
   FrameViews placed;
   placed.table = std::move(views);
@@ -36,7 +36,7 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
   std::vector<uint32_t> host(runs.size(), 0);  // items of each run that are not of clusters
   for (size_t r = 0; r < runs.size(); ++r) host[r] = runs[r].count;
   for (const ItemCluster& cluster : clusters) host[cluster.run] -= cluster.count;
-  const auto draws = [&](const DrawRun& run) {
+  const auto draws = [&](const DrawBatch& run) {
     return casts_shadows(run) || (see_through && run.topology == Topology::triangles);
   };
   // Of each item of the host's the run, where that is drawn.
@@ -74,7 +74,7 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
 Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,
                           std::span<const shared::Item> items, const MapOptions& options, int draws_knob,
                           std::string_view knob_name) {
-  auto placed = place_views(image.views, items, draws.runs, options.culling, uint64_t(draws_knob), knob_name,
+  auto placed = place_views(image.views, items, draws.batches, options.culling, uint64_t(draws_knob), knob_name,
                             options.see_through, item_clusters(data, draws));
   if (!placed) return std::unexpected(placed.error());
   maps.views = std::move(*placed);

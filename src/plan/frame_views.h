@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "passes/geometry/views.h"
+#include "passes/shared/views.h"
 #include "scene/draw_list.h"
 #include "shared/cull.h"
 #include "shared/scene.h"
@@ -34,11 +34,11 @@ std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& dr
 // run that is drawn at all needs room. items: the host's, in the order of drawing; of clusters all items need room
 // where any may.
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
-                                 std::span<const DrawRun> runs, bool culling, uint64_t budget,
+                                 std::span<const DrawBatch> runs, bool culling, uint64_t budget,
                                  std::string_view knob = "sun.draws", bool see_through = false,
                                  std::span<const ItemCluster> clusters = {});
 
-bool casts_shadows(const DrawRun& run);
+bool casts_shadows(const DrawBatch& run);
 
 // What a frame's shadow maps of one kind of light are, decided before the graph is built.
 struct ShadowMaps {

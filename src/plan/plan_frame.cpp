@@ -2,7 +2,7 @@
 
 #include "base/text.h"
 #include "job/not_drawn.h"
-#include "passes/geometry/features.h"
+#include "passes/shared/features.h"
 #include "plan/caster_hash.h"
 #include "plan/frame_fog.h"
 #include "plan/upload_table.h"
@@ -15,7 +15,7 @@ std::pair<float, float> blended_depths(const FrameData& data, const DrawList& dr
   double nearest = std::numeric_limits<double>::infinity(), farthest = view.near_m;
   const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
   const uint32_t grouped = draws.item_count() - uint32_t(draws.order.size());  // all of them come before
-  for (const DrawRun& run : draws.runs) {
+  for (const DrawBatch& run : draws.batches) {
     if (run.solid()) continue;
     for (uint32_t i = run.first; i < run.first + run.count; ++i) {
       const Aabb& bounds = data.items[draws.order[i - grouped]].bounds_relative;
@@ -56,7 +56,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.lamp_first_command = std::make_shared<const std::vector<uint32_t>>(f.lamps.views.first_command);
   s.rays = f.traced;
   if (f.rays) s.tree_ranges = f.rays->ranges;
-  s.runs = std::make_shared<const std::vector<DrawRun>>(f.draws.runs);
+  s.draw_batches = std::make_shared<const std::vector<DrawBatch>>(f.draws.batches);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
   if (f.facts.probes > 0) s.features.push_back(probes_constant(f.facts.probes));
   if (f.surfaces.specular_aa != 0) s.features.push_back(specular_aa_constant(f.surfaces.specular_aa));

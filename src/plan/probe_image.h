@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "job/job.h"
+#include "look/look.h"
 #include "passes/surfaces/probe_knobs.h"
 #include "scene/environment.h"
-#include "scene/look.h"
 #include "scene/view.h"
 #include "shared/probes.h"
 #include "sky/prefilter_sky.h"

@@ -6,7 +6,7 @@
 
 #include "base/hash.h"
 #include "bvh/acceleration_input.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/scene_inputs.h"
 #include "shared/scene.h"
 
 namespace candela {

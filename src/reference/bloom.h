@@ -2,7 +2,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "scene/look.h"
+#include "look/look.h"
 
 namespace candela::reference {
 

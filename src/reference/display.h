@@ -4,15 +4,15 @@
 #include <string_view>
 
 #include "image/image.h"
+#include "look/look.h"
 #include "reference/film.h"
-#include "scene/look.h"
 
 namespace candela::reference {
 
 struct DisplaySettings {
   std::string_view curve = "agx";  // as --tonemap names them (passes/post/tonemap.h)
   double exposure_ev = 0;
-  double agx_min_ev = agx_lowest_ev, agx_max_ev = agx_highest_ev;  // scene/look.h
+  double agx_min_ev = agx_lowest_ev, agx_max_ev = agx_highest_ev;  // look/look.h
   int bits = 8;
   bool dither = true;                       // 8 bits alone
   bool alpha = false;                       // straight alpha as a fourth channel

@@ -1,4 +1,4 @@
-// The look's light of lamps in the air (scene/look.h, Volumetric), in both modes: every lamp's integral along the
+// The look's light of lamps in the air (look/look.h, Volumetric), in both modes: every lamp's integral along the
 // camera ray up to the first opaque or masked surface, at fog_steps points that are equi-angular about the lamp, in
 // strata that share a random offset, with traced shadows. Where more than fog_lights lamps reach the ray, all share the
 // points of so many (lamps_along_ray.h).

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "image/image.h"
-#include "passes/pass.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "image/io.h"
-#include "scene/look.h"
+#include "look/look.h"
 
 namespace candela {
 

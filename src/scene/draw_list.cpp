@@ -19,10 +19,10 @@ namespace {
 constexpr uint32_t draw_ranks = 2 * 2 * 2 * 3 * 2 * 2 + 1;
 
 // How an item is drawn; items of one section at many places share it.
-DrawRun state_of(const Scene& scene, const Pose& pose, const DrawItem& item, bool refraction) {
+DrawBatch state_of(const Scene& scene, const Pose& pose, const DrawItem& item, bool refraction) {
   const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
   const Material* material = item.material >= 0 ? &pose.materials[size_t(item.material)] : nullptr;
-  DrawRun s;
+  DrawBatch s;
   s.topology = section.topology;
   s.alpha = material ? material->alpha_mode : AlphaMode::opaque;
   s.unlit = is_unlit(section, material);
@@ -34,7 +34,7 @@ DrawRun state_of(const Scene& scene, const Pose& pose, const DrawItem& item, boo
 }
 
 // In the order of drawing; blended ones are the last.
-uint32_t rank_of(const DrawRun& s) {
+uint32_t rank_of(const DrawBatch& s) {
   if (s.alpha == AlphaMode::blend) return draw_ranks - 1;
   uint32_t rank = s.refracts;
   rank = rank * 2 + uint32_t(s.alpha == AlphaMode::mask);
@@ -48,7 +48,7 @@ uint32_t rank_of(const DrawRun& s) {
 struct GroupPart {
   size_t group = 0;
   uint32_t before = 0;  // of the host's items of the same rank, those that come first
-  DrawRun state;
+  DrawBatch state;
   std::vector<uint32_t> sections;
 };
 
@@ -65,7 +65,7 @@ class Lister {
   }
 
  private:
-  DrawRun state(const DrawItem& item) const { return state_of(scene_, pose_, item, refraction_); }
+  DrawBatch state(const DrawItem& item) const { return state_of(scene_, pose_, item, refraction_); }
 
   // The host's items by rank, and what of groups stands between them.
   void sort_items() {
@@ -95,7 +95,7 @@ class Lister {
       DrawItem item{.mesh = group.mesh, .section = section, .node = group.node};
       item.material = scene_.meshes[group.mesh].sections[section].material;
       item.mirrored = group.mirrored;
-      const DrawRun how = state(item);
+      const DrawBatch how = state(item);
       const uint32_t rank = rank_of(how);
       std::vector<GroupPart>& parts = parts_[rank];
       if (parts.empty() || parts.back().group != g) parts.push_back({g, count_[rank], how, {}});
@@ -124,13 +124,13 @@ class Lister {
   }
 
   // Of one state.
-  void add_span(const DrawSpan& span, const DrawRun& how) {
-    if (list_.runs.empty() || !list_.runs.back().same_state(how)) {
-      list_.runs.push_back(how);
-      list_.runs.back().first = span.first;
-      list_.runs.back().count = 0;
+  void add_span(const DrawSpan& span, const DrawBatch& how) {
+    if (list_.batches.empty() || !list_.batches.back().same_state(how)) {
+      list_.batches.push_back(how);
+      list_.batches.back().first = span.first;
+      list_.batches.back().count = 0;
     }
-    list_.runs.back().count += span.count;
+    list_.batches.back().count += span.count;
     DrawSpan* const last = list_.spans.empty() ? nullptr : &list_.spans.back();
     if (last && last->group < 0 && span.group < 0)
       last->count += span.count;

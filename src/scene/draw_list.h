@@ -7,13 +7,13 @@
 namespace candela {
 
 // A run of consecutive draw items that share their pipeline state: one indirect draw call.
-struct DrawRun {
+struct DrawBatch {
   Topology topology = Topology::triangles;
   AlphaMode alpha = AlphaMode::opaque;
   bool unlit = false, cull_back = true, mirrored = false;
   bool refracts = false;          // is drawn after what is seen through it
   uint32_t first = 0, count = 0;  // in the order of drawing
-  bool same_state(const DrawRun& o) const {
+  bool same_state(const DrawBatch& o) const {
     return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back &&
            mirrored == o.mirrored && refracts == o.refracts;
   }
@@ -38,7 +38,7 @@ struct DrawList {
   std::vector<uint32_t> order;     // indices of FrameData::items
   std::vector<DrawSpan> spans;     // of all items, those of groups among them
   std::vector<uint32_t> sections;  // of groups' meshes
-  std::vector<DrawRun> runs;
+  std::vector<DrawBatch> batches;
   uint32_t item_count() const { return spans.empty() ? 0 : spans.back().first + spans.back().count; }
 };
 // refraction: surfaces that let light through are drawn so.

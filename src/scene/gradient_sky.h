@@ -1,6 +1,6 @@
 #pragma once
 #include "image/io.h"
-#include "scene/look.h"
+#include "look/look.h"
 
 namespace candela {
 

@@ -222,9 +222,4 @@ std::string facts_json(const SceneFacts& f) {
   return json.dump(2);
 }
 
-bool FrameRequest::names_effect(std::string_view effect) const {
-  const std::vector<std::string> names = split(effects, ',');
-  return std::find(names.begin(), names.end(), effect) != names.end();
-}
-
 }  // namespace candela

@@ -3,7 +3,7 @@
 #include "base/text.h"
 #include "gpu/sample_counts.h"
 #include "job/frame_knobs.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/scene_inputs.h"
 #include "shared/lights.h"
 
 namespace candela {

@@ -6,7 +6,7 @@
 #include "gpu/device_select.h"
 #include "job/choose_transparency.h"
 #include "job/job.h"
-#include "passes/geometry/bvh_knobs.h"
+#include "passes/shared/bvh_knobs.h"
 
 namespace candela {
 

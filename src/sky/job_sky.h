@@ -8,10 +8,10 @@
 #include "base/hash.h"
 #include "image/io.h"
 #include "job/job.h"
+#include "look/look.h"
 #include "scene/atmosphere.h"
 #include "scene/environment.h"
 #include "scene/frame_data.h"
-#include "scene/look.h"
 #include "scene/scene.h"
 
 namespace candela {

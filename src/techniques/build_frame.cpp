@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "passes/geometry/features.h"
+#include "passes/shared/features.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -1,4 +1,4 @@
-#include "passes/geometry/draw_runs.h"
+#include "passes/shared/draw_batches.h"
 #include "techniques/technique.h"
 
 namespace candela {

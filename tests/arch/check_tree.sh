@@ -8,7 +8,7 @@ cd -- "$2"
 sources() { find src shaders -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.c' -o -name '*.vert' -o -name '*.frag' -o -name '*.comp' -o -name '*.glsl' -o -name '*.rgen' -o -name '*.rahit' -o -name '*.rchit' -o -name '*.rmiss' \) -print0; }
 
 includes() {
-  # A header in src/passes that declares record() is a pass; the others there are what passes share.
+  # A header in src/passes that declares record() is a pass; the others of a folder are what its passes share.
   local passes
   passes=$(find src/passes -name '*.h' ! -name pass.h -exec grep -lE '[^A-Za-z_]record\(' {} + 2>/dev/null | sed 's|^src/||' | tr '\n' ' ')
   sources | xargs -0 -r awk -v passes="$passes" '
@@ -19,17 +19,18 @@ includes() {
       ours["image"] = "base math"
       ours["metrics"] = "base math image"
       ours["bvh"] = "base math"
-      ours["scene"] = "base math image"
-      ours["gltf"] = "base math image scene"
-      ours["testscenes"] = "base math image scene"
+      ours["look"] = "base"
+      ours["scene"] = "base math image look"
+      ours["gltf"] = "base math image look scene"
+      ours["testscenes"] = "base math image look scene"
       ours["graph"] = "base"
       ours["glsl"] = "base"
-      ours["gpu"] = "base math image scene graph glsl bvh shared"
-      ours["passes"] = "base math graph shared gpu/command_list.h scene/survey.h scene/draw_list.h scene/frame_data.h scene/view.h scene/look.h"
-      ours["techniques"] = "base math graph passes scene/survey.h shared"
-      ours["reference"] = "base math image scene bvh"
+      ours["gpu"] = "base math image look scene graph glsl bvh shared"
+      ours["passes"] = "base math graph shared gpu/command_list.h scene/survey.h scene/draw_list.h scene/frame_data.h scene/view.h look/look.h"
+      ours["techniques"] = "base math graph look passes scene/survey.h shared"
+      ours["reference"] = "base math image look scene bvh"
       # Up to the plan nothing needs a device: gpu is not in these three.
-      ours["job"] = "base math image metrics scene gltf bvh graph passes techniques shared"
+      ours["job"] = "base math image metrics look scene gltf bvh graph passes techniques shared"
       ours["sky"] = ours["job"] " job"
       ours["plan"] = ours["sky"] " sky reference"
       ours["session"] = ours["plan"] " plan glsl gpu"
@@ -41,6 +42,12 @@ includes() {
       ours["cli"] = ours["report"] " report farm"
       ours["main.cpp"] = "cli"
       ours["shared"] = ""
+      # Folders of src/passes, below each other: what a folder may include besides itself, of the others no pass.
+      folders["shared"] = ""
+      folders["lights"] = folders["shadows"] = folders["sky"] = folders["post"] = "shared"
+      folders["surfaces"] = "shared lights"
+      folders["occlusion"] = folders["reflections"] = folders["volumes"] = folders["debug"] = "shared surfaces"
+      folders["geometry"] = folders["transparency"] = "shared shadows surfaces"
       # Libraries that stop at the modules named.
       only["OpenImageIO"] = only["OpenEXR"] = only["png.h"] = "image"
       only["vulkan"] = "graph gpu"
@@ -80,7 +87,10 @@ includes() {
       if (name !~ /\// || name ~ /(^|\/)\.\.?\//) { broken("\"" name "\" does not say its module"); next }
       if (!(module in ours)) { broken("module " module " is not in the table of tests/arch/check_tree.sh"); next }
       if (top == module) {
-        if (module == "passes" && FILENAME != "src/passes/all_passes.h" && stem(name) != stem(FILENAME) && in_list(passes, name)) broken("passes may not include each other: \"" name "\"")
+        if (module != "passes" || FILENAME == "src/passes/all_passes.h") next
+        if (stem(name) != stem(FILENAME) && in_list(passes, name)) broken("passes may not include each other: \"" name "\"")
+        if (!(folder[3] in folders)) broken("folder " folder[3] " of passes is not in the table of tests/arch/check_tree.sh")
+        else if (part[2] != folder[3] && !in_list(folders[folder[3]], part[2])) broken("passes/" folder[3] " may not include \"" name "\"")
         next
       }
       if (!in_list(ours[module], top) && !in_list(ours[module], name)) broken(module " may not include \"" name "\"")

@@ -2,9 +2,9 @@
 #include <fstream>
 
 #include "frame_fixture.h"
+#include "look/look.h"
 #include "reference/bloom.h"
 #include "render/outputs.h"
-#include "scene/look.h"
 
 namespace candela::test {
 

@@ -24,7 +24,7 @@ class Culling : public PassTest {
     scene.constants = import(builder, constants, "constants");
     scene.items = import(builder, item_buffer, "items");
     scene.cull_groups = import(builder, group_buffer, "groups");
-    scene.runs = std::make_shared<const std::vector<DrawRun>>(runs.size());
+    scene.draw_batches = std::make_shared<const std::vector<DrawBatch>>(runs.size());
     scene.item_count = uint32_t(items.size());
     scene.cull_group_count = uint32_t(groups.size());
     Cull pass;

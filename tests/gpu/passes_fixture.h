@@ -1,7 +1,7 @@
 #pragma once
 #include "base/rng.h"
 #include "gpu_fixture.h"
-#include "passes/pass.h"
+#include "passes/shared/pass.h"
 
 namespace candela::gpu::test {
 

@@ -30,11 +30,11 @@ std::vector<shared::View> random_views(size_t count, Rng& rng) {
   return views;
 }
 
-std::vector<DrawRun> runs_of(const std::vector<uint32_t>& lengths) {
-  std::vector<DrawRun> runs;
+std::vector<DrawBatch> runs_of(const std::vector<uint32_t>& lengths) {
+  std::vector<DrawBatch> runs;
   uint32_t first = 0;
   for (const uint32_t length : lengths) {
-    DrawRun run;
+    DrawBatch run;
     run.first = first;
     run.count = length;
     runs.push_back(run);
@@ -65,7 +65,7 @@ class ViewCulling : public PassTest {
     scene.constants = import(builder, constants, "constants");
     scene.items = import(builder, item_buffer, "items");
     scene.cull_groups = import(builder, group_buffer, "groups");
-    scene.runs = std::make_shared<const std::vector<DrawRun>>(runs_of(lengths));
+    scene.draw_batches = std::make_shared<const std::vector<DrawBatch>>(runs_of(lengths));
     scene.item_count = uint32_t(items.size());
     scene.cull_group_count = uint32_t(groups.size());
     ViewRange range;

@@ -13,9 +13,9 @@ struct Content {
   TextureKnobs textures;
 
   Content() {
-    draws.runs = {{.first = 0, .count = 2},
-                  {.alpha = AlphaMode::mask, .first = 2, .count = 1},
-                  {.alpha = AlphaMode::blend, .first = 3, .count = 1}};
+    draws.batches = {{.first = 0, .count = 2},
+                     {.alpha = AlphaMode::mask, .first = 2, .count = 1},
+                     {.alpha = AlphaMode::blend, .first = 3, .count = 1}};
     for (uint32_t i = 0; i < 4; ++i) {
       shared::Item item{};
       item.transform = item.geometry = item.material = i;
@@ -46,7 +46,7 @@ TEST(CasterHash, ChangesWithWhatCasts) {
   EXPECT_TRUE(changed([](Content& c) { c.upload.items[0].index_count = 6; }));
   EXPECT_TRUE(changed([](Content& c) { c.upload.items[0].bounds_extent.x = 1; }));
   EXPECT_TRUE(changed([](Content& c) { c.upload.geometries[0].position = 9; }));
-  EXPECT_TRUE(changed([](Content& c) { c.draws.runs[0].count = 1; }));
+  EXPECT_TRUE(changed([](Content& c) { c.draws.batches[0].count = 1; }));
   EXPECT_TRUE(changed([](Content& c) { c.pose.materials[2].alpha_cutoff = 0.25f; }));
   EXPECT_TRUE(changed([](Content& c) { c.pose.materials[2].base_color.w = 0.5f; }));
   EXPECT_TRUE(changed([](Content& c) { c.pose.materials[2].base_color_texture.offset.x = 0.5f; }));

@@ -40,9 +40,9 @@ std::vector<shared::Item> random_items(size_t count, double size, Rng& rng) {
   return items;
 }
 
-DrawRun run(uint32_t first, uint32_t count, AlphaMode alpha = AlphaMode::opaque,
-            Topology topology = Topology::triangles) {
-  DrawRun r;
+DrawBatch run(uint32_t first, uint32_t count, AlphaMode alpha = AlphaMode::opaque,
+              Topology topology = Topology::triangles) {
+  DrawBatch r;
   r.first = first;
   r.count = count;
   r.alpha = alpha;
@@ -55,8 +55,9 @@ DrawRun run(uint32_t first, uint32_t count, AlphaMode alpha = AlphaMode::opaque,
 TEST(FrameViews, RegionsFollowOneAnotherAndHoldWhatIsDrawn) {
   Rng rng(31);
   const auto items = random_items(400, 30, rng);
-  const std::vector<DrawRun> runs = {run(0, 100), run(100, 50, AlphaMode::mask),
-                                     run(150, 50, AlphaMode::opaque, Topology::lines), run(200, 200, AlphaMode::blend)};
+  const std::vector<DrawBatch> runs = {run(0, 100), run(100, 50, AlphaMode::mask),
+                                       run(150, 50, AlphaMode::opaque, Topology::lines),
+                                       run(200, 200, AlphaMode::blend)};
   std::vector<shared::View> views;
   add_cube({3, 1, -4}, 12, views);
   const auto placed = place_views(views, items, runs, true, 1 << 20);
@@ -88,7 +89,7 @@ TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
   Rng rng(7);
   auto items = random_items(300, 10, rng);
   for (size_t i = 100; i < 200; ++i) items[i] = items[i / 4 * 4];  // a cluster is at one place
-  const std::vector<DrawRun> runs = {run(0, 100), run(100, 100, AlphaMode::mask), run(200, 100)};
+  const std::vector<DrawBatch> runs = {run(0, 100), run(100, 100, AlphaMode::mask), run(200, 100)};
   std::vector<shared::View> views;
   add_cube({3, 1, -4}, 12, views);
   const auto expected = place_views(views, items, runs, true, 1 << 20);
@@ -118,7 +119,7 @@ TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
 TEST(FrameViews, TooManyDrawsAreAnErrorThatNamesTheNeedAndTheKnob) {
   Rng rng(32);
   const auto items = random_items(300, 5, rng);
-  const std::vector<DrawRun> runs = {run(0, 300)};
+  const std::vector<DrawBatch> runs = {run(0, 300)};
   std::vector<shared::View> views;
   add_cube({0, 0, 0}, 100, views);
   const auto all = place_views(views, items, runs, false, 1800);
@@ -137,7 +138,7 @@ TEST(FrameViews, TooManyDrawsAreAnErrorThatNamesTheNeedAndTheKnob) {
 TEST(FrameViews, ManyCubeFacesTakeWhatIsDrawnAndNotAFullBufferEach) {
   Rng rng(33);
   const auto items = random_items(20000, 150, rng);
-  const std::vector<DrawRun> runs = {run(0, 20000)};
+  const std::vector<DrawBatch> runs = {run(0, 20000)};
   std::vector<shared::View> views;
   for (int light = 0; light < 256; ++light) add_cube(random_point(rng, 150), 15, views);
   ASSERT_EQ(views.size(), 1536u);

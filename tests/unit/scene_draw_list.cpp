@@ -42,8 +42,8 @@ TEST(DrawList, BlendedItemsComeLastAndFarthestFirst) {
   std::vector<uint32_t> nodes;
   for (const uint32_t i : l.draws.order) nodes.push_back(l.data.items[i].node);
   EXPECT_EQ(nodes, (std::vector<uint32_t>{2, 1, 3, 0}));
-  ASSERT_EQ(l.draws.runs.size(), 2u);
-  EXPECT_EQ(l.draws.runs[1].count, 3u);
+  ASSERT_EQ(l.draws.batches.size(), 2u);
+  EXPECT_EQ(l.draws.batches[1].count, 3u);
 }
 
 TEST(DrawList, RunsPartByState) {
@@ -61,7 +61,7 @@ TEST(DrawList, RunsPartByState) {
   add_node(b, {{"mesh", one_sided}, {"scale", {-1, -1, 1}}});
   const Listed l = listed(b);
   uint32_t mirrored = 0, culled = 0, unlit_items = 0, next = 0;
-  for (const DrawRun& run : l.draws.runs) {
+  for (const DrawBatch& run : l.draws.batches) {
     EXPECT_EQ(run.first, next);
     next += run.count;
     mirrored += run.mirrored ? run.count : 0;
@@ -70,7 +70,7 @@ TEST(DrawList, RunsPartByState) {
     EXPECT_EQ(run.topology, Topology::triangles);
   }
   EXPECT_EQ(next, 5u);
-  EXPECT_EQ(l.draws.runs.size(), 4u);
+  EXPECT_EQ(l.draws.batches.size(), 4u);
   EXPECT_EQ(mirrored, 1u);
   EXPECT_EQ(culled, 4u);
   EXPECT_EQ(unlit_items, 1u);

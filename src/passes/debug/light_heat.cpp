@@ -27,7 +27,7 @@ void LightHeat::record(CommandList& commands, const In& in, const Out& out) cons
   std::vector<CommandList::Attachment> colors;
   for (const ImageHandle image : out.counts) colors.push_back({image});
   commands.begin_rendering(colors, out.drawn.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &in.lists);
+  record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &in.lists);
   commands.end_rendering();
 }
 

@@ -1,6 +1,6 @@
 #include "passes/debug/light_volume_layer.h"
 
-#include "passes/geometry/draw_runs.h"
+#include "passes/shared/draw_batches.h"
 #include "shared/light_volumes.h"
 
 namespace candela {

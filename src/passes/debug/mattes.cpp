@@ -27,7 +27,7 @@ MatteIds::Out MatteIds::declare(GraphBuilder& builder, const In& in) const {
   const bool objects = matte == Matte::object;
   builder.read(objects ? in.scene.object_mattes : in.scene.material_mattes, Access::vertex_read, "ids of names");
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = objects ? "matte_ids.vert" : "matte_ids.vert#MATERIALS=1";
   choice.desc.fragment_shader = "matte_ids.frag";
   choice.desc.color_formats = {VK_FORMAT_R32_SFLOAT};
@@ -36,8 +36,8 @@ MatteIds::Out MatteIds::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_test = tested;
   choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
   Out out;
-  out.pipelines = declare_runs(
-      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  out.pipelines = declare_batches(
+      builder, in.scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.alpha != AlphaMode::blend; }, choice);
   ImageHandle ids = in.ids;
   if (!ids) {
     ImageDesc desc{fmt::format("mattes.{}.ids", short_name(matte)), VK_FORMAT_R32_SFLOAT, in.scene.width_px,
@@ -53,8 +53,8 @@ MatteIds::Out MatteIds::declare(GraphBuilder& builder, const In& in) const {
 void MatteIds::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment ids{out.ids, {}, range_of(in.scene)};
   commands.begin_rendering(std::span(&ids, 1), in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, nullptr, nullptr,
-              {matte == Matte::object ? in.scene.object_mattes : in.scene.material_mattes, {}});
+  record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines, nullptr, nullptr,
+                 {matte == Matte::object ? in.scene.object_mattes : in.scene.material_mattes, {}});
   commands.end_rendering();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 
@@ -27,7 +27,7 @@ struct MatteIds {
   };
   struct Out {
     ImageHandle ids;  // multisampled, or a layer for each picture of a supersampled frame
-    RunPipelines pipelines;
+    BatchPipelines pipelines;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -25,8 +25,8 @@ void MotionLayer::record(CommandList& commands, const In& in, const Out& out) co
   const CommandList::Attachment motion{out.motion};
   commands.begin_rendering(std::span(&motion, 1), out.drawn.depth);
   if (in.scene.motion)
-    record_runs(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, nullptr, nullptr,
-                {in.scene.motion, in.deformed_before});
+    record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, nullptr, nullptr,
+                   {in.scene.motion, in.deformed_before});
   commands.end_rendering();
 }
 

@@ -1,6 +1,6 @@
 #include "passes/debug/tree_views.h"
 
-#include "passes/geometry/features.h"
+#include "passes/shared/features.h"
 #include "shared/visibility.h"
 
 namespace candela {

@@ -53,7 +53,7 @@ void Cull::record(CommandList& commands, const In& in, const Out& out) const {
     push.regions = commands.address(in.views.regions);
   }
   push.group_count = in.scene.cull_group_count;
-  push.run_count = uint32_t(in.scene.runs->size());
+  push.run_count = uint32_t(in.scene.draw_batches->size());
   push.view_count = in.views.count;
   push.culling = uint32_t(knobs.enabled);
   commands.push(push);

@@ -30,7 +30,7 @@ CullCompact::Out CullCompact::declare(GraphBuilder& builder, const In& in) const
   out.draws.commands = builder.create(BufferDesc{"cull.commands", room * sizeof(shared::DrawCommand)});
   out.draws.commands = builder.write(out.draws.commands, Access::compute_write);
   out.draws.counts =
-      builder.create(BufferDesc{"cull.counts", in.scene.runs->size() * in.views.count * sizeof(uint32_t)});
+      builder.create(BufferDesc{"cull.counts", in.scene.draw_batches->size() * in.views.count * sizeof(uint32_t)});
   out.draws.counts = builder.write(out.draws.counts, Access::compute_write);
   out.pipeline = builder.pipeline(pipeline);
   return out;
@@ -46,7 +46,7 @@ void CullCompact::record(CommandList& commands, const In& in, const Out& out) co
   push.counts = commands.address(out.draws.counts);
   if (!in.views.is_camera()) push.regions = commands.address(in.views.regions);
   push.group_count = in.scene.cull_group_count;
-  push.run_count = uint32_t(in.scene.runs->size());
+  push.run_count = uint32_t(in.scene.draw_batches->size());
   push.view_count = in.views.count;
   commands.push(push);
   const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count * in.views.count);

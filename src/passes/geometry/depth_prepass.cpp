@@ -22,7 +22,7 @@ Need DepthPrepass::needed(const SceneFacts& facts, const FrameRequest&) const {
 
 DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) const {
   Out out;
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = "depth_prepass.vert";
   choice.desc.depth_format = depth_format;
   choice.desc.samples = in.scene.samples;
@@ -31,9 +31,9 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
   choice.masked_fragment = "depth_prepass.frag";
   if (knobs.by_sample != 0 && in.scene.samples > 1)
     choice.masked_fragment += fmt::format("#BY_SAMPLE={}", in.scene.samples);
-  out.pipelines = declare_runs(
+  out.pipelines = declare_batches(
       builder, in.scene, in.draws, in.deformed,
-      [&](const DrawRun& r) {
+      [&](const DrawBatch& r) {
         return (refracting ? r.alpha != AlphaMode::blend : r.solid()) && (!in.lines_alone || r.is_lines());
       },
       choice);
@@ -44,7 +44,7 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
 
 void DepthPrepass::record(CommandList& commands, const In& in, const Out& out) const {
   commands.begin_rendering({}, out.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines);
+  record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines);
   commands.end_rendering();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "passes/geometry/occlusion_cull_knobs.h"
-#include "passes/geometry/sampled_depth.h"
+#include "passes/shared/sampled_depth.h"
 
 namespace candela {
 

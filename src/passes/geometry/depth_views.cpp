@@ -8,15 +8,15 @@ Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const { re
 
 DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   Out out;
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = "depth_view.vert";
   choice.desc.depth_format = depth_format;
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.masked_fragment = "depth_prepass.frag";
-  out.pipelines = declare_runs(
+  out.pipelines = declare_batches(
       builder, in.scene, in.draws, in.deformed,
-      [](const DrawRun& r) { return r.solid() && r.topology == Topology::triangles; }, choice);
+      [](const DrawBatch& r) { return r.solid() && r.topology == Topology::triangles; }, choice);
   out.depth = builder.create(image_desc(*in.image, depth_format));
   for (uint32_t layer = 0; layer < in.image->layers; ++layer)
     out.depth = builder.write(out.depth, Access::depth_attachment, ImageRange::layer(layer));

@@ -1,8 +1,8 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
 #include "passes/shadows/lamp_knobs.h"
 #include "passes/shadows/sun_knobs.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 
@@ -23,7 +23,7 @@ struct DepthViews {
   };
   struct Out {
     ImageHandle depth;
-    RunPipelines pipelines;
+    BatchPipelines pipelines;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -1,6 +1,6 @@
 #include "passes/geometry/key_depth.h"
 
-#include "passes/geometry/draw_runs.h"
+#include "passes/shared/draw_batches.h"
 #include "shared/visibility.h"
 
 namespace candela {

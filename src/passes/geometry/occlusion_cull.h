@@ -1,7 +1,7 @@
 #pragma once
 #include "passes/geometry/occlusion_cull_knobs.h"
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/scene_inputs.h"
 
 namespace candela {
 

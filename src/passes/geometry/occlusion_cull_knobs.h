@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/pass.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 

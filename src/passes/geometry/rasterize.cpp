@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "passes/geometry/draw_runs.h"
-#include "passes/geometry/features.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/features.h"
 #include "shared/visibility.h"
 
 namespace candela {
@@ -47,7 +47,7 @@ RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHan
   builder.read(masks, Access::compute_read, "the items that stay");
   builder.read_optional(deformed, Access::compute_read);
   const bool any_masked =
-      std::ranges::any_of(*s.runs, [](const DrawRun& r) { return r.solid() && r.alpha == AlphaMode::mask; });
+      std::ranges::any_of(*s.draw_batches, [](const DrawBatch& r) { return r.solid() && r.alpha == AlphaMode::mask; });
   if (any_masked) constants.push_back({31, "HAS_MASKS", 1});
   for (const SpecConstant& c : base_color_constants(s.features))
     if (any_masked || Feature(c.id) == Feature::subsample) constants.push_back(c);

@@ -1,6 +1,6 @@
 #include "passes/geometry/trace_keys.h"
 
-#include "passes/geometry/features.h"
+#include "passes/shared/features.h"
 #include "shared/visibility.h"
 
 namespace candela {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "passes/lights/light_lists.h"
+#include "passes/shared/light_lists.h"
 #include "scene/frame_data.h"
 #include "scene/view.h"
 #include "shared/scene.h"

@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/lights/light_lists.h"
-#include "passes/pass.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/pass.h"
 #include "shared/lights.h"
 
 namespace candela {

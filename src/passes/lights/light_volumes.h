@@ -1,7 +1,7 @@
 #pragma once
-#include "passes/lights/volume_lists.h"
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/shared/volume_lists.h"
 
 namespace candela {
 

@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/scene_inputs.h"
 
 namespace candela {
 

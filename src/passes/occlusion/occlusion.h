@@ -1,7 +1,7 @@
 #pragma once
-#include "passes/geometry/sampled_depth.h"
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/sampled_depth.h"
+#include "passes/shared/scene_inputs.h"
 
 namespace candela {
 
@@ -20,7 +20,7 @@ struct OcclusionKnobs {
 
 // How open each visible surface is to the sky, as far as what the depth buffer holds tells: V = 1/pi of the integral of
 // the cosine over the hemisphere about the triangle's normal, where a direction that meets a surface at distance t
-// counts 1 - saturate((radius - t) / (falloff radius)) (scene/look.h, Occlusion). Jimenez, Wu, Pesce, Jarabo,
+// counts 1 - saturate((radius - t) / (falloff radius)) (look/look.h, Occlusion). Jimenez, Wu, Pesce, Jarabo,
 // "Practical Real-Time Strategies for Accurate Indirect Occlusion", 2016: the hemisphere is cut into slices about the
 // view vector, and in each, horizons are searched to both sides over the depth and the cosine is integrated between
 // them in closed form. Other than there each rise of a horizon is weighed by the distance of what made it (Bavoil,

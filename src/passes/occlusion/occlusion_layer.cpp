@@ -34,7 +34,7 @@ void OcclusionLayer::record(CommandList& commands, const In& in, const Out& out)
   const CommandList::Attachment color{out.layer};
   const Lighting lists = lists_of(in);
   commands.begin_rendering({&color, 1}, out.drawn.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &lists);
+  record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &lists);
   commands.end_rendering();
 }
 

@@ -1,12 +1,12 @@
 #pragma once
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/scene_inputs.h"
 #include "shared/bloom.h"
 
 namespace candela {
 
 // Light that lens and eye scatter: the picture (what of it is above a threshold, with a soft knee) through a sum of
-// Gaussians of the variances 1.5 (4^k - 1) square pixels, k = 1, 2, ..., each by the look's weight (scene/look.h,
+// Gaussians of the variances 1.5 (4^k - 1) square pixels, k = 1, 2, ..., each by the look's weight (look/look.h,
 // Bloom). Those are the variances of the levels of a pyramid of 13 taps down and a 3x3 tent up (Jimenez, "Next
 // Generation Post Processing in Call of Duty: Advanced Warfare", 2014), which stands for them; levels=0 convolves with
 // the Gaussians. Linear radiance in and out, before tone mapping. It keeps energy where the look does (what glows is

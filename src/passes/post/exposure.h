@@ -1,12 +1,12 @@
 #pragma once
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/scene_inputs.h"
 #include "shared/exposure.h"
 
 namespace candela {
 
 // Automatic exposure: the mean log2 of the picture's luminance between two percentiles of its histogram comes out at
-// the look's target (scene/look.h, AutoExposure). Of this frame alone, without any before it, so that frames are the
+// the look's target (look/look.h, AutoExposure). Of this frame alone, without any before it, so that frames are the
 // same in any order; counted in whole numbers, so that they are the same bytes. Linear radiance in, a factor out, which
 // tone mapping applies. Leaves wrong: luminances are taken from the middles of the bins; what is darker than 2^-24 or
 // brighter than 2^24 counts as that.

@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "passes/pass.h"
+#include "passes/shared/pass.h"
 #include "shared/pack.h"
 
 namespace candela {

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "passes/pass.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 

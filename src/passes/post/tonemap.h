@@ -1,9 +1,9 @@
 #pragma once
 #include <optional>
 
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
-#include "scene/look.h"
+#include "look/look.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/scene_inputs.h"
 
 namespace candela {
 

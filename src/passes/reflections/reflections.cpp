@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "passes/geometry/features.h"
+#include "passes/shared/features.h"
 
 namespace candela {
 namespace {
@@ -135,7 +135,7 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   builder.begin_step();
   declare_lights(builder, scene, in.lists);  // their addresses stand where occlusion's texels do
   declare_fog(builder, scene, in.lists, true);
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = with_fog("reflections_surface.frag", in.lists);
   choice.desc.color_formats = {VK_FORMAT_R32G32B32A32_UINT, VK_FORMAT_R32G32_UINT, color_format};
@@ -143,8 +143,8 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   choice.desc.depth_format = depth_format;
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.constants = light_constants(in.lists);
-  out.drawn = declare_runs(
-      builder, scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
+  out.drawn = declare_batches(
+      builder, scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.solid(); }, choice);
   out.reflected.surface =
       builder.write(image("reflections.surface", VK_FORMAT_R32G32B32A32_UINT), Access::color_attachment);
   out.reflected.reflectance =
@@ -229,7 +229,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
         {out.reflected.surface}, {out.reflected.reflectance}, {out.reflected.sky}};
     if (out.fog) colors.push_back({out.fog});
     commands.begin_rendering(colors, out.reflected.z);
-    record_runs(commands, scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
+    record_batches(commands, scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
     commands.end_rendering();
   } else if (step > last) {
     shared::ReflectionsSmoothPush push{};

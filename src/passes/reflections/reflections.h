@@ -1,7 +1,7 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
-#include "passes/reflections/reflected.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/reflected.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/surface_knobs.h"
@@ -64,7 +64,7 @@ struct Reflections {
     Reflected reflected;
     ImageHandle fog, colors;
     ImageHandle noisy;  // the light before it is smoothed; empty without
-    RunPipelines drawn;
+    BatchPipelines drawn;
     struct {
       PipelineHandle color, down, trace, smooth;
     } pipelines;

@@ -23,7 +23,7 @@ LampLayers::Out LampLayers::declare(GraphBuilder& builder, const In& in) const {
 void LampLayers::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.image};
   commands.begin_rendering({&color, 1}, out.drawn.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &in.lists);
+  record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &in.lists);
   commands.end_rendering();
 }
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "passes/geometry/draw_runs.h"
-#include "passes/geometry/features.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/features.h"
 #include "shared/draw.h"
 #include "shared/voxels.h"
 

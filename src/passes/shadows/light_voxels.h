@@ -1,7 +1,7 @@
 #pragma once
-#include "passes/geometry/sampled_depth.h"
-#include "passes/pass.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/sampled_depth.h"
+#include "passes/shared/scene_inputs.h"
 
 namespace candela {
 

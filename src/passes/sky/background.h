@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 

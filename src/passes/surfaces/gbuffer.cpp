@@ -1,6 +1,6 @@
 #include "passes/surfaces/gbuffer.h"
 
-#include "passes/geometry/features.h"
+#include "passes/shared/features.h"
 
 namespace candela {
 namespace {
@@ -29,7 +29,7 @@ Need GBuffer::needed(const SceneFacts& facts, const FrameRequest&) const { retur
 GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
   builder.read(in.depth, Access::depth_test, "depth");
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.depth_format = depth_format;
   choice.desc.samples = s.samples;
@@ -50,8 +50,8 @@ GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
       const ImageDesc desc{fmt::format("gbuffer.{}{}", what, i), words, s.width_px, s.height_px, s.samples};
       g.images[g.count++] = builder.write(builder.create(desc), Access::color_attachment);
     }
-    return declare_runs(
-        builder, s, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
+    return declare_batches(
+        builder, s, in.draws, in.deformed, [](const DrawBatch& r) { return r.solid(); }, choice);
   };
   out.own = declare_step(own, "", "");
   if (shades_lobes(s.features)) out.lobes = declare_step(lobe_images(s), "lobes", "#LOBES_APART=1");
@@ -64,7 +64,7 @@ void GBuffer::record(CommandList& commands, const In& in, const Out& out) const 
   std::vector<CommandList::Attachment> colors;
   for (uint32_t i = first; i < last; ++i) colors.push_back({out.gbuffer.images[i]});
   commands.begin_rendering(colors, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, commands.step() == 0 ? out.own : out.lobes);
+  record_batches(commands, in.scene, in.draws, in.deformed, commands.step() == 0 ? out.own : out.lobes);
   commands.end_rendering();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
 #include "passes/surfaces/gbuffer_images.h"
 #include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
@@ -48,7 +48,7 @@ struct GBuffer {
   };
   struct Out {
     GBufferImages gbuffer;
-    RunPipelines own, lobes;
+    BatchPipelines own, lobes;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/pass.h"
+#include "passes/shared/pass.h"
 #include "passes/surfaces/sample_store.h"
 
 namespace candela {

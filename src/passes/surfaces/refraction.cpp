@@ -2,8 +2,8 @@
 
 #include <bit>
 
-#include "passes/geometry/features.h"
-#include "passes/transparency/blended.h"
+#include "passes/shared/blended.h"
+#include "passes/shared/features.h"
 #include "shared/refraction.h"
 
 namespace candela {
@@ -102,7 +102,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.depth, Access::depth_test, "depth");
   declare_lights(builder, scene, in.lists);
   declare_fog(builder, scene, in.lists, true);
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = with_fog("shade_forward.frag", in.lists);
   choice.desc.color_formats = {color_format};
@@ -112,8 +112,8 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
   choice.desc.constants = light_constants(in.lists);
   declare_seen_through(builder, scene, out.seen, choice);
-  out.pipelines = declare_runs(
-      builder, scene, in.draws, in.deformed, [](const DrawRun& r) { return r.refracts; }, choice);
+  out.pipelines = declare_batches(
+      builder, scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.refracts; }, choice);
   out.color = builder.write(in.color, Access::color_attachment);
   return out;
 }
@@ -138,8 +138,8 @@ void Refraction::record(CommandList& commands, const In& in, const Out& out) con
   }
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, &in.lists, &in.lists,
-              own_inputs(commands, out.seen));
+  record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines, &in.lists, &in.lists,
+                 own_inputs(commands, out.seen));
   commands.end_rendering();
 }
 

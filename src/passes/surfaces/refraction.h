@@ -1,9 +1,9 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/seen_through.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
-#include "passes/surfaces/seen_through.h"
 #include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
@@ -53,7 +53,7 @@ struct Refraction {
   struct Out {
     ImageHandle color;
     SeenThrough seen;
-    RunPipelines pipelines;
+    BatchPipelines pipelines;
     PipelineHandle down, rays;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

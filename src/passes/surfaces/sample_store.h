@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/scene_inputs.h"
 
 namespace candela {
 

@@ -1,7 +1,7 @@
 #include "passes/surfaces/shade_gbuffer.h"
 
-#include "passes/geometry/draw_runs.h"
-#include "passes/geometry/features.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/features.h"
 
 namespace candela {
 

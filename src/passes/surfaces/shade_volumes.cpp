@@ -1,7 +1,7 @@
 #include "passes/surfaces/shade_volumes.h"
 
-#include "passes/geometry/draw_runs.h"
-#include "passes/geometry/features.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/features.h"
 #include "shared/light_volumes.h"
 
 namespace candela {

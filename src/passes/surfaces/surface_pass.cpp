@@ -13,7 +13,7 @@ typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, 
   builder.read(in.depth, Access::depth_test, "depth");
   if (lit) declare_lights(builder, in.scene, in.lists);
   declare_fog(builder, in.scene, in.lists, lit);
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = with_fog(lit ? "shade_forward.frag" : "shade_unlit.frag", in.lists);
   if (lit) choice.desc.fragment_shader = with_shadow_colors(choice.desc.fragment_shader, in.lists.shadow_colors);
@@ -24,9 +24,9 @@ typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, 
   choice.desc.depth_compare = VK_COMPARE_OP_EQUAL;
   if (lit) choice.desc.constants = light_constants(in.lists);
   Out out;
-  out.pipelines = declare_runs(
+  out.pipelines = declare_batches(
       builder, in.scene, in.draws, in.deformed,
-      [&](const DrawRun& r) { return r.solid() && r.unlit != lit && (!in.lines_alone || r.is_lines()); }, choice);
+      [&](const DrawBatch& r) { return r.solid() && r.unlit != lit && (!in.lines_alone || r.is_lines()); }, choice);
   out.color = write_color(builder, in.scene, in.color);
   return out;
 }
@@ -35,7 +35,7 @@ template <bool lit>
 void SurfacePass<lit>::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
   commands.begin_rendering({&color, 1}, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.pipelines, lit ? &in.lists : nullptr, &in.lists);
+  record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines, lit ? &in.lists : nullptr, &in.lists);
   commands.end_rendering();
 }
 

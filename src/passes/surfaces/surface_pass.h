@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
 #include "passes/surfaces/surface_knobs.h"
@@ -34,7 +34,7 @@ struct SurfacePass {
   };
   struct Out {
     ImageHandle color;
-    RunPipelines pipelines;
+    BatchPipelines pipelines;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

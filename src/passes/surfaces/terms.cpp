@@ -45,7 +45,7 @@ std::string Terms::stored_part(size_t term) {
 
 Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   const bool tested = bool(in.depth);
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   if (wants_lighting(in)) {
     declare_lights(builder, in.scene, in.lists);
     choice.desc.constants = light_constants(in.lists);
@@ -73,8 +73,8 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     out.reflected =
         declare_reflected(builder, in.scene, in.reflected, in.depth, choice.desc.color_formats, tested, terms);
   }
-  out.opaque = declare_runs(
-      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
+  out.opaque = declare_batches(
+      builder, in.scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.solid(); }, choice);
   if (wants_lighting(in)) {
     Lighting unoccluded = in.lists;
     unoccluded.occlusion = {};
@@ -83,17 +83,17 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   if (in.seen) {
     choice.desc.depth_format = depth_format;
     choice.desc.depth_test = true;
-    RunPipelineChoice refracting = choice;
+    BatchPipelineChoice refracting = choice;
     declare_fog(builder, in.scene, of_blended(in.lists), wants_lighting(in));
     refracting.desc.fragment_shader = with_fog(shader, of_blended(in.lists));
     declare_seen_through(builder, in.scene, in.seen, refracting);
-    out.refracting = declare_runs(
-        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.refracts; }, refracting);
+    out.refracting = declare_batches(
+        builder, in.scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.refracts; }, refracting);
   }
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.desc.blend = Blend::premultiplied_over;
-  const auto is_blended = [&](const DrawRun& r) { return r.alpha == AlphaMode::blend && !in.without_blended; };
-  out.blended = declare_runs(builder, in.scene, in.draws, in.deformed, is_blended, choice);
+  const auto is_blended = [&](const DrawBatch& r) { return r.alpha == AlphaMode::blend && !in.without_blended; };
+  out.blended = declare_batches(builder, in.scene, in.draws, in.deformed, is_blended, choice);
   for (uint32_t i = 0; i < term_count; ++i) {
     if (!in.wanted[i]) continue;
     out.images[i] = Term(i) == Term::background ? in.background : ImageHandle{};
@@ -122,11 +122,11 @@ void Terms::record(CommandList& commands, const In& in, const Out& out) const {
   const Lighting seen_fog = in.seen ? of_blended(in.lists) : Lighting{};
   const Lighting* const fog = in.seen ? &seen_fog : nullptr;
   const OwnInputs own = in.seen ? own_inputs(commands, in.seen) : OwnInputs{};
-  const auto draw = [&](const RunPipelines& runs) {
-    record_runs(commands, in.scene, in.draws, in.deformed, runs, lists, fog, own);
+  const auto draw = [&](const BatchPipelines& runs) {
+    record_batches(commands, in.scene, in.draws, in.deformed, runs, lists, fog, own);
   };
   // Blended runs come after the others in the order of drawing.
-  const auto with = [](RunPipelines runs, const RunPipelines& more) {
+  const auto with = [](BatchPipelines runs, const BatchPipelines& more) {
     for (size_t r = 0; r < more.by_run.size(); ++r)
       if (more.by_run[r]) runs.by_run[r] = more.by_run[r];
     return runs;

@@ -1,12 +1,12 @@
 #pragma once
 #include <array>
 
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
-#include "passes/reflections/reflected.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/reflected.h"
+#include "passes/shared/seen_through.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
-#include "passes/surfaces/seen_through.h"
 #include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
@@ -59,7 +59,7 @@ struct Terms {
   };
   struct Out {
     std::array<ImageHandle, term_count> images;  // as multisampled as the frame; empty where not wanted
-    RunPipelines opaque, refracting, blended;
+    BatchPipelines opaque, refracting, blended;
     PipelineHandle reflected;  // drawn between the two
   };
   // The shader of one term alone, for Fragments::part.

@@ -24,7 +24,7 @@ void Transparent::record(CommandList& commands, const In& in, const Out& out) co
   commands.begin_rendering({&color, 1}, in.depth);
   OwnInputs own;
   if (in.glass) own.number = commands.sampled(in.glass);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
+  record_batches(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
   commands.end_rendering();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/transparency/blended.h"
+#include "passes/shared/blended.h"
 
 namespace candela {
 
@@ -12,7 +12,7 @@ struct Transparent {
   using In = BlendedIn;
   struct Out {
     ImageHandle color;
-    RunPipelines drawn;
+    BatchPipelines drawn;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -7,13 +7,13 @@ namespace {
 
 constexpr VkFormat shadow_format = VK_FORMAT_R16G16B16A16_SFLOAT;
 
-bool is_seen_through(const DrawRun& r) { return !r.solid() && r.topology == Topology::triangles; }
-bool is_blended(const DrawRun& r) { return is_seen_through(r) && !r.refracts; }
-bool is_glass(const DrawRun& r) { return is_seen_through(r) && r.refracts; }
+bool is_seen_through(const DrawBatch& r) { return !r.solid() && r.topology == Topology::triangles; }
+bool is_blended(const DrawBatch& r) { return is_seen_through(r) && !r.refracts; }
+bool is_glass(const DrawBatch& r) { return is_seen_through(r) && r.refracts; }
 
 // Whether some view of the layer draws glass.
 bool has_glass(const ColoredShadows::In& in, uint32_t layer) {
-  const std::vector<DrawRun>& runs = *in.scene.runs;
+  const std::vector<DrawBatch>& runs = *in.scene.draw_batches;
   const std::vector<uint32_t>& first = *in.draws.first_command;
   for (size_t v = 0; v < in.image->views.size(); ++v)
     for (size_t r = 0; r < runs.size(); ++r) {
@@ -81,15 +81,15 @@ ColoredShadows::Out ColoredShadows::declare(GraphBuilder& builder, const In& in)
 
   builder.begin_step();
   builder.read(in.depth, Access::sampled_graphics, "the shadow maps");
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = "colored_shadows.vert";
   choice.desc.fragment_shader = "colored_shadows.frag";
   choice.desc.color_formats = {shadow_format};
   choice.desc.blend = Blend::coverage;
-  out.straight = declare_runs(builder, s, in.draws, in.deformed, is_blended, choice);
+  out.straight = declare_batches(builder, s, in.draws, in.deformed, is_blended, choice);
   choice.desc.vertex_shader = "colored_shadows.vert#GLASS=1";
   choice.desc.fragment_shader = bends ? "colored_shadows.frag#GLASS=1#BODIES_BLOCK=1" : "colored_shadows.frag#GLASS=1";
-  const RunPipelines glass = declare_runs(builder, s, in.draws, in.deformed, is_glass, choice);
+  const BatchPipelines glass = declare_batches(builder, s, in.draws, in.deformed, is_glass, choice);
   for (size_t r = 0; r < glass.by_run.size(); ++r)
     if (glass.by_run[r]) out.straight.by_run[r] = glass.by_run[r];
   for (uint32_t layer = 0; layer < desc.layers; ++layer)
@@ -108,7 +108,7 @@ ColoredShadows::Out ColoredShadows::declare(GraphBuilder& builder, const In& in)
     choice.desc.blend = Blend::none;
     test_depth(choice.desc, true);
     choice.desc.depth_write = true;
-    out.back_faces = declare_runs(builder, s, in.draws, in.deformed, is_glass, choice);
+    out.back_faces = declare_batches(builder, s, in.draws, in.deformed, is_glass, choice);
     bent.positions = image("back_positions", color_format);
     bent.normals = image("back_normals", shadow_format);
     bent.z = image("back_z", depth_format);
@@ -125,7 +125,7 @@ ColoredShadows::Out ColoredShadows::declare(GraphBuilder& builder, const In& in)
     drawn.color_formats = {shadow_format};
     drawn.blend = Blend::additive;
     drawn.constants = {{45, "STEPS", uint32_t(knobs.steps)}};
-    out.bodies = declare_runs(builder, s, in.draws, in.deformed, is_glass, {drawn, {}});
+    out.bodies = declare_batches(builder, s, in.draws, in.deformed, is_glass, {drawn, {}});
     write(out.colors, Access::color_attachment, ImageRange::layer(maps.layers + layer));
   }
   return out;
@@ -138,7 +138,7 @@ void ColoredShadows::record(CommandList& commands, const In& in, const Out& out)
   shared::ColoredShadowPush push{};
   push.deformed = in.deformed ? commands.address(in.deformed) : 0;
   push.size_px = commands.size(out.colors).x;
-  const auto draw_layer = [&](uint32_t layer, const RunPipelines& pipelines) {
+  const auto draw_layer = [&](uint32_t layer, const BatchPipelines& pipelines) {
     for (uint32_t v = 0; v < views.size(); ++v) {
       const shared::View& view = views[v];
       if (view.layer != layer) continue;

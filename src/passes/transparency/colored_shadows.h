@@ -1,10 +1,10 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
 #include "passes/shadows/lamp_knobs.h"
 #include "passes/shadows/sun_knobs.h"
+#include "passes/shared/blended.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
 #include "passes/surfaces/texture_knobs.h"
-#include "passes/transparency/blended.h"
 
 namespace candela {
 
@@ -51,7 +51,7 @@ struct ColoredShadows {
   struct Out {
     ImageHandle colors;
     std::vector<Bent> bent;
-    RunPipelines straight, back_faces, bodies;
+    BatchPipelines straight, back_faces, bodies;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -94,7 +94,7 @@ Need Fragments::needed(const SceneFacts& facts, const FrameRequest& request) con
 
 Fragments::Out Fragments::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
-  const uint64_t quads = quads_of(s), runs = s.runs->size();
+  const uint64_t quads = quads_of(s), runs = s.draw_batches->size();
   Out out;
   const auto written = [&](BufferHandle& buffer, Access access = Access::compute_write) {
     buffer = builder.write(buffer, access);
@@ -123,8 +123,8 @@ Fragments::Out Fragments::declare(GraphBuilder& builder, const In& in) const {
   counted.vertex_shader = "draw.vert", counted.fragment_shader = "fragments_count.frag";
   counted.samples = s.samples;
   test_depth(counted, true);
-  out.counted = declare_runs(builder, s, in.draws, in.deformed,
-                             [](const DrawRun& r) { return r.alpha == AlphaMode::blend; }, {counted, {}});
+  out.counted = declare_batches(builder, s, in.draws, in.deformed,
+                                [](const DrawBatch& r) { return r.alpha == AlphaMode::blend; }, {counted, {}});
   written(out.buffers.cells, Access::fragment_write);
 
   builder.begin_step();
@@ -183,21 +183,21 @@ void Fragments::record(CommandList& commands, const In& in, const Out& out) cons
   push.size_px = {s.width_px, s.height_px};
   push.room = uint32_t(room());
   push.most_rounds = uint32_t(knobs.rounds);
-  push.runs = uint32_t(s.runs->size());
+  push.runs = uint32_t(s.draw_batches->size());
   const bool draws = step == count_step || (step >= first_round && step < over_step && (step - first_round) % 2 == 0);
   if (draws) {
     OwnInputs own;
     own.table = out.buffers.cells;
     commands.begin_rendering({}, out.depth);
     if (step == count_step) {
-      record_runs(commands, s, in.draws, in.deformed, out.counted, nullptr, nullptr, own);
+      record_batches(commands, s, in.draws, in.deformed, out.counted, nullptr, nullptr, own);
     } else {
       Draws round = in.draws;
       round.counts = out.buffers.rounds;
       own.deformed_before = out.buffers.stored;
       own.number = (step - first_round) / 2;
       own.first_count = (3 * push.most_rounds + own.number * push.runs) * sizeof(uint32_t);
-      record_runs(commands, s, round, in.deformed, out.drawn, &in.lists, &in.lists, own);
+      record_batches(commands, s, round, in.deformed, out.drawn, &in.lists, &in.lists, own);
     }
     commands.end_rendering();
   } else if (step == sum_step || step == scan_step) {

@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/transparency/blended.h"
+#include "passes/shared/blended.h"
 #include "shared/transparency.h"
 
 namespace candela {
@@ -35,7 +35,7 @@ struct Fragments {
       BufferHandle rounds;                // groups of threads a round; counts of draws a round
     } buffers;
     BufferHandle report;
-    RunPipelines counted, drawn;
+    BatchPipelines counted, drawn;
     struct {
       PipelineHandle sum, scan, rounds, blend, over;
     } pipelines;

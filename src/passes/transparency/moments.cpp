@@ -48,8 +48,8 @@ Moments::Out Moments::declare(GraphBuilder& builder, const In& in) const {
   absorbed.samples = s.samples;
   absorbed.blend = Blend::additive;
   test_depth(absorbed, tested);
-  out.absorbed = declare_runs(builder, s, in.draws, in.deformed,
-                              [](const DrawRun& r) { return r.alpha == AlphaMode::blend; }, {absorbed, {}});
+  out.absorbed = declare_batches(builder, s, in.draws, in.deformed,
+                                 [](const DrawBatch& r) { return r.alpha == AlphaMode::blend; }, {absorbed, {}});
   for (ImageHandle& moments : out.moments) write(moments);
 
   builder.begin_step();
@@ -74,12 +74,12 @@ void Moments::record(CommandList& commands, const In& in, const Out& out) const 
     std::vector<CommandList::Attachment> moments;
     for (const ImageHandle image : out.moments) moments.push_back({image});
     commands.begin_rendering(moments, in.depth);
-    record_runs(commands, in.scene, in.draws, in.deformed, out.absorbed, nullptr, nullptr, own);
+    record_batches(commands, in.scene, in.draws, in.deformed, out.absorbed, nullptr, nullptr, own);
   } else {
     for (size_t i = 0; i < out.moments.size(); ++i) own.number |= commands.sampled(out.moments[i]) << (8 * i);
     const CommandList::Attachment sum{out.sum};
     commands.begin_rendering({&sum, 1}, in.depth);
-    record_runs(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
+    record_batches(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
   }
   commands.end_rendering();
 }

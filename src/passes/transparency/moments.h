@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/transparency/blended.h"
+#include "passes/shared/blended.h"
 
 namespace candela {
 
@@ -26,7 +26,7 @@ struct Moments {
     ImageHandle color;
     std::vector<ImageHandle> moments;  // the first four; absorbance and the fifth to seventh; the eighth
     ImageHandle sum;                   // of dimmed radiance and coverage
-    RunPipelines absorbed, drawn;
+    BatchPipelines absorbed, drawn;
     PipelineHandle over;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

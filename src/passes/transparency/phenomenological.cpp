@@ -3,7 +3,7 @@
 #include <array>
 #include <bit>
 
-#include "passes/surfaces/seen_through.h"
+#include "passes/shared/seen_through.h"
 #include "shared/refraction.h"
 #include "shared/transparency.h"
 
@@ -57,7 +57,7 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
     return builder.create(ImageDesc{name, color_format, s.width_px, s.height_px, samples});
   };
   const auto write = [&](ImageHandle& written) { written = builder.write(written, Access::color_attachment); };
-  const auto refracts = [](const DrawRun& r) { return r.refracts; };
+  const auto refracts = [](const DrawBatch& r) { return r.refracts; };
   Out out;
   if (glass) {
     out.pipelines.down = builder.pipeline(ComputePipelineDesc{"refraction_down.comp", {}});
@@ -65,13 +65,13 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
   }
   if (backs) {
     builder.begin_step();
-    RunPipelineChoice choice;
+    BatchPipelineChoice choice;
     choice.desc.vertex_shader = "draw.vert";
     choice.desc.fragment_shader = "phenomenological_backs.frag#BACKS=0";
     choice.desc.color_formats = {color_format};
     test_depth(choice.desc, true);
     choice.desc.depth_write = true;
-    out.back_faces = declare_runs(builder, s, in.draws, in.deformed, refracts, choice);
+    out.back_faces = declare_batches(builder, s, in.draws, in.deformed, refracts, choice);
     out.backs.faces = image("phenomenological.backs", 1);
     write(out.backs.faces);
     out.backs.z = builder.create(ImageDesc{"phenomenological.backs_z", depth_format, s.width_px, s.height_px});
@@ -101,7 +101,7 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
     test_depth(drawn, bool(in.depth));
     drawn.constants = light_constants(in.lists);
     if (backs) drawn.constants.push_back({42, "GLASS_SEARCH", uint32_t(knobs.backs)});
-    const RunPipelines glasses = declare_runs(builder, s, in.draws, in.deformed, refracts, {drawn, {}});
+    const BatchPipelines glasses = declare_batches(builder, s, in.draws, in.deformed, refracts, {drawn, {}});
     for (size_t r = 0; r < glasses.by_run.size(); ++r)
       if (glasses.by_run[r]) out.drawn.by_run[r] = glasses.by_run[r];
   }
@@ -159,7 +159,7 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
     const CommandList::Attachment backs{out.backs.faces};
     commands.begin_rendering({&backs, 1}, out.backs.z);
     own.backs = true;
-    record_runs(commands, s, in.draws, in.deformed, out.back_faces, nullptr, nullptr, own);
+    record_batches(commands, s, in.draws, in.deformed, out.back_faces, nullptr, nullptr, own);
   } else if (step == draw_step) {
     std::vector<CommandList::Attachment> sums = {{out.sums.light}, {out.sums.absorbed}};
     if (glass) sums.insert(sums.end(), {{out.sums.widths}, {out.sums.moved}});
@@ -168,7 +168,7 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
     if (in.glass) own.number = commands.sampled(in.glass);
     if (in.glass && behind && in.depth) own.number |= commands.sampled(in.depth) << 8;
     if (out.backs.faces) own.number |= commands.sampled(out.backs.faces) << 16;
-    record_runs(commands, s, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
+    record_batches(commands, s, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
   } else {
     shared::PhenomenologicalPush push{};
     push.sum = commands.sampled(out.sums.light), push.covered = commands.sampled(out.sums.absorbed);

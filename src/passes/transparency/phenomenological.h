@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/transparency/blended.h"
+#include "passes/shared/blended.h"
 
 namespace candela {
 
@@ -45,7 +45,7 @@ struct Phenomenological {
       ImageHandle faces, z;  // of bodies: what looks away
       ImageHandle pyramid;   // of what is behind them
     } backs;
-    RunPipelines back_faces, drawn;
+    BatchPipelines back_faces, drawn;
     struct {
       PipelineHandle down, over;
     } pipelines;

@@ -31,7 +31,7 @@ void Weighted::record(CommandList& commands, const In& in, const Out& out) const
   if (commands.step() == 1) return record_sums_over(commands, in.scene, out.over, out.sum, out.absorbed, out.color);
   const CommandList::Attachment sums[] = {{out.sum}, {out.absorbed}};
   commands.begin_rendering(sums, in.depth);
-  record_runs(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
+  record_batches(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
   commands.end_rendering();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/transparency/blended.h"
+#include "passes/shared/blended.h"
 
 namespace candela {
 
@@ -18,7 +18,7 @@ struct Weighted {
   struct Out {
     ImageHandle color;
     ImageHandle sum, absorbed;  // of weighted radiance and weights; of absorbance
-    RunPipelines drawn;
+    BatchPipelines drawn;
     PipelineHandle over;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

@@ -1,6 +1,6 @@
 #include "passes/volumes/fog.h"
 
-#include "passes/lights/push_lights.h"
+#include "passes/shared/push_lights.h"
 #include "shared/fog.h"
 
 namespace candela {

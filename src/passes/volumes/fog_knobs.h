@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "passes/pass.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 

@@ -38,21 +38,21 @@ FogLayers::Out FogLayers::declare(GraphBuilder& builder, const In& in) const {
   behind.depth_test = tested;
   behind.depth_compare = VK_COMPARE_OP_EQUAL;
   out.behind = builder.pipeline(behind);
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc = behind;
   choice.desc.vertex_shader = "draw.vert";
   choice.desc.fragment_shader = with_fog("fog_layers.frag" + wanted, lists);
-  if (!in.scene.runs->empty()) {
-    out.opaque = declare_runs(
-        builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.solid(); }, choice);
+  if (!in.scene.draw_batches->empty()) {
+    out.opaque = declare_batches(
+        builder, in.scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.solid(); }, choice);
     declare_fog(builder, in.scene, of_blended(lists));
     choice.desc.fragment_shader = with_fog("fog_layers.frag" + wanted, of_blended(lists));
     if (in.nearest) choice.desc.depth_format = depth_format, choice.desc.depth_test = true;
     choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
     choice.desc.blend = Blend::premultiplied_over;
     // Surfaces that let light through cover all, and come first.
-    const auto is_drawn = [&](const DrawRun& r) { return !r.solid() && (r.refracts || !in.without_blended); };
-    out.blended = declare_runs(builder, in.scene, in.draws, in.deformed, is_drawn, choice);
+    const auto is_drawn = [&](const DrawBatch& r) { return !r.solid() && (r.refracts || !in.without_blended); };
+    out.blended = declare_batches(builder, in.scene, in.draws, in.deformed, is_drawn, choice);
   }
   for (size_t i = 0; i < 2; ++i) {
     if (!in.wanted[i]) continue;
@@ -86,13 +86,13 @@ void FogLayers::record(CommandList& commands, const In& in, const Out& out) cons
     commands.set_cull(false, false);
     commands.draw(3);
   }
-  if (!in.scene.runs->empty()) {
-    RunPipelines all = out.opaque;
+  if (!in.scene.draw_batches->empty()) {
+    BatchPipelines all = out.opaque;
     if (!first) all.by_run.assign(all.by_run.size(), {});
     for (size_t r = 0; r < all.by_run.size() && last; ++r)
       if (out.blended.by_run[r]) all.by_run[r] = out.blended.by_run[r];
-    record_runs(commands, in.scene, in.draws, in.deformed, all, fog_walks(of_blended(lists)) ? &lists : nullptr,
-                &lists);
+    record_batches(commands, in.scene, in.draws, in.deformed, all, fog_walks(of_blended(lists)) ? &lists : nullptr,
+                   &lists);
   }
   commands.end_rendering();
 }

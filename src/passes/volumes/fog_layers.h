@@ -1,6 +1,6 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
 #include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
@@ -28,7 +28,7 @@ struct FogLayers {
   struct Out {
     std::array<ImageHandle, 2> images;  // as multisampled as the frame; empty where not wanted
     PipelineHandle behind;
-    RunPipelines opaque, blended;
+    BatchPipelines opaque, blended;
   };
   // The shader of one layer alone, for Fragments::part.
   static std::string_view stored_part(size_t layer) {

@@ -1,7 +1,7 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/geometry/sampled_depth.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/sampled_depth.h"
 #include "passes/volumes/fog_knobs.h"
 
 namespace candela {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "passes/lights/push_lights.h"
+#include "passes/shared/push_lights.h"
 #include "shared/volumetric.h"
 
 namespace candela {

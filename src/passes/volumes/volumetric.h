@@ -1,14 +1,14 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/geometry/sampled_depth.h"
-#include "passes/pass.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/sampled_depth.h"
 
 namespace candela {
 
 // Light of point and spot lights that the air turns once towards the camera, as a look effect of its own over the
 // resolved picture (Toth and Umenhoffer, "Real-time Volumetric Lighting in Participating Media", 2009): each coarse
 // texel's ray is followed in even steps that begin off each other by a Bayer matrix, with the lamps' shadow maps on the
-// way; then filtered and enlarged. What is summed is scene/look.h's Volumetric. The inverse square of a step is its
+// way; then filtered and enlarged. What is summed is look/look.h's Volumetric. The inverse square of a step is its
 // mean over it, in closed form, and so is what the air leaves on the way to the camera; the rest is taken at the step's
 // point. Units: radiance as in beauty, pre-exposed.
 //

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "graph/builder.h"
-#include "passes/geometry/views.h"
-#include "passes/lights/light_lists.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/views.h"
 #include "scene/draw_list.h"
 
 namespace candela {
@@ -17,7 +17,7 @@ struct TreeRange {
   bool holds_instances;
 };
 
-// What every pass that touches the scene takes: the uploaded buffers, the frame's shape, and the draw runs.
+// What every pass that touches the scene takes: the uploaded buffers, the frame's shape, and the draw batches.
 struct SceneInputs {
   BufferHandle constants, vertices, indices, items, transforms, geometries, materials, lights, cull_groups;
   BufferHandle lobes;             // of materials; empty without
@@ -51,7 +51,7 @@ struct SceneInputs {
   // Where things were at the time before (shared/motion.h); empty: nothing moves, or nobody asks. The last two are
   // empty where deformed vertices are the same.
   BufferHandle motion, joints_before, weights_before;
-  std::shared_ptr<const std::vector<DrawRun>> runs;
+  std::shared_ptr<const std::vector<DrawBatch>> draw_batches;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials
   uint32_t item_count = 0, cull_group_count = 0, batch_count = 0, light_count = 0;
   std::vector<uint32_t> deform_vertices;  // vertex count of each deform job

@@ -3,7 +3,7 @@
 
 #include "gpu/command_list.h"
 #include "graph/builder.h"
-#include "passes/knob_tables.h"
+#include "passes/shared/knob_tables.h"
 
 namespace candela {
 

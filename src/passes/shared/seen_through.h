@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
+#include "passes/shared/draw_batches.h"
 
 namespace candela {
 
@@ -25,7 +25,7 @@ void record_level(CommandList& commands, PipelineHandle down, ImageHandle pictur
 
 // Declares what is read, and completes the shaders and constants of a choice that has lights and fog.
 void declare_seen_through(GraphBuilder& builder, const SceneInputs& scene, const SeenThrough& seen,
-                          RunPipelineChoice& choice);
+                          BatchPipelineChoice& choice);
 OwnInputs own_inputs(CommandList& commands, const SeenThrough& seen);
 
 }  // namespace candela

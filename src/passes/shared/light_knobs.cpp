@@ -1,4 +1,4 @@
-#include "passes/lights/light_knobs.h"
+#include "passes/shared/light_knobs.h"
 
 namespace candela {
 

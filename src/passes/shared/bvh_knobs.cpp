@@ -1,4 +1,4 @@
-#include "passes/geometry/bvh_knobs.h"
+#include "passes/shared/bvh_knobs.h"
 
 namespace candela {
 

@@ -3,10 +3,10 @@
 #include <string>
 
 #include "graph/handle.h"
-#include "passes/geometry/bvh_knobs.h"
-#include "passes/knob_tables.h"
-#include "passes/lights/light_knobs.h"
-#include "passes/volumes/fog_view.h"
+#include "passes/shared/bvh_knobs.h"
+#include "passes/shared/fog_view.h"
+#include "passes/shared/knob_tables.h"
+#include "passes/shared/light_knobs.h"
 
 namespace candela {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gpu/command_list.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/scene_inputs.h"
 #include "shared/cull.h"
 #include "shared/draw.h"
 #include "shared/visibility.h"
@@ -12,24 +12,25 @@
 namespace candela {
 
 // Drawing the scene's runs, shared by the passes that rasterise it. Not a pass.
-struct RunPipelines {
+struct BatchPipelines {
   std::vector<PipelineHandle> by_run;  // parallel to SceneInputs::runs; empty: this pass does not draw the run
 };
 
 // Declares the scene reads of a drawing pass and one pipeline for each distinct state among the runs that `draws`
 // accepts. desc is completed with topology and the run's constants; a masked run gets `masked_fragment` where the
 // opaque one has none.
-struct RunPipelineChoice {
+struct BatchPipelineChoice {
   GraphicsPipelineDesc desc;
   std::string masked_fragment;  // for depth-only passes; empty: desc.fragment_shader serves all
 };
-RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                          const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice);
+BatchPipelines declare_batches(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
+                               BufferHandle deformed, const std::function<bool(const DrawBatch&)>& accepts,
+                               const BatchPipelineChoice& choice);
 
 // What layers beside beauty are drawn with: the nearest opaque or masked surface at the pixel's centre, one sample, in
 // a depth buffer of its own, `pass`.z.
 struct NearestSurface {
-  RunPipelines pipelines;
+  BatchPipelines pipelines;
   ImageHandle depth;
 };
 NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
@@ -59,14 +60,14 @@ struct OwnInputs {
 // of their pipelines.
 void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& scene, BufferHandle deformed, const Lighting& met);
 std::vector<SpecConstant> met_constants(const SceneInputs& scene, const Lighting& met);
-// The push constants of passes that shade the scene. lists, fog: as for record_runs.
+// The push constants of passes that shade the scene. lists, fog: as for record_batches.
 shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, BufferHandle deformed,
                            const Lighting* lists, const Lighting* fog, const OwnInputs& own);
 // One vkCmdDrawIndexedIndirectCount a run, inside begin_rendering. lists: of a pass that declared lights. fog: of one
 // that declared fog.
-void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const Lighting* lists = nullptr, const Lighting* fog = nullptr,
-                 const OwnInputs& own = {});
+void record_batches(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                    const BatchPipelines& pipelines, const Lighting* lists = nullptr, const Lighting* fog = nullptr,
+                    const OwnInputs& own = {});
 
 // The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const Lighting& lists);
@@ -74,10 +75,10 @@ shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const 
 // The same for a view of the range that the draws are of, by its number there: surfaces from both sides.
 template <class Push>
 void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws,
-                      const RunPipelines& pipelines, uint32_t number, const Push& push) {
+                      const BatchPipelines& pipelines, uint32_t number, const Push& push) {
   commands.bind_index_buffer(scene.indices);
-  for (size_t r = 0; r < scene.runs->size(); ++r) {
-    const size_t region = number * scene.runs->size() + r;
+  for (size_t r = 0; r < scene.draw_batches->size(); ++r) {
+    const size_t region = number * scene.draw_batches->size() + r;
     const uint32_t first = (*draws.first_command)[region], room = (*draws.first_command)[region + 1] - first;
     if (!pipelines.by_run[r] || room == 0) continue;
     commands.bind(pipelines.by_run[r]);
@@ -89,7 +90,7 @@ void record_view_runs(CommandList& commands, const SceneInputs& scene, const Dra
 }
 // The depth of what casts shadows in it.
 void record_view_depth(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                       const RunPipelines& pipelines, uint32_t number, const shared::View& view);
+                       const BatchPipelines& pipelines, uint32_t number, const shared::View& view);
 
 // The specialization constants that say what such a pass finds.
 std::vector<SpecConstant> light_constants(const Lighting& lists);

@@ -1,4 +1,4 @@
-#include "scene/look.h"
+#include "look/look.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "base/files.h"
-#include "scene/look_rows.h"
+#include "look/look_rows.h"
 
 namespace candela {
 namespace look_rows {

@@ -1,6 +1,6 @@
-#include "passes/volumes/fog_view.h"
+#include "passes/shared/fog_view.h"
 
-#include "passes/geometry/draw_runs.h"
+#include "passes/shared/draw_batches.h"
 
 namespace candela {
 

@@ -1,7 +1,7 @@
 // Reflection probes of look files.
 #include <gtest/gtest.h>
 
-#include "scene/look.h"
+#include "look/look.h"
 
 namespace candela::test::scene_look_probes {
 namespace {

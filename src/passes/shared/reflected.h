@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/scene_inputs.h"
+#include "passes/shared/scene_inputs.h"
 #include "shared/reflections.h"
 
 namespace candela {

@@ -6,7 +6,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "scene/look.h"
+#include "look/look.h"
 
 // Tables of a look file's keys: each row says what it is (look_keys() shows it) and reads it into a T.
 namespace candela::look_rows {

@@ -1,5 +1,5 @@
 // The reader's keys as a JSON Schema.
-#include "scene/look_rows.h"
+#include "look/look_rows.h"
 
 namespace candela {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "graph/handle.h"
 #include "graph/plan.h"
-#include "passes/knob_tables.h"
+#include "passes/shared/knob_tables.h"
 #include "shared/cull.h"
 
 namespace candela {

@@ -1,4 +1,4 @@
-#include "passes/reflections/reflected.h"
+#include "passes/shared/reflected.h"
 
 #include "gpu/command_list.h"
 

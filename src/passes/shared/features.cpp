@@ -1,4 +1,4 @@
-#include "passes/geometry/features.h"
+#include "passes/shared/features.h"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 
 #include "base/files.h"
 #include "base/json.h"
-#include "scene/look.h"
+#include "look/look.h"
 
 namespace candela::test::scene_look_schema {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include "gpu/command_list.h"
-#include "passes/lights/light_lists.h"
-#include "passes/scene_inputs.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
 
 namespace candela {
 

@@ -1,7 +1,7 @@
 // Values over time.
 #include <span>
 
-#include "scene/look_rows.h"
+#include "look/look_rows.h"
 
 namespace candela::look_rows {
 namespace {

@@ -1,5 +1,5 @@
 // Reflection probes of a look file.
-#include "scene/look_rows.h"
+#include "look/look_rows.h"
 
 namespace candela::look_rows {
 namespace {

@@ -1,10 +1,7 @@
 #pragma once
-#include "passes/geometry/draw_runs.h"
-#include "passes/pass.h"
-#include "passes/surfaces/ibl_knobs.h"
-#include "passes/surfaces/probe_knobs.h"
-#include "passes/surfaces/surface_knobs.h"
-#include "passes/surfaces/texture_knobs.h"
+#include "passes/shared/draw_batches.h"
+#include "passes/shared/knob_tables.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 
@@ -28,8 +25,8 @@ Need needs_method(const SceneFacts& facts, const FrameRequest& request, std::str
 // Pipelines of all blended runs with shade_forward.frag and shade_unlit.frag under `define` ("#WEIGHTED=1"; empty:
 // they put out premultiplied radiance), tested against the opaque depth. desc: attachments and blending, and, where it
 // names a fragment shader, that one for both.
-RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, GraphicsPipelineDesc desc,
-                             const std::string& define = {});
+BatchPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, GraphicsPipelineDesc desc,
+                               const std::string& define = {});
 // The depth test that draws blended surfaces behind nothing opaque.
 void test_depth(GraphicsPipelineDesc& desc, bool tested);
 

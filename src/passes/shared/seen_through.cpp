@@ -1,4 +1,4 @@
-#include "passes/surfaces/seen_through.h"
+#include "passes/shared/seen_through.h"
 
 #include <bit>
 
@@ -47,7 +47,7 @@ void record_level(CommandList& commands, PipelineHandle down, ImageHandle pictur
 }
 
 void declare_seen_through(GraphBuilder& builder, const SceneInputs& scene, const SeenThrough& seen,
-                          RunPipelineChoice& choice) {
+                          BatchPipelineChoice& choice) {
   builder.read(seen.picture, Access::sampled_fragment, "the picture behind");
   builder.read(seen.pyramid, Access::sampled_fragment, "the picture's levels");
   builder.read_optional(seen.behind, Access::sampled_fragment);

@@ -9,7 +9,8 @@
 #include "base/knob.h"
 #include "gpu/command_list.h"
 #include "graph/builder.h"
-#include "passes/knob_tables.h"
+#include "passes/shared/frame_request.h"
+#include "passes/shared/knob_tables.h"
 #include "scene/survey.h"
 
 namespace candela {
@@ -53,8 +54,8 @@ concept SharesKnobs = requires {
 };
 
 // Tables of passes before it, whose knobs change its work by the plain buffers and images that it is handed; what In
-// holds of other types says so itself (`MadeBy`, passes/knob_tables.h). The plan has their values where those passes
-// stand.
+// holds of other types says so itself (`MadeBy`, passes/shared/knob_tables.h). The plan has their values where those
+// passes stand.
 template <class P>
 concept FollowsKnobs = requires {
   std::tuple_size<typename P::InputKnobs>::value;

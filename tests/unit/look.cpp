@@ -1,4 +1,4 @@
-#include "scene/look.h"
+#include "look/look.h"
 
 #include <gtest/gtest.h>
 

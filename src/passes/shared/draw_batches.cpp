@@ -1,9 +1,9 @@
-#include "passes/geometry/draw_runs.h"
+#include "passes/shared/draw_batches.h"
 
 #include <algorithm>
 
-#include "passes/geometry/features.h"
-#include "passes/lights/push_lights.h"
+#include "passes/shared/features.h"
+#include "passes/shared/push_lights.h"
 #include "shared/draw.h"
 #include "shared/visibility.h"
 
@@ -22,8 +22,9 @@ bool takes_settings(const Lighting& lists) {
 }
 }  // namespace
 
-RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                          const std::function<bool(const DrawRun&)>& accepts, const RunPipelineChoice& choice) {
+BatchPipelines declare_batches(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
+                               BufferHandle deformed, const std::function<bool(const DrawBatch&)>& accepts,
+                               const BatchPipelineChoice& choice) {
   builder.read(scene.constants, Access::uniform_read, "the frame's constants");
   for (const BufferHandle b : {scene.vertices, scene.items, scene.transforms, scene.geometries, scene.materials})
     builder.read(b, Access::graphics_read, "the scene");
@@ -32,8 +33,8 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
   builder.read(draws.counts, Access::indirect_read, "draw counts");
   builder.read_optional(scene.lobes, Access::graphics_read);
   builder.read_optional(deformed, Access::vertex_read);
-  RunPipelines pipelines;
-  for (const DrawRun& run : *scene.runs) {
+  BatchPipelines pipelines;
+  for (const DrawBatch& run : *scene.draw_batches) {
     if (!accepts(run)) {
       pipelines.by_run.push_back({});
       continue;
@@ -51,7 +52,7 @@ RunPipelines declare_runs(GraphBuilder& builder, const SceneInputs& scene, const
 }
 
 bool draws_lines(const SceneInputs& scene) {
-  return std::ranges::any_of(*scene.runs, [](const DrawRun& r) { return r.solid() && r.is_lines(); });
+  return std::ranges::any_of(*scene.draw_batches, [](const DrawBatch& r) { return r.solid() && r.is_lines(); });
 }
 
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Lighting& lists, const ReadBy& by) {
@@ -126,7 +127,7 @@ NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs&
                                        BufferHandle deformed, std::string_view pass, std::string fragment_shader,
                                        std::vector<VkFormat> color_formats, std::vector<SpecConstant> constants,
                                        std::string vertex_shader) {
-  RunPipelineChoice choice;
+  BatchPipelineChoice choice;
   choice.desc.vertex_shader = std::move(vertex_shader);
   choice.desc.fragment_shader = std::move(fragment_shader);
   choice.desc.color_formats = std::move(color_formats);
@@ -135,8 +136,8 @@ NearestSurface declare_nearest_surface(GraphBuilder& builder, const SceneInputs&
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.desc.constants = std::move(constants);
   NearestSurface out;
-  out.pipelines = declare_runs(
-      builder, scene, draws, deformed, [](const DrawRun& r) { return r.alpha != AlphaMode::blend; }, choice);
+  out.pipelines = declare_batches(
+      builder, scene, draws, deformed, [](const DrawBatch& r) { return r.alpha != AlphaMode::blend; }, choice);
   out.depth =
       builder.write(builder.create(ImageDesc{std::string(pass) + ".z", depth_format, scene.width_px, scene.height_px}),
                     Access::depth_attachment);
@@ -208,13 +209,13 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
   return push;
 }
 
-void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                 const RunPipelines& pipelines, const Lighting* lists, const Lighting* fog, const OwnInputs& own) {
+void record_batches(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
+                    const BatchPipelines& pipelines, const Lighting* lists, const Lighting* fog, const OwnInputs& own) {
   commands.bind_index_buffer(scene.indices);
   const shared::DrawPush push = draw_push(commands, scene, deformed, lists, fog, own);
-  for (size_t r = 0; r < scene.runs->size(); ++r) {
+  for (size_t r = 0; r < scene.draw_batches->size(); ++r) {
     if (!pipelines.by_run[r]) continue;
-    const DrawRun& run = (*scene.runs)[r];
+    const DrawBatch& run = (*scene.draw_batches)[r];
     commands.bind(pipelines.by_run[r]);
     commands.push(push);
     commands.set_cull(run.cull_back || own.backs, run.mirrored != own.backs);
@@ -224,7 +225,7 @@ void record_runs(CommandList& commands, const SceneInputs& scene, const Draws& d
 }
 
 void record_view_depth(CommandList& commands, const SceneInputs& scene, const Draws& draws, BufferHandle deformed,
-                       const RunPipelines& pipelines, uint32_t number, const shared::View& view) {
+                       const BatchPipelines& pipelines, uint32_t number, const shared::View& view) {
   shared::DepthViewPush push{};
   push.deformed = deformed ? commands.address(deformed) : 0;
   push.clip_from_relative = view.clip_from_relative;

@@ -1,4 +1,4 @@
-#include "passes/transparency/blended.h"
+#include "passes/shared/blended.h"
 
 #include "shared/transparency.h"
 
@@ -16,12 +16,12 @@ void test_depth(GraphicsPipelineDesc& desc, bool tested) {
   desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
 }
 
-RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, GraphicsPipelineDesc desc,
-                             const std::string& define) {
+BatchPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, GraphicsPipelineDesc desc,
+                               const std::string& define) {
   const bool tested = builder.read_optional(in.depth, Access::depth_test);
   declare_lights(builder, in.scene, in.lists);
   declare_fog(builder, in.scene, in.lists, true);
-  RunPipelineChoice choice{std::move(desc), {}};
+  BatchPipelineChoice choice{std::move(desc), {}};
   if (choice.desc.vertex_shader.empty()) choice.desc.vertex_shader = "draw.vert";
   choice.desc.samples = in.scene.samples;
   test_depth(choice.desc, tested);
@@ -29,14 +29,14 @@ RunPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, Graphic
   const auto shader = [&](const char* whole) { return with_fog((part.empty() ? whole : part) + define, in.lists); };
   choice.desc.fragment_shader = shader("shade_forward.frag");
   choice.desc.constants = light_constants(in.lists);
-  RunPipelines all = declare_runs(
+  BatchPipelines all = declare_batches(
       builder, in.scene, in.draws, in.deformed,
-      [](const DrawRun& r) { return r.alpha == AlphaMode::blend && !r.unlit; }, choice);
+      [](const DrawBatch& r) { return r.alpha == AlphaMode::blend && !r.unlit; }, choice);
   choice.desc.fragment_shader = shader("shade_unlit.frag");
   choice.desc.constants = {};
-  const RunPipelines unlit = declare_runs(
-      builder, in.scene, in.draws, in.deformed, [](const DrawRun& r) { return r.alpha == AlphaMode::blend && r.unlit; },
-      choice);
+  const BatchPipelines unlit = declare_batches(
+      builder, in.scene, in.draws, in.deformed,
+      [](const DrawBatch& r) { return r.alpha == AlphaMode::blend && r.unlit; }, choice);
   // Lit and unlit runs interleave by depth, so they go out in one walk.
   for (size_t r = 0; r < all.by_run.size(); ++r)
     if (unlit.by_run[r]) all.by_run[r] = unlit.by_run[r];

@@ -1,4 +1,4 @@
-// Tests of one item's box against a view (TECHNIQUES 2.1, 2.2). Written so that NaN and infinite bounds are kept, and
+// Tests of one item's box against a view. Written so that NaN and infinite bounds are kept, and
 // rounding never culls.
 #include "lib/frame.glsl"
 #include "shared/cull.h"

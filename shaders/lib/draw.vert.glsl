@@ -1,6 +1,6 @@
 #include "lib/vertex_attributes.glsl"
 // The vertex shader of every pass that shades the scene. Varyings are centroid: never extrapolated off the triangle, so
-// that a partly covered pixel shades a point of the surface (TECHNIQUES 3.1). PLACED: a function placed() says where.
+// that a partly covered pixel shades a point of the surface. PLACED: a function placed() says where.
 invariant gl_Position;
 layout(location = 0) out flat uvec2 out_ids;  // material, object
 layout(location = 1) centroid out vec3 out_position;

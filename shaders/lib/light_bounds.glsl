@@ -51,7 +51,7 @@ bool test_cone_sphere(LightBounds b, Slab s) {
       along < -r - slack);
 }
 
-// The capsule round a slab (TECHNIQUES 6.3): balls whose centres run from a to a + length u and whose radii grow by
+// The capsule round a slab: balls whose centres run from a to a + length u and whose radii grow by
 // kappa a metre.
 struct Capsule {
   vec3 a, u;
@@ -128,7 +128,7 @@ vec2 in_front_of_apex(LightBounds b, Capsule c, vec3 q, vec2 interval, float sla
       : vec2(interval.x, min(interval.y, zero + tolerance));
 }
 
-// Ball and cone each against the whole capsule (TECHNIQUES 6.4).
+// Ball and cone each against the whole capsule.
 bool test_capsule(LightBounds b, Slab s) {
   const Capsule c = slab_capsule(s);
   const vec3 q = c.a - b.position;
@@ -141,7 +141,7 @@ bool test_capsule(LightBounds b, Slab s) {
   return b.cos_outer <= 1e-3 || cone_touches(b, c, q, vec2(0.0, c.length_m), slack);
 }
 
-// Ball and cone at one and the same depth: "joint interval test" of TECHNIQUES 6.4.
+// Ball and cone at one and the same depth: the joint interval test.
 bool test_capsule_joint(LightBounds b, Slab s) {
   const Capsule c = slab_capsule(s);
   const vec3 q = c.a - b.position;

@@ -1,7 +1,7 @@
 #pragma once
 // The words of a light (shared/scene.h, Light). Needs shared/scene.h.
 
-// Closer than this a point light's inverse square is held, the same in every path (TECHNIQUES 9.3).
+// Closer than this a point light's inverse square is held, the same in every path.
 const float MIN_LIGHT_DISTANCE_M = 0.01;
 
 // A 64-bit word of a light. llvmpipe gathers every word lane by lane, which is most of what a light costs there: so

@@ -1,6 +1,6 @@
 #pragma once
 // The lights of a shaded point, in ascending order whatever the list: sums come out bit for bit as if every light were
-// walked, for a light outside its range or cone gives exactly zero (TECHNIQUES 6.1). All lanes of a subgroup walk the
+// walked, for a light outside its range or cone gives exactly zero. All lanes of a subgroup walk the
 // union of their lists, so a light's data is loaded once for all. In a long list, where most lights end before the
 // point, each lane looks for those that reach it first. Needs lib/light_cells.glsl and the addresses pc.lights,
 // pc.light_cells, pc.light_entries, pc.light_tiles.

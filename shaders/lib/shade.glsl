@@ -1,7 +1,7 @@
 #pragma once
 // The light that a surface sends to the viewer, before exposure: its emission, ambient light, and every light of the
-// point's list, or all, in ascending order and summed without contraction, so that a culled list gives the same bits
-// (TECHNIQUES 6.1). Needs the push constants of DrawPush, lib/surface.glsl, and what it includes. begin_rays goes
+// point's list, or all, in ascending order and summed without contraction, so that a culled list gives the same bits.
+// Needs the push constants of DrawPush, lib/surface.glsl, and what it includes. begin_rays goes
 // before.
 #include "lib/brdf.glsl"
 #include "lib/light_eval.glsl"

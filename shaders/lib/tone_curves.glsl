@@ -1,4 +1,4 @@
-// Tone curves: exposed linear Rec.709 in, linear display Rec.709 in [0,1] out (TECHNIQUES 15.2).
+// Tone curves: exposed linear Rec.709 in, linear display Rec.709 in [0,1] out.
 
 vec3 reinhard(vec3 c) { return c / (1.0 + c); }
 

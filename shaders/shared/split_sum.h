@@ -5,7 +5,7 @@
 // The texture of the split sum (sky/split_sum.h makes it, lib/ambient.glsl reads it): columns in equal steps of the
 // root of n.v from 0 to 1, rows in equal steps of the root of perceptual roughness from its least to 1.
 //
-// Perceptual roughness below the least counts as it: D overflows at its peak in 32-bit floats else (TECHNIQUES 9.1).
+// Perceptual roughness below the least counts as it: D overflows at its peak in 32-bit floats else.
 #ifdef __cplusplus
 namespace candela::shared {
 inline constexpr uint split_sum_columns = 64, split_sum_rows = 32;

@@ -7,7 +7,7 @@
 
 namespace candela {
 
-// The value is the exit code of the program (DESIGN section 10, 11).
+// The value is the exit code of the program (docs/design.md, "Errors").
 enum class ErrorKind : int {
   comparison = 1,
   usage = 2,

@@ -456,10 +456,10 @@ std::vector<std::string> unswept_knobs(const std::vector<BenchRow>& rows) {
     if (swept.contains(name)) continue;
     const bool kept =
         std::any_of(knob.passes.begin(), knob.passes.end(), [&](const auto& pass) { return passes.contains(pass); });
-    names.push_back(name + (knob.kind == "look"     ? " (of the look)"
-                            : knob.walk.size() <= 1 ? " (it has no values to walk)"
-                            : !kept                 ? " (no row has its passes)"
-                                                    : " (its passes run; no row differs in it)"));
+    names.push_back(name + (knob.kind == "look"      ? " (of the look)"
+                            : knob.sweep.size() <= 1 ? " (it has no values to walk)"
+                            : !kept                  ? " (no row has its passes)"
+                                                     : " (its passes run; no row differs in it)"));
   }
   return names;
 }

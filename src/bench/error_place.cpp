@@ -251,14 +251,14 @@ class PlaceRun {
     });
     if (exact == rows_.all().end()) return;
     for (const KnobRow& knob : knob_rows("exact")) {
-      if (knob.kind == "look" || knob.walk.size() < 2) continue;
+      if (knob.kind == "look" || knob.sweep.size() < 2) continue;
       const std::string name = knob.pass + "." + knob.knob;
       const size_t before = rows_.all().size();
-      for (const std::string& value : knob.walk) {
-        if (value == knob.value_now && knob.beside.empty()) continue;
+      for (const std::string& value : knob.sweep) {
+        if (value == knob.value_now && knob.required.empty()) continue;
         Configuration c = exact->planned.configuration;
         c.job.settings = {{knob.pass, knob.knob, value}};
-        for (const std::string& setting : knob.beside) c.job.settings.push_back(*parse_knob_setting(setting));
+        for (const std::string& setting : knob.required) c.job.settings.push_back(*parse_knob_setting(setting));
         consider({"knob " + name, std::move(c), {{name, value, knob.kind, knob.passes}}, {}});
       }
       if (rows_.all().size() > before)

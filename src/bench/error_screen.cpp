@@ -34,20 +34,20 @@ std::vector<std::string> knob_steps(const KnobRow& knob) {
     if (value != knob.value_now && std::ranges::find(values, value) == values.end()) values.push_back(value);
   };
   if (!is_number_text(knob.value_now)) {
-    for (const std::string& value : knob.walk) add(value);
+    for (const std::string& value : knob.sweep) add(value);
     return values;
   }
   const double now = std::strtod(knob.value_now.c_str(), nullptr);
   // The nearest on either side, whichever way the walk runs, and the exact end.
   const std::string *below = nullptr, *above = nullptr;
-  for (const std::string& value : knob.walk) {
+  for (const std::string& value : knob.sweep) {
     const double v = std::strtod(value.c_str(), nullptr);
     if (v < now && (!below || v > std::strtod(below->c_str(), nullptr))) below = &value;
     if (v > now && (!above || v < std::strtod(above->c_str(), nullptr))) above = &value;
   }
   for (const std::string* value : {below, above})
     if (value) add(*value);
-  if (!knob.walk.empty()) add(knob.walk.back());
+  if (!knob.sweep.empty()) add(knob.sweep.back());
   return values;
 }
 
@@ -90,7 +90,7 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
   for (KnobRow& knob : knobs) {
     for (const KnobSetting& s : base.settings)
       if (s.pass == knob.pass && s.knob == knob.knob) knob.value_now = s.value;
-    const std::set<std::string> walk(knob.walk.begin(), knob.walk.end());
+    const std::set<std::string> walk(knob.sweep.begin(), knob.sweep.end());
     const bool whole = o.whole.contains(knob.pass + "." + knob.knob);
     for (const std::string& value : whole ? std::vector(walk.begin(), walk.end()) : knob_steps(knob)) {
       if (value == knob.value_now) continue;

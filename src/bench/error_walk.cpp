@@ -132,7 +132,7 @@ class Walker {
     NotWalked not_walked;
     beside_.clear();
     for (const KnobRow& knob : knob_rows("exact"))
-      if (knob.kind != "look" && knob.walk.size() > 1) walk_knob(place, exact, knob, work, not_walked);
+      if (knob.kind != "look" && knob.sweep.size() > 1) walk_knob(place, exact, knob, work, not_walked);
     const auto note = [&](const std::vector<std::string>& names, std::string_view why) {
       if (!names.empty())
         place.notes.push_back(
@@ -158,12 +158,12 @@ class Walker {
   // The exact end with what must stand beside a knob, which may put its passes into the frame.
   const Work& work_beside(const SweepPlace& place, const Configuration& exact, const KnobRow& knob,
                           const Work& exact_work) {
-    if (knob.beside.empty()) return exact_work;
-    const auto [at, made] = beside_.try_emplace(joined(knob.beside));
+    if (knob.required.empty()) return exact_work;
+    const auto [at, made] = beside_.try_emplace(joined(knob.required));
     if (!made) return at->second;
     Job job = exact.job;
     job.settings.clear();
-    for (const std::string& setting : knob.beside) job.settings.push_back(*parse_knob_setting(setting));
+    for (const std::string& setting : knob.required) job.settings.push_back(*parse_knob_setting(setting));
     auto work = work_of_all(place, job);
     return at->second = work ? std::move(*work) : exact_work;
   }
@@ -178,11 +178,11 @@ class Walker {
     }
     std::vector<Hash128> works = {exact_work.hash};
     std::vector<std::string> skipped;
-    for (const std::string& value : knob.walk) {
-      if (value == knob.value_now && knob.beside.empty()) continue;
+    for (const std::string& value : knob.sweep) {
+      if (value == knob.value_now && knob.required.empty()) continue;
       Configuration changed = exact;
       changed.job.settings = {{knob.pass, knob.knob, value}};
-      for (const std::string& setting : knob.beside) changed.job.settings.push_back(*parse_knob_setting(setting));
+      for (const std::string& setting : knob.required) changed.job.settings.push_back(*parse_knob_setting(setting));
       const auto work = work_of_all(place, changed.job);
       if (work && std::find(works.begin(), works.end(), work->hash) != works.end()) {
         skipped.push_back(name + "=" + value);

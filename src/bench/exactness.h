@@ -10,7 +10,7 @@
 namespace candela {
 
 // Renders scenes in all techniques and counts pixels that are not bit-equal to the reference technique's: light lists
-// may change the time, never the picture (DESIGN section 7).
+// may change the time, never the picture.
 struct ExactnessOptions {
   int fields = 200;                                                // seeded, of the generated scene light-field
   uint64_t seed = 1;                                               // of the first

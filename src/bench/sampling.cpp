@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "base/rng.h"
 #include "base/statistics.h"
+#include "passes/transparency/moments.h"
 
 namespace candela {
 

@@ -8,7 +8,7 @@
 
 namespace candela {
 
-// How many times a configuration is measured (DESIGN section 6).
+// How many times a configuration is measured.
 struct SamplingRules {
   double precision = 0.01;  // wanted standard error of the median, as a part of it
   int min_runs = 5;         // the pilot

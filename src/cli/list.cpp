@@ -70,15 +70,15 @@ std::string knobs_text(const std::vector<KnobRow>& knobs) {
   std::vector<std::vector<std::string>> rows = {{"KNOB", "VALUE", "UNIT", "TRADES", "RANGE", "LADDER"}};
   for (const KnobRow& k : knobs) {
     const bool choice = k.range.find('|') != std::string::npos;
-    rows.push_back({k.pass + "." + k.knob, k.value_now, k.unit, k.kind, choice ? "" : k.range, k.ladder});
+    rows.push_back({k.pass + "." + k.knob, k.value_now, k.unit, k.kind, choice ? "" : k.range, k.levels});
   }
   const std::vector<std::string> lines = split(table_text(rows), '\n');
   std::string text = lines.front() + "\n";
   for (size_t i = 0; i < knobs.size(); ++i) {
     const KnobRow& k = knobs[i];
-    text += lines[i + 1] + "\n" + indented(k.trades);
+    text += lines[i + 1] + "\n" + indented(k.description);
     if (k.range.find('|') != std::string::npos) text += indented("one of " + joined(split(k.range, '|')));
-    if (k.walk.size() > 1) text += indented("swept: " + joined(k.walk));
+    if (k.sweep.size() > 1) text += indented("swept: " + joined(k.sweep));
   }
   return text;
 }
@@ -115,11 +115,11 @@ Expected<int> list_knobs(const ListOptions& o) {
                  {"value", k.value_now},
                  {"unit", k.unit},
                  {"range", k.range},
-                 {"ladder", k.ladder},
+                 {"ladder", k.levels},
                  {"kind", k.kind},
-                 {"swept", k.walk},
+                 {"swept", k.sweep},
                  {"passes", k.passes},
-                 {"trades", k.trades},
+                 {"trades", k.description},
                  {"expert", bool(expert[i])}});
   }
   return done(print_json(j));
@@ -131,11 +131,11 @@ std::vector<std::string> technique_choices() {
   names.emplace(names.begin(), auto_technique);
   return names;
 }
-std::string_view technique_choice_says(std::string_view name) {
+std::string_view technique_choice_description(std::string_view name) {
   static const std::string by_default =
       fmt::format("the default, what is quickest: {} on a GPU with 64-bit atomics, elsewhere {}",
                   quickest_technique(false, true).name, quickest_technique(true, false).name);
-  return name == auto_technique ? by_default : technique_says(name);
+  return name == auto_technique ? by_default : technique_description(name);
 }
 
 std::vector<std::string> generated_scene_names() {
@@ -161,17 +161,17 @@ void add_list(CLI::App& app, Action& action) {
   devices->add_flag("--json", o->json, "As JSON");
   devices->callback([o, &action] { action = [o] { return list_devices_table(*o); }; });
   add_names(*list, action, o, "techniques", "Ways to make a frame (--technique)", technique_choices,
-            technique_choice_says);
+            technique_choice_description);
   add_names(*list, action, o, "transparency", "Ways to draw blended surfaces (--transparency)", transparency_names,
-            transparency_says);
+            transparency_description);
   add_names(*list, action, o, "passes", "Passes, the keys of timings and knobs", pass_names);
   CLI::App* knobs = list->add_subcommand("knobs", "Knobs of all passes with their values (--set)");
   knobs->add_option("--quality", o->quality, "Values at this preset")->capture_default_str()->type_name("NAME");
   knobs->add_flag("--all", o->all, "Also those for experts, which no quality moves");
   knobs->add_flag("--json", o->json, "As JSON, all of them");
   knobs->callback([o, &action] { action = [o] { return list_knobs(*o); }; });
-  add_names(*list, action, o, "layers", "EXR layers beside beauty (--layers)", layer_names, layer_says);
-  add_names(*list, action, o, "views", "What PNG and video can show (--view)", view_names, layer_says);
+  add_names(*list, action, o, "layers", "EXR layers beside beauty (--layers)", layer_names, layer_description);
+  add_names(*list, action, o, "views", "What PNG and video can show (--view)", view_names, layer_description);
   CLI::App* look = list->add_subcommand("look-schema", "The JSON Schema of look files (docs/schemas)");
   look->callback([&action] { action = [] { return done(print(look_schema())); }; });
   add_names(*list, action, o, "scenes", "Scenes that make-scene writes", generated_scene_names, scene_description);

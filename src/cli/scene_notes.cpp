@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "gltf/losses.h"
 #include "math/bounds.h"
+#include "passes/post/pack.h"
 #include "plan/posed_scene.h"
 #include "render/metering.h"
 #include "render/picture_tones.h"

@@ -370,7 +370,7 @@ void FrameRunner::Hidden::read_times(const FramePlan& plan, const RunOptions& op
 }
 
 // Every pass is its own submission with two stamps of its own, waited for: what a CPU driver needs for honest times
-// (DESIGN section 6), and what hashing needs to look at each pass's outputs. Without timestamps the host's clock is
+//, and what hashing needs to look at each pass's outputs. Without timestamps the host's clock is
 // read instead.
 void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options,
                                        double timeout_s, FrameSlot& slot) {

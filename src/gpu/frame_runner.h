@@ -31,7 +31,7 @@ class Readback {
 };
 
 struct RunOptions {
-  bool timed = false;  // stamps per pass; on a CPU device every pass is then its own submission (DESIGN section 6)
+  bool timed = false;         // stamps per pass; on a CPU device every pass is then its own submission
   bool hash_outputs = false;  // after each pass, hash everything it wrote and count non-finite values (debugging; slow)
   // The frame's time as a whole (FrameRun::whole_ms), whatever runs side by side in it.
   bool whole = false;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-// The one table that says what a use of a resource means to Vulkan (DESIGN section 5). Pure; no device.
+// The one table that says what a use of a resource means to Vulkan. Pure; no device.
 namespace candela {
 
 enum class Access : uint8_t {

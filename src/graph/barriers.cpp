@@ -1,7 +1,7 @@
 #include "graph/builder.h"
 #include "graph/queues.h"
 
-// One walk over the ordered passes and their steps with the state of every buffer and subresource (DESIGN section 5):
+// One walk over the ordered passes and their steps with the state of every buffer and subresource:
 // the last write, who can see it, and the reads since. A change of layout counts as a write that happens between the
 // stages of its own barrier.
 namespace candela {

@@ -4,7 +4,7 @@
 
 #include "graph/plan.h"
 
-// Passes on two queues: who waits for whom (DESIGN section 5). Pure; plans know nothing of what queues a device has.
+// Passes on two queues: who waits for whom. Pure; plans know nothing of what queues a device has.
 namespace candela {
 
 constexpr int queue_count = 2;

@@ -1,7 +1,9 @@
 #include <algorithm>
 
 #include "job/frame_choices.h"
-#include "passes/all_passes.h"
+#include "passes/post/tonemap.h"
+#include "passes/shared/light_knobs.h"
+#include "passes/shared/pass_list.h"
 #include "techniques/technique.h"
 
 // What a job may choose from: techniques, methods, layers, effects, by their names.
@@ -15,8 +17,8 @@ Job with_every_light(Job job, const std::string& reference) {
   if (!has_own_pixels(job.technique)) {
     job.technique = reference;
   } else {
-    const std::span<const Knob<LightKnobs>> table = LightKnobs::table();
-    const auto few = std::ranges::find(table, "few", &Knob<LightKnobs>::name);
+    const std::span<const Knob> table = LightKnobs::table();
+    const auto few = std::ranges::find(table, "few", &Knob::name);
     job.settings.push_back({std::string(LightKnobs::name), "few", few->text(few->highest)});
   }
   return job;
@@ -40,49 +42,42 @@ std::vector<std::string> transparency_names() {
 }
 std::vector<std::string> layer_names() {
   std::vector<std::string> names;
-  AllPasses::each([&]<class P>(std::type_identity<P>) {
-    if constexpr (HasLayers<P>)
-      for (const LayerName& layer : P::layers) names.emplace_back(layer.name);
-  });
+  for (const PassInfo& pass : pass_list())
+    for (const LayerName& layer : pass.layers) names.emplace_back(layer.name);
   return names;
 }
 std::vector<std::string> effect_names() {
   std::vector<std::string> names;
-  AllPasses::each([&]<class P>(std::type_identity<P>) {
-    if constexpr (IsEffect<P>)
-      if (std::find(names.begin(), names.end(), P::effect) == names.end()) names.emplace_back(P::effect);
-    if constexpr (ShadesEffect<P>)
-      for (const std::string_view effect : P::shading_effects)
-        if (std::find(names.begin(), names.end(), effect) == names.end()) names.emplace_back(effect);
-  });
+  const auto add = [&](std::string_view effect) {
+    if (!effect.empty() && std::ranges::find(names, effect) == names.end()) names.emplace_back(effect);
+  };
+  for (const PassInfo& pass : pass_list()) {
+    add(pass.effect);
+    for (const std::string_view effect : pass.shading_effects) add(effect);
+  }
   return names;
 }
 std::vector<std::string> view_names() {
-  std::vector<std::string> names = {"beauty"};
-  AllPasses::each([&]<class P>(std::type_identity<P>) {
-    if constexpr (HasLayers<P>)
-      for (const LayerName& layer : P::layers) names.emplace_back(layer.name);
-  });
+  std::vector<std::string> names = layer_names();
+  names.insert(names.begin(), "beauty");
   return names;
 }
-std::string_view technique_says(std::string_view name) {
+std::string_view technique_description(std::string_view name) {
   for (const Technique& t : techniques())
     if (t.name == name) return t.description;
   return {};
 }
-std::string_view transparency_says(std::string_view name) {
+std::string_view transparency_description(std::string_view name) {
   for (const TransparencyMethod& m : transparency_methods())
     if (m.name == name) return m.description;
   return {};
 }
-std::string_view layer_says(std::string_view name) {
-  std::string_view says;
-  AllPasses::each([&]<class P>(std::type_identity<P>) {
-    if constexpr (HasLayers<P>)
-      for (const LayerName& layer : P::layers)
-        if (layer.name == name) says = layer.says;
-  });
-  return name == "beauty" ? "the picture itself" : says;
+std::string_view layer_description(std::string_view name) {
+  if (name == "beauty") return "the picture itself";
+  for (const PassInfo& pass : pass_list())
+    for (const LayerName& layer : pass.layers)
+      if (layer.name == name) return layer.description;
+  return {};
 }
 std::vector<std::string> tonemap_names() { return {tone_curve_names().begin(), tone_curve_names().end()}; }
 

@@ -22,16 +22,16 @@ std::vector<std::string> layer_names();
 std::vector<std::string> tonemap_names();
 std::vector<std::string> view_names();
 // A line about a technique or a layer; empty for what is none.
-std::string_view technique_says(std::string_view name);
-std::string_view transparency_says(std::string_view name);
-std::string_view layer_says(std::string_view name);
+std::string_view technique_description(std::string_view name);
+std::string_view transparency_description(std::string_view name);
+std::string_view layer_description(std::string_view name);
 std::vector<std::string> effect_names();
 struct KnobRow {
-  std::string pass, knob, value_now, unit, range, ladder, trades;  // values of choices by their names
-  std::string kind;                                                // what it trades: error, time or look
-  std::vector<std::string> walk;    // values that a sweep of errors measures, the exact one last
-  std::vector<std::string> beside;  // settings that must stand beside it, or it does nothing
-  std::vector<std::string> passes;  // whose work it changes
+  std::string pass, knob, value_now, unit, range, levels, description;  // values of choices by their names
+  std::string kind;                                                     // what it trades: error, time or look
+  std::vector<std::string> sweep;     // values that a sweep of errors measures, the exact one last
+  std::vector<std::string> required;  // settings without which it does nothing
+  std::vector<std::string> passes;    // whose work it changes
 };
 std::vector<KnobRow> knob_rows(const std::string& quality);
 

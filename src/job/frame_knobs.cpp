@@ -7,19 +7,42 @@
 
 #include "base/text.h"
 #include "job/frame_choices.h"
+#include "passes/post/resolve.h"
+#include "passes/shared/pass_list.h"
 #include "techniques/technique.h"
 
 namespace candela {
 namespace {
 
-// draft takes the first rung of every ladder, exact the last; ladders of four and more have a rung for normal and one
-// for high, shorter ones give high the last. A knob without a ladder keeps its default.
-double rung(const std::vector<double>& ladder, double by_default, const std::string& quality) {
-  if (ladder.empty()) return by_default;
-  if (quality == "draft") return ladder.front();
-  if (quality == "normal" && ladder.size() > 2) return ladder[(ladder.size() - 1) / 2];
-  if (quality == "high" && ladder.size() > 3) return ladder[ladder.size() - 2];
-  return ladder.back();
+// draft takes the first level of every knob, exact the last; where there are four and more, one is of normal and one of
+// high, else high takes the last. A knob without levels keeps its default.
+double level(const std::vector<double>& levels, double by_default, const std::string& quality) {
+  if (levels.empty()) return by_default;
+  if (quality == "draft") return levels.front();
+  if (quality == "normal" && levels.size() > 2) return levels[(levels.size() - 1) / 2];
+  if (quality == "high" && levels.size() > 3) return levels[levels.size() - 2];
+  return levels.back();
+}
+
+// The defaults, and what the quality makes of them.
+KnobValues quality_knobs(const std::string& quality) {
+  KnobValues all;
+  for (const KnobTableInfo& table : knob_tables())
+    for (const Knob& knob : table.rows) all.set(table, knob, level(knob.levels, all.value(table, knob), quality));
+  return all;
+}
+
+// Null: there is none.
+struct FoundKnob {
+  const KnobTableInfo* table = nullptr;
+  const Knob* knob = nullptr;
+};
+FoundKnob find_knob(const KnobSetting& setting) {
+  for (const KnobTableInfo& table : knob_tables())
+    if (table.name == setting.pass)
+      for (const Knob& knob : table.rows)
+        if (knob.name == setting.knob) return {&table, &knob};
+  return {};
 }
 
 Expected<double> parse_choice(const KnobSetting& s, const std::vector<std::string_view>& choices) {
@@ -31,8 +54,7 @@ Expected<double> parse_choice(const KnobSetting& s, const std::vector<std::strin
   return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is none of {}", s.pass, s.knob, s.value, names);
 }
 
-template <class K>
-Expected<double> parse_value(const KnobSetting& s, const Knob<K>& knob) {
+Expected<double> parse_value(const KnobSetting& s, const Knob& knob) {
   if (!knob.choices.empty()) return parse_choice(s, knob.choices);
   std::string names;
   for (const auto& [named, name] : knob.named) {
@@ -49,13 +71,12 @@ Expected<double> parse_value(const KnobSetting& s, const Knob<K>& knob) {
   if (!number || !(value >= knob.lowest && value <= knob.highest))
     return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not {}a number from {} to {}", s.pass, s.knob, s.value,
                 names.empty() ? "" : names + "or ", knob.lowest, knob.highest);
-  if (std::holds_alternative<int K::*>(knob.member) && value != std::floor(value))
+  if (!knob.member.is_float() && value != std::floor(value))
     return fail(ErrorKind::usage, "--set", "{}.{}: '{}' is not a whole number", s.pass, s.knob, s.value);
   return value;
 }
 
-template <class K>
-std::string range_text(const Knob<K>& knob) {
+std::string range_text(const Knob& knob) {
   if (!knob.choices.empty()) return fmt::format("{}", fmt::join(knob.choices, "|"));
   if (!knob.only.empty()) return fmt::format("{}", fmt::join(knob.only, "|"));
   std::string text;
@@ -66,65 +87,57 @@ std::string range_text(const Knob<K>& knob) {
 }  // namespace
 
 Expected<KnobValues> frame_knobs(const Job& job) {
-  KnobValues all;
-  all.each([&](std::string_view, const auto& knob, auto& knobs) {
-    knob.set(knobs, rung(knob.ladder, knob.value(knobs), job.quality));
-  });
-  if (job.samples != 0) all.get<Resolve::Knobs>().samples = job.samples;
+  KnobValues all = quality_knobs(job.quality);
+  if (job.samples != 0) all.get<ResolveKnobs>().samples = job.samples;
   std::vector<KnobSetting> settings;
   for (const Technique& t : techniques())
-    if (t.name == job.technique)
-      for (const Preset& p : t.presets)
-        settings.push_back({std::string(p.table), std::string(p.knob), std::string(p.value)});
+    if (t.name == job.technique) settings = {t.presets.begin(), t.presets.end()};
   settings.insert(settings.end(), job.settings.begin(), job.settings.end());
   for (const KnobSetting& s : settings) {
-    bool known = false;
-    Expected<void> outcome;
-    all.each([&](std::string_view table, const auto& knob, auto& knobs) {
-      if (table != s.pass || knob.name != s.knob) return;
-      known = true;
-      if (const auto value = parse_value(s, knob))
-        knob.set(knobs, *value);
-      else
-        outcome = std::unexpected(value.error());
-    });
-    if (!outcome) return std::unexpected(outcome.error());
-    if (!known)
+    const auto [table, knob] = find_knob(s);
+    if (!knob)
       return fail(ErrorKind::usage, "--set", "there is no knob {}.{} (candela list knobs shows all)", s.pass, s.knob);
+    const auto value = parse_value(s, *knob);
+    if (!value) return std::unexpected(value.error());
+    all.set(*table, *knob, *value);
   }
-  if (const int samples = all.get<Resolve::Knobs>().samples; job.samples != 0 && samples != job.samples)
+  if (const int samples = all.get<ResolveKnobs>().samples; job.samples != 0 && samples != job.samples)
     return fail(ErrorKind::usage, "--set", "resolve.samples={} contradicts --samples {}", samples, job.samples);
   return all;
 }
 
 std::vector<KnobRow> knob_rows(const std::string& quality) {
-  KnobValues all;
+  const KnobValues all = quality_knobs(quality);
   std::vector<KnobRow> rows;
-  all.each([&]<class K>(std::string_view table, const Knob<K>& knob, K& knobs) {
-    knob.set(knobs, rung(knob.ladder, knob.value(knobs), quality));
-    std::vector<std::string> ladder;
-    for (const double v : knob.ladder) ladder.push_back(knob.text(v));
-    KnobRow row{.pass = std::string(table),
-                .knob = std::string(knob.name),
-                .value_now = knob.text(knob.value(knobs)),
-                .unit = std::string(knob.unit),
-                .range = range_text(knob),
-                .ladder = joined(ladder, " "),
-                .trades = std::string(knob.trades),
-                .kind = knob.kind == Trades::error  ? "error"
-                        : knob.kind == Trades::time ? "time"
-                                                    : "look"};
-    for (const double v : knob.walk.empty() ? knob.ladder : knob.walk) row.walk.push_back(knob.text(v));
-    row.passes = passes_of_table<K>();
-    if (!knob.beside.empty()) row.beside = split(std::string(knob.beside), ' ');
-    rows.push_back(std::move(row));
-  });
+  for (const KnobTableInfo& table : knob_tables())
+    for (const Knob& knob : table.rows) {
+      const auto text = [&](const std::vector<double>& values) {
+        std::vector<std::string> texts;
+        for (const double v : values) texts.push_back(knob.text(v));
+        return texts;
+      };
+      KnobRow row{.pass = std::string(table.name),
+                  .knob = std::string(knob.name),
+                  .value_now = knob.text(all.value(table, knob)),
+                  .unit = std::string(knob.unit),
+                  .range = range_text(knob),
+                  .levels = joined(text(knob.levels), " "),
+                  .description = std::string(knob.description),
+                  .kind = knob.kind == Trades::error  ? "error"
+                          : knob.kind == Trades::time ? "time"
+                                                      : "look",
+                  .sweep = text(knob.sweep.empty() ? knob.levels : knob.sweep)};
+      for (const PassInfo& pass : pass_list())
+        if (std::ranges::find(pass.knob_tables, table.id) != pass.knob_tables.end()) row.passes.emplace_back(pass.name);
+      if (!knob.required.empty()) row.required = split(std::string(knob.required), ' ');
+      rows.push_back(std::move(row));
+    }
   return rows;
 }
 
 std::vector<std::string> pass_names() {
   std::vector<std::string> names;
-  AllPasses::each([&]<class P>(std::type_identity<P>) { names.emplace_back(P::name); });
+  for (const PassInfo& pass : pass_list()) names.emplace_back(pass.name);
   return names;
 }
 

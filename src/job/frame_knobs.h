@@ -1,7 +1,7 @@
 #pragma once
 #include "base/error.h"
 #include "job/job.h"
-#include "passes/all_passes.h"
+#include "passes/shared/knob_values.h"
 
 namespace candela {
 

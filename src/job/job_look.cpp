@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "job/frame_knobs.h"
+#include "passes/shadows/sun_knobs.h"
 
 namespace candela {
 

@@ -12,7 +12,7 @@
 
 namespace candela {
 
-// Beyond this the phase function is a spike that neither a grid nor a lobe of 16-bit numbers holds (TECHNIQUES 13.1).
+// Beyond this the phase function is a spike that neither a grid nor a lobe of 16-bit numbers holds.
 inline constexpr double largest_anisotropy = 0.98;
 
 // Air that absorbs, scatters and glows. Everything is in world space, metres and linear Rec.709. What stands per metre

@@ -4,6 +4,9 @@
 
 #include "job/background.h"
 #include "job/choose_transparency.h"
+#include "passes/post/resolve.h"
+#include "passes/post/supersample.h"
+#include "passes/shared/knob_values.h"
 #include "plan/probe_image.h"
 
 namespace candela {

@@ -85,7 +85,7 @@ std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upl
       add_material(item.material, run);
     }
   }
-  for (const Knob<TextureKnobs>& row : TextureKnobs::table()) out.add(row.value(textures));
+  for (const Knob& row : TextureKnobs::table()) out.add(row.value(&textures));
   return out.hash();
 }
 

@@ -1,5 +1,16 @@
 #include "plan/device_pose.h"
 
+#include "passes/debug/tree_views.h"
+#include "passes/geometry/depth_views.h"
+#include "passes/geometry/pose_items.h"
+#include "passes/lights/pose_lights.h"
+#include "passes/occlusion/occlusion.h"
+#include "passes/reflections/reflections.h"
+#include "passes/shadows/lamp_knobs.h"
+#include "passes/shadows/sun_knobs.h"
+#include "passes/shared/knob_values.h"
+#include "passes/surfaces/refraction.h"
+
 namespace candela {
 namespace {
 

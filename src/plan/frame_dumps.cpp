@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "base/text.h"
+#include "passes/debug/dump.h"
 #include "plan/plan_frame.h"
 
 namespace candela {

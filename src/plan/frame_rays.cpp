@@ -9,6 +9,7 @@
 #include <span>
 
 #include "base/check.h"
+#include "passes/shared/bvh_knobs.h"
 #include "reference/accel_trees.h"
 #include "scene/draw_list.h"
 #include "scene/glow.h"
@@ -352,7 +353,7 @@ class LayOut {
 
 Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, const BvhKnobs& knobs) {
   Hashed out;
-  for (const Knob<BvhKnobs>& row : BvhKnobs::table()) out.add(row.value(knobs));
+  for (const Knob& row : BvhKnobs::table()) out.add(row.value(&knobs));
   for (const DrawItem& item : data.items) {
     for (const uint32_t n :
          {item.mesh, item.section, uint32_t(item.material), uint32_t(item.mirrored), uint32_t(item.deformed)})

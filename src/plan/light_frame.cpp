@@ -3,6 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "passes/geometry/cull.h"
+#include "passes/post/supersample.h"
+#include "passes/shadows/lamp_knobs.h"
+#include "passes/shadows/sun_knobs.h"
+#include "passes/shared/knob_values.h"
+#include "passes/shared/light_knobs.h"
+#include "passes/volumes/fog_knobs.h"
 #include "plan/frame_fog.h"
 
 namespace candela {

@@ -1,6 +1,7 @@
 #include "plan/pack_frame.h"
 
 #include "job/background.h"
+#include "passes/surfaces/refraction.h"
 #include "plan/posed_scene.h"
 #include "plan/probe_image.h"
 #include "scene/neutral_light.h"

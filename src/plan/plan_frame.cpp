@@ -2,7 +2,13 @@
 
 #include "base/text.h"
 #include "job/not_drawn.h"
+#include "passes/debug/dump.h"
+#include "passes/post/resolve.h"
+#include "passes/post/supersample.h"
 #include "passes/shared/features.h"
+#include "passes/shared/knob_values.h"
+#include "passes/shared/pass_list.h"
+#include "passes/surfaces/sample_store.h"
 #include "plan/caster_hash.h"
 #include "plan/frame_fog.h"
 #include "plan/upload_table.h"
@@ -117,13 +123,15 @@ void leave_out_others(GraphBuilder& builder, std::string_view technique) {
   const auto is_of = [](std::string_view name, std::string_view pass) {
     return name.substr(0, name.find('.')) == pass;
   };
-  AllPasses::each([&]<class P>(std::type_identity<P>) {
-    for (const GraphBuilder::Pass& pass : builder.passes())
-      if (is_of(pass.name, P::name)) return;
-    for (const LeftOut& pass : builder.left_out())
-      if (is_of(pass.pass, P::name)) return;
-    builder.leave_out(std::string(P::name), fmt::format("the technique {} does without it (--technique)", technique));
-  });
+  for (const PassInfo& info : pass_list()) {
+    const bool is_declared =
+        std::ranges::any_of(builder.passes(), [&](const auto& pass) { return is_of(pass.name, info.name); });
+    const bool has_reason =
+        std::ranges::any_of(builder.left_out(), [&](const LeftOut& pass) { return is_of(pass.pass, info.name); });
+    if (!is_declared && !has_reason)
+      builder.leave_out(std::string(info.name),
+                        fmt::format("the technique {} does without it (--technique)", technique));
+  }
 }
 
 // What later stages decided of what the first packed: whose light has which shadow, the lists' grid, fog, and where

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "base/text.h"
+#include "passes/surfaces/ibl_knobs.h"
 
 namespace candela {
 namespace {

@@ -28,8 +28,8 @@ struct SunCascades {
 // Large-scale Virtual Environments", 2006, the practical scheme): lambda 1 is logarithmic, 0 uniform.
 std::vector<double> cascade_splits(double near_m, double far_m, int count, double lambda);
 
-// The smallest sphere around a slice of a perspective view, centre on the axis (TECHNIQUES 5.2). k: the length of the
-// two half angles' tangents.
+// The smallest sphere around a slice of a perspective view, centre on the axis (Valient, "Stable Rendering of Cascaded
+// Shadow Maps", 2008). k: the length of the two half angles' tangents.
 struct SliceSphere {
   double depth_m, radius_m;
 };
@@ -46,7 +46,7 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
                              uint32_t first_layer);
 
 // Texels around a point that its lookup may read, with the offset along the normal: by how much a cascade covers less
-// than its map, and by how much rule A's square is smaller (TECHNIQUES 2.2).
+// than its map, and by how much rule A's square is smaller.
 inline constexpr double widest_kernel_texels = 2.5;
 inline constexpr double lookup_reach_texels = 2 * widest_kernel_texels + 1.4142135623730951 + 1;
 

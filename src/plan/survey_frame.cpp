@@ -1,7 +1,12 @@
 #include "plan/survey_frame.h"
 
 #include "base/log.h"
+#include "passes/shared/light_knobs.h"
+#include "passes/surfaces/refraction.h"
 #include "passes/surfaces/terms.h"
+#include "passes/surfaces/transparent.h"
+#include "passes/transparency/fragments.h"
+#include "passes/transparency/phenomenological.h"
 #include "passes/volumes/fog_layers.h"
 #include "plan/device_pose.h"
 #include "plan/posed_scene.h"

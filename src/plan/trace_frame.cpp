@@ -2,6 +2,15 @@
 
 #include <cmath>
 
+#include "passes/debug/tree_views.h"
+#include "passes/occlusion/occlusion.h"
+#include "passes/post/supersample.h"
+#include "passes/reflections/reflections.h"
+#include "passes/shadows/lamp_knobs.h"
+#include "passes/shadows/sun_knobs.h"
+#include "passes/shared/bvh_knobs.h"
+#include "passes/surfaces/refraction.h"
+
 namespace candela {
 namespace {
 

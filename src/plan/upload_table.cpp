@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "passes/lights/light_grid.h"
 #include "plan/plan_frame.h"
 
 namespace candela {

@@ -5,13 +5,13 @@
 
 #include "reference/lobes.h"
 
-// The metallic-roughness BRDF of glTF 2.0, appendix B, in double, written from the specification (TECHNIQUES 9.1) and
+// The metallic-roughness BRDF of glTF 2.0, appendix B, in double, written from the specification and
 // not from the shaders: an error in either shows as a difference. Beyond the specification it keeps the light that
 // bounces more than once between facets: Surface::specular_gain. Surfaces with lobes of other extensions are passed on
 // to lobes.h.
 namespace candela::reference {
 
-// Perceptual roughness below this counts as this, in every path: 32-bit floats overflow otherwise (TECHNIQUES 9.1).
+// Perceptual roughness below this counts as this, in every path: 32-bit floats overflow otherwise.
 // Thus no lobe is a mirror, and every lobe has a density.
 inline constexpr double least_roughness = 0.045;
 

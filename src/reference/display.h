@@ -20,7 +20,7 @@ struct DisplaySettings {
   uint32_t seed = 0;
 };
 
-// Exposed linear Rec.709 to linear display values (TECHNIQUES 15.2), in double.
+// Exposed linear Rec.709 to linear display values, in double.
 glm::dvec3 tone_mapped(std::string_view curve, glm::dvec3 c, double agx_min_ev = agx_lowest_ev,
                        double agx_max_ev = agx_highest_ev);
 // Those, clipped to [0,1] and sRGB-encoded.

@@ -38,7 +38,7 @@ class Film {
   double lamp_shadow(size_t pixel) const;          // mean TermSample::lamp_shadow
   size_t pixels() const { return size_t(width_) * size_t(height_); }
 
-  // What is left of noise, from two independent halves of the samples (TECHNIQUES 17.3): a quarter of the mean squared
+  // What is left of noise, from two independent halves of the samples: a quarter of the mean squared
   // difference of their means, over all pixels and channels. 0 for fewer than two samples.
   double mean_square_error() const;
   // The same with every difference taken relative to the pixel's value, its square plus 0.01 as in relMSE, and the root

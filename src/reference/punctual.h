@@ -7,7 +7,7 @@
 
 namespace candela::reference {
 
-// Closer than this the inverse square of a point light is held, in every path (TECHNIQUES 9.3).
+// Closer than this the inverse square of a point light is held, in every path.
 inline constexpr double least_light_distance_m = 0.01;
 
 // A light of KHR_lights_punctual in relative space. Without a range it reaches everywhere: the floor at which the GPU

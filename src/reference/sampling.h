@@ -28,7 +28,7 @@ glm::ivec2 grid_of(int spp);
 // Scrambling", 2020); any count does. Every other dimension is of the Sobol kind whatever the pixel's is.
 //
 // Even and odd samples are scrambled independently of each other, so that the two halves of an image are two
-// independent estimates: their difference tells the noise (TECHNIQUES 17.3).
+// independent estimates: their difference tells the noise.
 class SampleStream {
  public:
   SampleStream(const SamplerSettings& settings, int x, int y, uint64_t sample);

@@ -45,7 +45,7 @@ World::Vertex World::vertex_at(const TracedItem& item, const std::array<uint32_t
   const glm::dmat3 linear(item.relative_from_local);
   for (int i = 0; i < 3; ++i) {
     const size_t k = corner[size_t(i)];
-    // Unit vectors at the vertices, not normalised in between: as MikkTSpace wants it (TECHNIQUES 9.7).
+    // Unit vectors at the vertices, not normalised in between: as MikkTSpace wants it (Mikkelsen 2008).
     if (!normals.empty()) v.normal += weight[i] * unit_or_zero(item.normal_from_local * glm::dvec3(normals[k]));
     if (!tangents.empty())
       v.tangent +=

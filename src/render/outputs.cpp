@@ -11,6 +11,7 @@
 #include "image/exr.h"
 #include "image/png_text.h"
 #include "image/prepare.h"
+#include "passes/post/pack.h"
 #include "passes/surfaces/terms.h"
 #include "render/cryptomatte.h"
 #include "render/dump.h"

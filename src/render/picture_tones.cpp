@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "passes/post/pack.h"
 #include "render/frame_layers.h"
 
 namespace candela {

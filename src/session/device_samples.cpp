@@ -3,7 +3,9 @@
 #include "base/text.h"
 #include "gpu/sample_counts.h"
 #include "job/frame_knobs.h"
+#include "passes/post/resolve.h"
 #include "passes/shared/scene_inputs.h"
+#include "passes/surfaces/sample_store.h"
 #include "shared/lights.h"
 
 namespace candela {

@@ -4,6 +4,7 @@
 
 #include "base/check.h"
 #include "base/files.h"
+#include "passes/surfaces/probe_knobs.h"
 #include "plan/probe_image.h"
 
 namespace candela {

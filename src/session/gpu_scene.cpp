@@ -7,6 +7,8 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "passes/surfaces/surface_knobs.h"
+#include "passes/surfaces/texture_knobs.h"
 #include "plan/upload_table.h"
 #include "scene/scene_images.h"
 #include "scene/texture_slots.h"

@@ -1,6 +1,7 @@
 #include "session/gpu_sky.h"
 
 #include "base/files.h"
+#include "passes/surfaces/ibl_knobs.h"
 #include "session/mip_chain.h"
 #include "sky/blur_sky.h"
 #include "sky/sky_sum.h"

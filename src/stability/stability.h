@@ -9,7 +9,7 @@
 namespace candela {
 
 // Renders extreme scenes in all techniques and measures each picture against what is true of it: the reference ray
-// tracer in double, a plain scene that shows the same, or both (TECHNIQUES 22).
+// tracer in double, a plain scene that shows the same, or both.
 struct StabilityOptions {
   uint64_t seed = 1;
   bool large = false;

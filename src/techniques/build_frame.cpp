@@ -1,6 +1,13 @@
 #include <cmath>
 
+#include "passes/geometry/pose_items.h"
+#include "passes/lights/pose_lights.h"
+#include "passes/post/supersample.h"
 #include "passes/shared/features.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/surfaces/terms.h"
+#include "passes/volumes/fog_layers.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -1,3 +1,15 @@
+#include "passes/geometry/depth_prepass.h"
+#include "passes/post/resolve.h"
+#include "passes/reflections/reflections.h"
+#include "passes/shared/frame_request.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/reflected.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/sky/background.h"
+#include "passes/sky/sky.h"
+#include "passes/surfaces/refraction.h"
+#include "passes/surfaces/transparent.h"
 #include "techniques/technique.h"
 
 namespace candela {

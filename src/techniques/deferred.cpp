@@ -1,3 +1,11 @@
+#include "passes/lights/light_volumes.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/shared/volume_lists.h"
+#include "passes/surfaces/gbuffer.h"
+#include "passes/surfaces/gbuffer_images.h"
+#include "passes/surfaces/shade_gbuffer.h"
+#include "passes/surfaces/shade_volumes.h"
 #include "techniques/technique.h"
 
 namespace candela {

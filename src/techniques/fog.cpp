@@ -1,3 +1,12 @@
+#include "passes/volumes/fog.h"
+#include "passes/post/resolve.h"
+#include "passes/shared/blended.h"
+#include "passes/shared/fog_view.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/volumes/fog_knobs.h"
+#include "passes/volumes/fog_layers.h"
+#include "passes/volumes/fog_march.h"
 #include "techniques/technique.h"
 
 namespace candela {

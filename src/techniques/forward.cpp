@@ -1,3 +1,8 @@
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/surfaces/put_samples.h"
+#include "passes/surfaces/shade_visible.h"
+#include "passes/surfaces/surface_pass.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -6,7 +6,9 @@
 #include <span>
 
 #include "base/fields.h"
-#include "passes/all_passes.h"
+#include "passes/post/pack.h"
+#include "passes/shared/knob_values.h"
+#include "passes/shared/pass.h"
 
 namespace candela {
 

@@ -1,3 +1,5 @@
+#include "passes/debug/mattes.h"
+#include "passes/shared/scene_inputs.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -1,5 +1,13 @@
 #include <cmath>
 
+#include "passes/post/bloom.h"
+#include "passes/post/exposure.h"
+#include "passes/post/resolve.h"
+#include "passes/post/tonemap.h"
+#include "passes/shared/frame_request.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/volumes/volumetric.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -2,6 +2,11 @@
 #include <cmath>
 
 #include "graph/formats.h"
+#include "passes/post/pack.h"
+#include "passes/post/readback.h"
+#include "passes/shared/frame_request.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/scene_inputs.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -1,13 +1,16 @@
+#include "passes/shared/light_lists.h"
+#include "passes/shared/pass.h"
+#include "passes/shared/pass_list.h"
 #include "techniques/technique.h"
 
 namespace candela {
 
 std::span<const Technique> techniques() {
-  static constexpr Preset rays[] = {{"sun", "mode", "traced"},
-                                    {"shadows", "method", "traced"},
-                                    {"occlusion", "method", "traced"},
-                                    {"reflections", "method", "traced"}};
-  static constexpr Technique table[] = {
+  static const KnobSetting rays[] = {{"sun", "mode", "traced"},
+                                     {"shadows", "method", "traced"},
+                                     {"occlusion", "method", "traced"},
+                                     {"reflections", "method", "traced"}};
+  static const Technique table[] = {
       {"clustered", "forward shading, lights listed by tile and depth slice", forward, LightGridKind::clusters},
       {"forward-plus", "forward shading, lights listed by 16x16 tiles between the depths of their samples", forward,
        LightGridKind::tiles},
@@ -30,13 +33,10 @@ std::span<const Technique> techniques() {
 }
 
 LayerForm layer_form(std::string_view layer) {
-  LayerForm form = LayerForm::light;
-  AllPasses::each([&]<class P>(std::type_identity<P>) {
-    if constexpr (HasLayers<P>)
-      for (const LayerName& name : P::layers)
-        if (name.name == layer) form = name.form;
-  });
-  return form;
+  for (const PassInfo& pass : pass_list())
+    for (const LayerName& name : pass.layers)
+      if (name.name == layer) return name.form;
+  return LayerForm::light;
 }
 
 }  // namespace candela

@@ -1,4 +1,15 @@
 #pragma once
+#include "passes/debug/mattes.h"
+#include "passes/shared/blended.h"
+#include "passes/shared/fog_view.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/reflected.h"
+#include "passes/shared/sampled_depth.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/shared/seen_through.h"
+#include "passes/shared/views.h"
+#include "passes/surfaces/sample_store.h"
+#include "passes/surfaces/terms.h"
 #include "techniques/frame.h"
 
 namespace candela {
@@ -118,10 +129,6 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
 
 using ShadeFunction = Shaded (*)(Frame&, const SceneInputs&, const Surfaces&, const Lighting&,
                                  std::string_view instance);
-// A knob's value as --set takes it.
-struct Preset {
-  std::string_view table, knob, value;
-};
 struct Technique {
   std::string_view name, description;
   ShadeFunction shade;
@@ -129,7 +136,7 @@ struct Technique {
   // A visibility buffer, and how it is made.
   enum class Keys { none, rasterized, traced } keys = Keys::none;
   // Knobs that it begins with in the place of a quality's; --set comes after.
-  std::span<const Preset> presets = {};
+  std::span<const KnobSetting> presets = {};
   // Shades other points of the surfaces than the hardware does: pixels differ in their last bits.
   constexpr bool own_pixels() const { return keys != Keys::none; }
 };

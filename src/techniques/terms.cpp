@@ -1,3 +1,11 @@
+#include "passes/surfaces/terms.h"
+#include "passes/post/resolve.h"
+#include "passes/shared/blended.h"
+#include "passes/shared/fog_view.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/sky/background.h"
+#include "passes/sky/sky.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -1,3 +1,12 @@
+#include "passes/geometry/depth_prepass.h"
+#include "passes/post/resolve.h"
+#include "passes/shared/blended.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/surfaces/transparent.h"
+#include "passes/transparency/fragments.h"
+#include "passes/transparency/moments.h"
+#include "passes/transparency/phenomenological.h"
+#include "passes/transparency/weighted.h"
 #include "techniques/technique.h"
 
 namespace candela {

@@ -1,4 +1,12 @@
+#include "passes/reflections/reflections.h"
 #include "passes/shared/draw_batches.h"
+#include "passes/shared/light_lists.h"
+#include "passes/shared/scene_inputs.h"
+#include "passes/surfaces/put_samples.h"
+#include "passes/surfaces/refraction.h"
+#include "passes/surfaces/sample_store.h"
+#include "passes/surfaces/shade_visible.h"
+#include "passes/surfaces/surface_pass.h"
 #include "techniques/technique.h"
 
 namespace candela {

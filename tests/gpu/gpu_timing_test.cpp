@@ -49,7 +49,7 @@ void add_heavy(GraphBuilder& builder, uint32_t rounds) {
 
 }  // namespace
 
-// DESIGN section 6: a driver may charge a dispatch to the pass behind it. The ratios hold on any device, since the
+// A driver may charge a dispatch to the pass behind it. The ratios hold on any device, since the
 // heavy pass does many orders of magnitude more than its neighbours.
 TEST_F(PassTiming, ChargesAHeavyDispatchToItsOwnPassAndSumsToTheWallTime) {
   GraphBuilder builder;

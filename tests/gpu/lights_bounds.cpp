@@ -51,7 +51,7 @@ std::vector<SlabPair> random_pairs(size_t count, double ratio, bool spots, bool 
 }  // namespace
 
 // Points of the slab that the light reaches show that it must be listed: none of the tests may say no. And the ratio of
-// what is listed to what is needed is what TECHNIQUES 6.4 reports, by its order of size.
+// what is listed to what is needed is published for cones and capsules, by its order of size.
 TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
   Rng rng(11);
   double capsule_points = 0, joint_spots = 0, aabb_spots = 0, separate_spots = 0, cone_sphere_spots = 0;

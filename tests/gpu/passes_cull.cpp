@@ -1,3 +1,5 @@
+#include "passes/geometry/cull.h"
+#include "passes/geometry/cull_compact.h"
 #include "passes_cull_fixture.h"
 
 namespace candela::gpu::test {

@@ -1,5 +1,7 @@
 #include "plan/frame_views.h"
 
+#include "passes/geometry/cull.h"
+#include "passes/geometry/cull_compact.h"
 #include "passes_cull_fixture.h"
 
 // Culling for many views at once: cascades, cube faces and spots side by side, against double precision.

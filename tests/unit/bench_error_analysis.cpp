@@ -347,10 +347,10 @@ TEST(Knobs, WalksEndAtTheExactValue) {
   for (const KnobRow& knob : knob_rows("exact")) {
     const std::string name = knob.pass + "." + knob.knob;
     if (knob.kind == "look") continue;
-    EXPECT_GE(knob.walk.size(), 2u) << name << " is swept by nobody";
-    EXPECT_EQ(knob.walk.back(), knob.value_now) << name;
+    EXPECT_GE(knob.sweep.size(), 2u) << name << " is swept by nobody";
+    EXPECT_EQ(knob.sweep.back(), knob.value_now) << name;
     EXPECT_FALSE(knob.passes.empty()) << name;
-    for (const std::string& value : knob.walk) {
+    for (const std::string& value : knob.sweep) {
       Job job;
       job.quality = "exact";
       job.settings = {{knob.pass, knob.knob, value}};
@@ -500,7 +500,7 @@ TEST(SweepPlaces, WhatChangesThePlanIsSweptAndChangesPassesThatFollowTheTable) {
   job.quality = "high";  // a plan of it is smaller
   const auto planned = [&](const KnobRow& knob, const std::string& value) {
     job.settings = {{knob.pass, knob.knob, value}};
-    for (const std::string& setting : knob.beside) job.settings.push_back(*parse_knob_setting(setting));
+    for (const std::string& setting : knob.required) job.settings.push_back(*parse_knob_setting(setting));
     const auto frame = plan_frame(job, {*scene, *layout, &*sky}, {}, 0);
     EXPECT_TRUE(frame) << settings_text(job) << ": " << frame.error().text();
     return frame ? frame->graph.plan : FramePlan{};
@@ -511,7 +511,7 @@ TEST(SweepPlaces, WhatChangesThePlanIsSweptAndChangesPassesThatFollowTheTable) {
     for (const KnobRow& knob : knob_rows("exact")) {
       if (knob.kind == "look") continue;
       const std::string name = knob.pass + "." + knob.knob;
-      const FramePlan one = planned(knob, knob.walk.front()), other = planned(knob, knob.walk.back());
+      const FramePlan one = planned(knob, knob.sweep.front()), other = planned(knob, knob.sweep.back());
       auto of_one = declared(one), of_other = declared(other);
       for (const std::string& pass : pass_names()) {
         const bool listed = std::ranges::find(knob.passes, pass) != knob.passes.end();

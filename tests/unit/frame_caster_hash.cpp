@@ -1,3 +1,4 @@
+#include "passes/surfaces/texture_knobs.h"
 #include "plan/caster_hash.h"
 
 #include <gtest/gtest.h>

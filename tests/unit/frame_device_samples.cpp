@@ -1,3 +1,4 @@
+#include "passes/shared/bvh_knobs.h"
 #include "session/device_samples.h"
 
 #include <gtest/gtest.h>

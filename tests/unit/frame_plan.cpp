@@ -6,6 +6,7 @@
 #include "gltf/gltf.h"
 #include "gltf_builder.h"
 #include "job/frame_knobs.h"
+#include "passes/shadows/lamp_knobs.h"
 #include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "passes/surfaces/ibl_knobs.h"
 #include "scene/environment.h"
 #include "shared/split_sum.h"
 #include "sky/sky_lights.h"

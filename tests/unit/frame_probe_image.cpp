@@ -1,4 +1,5 @@
 // The image of a reflection probe: six views of a cube become an equirectangular sky.
+#include "passes/surfaces/probe_knobs.h"
 #include "plan/probe_image.h"
 
 #include <gtest/gtest.h>

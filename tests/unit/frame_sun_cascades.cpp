@@ -4,6 +4,7 @@
 
 #include "base/rng.h"
 #include "math/transforms.h"
+#include "passes/shadows/sun_knobs.h"
 
 namespace candela::frame_sun_cascades {
 namespace {
@@ -125,7 +126,7 @@ TEST(SunCascades, TexelsStayOnTheGroundAsTheCameraMoves) {
   }
 }
 
-// What rule A leaves out of a cascade (TECHNIQUES 2.2) lies where every receiver that it could darken takes a finer
+// What rule A leaves out of a cascade lies where every receiver that it could darken takes a finer
 // one: farther inside than the lookup of any point that does take this cascade reaches.
 TEST(SunCascades, WhatAFinerCascadeServesIsOutOfReachOfItsOwnLookups) {
   Rng rng(44);

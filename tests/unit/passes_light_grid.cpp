@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/rng.h"
+#include "passes/shared/light_knobs.h"
 
 namespace candela {
 namespace {

@@ -58,16 +58,16 @@ void MatteIds::record(CommandList& commands, const In& in, const Out& out) const
   commands.end_rendering();
 }
 
-std::span<const Knob<MatteRanks::Knobs>> MatteRanks::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> MatteRanks::Knobs::table() {
+  static const Knob table[] = {
       {.name = "ranks",
        .member = &Knobs::ranks,
        .lowest = 1,
        .highest = 64,
-       .ladder = {6, 6, 6, 64},
-       .trades =
+       .levels = {6, 6, 6, 64},
+       .description =
            "ids a pixel of Cryptomatte layers, at most one a sample: 8 bytes a pixel each against ids that are lost",
-       .walk = {2, 4, 6, 64}},
+       .sweep = {2, 4, 6, 64}},
   };
   return table;
 }

@@ -43,7 +43,7 @@ struct MatteRanks {
   struct Knobs {
     static constexpr std::string_view name = "cryptomatte";
     int ranks = 6;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   static constexpr std::span<const LayerName> layers = matte_layers;
   struct In {

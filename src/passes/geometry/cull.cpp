@@ -4,16 +4,16 @@
 
 namespace candela {
 
-std::span<const Knob<CullKnobs>> CullKnobs::table() {
-  static const Knob<CullKnobs> table[] = {
+std::span<const Knob> CullKnobs::table() {
+  static const Knob table[] = {
       {.name = "enabled",
        .member = &CullKnobs::enabled,
        .lowest = 0,
        .highest = 1,
-       .ladder = {1},
-       .trades = "0 draws everything; changes time, never the image",
+       .levels = {1},
+       .description = "0 draws everything; changes time, never the image",
        .kind = Trades::time,
-       .walk = {0, 1}},
+       .sweep = {0, 1}},
   };
   return table;
 }

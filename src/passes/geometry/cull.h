@@ -7,10 +7,10 @@ namespace candela {
 struct CullKnobs {
   static constexpr std::string_view name = "cull";
   int enabled = 1;
-  static std::span<const Knob<CullKnobs>> table();
+  static std::span<const Knob> table();
 };
 
-// Culling of draw items for a range of views on the GPU (TECHNIQUES 2.1), first half: a bit for each view and item, and
+// Culling of draw items for a range of views on the GPU, first half: a bit for each view and item, and
 // the survivors of each group of 256 items. Boxes and planes are in relative space; NaN and infinite boxes are kept,
 // rounding never culls. Nothing is approximated: the image with `enabled` = 0 is the same, bit for bit; only a view's
 // least_px leaves out what it would show (shaders/shared/cull.h).

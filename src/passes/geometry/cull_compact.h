@@ -6,7 +6,7 @@ namespace candela {
 
 // Second half of culling: prefix sums over the survivors' counts and bits give every item that stays its place, so the
 // indirect commands of all views and runs of the range lie in one buffer, each region without gaps and in item order,
-// whatever the device's scheduling (TECHNIQUES 2.1, determinism).
+// whatever the device's scheduling.
 struct CullCompact {
   static constexpr std::string_view name = "cull_compact";
   using InputKnobs = DrawnItemKnobs;

@@ -2,15 +2,16 @@
 
 namespace candela {
 
-std::span<const Knob<MaskKnobs>> MaskKnobs::table() {
-  static const Knob<MaskKnobs> table[] = {
+std::span<const Knob> MaskKnobs::table() {
+  static const Knob table[] = {
       {.name = "by_sample",
        .member = &MaskKnobs::by_sample,
        .lowest = 0,
        .highest = 1,
-       .ladder = {0, 0, 0, 1},
-       .trades = "1: of a multisampled pixel a mask keeps the samples at which its alpha reaches the cutoff, so that "
-                 "edges of masks are as smooth as those of meshes; 0: all or none; exact is supersampling"},
+       .levels = {0, 0, 0, 1},
+       .description =
+           "1: of a multisampled pixel a mask keeps the samples at which its alpha reaches the cutoff, so that "
+           "edges of masks are as smooth as those of meshes; 0: all or none; exact is supersampling"},
   };
   return table;
 }

@@ -8,10 +8,10 @@ namespace candela {
 struct MaskKnobs {
   static constexpr std::string_view name = "masks";
   int by_sample = 0;
-  static std::span<const Knob<MaskKnobs>> table();
+  static std::span<const Knob> table();
 };
 
-// Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float (TECHNIQUES 1.1), so
+// Depth of all opaque and masked surfaces at every sample, reversed and infinite in 32-bit float, so
 // that shading runs once for each visible fragment. Masked surfaces drop what their mask cuts away, at the pixel's
 // shading point, or sample by sample (knob by_sample).
 //

@@ -36,17 +36,18 @@ void BlendedTiles::record(CommandList& commands, const In& in, const Out& out) c
   commands.dispatch(threads.x, threads.y);
 }
 
-std::span<const Knob<KeyDepth::Knobs>> KeyDepth::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> KeyDepth::Knobs::table() {
+  static const Knob table[] = {
       {.name = "tiles",
        .member = &Knobs::tiles,
        .lowest = 0,
        .highest = 1,
-       .ladder = {1},
-       .trades = "depths of a visibility buffer are put into an image where blended surfaces may be, and not in all of "
-                 "the picture",
+       .levels = {1},
+       .description =
+           "depths of a visibility buffer are put into an image where blended surfaces may be, and not in all of "
+           "the picture",
        .kind = Trades::time,
-       .walk = {0, 1}},
+       .sweep = {0, 1}},
   };
   return table;
 }

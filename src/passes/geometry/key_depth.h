@@ -32,7 +32,7 @@ struct KeyDepth {
   struct Knobs {
     static constexpr std::string_view name = "key_depth";
     int tiles = 1;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   Knobs knobs;
   using InputKnobs = SampleCountKnobs;

@@ -2,27 +2,29 @@
 
 namespace candela {
 
-std::span<const Knob<OcclusionCullKnobs>> OcclusionCullKnobs::table() {
-  static const Knob<OcclusionCullKnobs> table[] = {
+std::span<const Knob> OcclusionCullKnobs::table() {
+  static const Knob table[] = {
       {.name = "mode",
        .member = &OcclusionCullKnobs::mode,
        .lowest = off,
        .highest = automatic,
-       .ladder = {automatic},
-       .trades = "whether items behind large ones are left out; auto: in scenes of many items and triangles; changes "
-                 "time, never the image",
+       .levels = {automatic},
+       .description =
+           "whether items behind large ones are left out; auto: in scenes of many items and triangles; changes "
+           "time, never the image",
        .choices = {"off", "on", "auto"},
        .kind = Trades::time,
-       .walk = {off, on, automatic}},
+       .sweep = {off, on, automatic}},
       {.name = "first_share",
        .member = &OcclusionCullKnobs::first_share,
        .lowest = 0,
        .highest = 1,
-       .ladder = {0.005},
-       .trades = "share of the picture that an item's box covers at least for its depth to be drawn first and hide "
-                 "others; changes time, never the image",
+       .levels = {0.005},
+       .description =
+           "share of the picture that an item's box covers at least for its depth to be drawn first and hide "
+           "others; changes time, never the image",
        .kind = Trades::time,
-       .walk = {0, 0.05, 0.005}},
+       .sweep = {0, 0.05, 0.005}},
   };
   return table;
 }

@@ -9,7 +9,7 @@ struct OcclusionCullKnobs {
   enum Mode : int { off, on, automatic };
   int mode = automatic;
   float first_share = 0.005f;
-  static std::span<const Knob<OcclusionCullKnobs>> table();
+  static std::span<const Knob> table();
 };
 Need needs_occlusion_culling(const SceneFacts& facts, const OcclusionCullKnobs& knobs);
 

@@ -4,16 +4,16 @@
 
 namespace candela {
 
-std::span<const Knob<PoseItems::Knobs>> PoseItems::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> PoseItems::Knobs::table() {
+  static const Knob table[] = {
       {.name = "enabled",
        .member = &Knobs::enabled,
        .lowest = 0,
        .highest = 1,
-       .ladder = {1},
-       .trades = "pose instances of meshes on the device; 0: on the host",
+       .levels = {1},
+       .description = "pose instances of meshes on the device; 0: on the host",
        .kind = Trades::time,
-       .walk = {0, 1}},
+       .sweep = {0, 1}},
   };
   return table;
 }

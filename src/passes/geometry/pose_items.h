@@ -14,7 +14,7 @@ struct PoseItems {
   struct Knobs {
     static constexpr std::string_view name = "pose_items";
     int enabled = 1;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   Knobs knobs;
   struct In {

@@ -11,26 +11,27 @@ namespace {
 constexpr uint32_t most_groups = 65535;  // of a dimension, on every device
 }  // namespace
 
-std::span<const Knob<RasterKnobs>> RasterKnobs::table() {
-  static const Knob<RasterKnobs> table[] = {
+std::span<const Knob> RasterKnobs::table() {
+  static const Knob table[] = {
       {.name = "small_px",
        .member = &RasterKnobs::small_px,
        .unit = "px",
        .lowest = 1,
        .highest = shared::raster_most_small_px,
-       .ladder = {8},
-       .trades = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
+       .levels = {8},
+       .description = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
        .kind = Trades::time,
-       .walk = {1, 64, 8}},
+       .sweep = {1, 64, 8}},
       {.name = "list",
        .member = &RasterKnobs::list,
        .lowest = 1,
        .highest = 1048576,
-       .ladder = {524288},
-       .trades = "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
-                 "never the image",
+       .levels = {524288},
+       .description =
+           "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
+           "never the image",
        .kind = Trades::time,
-       .walk = {1024, 524288}},
+       .sweep = {1024, 524288}},
   };
   return table;
 }

@@ -7,7 +7,7 @@ namespace candela {
 // Which lights can touch which cells of the light grid: one thread a light and cell of the box of cells round the
 // light, so the cost follows what the lights cover, not lights times cells. The bounding test is a knob; all of them
 // err towards yes, so no picture depends on it: boxes (Harada 2012), cone against sphere (Wronski 2017), tapered
-// capsules (TECHNIQUES 6.3, 6.4). On a CPU compact lists are made by segments: the lights' chunks in order, cut into
+// capsules. On a CPU compact lists are made by segments: the lights' chunks in order, cut into
 // light_segments parts, a group of eight threads each, so that light_fill writes lists in light order.
 struct LightAssign {
   static constexpr std::string_view name = "light_assign";

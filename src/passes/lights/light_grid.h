@@ -10,7 +10,7 @@
 namespace candela {
 
 // A frame's light grid: its shape, and each light's box of cells. Cells only decide where a list is kept; which lights
-// a cell lists is the GPU's work. Boxes are conservative (TECHNIQUES 6.1): lights are inflated, tiles widened by what
+// a cell lists is the GPU's work. Boxes are conservative: lights are inflated, tiles widened by what
 // rounding can do to a shaded point's place, and a light whose box would be unbounded is one of every cell.
 struct LightGrid {
   shared::LightGrid constants{};

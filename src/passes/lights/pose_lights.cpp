@@ -8,17 +8,17 @@ bool PoseLights::Knobs::on_device(bool is_cpu, uint32_t instances) const {
   return enabled == on || (enabled == automatic && !is_cpu && instances >= few);
 }
 
-std::span<const Knob<PoseLights::Knobs>> PoseLights::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> PoseLights::Knobs::table() {
+  static const Knob table[] = {
       {.name = "enabled",
        .member = &Knobs::enabled,
        .lowest = off,
        .highest = automatic,
-       .ladder = {automatic},
-       .trades = "pose light instances on the device; off: on the host; auto: on a GPU, 2,048 or more",
+       .levels = {automatic},
+       .description = "pose light instances on the device; off: on the host; auto: on a GPU, 2,048 or more",
        .choices = {"off", "on", "auto"},
        .kind = Trades::time,
-       .walk = {off, on, automatic}},
+       .sweep = {off, on, automatic}},
   };
   return table;
 }

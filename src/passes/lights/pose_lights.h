@@ -18,7 +18,7 @@ struct PoseLights {
     int enabled = automatic;
     static constexpr uint32_t few = 2048;
     bool on_device(bool is_cpu, uint32_t instances) const;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   Knobs knobs;
   struct In {

@@ -15,7 +15,7 @@ struct OcclusionKnobs {
   int samples = 6;
   int denoise = 1;
   int bent = 0;
-  static std::span<const Knob<OcclusionKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // How open each visible surface is to the sky, as far as what the depth buffer holds tells: V = 1/pi of the integral of

@@ -37,23 +37,23 @@ ImageHandle source_of(const BloomPass::In& in) { return in.look.of_emission ? in
 
 }  // namespace
 
-std::span<const Knob<BloomPass::Knobs>> BloomPass::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> BloomPass::Knobs::table() {
+  static const Knob table[] = {
       {.name = "levels",
        .member = &Knobs::levels,
        .lowest = 0,
        .highest = 12,
-       .ladder = {3, 6, 12, 0},
-       .trades = "levels of the pyramid, at most; fewer than the look has weights make the glow narrower; 0: "
-                 "convolution in float",
-       .walk = {1, 2, 3, 6, 12, 0}},
+       .levels = {3, 6, 12, 0},
+       .description = "levels of the pyramid, at most; fewer than the look has weights make the glow narrower; 0: "
+                      "convolution in float",
+       .sweep = {1, 2, 3, 6, 12, 0}},
       {.name = "karis",
        .member = &Knobs::karis,
        .lowest = 0,
        .highest = 1,
-       .ladder = {1, 1, 0, 0},
-       .trades = "1 holds single bright pixels down (no flicker of small lights), and loses their energy",
-       .walk = {1, 0}},
+       .levels = {1, 1, 0, 0},
+       .description = "1 holds single bright pixels down (no flicker of small lights), and loses their energy",
+       .sweep = {1, 0}},
   };
   return table;
 }

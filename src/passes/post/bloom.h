@@ -21,7 +21,7 @@ struct BloomPass {
     static constexpr std::string_view name = "bloom";
     int levels = 8;
     int karis = 0;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   struct In {
     ImageHandle color;  // resolved

@@ -2,15 +2,15 @@
 
 namespace candela {
 
-std::span<const Knob<Exposure::Knobs>> Exposure::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> Exposure::Knobs::table() {
+  static const Knob table[] = {
       {.name = "bins",
        .member = &Knobs::bins,
        .lowest = 16,
        .highest = 4096,
-       .ladder = {64, 256, 1024, 4096},
-       .trades = "bins of the histogram over 48 stops; a luminance counts as the middle of its bin",
-       .walk = {16, 64, 256, 1024, 4096}},
+       .levels = {64, 256, 1024, 4096},
+       .description = "bins of the histogram over 48 stops; a luminance counts as the middle of its bin",
+       .sweep = {16, 64, 256, 1024, 4096}},
   };
   return table;
 }

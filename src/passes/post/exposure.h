@@ -16,7 +16,7 @@ struct Exposure {
   struct Knobs {
     static constexpr std::string_view name = "exposure";
     int bins = 256;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   struct In {
     ImageHandle color;  // resolved

@@ -4,17 +4,17 @@
 
 namespace candela {
 
-std::span<const Knob<ResolveKnobs>> ResolveKnobs::table() {
-  static const Knob<ResolveKnobs> table[] = {
+std::span<const Knob> ResolveKnobs::table() {
+  static const Knob table[] = {
       {.name = "samples",
        .member = &ResolveKnobs::samples,
        .lowest = 1,
        .highest = 8,
-       .ladder = {1, 4},
-       .trades =
+       .levels = {1, 4},
+       .description =
            "coverage and depth samples a pixel (1, 2, 4 or 8, as the device has them): edges against memory and time",
        .only = {1, 2, 4, 8},
-       .beside = "supersample.n=1"},
+       .required = "supersample.n=1"},
   };
   return table;
 }

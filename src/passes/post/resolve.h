@@ -7,11 +7,11 @@ namespace candela {
 struct ResolveKnobs {
   static constexpr std::string_view name = "resolve";
   int samples = 4;
-  static std::span<const Knob<ResolveKnobs>> table();
+  static std::span<const Knob> table();
 };
 
-// The mean of a pixel's samples, in linear radiance: what a box pixel filter asks for, and what the EXR holds
-// (TECHNIQUES 3.2). Leaves wrong: edges against very bright surfaces look aliased after tone mapping.
+// The mean of a pixel's samples, in linear radiance: what a box pixel filter asks for, and what the EXR holds.
+// Leaves wrong: edges against very bright surfaces look aliased after tone mapping.
 struct Resolve {
   static constexpr std::string_view name = "resolve";
   using Knobs = ResolveKnobs;

@@ -4,24 +4,24 @@
 
 namespace candela {
 
-std::span<const Knob<SupersampleKnobs>> SupersampleKnobs::table() {
-  static const Knob<SupersampleKnobs> table[] = {
+std::span<const Knob> SupersampleKnobs::table() {
+  static const Knob table[] = {
       {.name = "n",
        .member = &SupersampleKnobs::n,
        .lowest = 1,
        .highest = 8,
-       .ladder = {1, 1, 1, 4},
-       .trades =
+       .levels = {1, 1, 1, 4},
+       .description =
            "n x n samples a pixel of position, texture and shading instead of multisampling: the time of n x n frames",
-       .walk = {1, 2, 4}},
+       .sweep = {1, 2, 4}},
       {.name = "rows",
        .member = &SupersampleKnobs::rows,
        .lowest = 0,
        .highest = 8,
-       .ladder = {},
-       .trades = "rows of those samples, beside n columns: 4 by 2 are eight; 0: as many as columns",
-       .walk = {2, 0},
-       .beside = "supersample.n=4"},
+       .levels = {},
+       .description = "rows of those samples, beside n columns: 4 by 2 are eight; 0: as many as columns",
+       .sweep = {2, 0},
+       .required = "supersample.n=4"},
   };
   return table;
 }

@@ -10,7 +10,7 @@ struct SupersampleKnobs {
   int rows = 0;
   glm::uvec2 grid() const { return {uint32_t(n), uint32_t(rows > 0 ? rows : n)}; }
   uint32_t pictures() const { return grid().x * grid().y; }
-  static std::span<const Knob<SupersampleKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // The exact end of edges, mips and filters: n x n whole pictures of the surfaces, each moved by a part of a pixel and

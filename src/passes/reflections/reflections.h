@@ -20,7 +20,7 @@ struct ReflectionKnobs {
   float thickness = 0.02f;
   float fade = 0.05f;
   float roughest = 0.7f;
-  static std::span<const Knob<ReflectionKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // What opaque and masked surfaces reflect of each other, as far as the picture shows it: of directions that the GGX

@@ -4,73 +4,77 @@ namespace candela {
 
 bool LampKnobs::matter(const SceneFacts& facts) { return facts.point_lights + facts.spot_lights > 0; }
 
-std::span<const Knob<LampKnobs>> LampKnobs::table() {
+std::span<const Knob> LampKnobs::table() {
   constexpr std::string_view from_maps = "shadows.method=maps";
-  static const Knob<LampKnobs> rows[] = {
+  static const Knob rows[] = {
       {.name = "method",
        .member = &LampKnobs::method,
        .lowest = 0,
        .highest = 2,
-       .ladder = {0, 0, 0, 2},
-       .trades = "shadows of point and spot lights: maps of as many as fit; or rays for all of them, from points of "
-                 "cells where these agree or from all points",
+       .levels = {0, 0, 0, 2},
+       .description =
+           "shadows of point and spot lights: maps of as many as fit; or rays for all of them, from points of "
+           "cells where these agree or from all points",
        .choices = {"maps", "voxels", "traced"},
-       .walk = {0, 1, 2}},
+       .sweep = {0, 1, 2}},
       {.name = "soft",
        .member = &LampKnobs::soft,
        .lowest = 0,
        .highest = 1,
-       .ladder = {0, 0, 0, 1},
-       .trades = "from maps, for lights with a size: hard shadows, or penumbras by what blocks nearby, which are not "
-                 "nearer to the truth everywhere",
+       .levels = {0, 0, 0, 1},
+       .description =
+           "from maps, for lights with a size: hard shadows, or penumbras by what blocks nearby, which are not "
+           "nearer to the truth everywhere",
        .choices = {"hard", "pcss"},
-       .walk = {0, 1},
-       .beside = from_maps},
+       .sweep = {0, 1},
+       .required = from_maps},
       {.name = "samples",
        .member = &LampKnobs::samples,
        .lowest = 1,
        .highest = 65536,
-       .ladder = {4, 16, 16, 64},
-       .trades = "lookups or rays of a pixel to each light with a size; fewer leave noise",
-       .walk = {1, 4, 16, 64}},
+       .levels = {4, 16, 16, 64},
+       .description = "lookups or rays of a pixel to each light with a size; fewer leave noise",
+       .sweep = {1, 4, 16, 64}},
       {.name = "lights",
        .member = &LampKnobs::lights,
        .lowest = 0,
        .highest = 4096,
-       .ladder = {8, 64, 256, 4096},
-       .trades = "point and spot lights that have shadows: those that the look marks first, then those that add most "
-                 "to the picture; a note names the rest. marked: no others",
-       .walk = {0, 16, 64, 4096},
-       .beside = from_maps,
+       .levels = {8, 64, 256, 4096},
+       .description =
+           "point and spot lights that have shadows: those that the look marks first, then those that add most "
+           "to the picture; a note names the rest. marked: no others",
+       .sweep = {0, 16, 64, 4096},
+       .required = from_maps,
        .named = {{0, "none"}, {-1, "marked"}}},
       {.name = "budget_mb",
        .member = &LampKnobs::budget_mb,
        .unit = "MB",
        .lowest = 1,
        .highest = 16384,
-       .ladder = {32, 64, 128, 1024},
-       .trades = "memory of the shadow maps; what does not fit gets smaller maps, then none, which a note says",
-       .walk = {16, 64, 128, 1024},
-       .beside = from_maps},
+       .levels = {32, 64, 128, 1024},
+       .description = "memory of the shadow maps; what does not fit gets smaller maps, then none, which a note says",
+       .sweep = {16, 64, 128, 1024},
+       .required = from_maps},
       {.name = "size_px",
        .member = &LampKnobs::size_px,
        .unit = "px",
        .lowest = 64,
        .highest = 4096,
-       .ladder = {256, 512, 1024, 2048},
-       .trades = "most texels along a side of a map, to the power of two below; lights that show small and pictures of "
-                 "few pixels have fewer",
-       .walk = {256, 512, 1024, 2048},
-       .beside = from_maps},
+       .levels = {256, 512, 1024, 2048},
+       .description =
+           "most texels along a side of a map, to the power of two below; lights that show small and pictures of "
+           "few pixels have fewer",
+       .sweep = {256, 512, 1024, 2048},
+       .required = from_maps},
       {.name = "draws",
        .member = &LampKnobs::draws,
        .lowest = 0,
        .highest = double(1 << 30),
-       .ladder = {double(1 << 21)},
-       .trades = "room for draw commands of all these views; a frame that needs more is refused and says how many",
+       .levels = {double(1 << 21)},
+       .description = "room for draw commands of all these views; a frame that needs more is refused and says how many",
        .kind = Trades::time,
-       .walk = {double(1 << 22), double(1 << 21)},
-       .beside = from_maps},
+       .sweep = {double(1 << 22), double(1 << 21)},
+       .required = from_maps},
   };
   return rows;
 }

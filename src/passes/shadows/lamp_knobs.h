@@ -22,7 +22,7 @@ struct LampKnobs {
   int draws = 1 << 21;
   bool traced() const { return method != maps; }  // cells keep what rays find
   static bool matter(const SceneFacts& facts);    // without point and spot lights they do nothing
-  static std::span<const Knob<LampKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 }  // namespace candela

@@ -32,46 +32,48 @@ Shape shape_of(const SceneInputs& scene, const FillLightVoxels::Knobs& knobs) {
 
 }  // namespace
 
-std::span<const Knob<LightVoxelKnobs>> LightVoxelKnobs::table() {
+std::span<const Knob> LightVoxelKnobs::table() {
   constexpr std::string_view in_use = "shadows.method=voxels sun.mode=voxels";
-  static const Knob<LightVoxelKnobs> rows[] = {
+  static const Knob rows[] = {
       {.name = "size_px",
        .member = &LightVoxelKnobs::size_px,
        .unit = "px",
        .lowest = 1,
        .highest = 32,
-       .ladder = {16, 8, 8, 1},
-       .trades = "side of the squares of pixels in which cells lie that know which lights are seen from them; larger "
-                 "ones miss more of what is small. 1: each point sends its own rays, as traced",
-       .walk = {32, 16, 8, 4, 1},
+       .levels = {16, 8, 8, 1},
+       .description =
+           "side of the squares of pixels in which cells lie that know which lights are seen from them; larger "
+           "ones miss more of what is small. 1: each point sends its own rays, as traced",
+       .sweep = {32, 16, 8, 4, 1},
        .only = {1, 4, 8, 16, 32},
-       .beside = in_use},
+       .required = in_use},
       {.name = "points",
        .member = &LightVoxelKnobs::points,
        .lowest = 1,
        .highest = int(shared::most_voxel_points),
-       .ladder = {4, 4, 4, 8},
-       .trades = "points of a cell that send rays to its lights; fewer miss more of what is small",
-       .walk = {1, 2, 4, 8},
-       .beside = in_use},
+       .levels = {4, 4, 4, 8},
+       .description = "points of a cell that send rays to its lights; fewer miss more of what is small",
+       .sweep = {1, 2, 4, 8},
+       .required = in_use},
       {.name = "edges",
        .member = &LightVoxelKnobs::edges,
        .lowest = 0,
        .highest = 1,
-       .ladder = {1},
-       .trades = "where a cell's points differ: half of the light, or a ray from each point",
+       .levels = {1},
+       .description = "where a cell's points differ: half of the light, or a ray from each point",
        .choices = {"half", "rays"},
-       .walk = {0, 1},
-       .beside = in_use},
+       .sweep = {0, 1},
+       .required = in_use},
       {.name = "budget_mb",
        .member = &LightVoxelKnobs::budget_mb,
        .unit = "MB",
        .lowest = 1,
        .highest = 16384,
-       .ladder = {64, 64, 64, 1024},
-       .trades = "most memory for what cells know; points of cells without room send their own rays, which a note says",
-       .walk = {16, 64, 256, 1024},
-       .beside = in_use},
+       .levels = {64, 64, 64, 1024},
+       .description =
+           "most memory for what cells know; points of cells without room send their own rays, which a note says",
+       .sweep = {16, 64, 256, 1024},
+       .required = in_use},
   };
   return rows;
 }

@@ -12,7 +12,7 @@ struct LightVoxelKnobs {
   int points = 4;
   int edges = by_rays;
   int budget_mb = 64;
-  static std::span<const Knob<LightVoxelKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // Whether lights are seen, for cells of the view instead of for each point: the visibility cache that the thesis of

@@ -26,7 +26,7 @@ struct SunKnobs {
   float least_texels = 1;
   int lights = 4;
   int draws = 1 << 21;
-  static std::span<const Knob<SunKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 }  // namespace candela

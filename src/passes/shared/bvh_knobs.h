@@ -22,7 +22,7 @@ struct BvhKnobs {
   float budget = 1;
   // The device's own trees are built beside these.
   bool on_device() const { return traversal != by_shader; }
-  static std::span<const Knob<BvhKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 }  // namespace candela

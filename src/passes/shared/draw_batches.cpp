@@ -72,8 +72,8 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Light
   const TracedRays& rays = lists.rays;
   if (traces(lists)) {
     builder.read(rays.trees, by.buffer, "the trees for rays");
-    for (const Knob<BvhKnobs>& row : BvhKnobs::table())
-      builder.knob(fmt::format("{}.{}", BvhKnobs::name, row.name), row.text(row.value(rays.tree)));
+    for (const Knob& row : BvhKnobs::table())
+      builder.knob(fmt::format("{}.{}", BvhKnobs::name, row.name), row.text(row.value(&rays.tree)));
   }
   if (takes_settings(lists)) builder.read(rays.settings, by.buffer, "how rays are sent");
   builder.read_optional(lists.voxels.states, by.buffer);

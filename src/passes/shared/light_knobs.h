@@ -23,14 +23,14 @@ struct LightKnobs {
   int memory_mb = 512;
   int sift_over = 64;
   int cap = 0;
-  static std::span<const Knob<LightKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // Where lights without a range end, for the passes that shade under them.
 struct LightRangeKnobs {
   static constexpr std::string_view name = "lights";
   float floor_lux = 0;
-  static std::span<const Knob<LightRangeKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 }  // namespace candela

@@ -89,7 +89,7 @@ enum class LayerForm : uint8_t {
 // Layers that it can give (--layers): it publishes their images in declare().
 struct LayerName {
   std::string_view name;
-  std::string_view says;  // one line
+  std::string_view description;  // one line
   LayerForm form = LayerForm::light;
 };
 template <class P>

@@ -9,17 +9,18 @@ uint32_t lobe_images(const SceneInputs& scene) { return scatters_in_bodies(scene
 constexpr VkFormat words = VK_FORMAT_R32G32B32A32_UINT;
 }  // namespace
 
-std::span<const Knob<GBufferKnobs>> GBufferKnobs::table() {
-  static const Knob<GBufferKnobs> table[] = {
+std::span<const Knob> GBufferKnobs::table() {
+  static const Knob table[] = {
       {.name = "format",
        .member = &GBufferKnobs::format,
        .lowest = 0,
        .highest = 4,
-       .ladder = {},
-       .trades = "what a sample holds: 16 bytes, with an exponent or a roughness, 32 bytes, with positions or depths, "
-                 "or every value as shading makes it",
+       .levels = {},
+       .description =
+           "what a sample holds: 16 bytes, with an exponent or a roughness, 32 bytes, with positions or depths, "
+           "or every value as shading makes it",
        .choices = {"specular", "bits128", "position", "packed", "float"},
-       .walk = {0, 1, 2, 3, 4}},
+       .sweep = {0, 1, 2, 3, 4}},
   };
   return table;
 }

@@ -11,7 +11,7 @@ struct GBufferKnobs {
   static constexpr std::string_view name = "gbuffer";
   enum : int { specular, bits128, position, packed, floats };
   int format = floats;
-  static std::span<const Knob<GBufferKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // The nearest opaque and masked surfaces as shading takes them, at every sample: deferred shading (Saito and Takahashi,

@@ -11,7 +11,7 @@ namespace candela {
 struct ProbeKnobs {
   static constexpr std::string_view name = "probes";
   int size_px = 256;
-  static std::span<const Knob<ProbeKnobs>> table();
+  static std::span<const Knob> table();
   static bool matter(const SceneFacts& facts);  // without probes they do nothing
   bool operator==(const ProbeKnobs&) const = default;
 };

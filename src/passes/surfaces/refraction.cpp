@@ -8,42 +8,44 @@
 
 namespace candela {
 
-std::span<const Knob<RefractionKnobs>> RefractionKnobs::table() {
-  static const Knob<RefractionKnobs> table[] = {
+std::span<const Knob> RefractionKnobs::table() {
+  static const Knob table[] = {
       {.name = "method",
        .member = &RefractionKnobs::method,
        .lowest = 0,
        .highest = 1,
-       .ladder = {0, 0, 0, 1},
-       .trades = "what is seen through smooth surfaces: the picture behind a slab, or what a ray through the bodies "
-                 "themselves meets",
+       .levels = {0, 0, 0, 1},
+       .description =
+           "what is seen through smooth surfaces: the picture behind a slab, or what a ray through the bodies "
+           "themselves meets",
        .choices = {"screen", "traced"},
-       .walk = {0, 1}},
+       .sweep = {0, 1}},
       {.name = "samples",
        .member = &RefractionKnobs::samples,
        .lowest = 0,
        .highest = 1024,
-       .ladder = {0, 4, 8, 64},
-       .trades =
+       .levels = {0, 4, 8, 64},
+       .description =
            "directions through a rough surface, each followed to the depth seen there; fewer leave copies of what is "
            "behind; 0: one look-up, blurred by roughness and index alone, however far what is behind lies",
-       .walk = {0, 1, 4, 8, 16, 64}},
+       .sweep = {0, 1, 4, 8, 16, 64}},
       {.name = "walls",
        .member = &RefractionKnobs::walls,
        .lowest = 1,
        .highest = 1024,
-       .ladder = {4, 8, 8, 64},
-       .trades = "walls of bodies that bend or reflect a ray; through those after them it goes straight",
-       .walk = {1, 2, 4, 8, 16, 64},
-       .beside = "refraction.method=traced"},
+       .levels = {4, 8, 8, 64},
+       .description = "walls of bodies that bend or reflect a ray; through those after them it goes straight",
+       .sweep = {1, 2, 4, 8, 16, 64},
+       .required = "refraction.method=traced"},
       {.name = "roughest",
        .member = &RefractionKnobs::roughest,
        .lowest = 0,
        .highest = 1,
-       .ladder = {0.2, 0.1, 0.1, 0.045},
-       .trades = "roughness from which a surface looks up the picture all the same; more takes rough ones for smooth",
-       .walk = {0.4, 0.2, 0.1, 0.045},
-       .beside = "refraction.method=traced"},
+       .levels = {0.2, 0.1, 0.1, 0.045},
+       .description =
+           "roughness from which a surface looks up the picture all the same; more takes rough ones for smooth",
+       .sweep = {0.4, 0.2, 0.1, 0.045},
+       .required = "refraction.method=traced"},
   };
   return table;
 }

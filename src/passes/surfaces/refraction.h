@@ -16,7 +16,7 @@ struct RefractionKnobs {
   int samples = 0;
   int walls = 8;
   float roughest = 0.1f;
-  static std::span<const Knob<RefractionKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // Surfaces that let light through (KHR_materials_transmission, _volume, _ior, _dispersion), over the picture without

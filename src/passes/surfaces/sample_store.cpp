@@ -2,18 +2,18 @@
 
 namespace candela {
 
-std::span<const Knob<SampleStoreKnobs>> SampleStoreKnobs::table() {
-  static const Knob<SampleStoreKnobs> table[] = {
+std::span<const Knob> SampleStoreKnobs::table() {
+  static const Knob table[] = {
       {.name = "in",
        .member = &SampleStoreKnobs::in,
        .lowest = automatic,
        .highest = buffer,
-       .ladder = {automatic},
-       .trades = "where compute puts the samples of a multisampled picture that others draw over: the image, or a "
-                 "buffer that fragment shaders copy; auto: the image where the device can",
+       .levels = {automatic},
+       .description = "where compute puts the samples of a multisampled picture that others draw over: the image, or a "
+                      "buffer that fragment shaders copy; auto: the image where the device can",
        .choices = {"auto", "image", "buffer"},
        .kind = Trades::time,
-       .walk = {image, buffer, automatic}},
+       .sweep = {image, buffer, automatic}},
   };
   return table;
 }

@@ -8,7 +8,7 @@ struct SampleStoreKnobs {
   static constexpr std::string_view name = "sample_store";
   enum In : int { automatic, image, buffer };
   int in = automatic;
-  static std::span<const Knob<SampleStoreKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // Not a pass: the colour of each sample that a pass in compute shades and others draw over: an image that it stores

@@ -6,34 +6,37 @@
 
 namespace candela {
 
-std::span<const Knob<LightVolumeKnobs>> LightVolumeKnobs::table() {
-  static const Knob<LightVolumeKnobs> table[] = {
+std::span<const Knob> LightVolumeKnobs::table() {
+  static const Knob table[] = {
       {.name = "accumulator",
        .member = &LightVolumeKnobs::accumulator,
        .lowest = 0,
        .highest = 2,
-       .ladder = {},
-       .trades = "what the lights of a sample are summed in: 4, 8 or 16 bytes; small formats lose what a light adds to "
-                 "a brighter sum",
+       .levels = {},
+       .description =
+           "what the lights of a sample are summed in: 4, 8 or 16 bytes; small formats lose what a light adds to "
+           "a brighter sum",
        .choices = {"r11g11b10", "half", "float"},
-       .walk = {0, 1, 2}},
+       .sweep = {0, 1, 2}},
       {.name = "guard",
        .member = &LightVolumeKnobs::guard,
        .lowest = 0,
        .highest = 2,
-       .ladder = {},
-       .trades = "what keeps volumes from what their lights do not change: nothing, the light's reach, or that and a "
-                 "stencil; the picture is the same",
+       .levels = {},
+       .description =
+           "what keeps volumes from what their lights do not change: nothing, the light's reach, or that and a "
+           "stencil; the picture is the same",
        .choices = {"none", "reach", "stencil"},
-       .walk = {0, 1, 2}},
+       .sweep = {0, 1, 2}},
       {.name = "depth_test",
        .member = &LightVolumeKnobs::depth_test,
        .lowest = 0,
        .highest = 1,
-       .ladder = {},
-       .trades = "1: a volume asks no sample before or behind it, which misses light where a pixel's surface is shaded "
-                 "far from that sample; 0: it asks all that it covers",
-       .walk = {1, 0}},
+       .levels = {},
+       .description =
+           "1: a volume asks no sample before or behind it, which misses light where a pixel's surface is shaded "
+           "far from that sample; 0: it asks all that it covers",
+       .sweep = {1, 0}},
   };
   return table;
 }

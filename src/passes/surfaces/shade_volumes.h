@@ -13,7 +13,7 @@ struct LightVolumeKnobs {
   int accumulator = floats;
   int guard = marked;
   int depth_test = 0;
-  static std::span<const Knob<LightVolumeKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // Radiance of what a G-buffer holds, light by light: each is drawn as the volume that it reaches

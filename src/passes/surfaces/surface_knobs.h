@@ -12,7 +12,7 @@ struct SurfaceKnobs {
   static constexpr std::string_view name = "surfaces";
   enum : int { off, normals, maps };
   int specular_aa = off;
-  static std::span<const Knob<SurfaceKnobs>> table();
+  static std::span<const Knob> table();
   static bool matter(const SceneFacts& facts);  // where no surface takes light they do nothing
 };
 

@@ -2,16 +2,17 @@
 
 namespace candela {
 
-std::span<const Knob<TextureKnobs>> TextureKnobs::table() {
+std::span<const Knob> TextureKnobs::table() {
   // Every device that filters anisotropically at all does so up to 16 (Vulkan, required limits).
-  static const Knob<TextureKnobs> table[] = {
+  static const Knob table[] = {
       {.name = "anisotropy",
        .member = &TextureKnobs::anisotropy,
        .lowest = 1,
        .highest = 16,
-       .ladder = {1, 4, 8, 16},
-       .trades = "samples along the longer axis of a pixel's footprint in a texture; 1: one mip level for both axes, "
-                 "which blurs what is seen at a slant"},
+       .levels = {1, 4, 8, 16},
+       .description =
+           "samples along the longer axis of a pixel's footprint in a texture; 1: one mip level for both axes, "
+           "which blurs what is seen at a slant"},
   };
   return table;
 }

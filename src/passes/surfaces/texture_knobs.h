@@ -11,7 +11,7 @@ namespace candela {
 struct TextureKnobs {
   static constexpr std::string_view name = "textures";
   int anisotropy = 16;
-  static std::span<const Knob<TextureKnobs>> table();
+  static std::span<const Knob> table();
   static bool matter(const SceneFacts& facts);  // without textures they do nothing
 };
 

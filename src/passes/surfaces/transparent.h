@@ -3,7 +3,7 @@
 
 namespace candela {
 
-// Blended surfaces, back to front by the depth of their bounds' centres (TECHNIQUES 12.1), premultiplied "over", tested
+// Blended surfaces, back to front by the depth of their bounds' centres, premultiplied "over", tested
 // against the opaque depth and not written to it. Leaves wrong: surfaces that intersect or contain each other, and the
 // triangles of one section among themselves, blend in the wrong order.
 struct Transparent {

@@ -33,26 +33,27 @@ glm::vec4 light_of(const shared::View& view) {
 
 }  // namespace
 
-std::span<const Knob<ColoredShadowKnobs>> ColoredShadowKnobs::table() {
-  static const Knob<ColoredShadowKnobs> table[] = {
+std::span<const Knob> ColoredShadowKnobs::table() {
+  static const Knob table[] = {
       {.name = "scale",
        .member = &ColoredShadowKnobs::scale,
        .lowest = off,
        .highest = full,
-       .ladder = {off, half, half, full},
-       .trades =
+       .levels = {off, half, half, full},
+       .description =
            "texels along a side of what see-through surfaces leave of a light, over those of its shadow map; off: they "
            "let all of it through. Exact end: full, with sun.size_px and shadows.size_px as large as fit",
        .choices = {"off", "half", "full"},
-       .walk = {off, half, full}},
+       .sweep = {off, half, full}},
       {.name = "steps",
        .member = &ColoredShadowKnobs::steps,
        .lowest = 0,
        .highest = 16,
-       .ladder = {0, 2, 3, 8},
-       .trades = "steps of the searches for a body's other side and for where the light that it bends lands; 0: bodies "
-                 "let light go straight on, as sheets do",
-       .walk = {0, 1, 2, 3, 8}},
+       .levels = {0, 2, 3, 8},
+       .description =
+           "steps of the searches for a body's other side and for where the light that it bends lands; 0: bodies "
+           "let light go straight on, as sheets do",
+       .sweep = {0, 1, 2, 3, 8}},
   };
   return table;
 }

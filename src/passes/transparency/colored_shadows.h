@@ -12,7 +12,7 @@ struct ColoredShadowKnobs {
   static constexpr std::string_view name = "colored_shadows";
   static constexpr int off = 0, half = 1, full = 2;
   int scale = half, steps = 3;
-  static std::span<const Knob<ColoredShadowKnobs>> table();
+  static std::span<const Knob> table();
 };
 
 // What see-through surfaces leave of a light's rays, channel by channel, for the views of its shadow maps (McGuire and

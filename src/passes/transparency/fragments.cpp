@@ -18,26 +18,26 @@ glm::uvec2 sum_threads(const SceneInputs& s) {
 
 }  // namespace
 
-std::span<const Knob<Fragments::Knobs>> Fragments::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> Fragments::Knobs::table() {
+  static const Knob table[] = {
       {.name = "memory_mib",
        .member = &Knobs::memory_mib,
        .unit = "MiB",
        .lowest = 1,
        .highest = 3072,
-       .ladder = {},
-       .trades =
+       .levels = {},
+       .description =
            "memory of stored fragments, 44 bytes each; half of it is a round's, and a quad of pixels must fit in that",
        .kind = Trades::time,
-       .walk = {64, 256}},
+       .sweep = {64, 256}},
       {.name = "rounds",
        .member = &Knobs::rounds,
        .lowest = 1,
        .highest = 1024,
-       .ladder = {},
-       .trades = "rounds of storing, sorting and blending, at most; a frame whose fragments are more is refused",
+       .levels = {},
+       .description = "rounds of storing, sorting and blending, at most; a frame whose fragments are more is refused",
        .kind = Trades::time,
-       .walk = {4, 16}},
+       .sweep = {4, 16}},
   };
   return table;
 }
@@ -52,7 +52,7 @@ std::vector<std::string> Fragments::notes(const Report& report) const {
 
 Fragments::Knobs Fragments::most() {
   Knobs knobs;
-  for (const Knob<Knobs>& knob : Knobs::table()) knob.set(knobs, knob.highest);
+  for (const Knob& knob : Knobs::table()) knob.set(&knobs, knob.highest);
   return knobs;
 }
 

@@ -22,7 +22,7 @@ struct Fragments {
     static constexpr std::string_view name = "fragments";
     int memory_mib = 256;
     int rounds = 16;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   using SharedKnobs = BlendedKnobs;
   using In = BlendedIn;

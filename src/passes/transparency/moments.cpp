@@ -4,16 +4,17 @@
 #include <bit>
 
 namespace candela {
-std::span<const Knob<Moments::Knobs>> Moments::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> Moments::Knobs::table() {
+  static const Knob table[] = {
       {.name = "count",
        .member = &Knobs::count,
        .lowest = 4,
        .highest = 8,
-       .ladder = {4, 4, 4, 8},
-       .trades = "moments of depth: how many steps of transmittance the curve can follow, against memory and time; "
-                 "exact is --transparency layers",
-       .walk = {4, 6, 8},
+       .levels = {4, 4, 4, 8},
+       .description =
+           "moments of depth: how many steps of transmittance the curve can follow, against memory and time; "
+           "exact is --transparency layers",
+       .sweep = {4, 6, 8},
        .only = {4, 6, 8}},
   };
   return table;

@@ -18,7 +18,7 @@ struct Moments {
   struct Knobs {
     static constexpr std::string_view name = "moments";
     int count = 4;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   using SharedKnobs = BlendedKnobs;
   using In = BlendedIn;

@@ -8,37 +8,40 @@
 #include "shared/transparency.h"
 
 namespace candela {
-std::span<const Knob<Phenomenological::Knobs>> Phenomenological::Knobs::table() {
-  static const Knob<Knobs> table[] = {
+std::span<const Knob> Phenomenological::Knobs::table() {
+  static const Knob table[] = {
       {.name = "taps",
        .member = &Knobs::taps,
        .lowest = 1,
        .highest = 1024,
-       .ladder = {1, 8, 16, 128},
-       .trades = "places of the picture that a pixel behind frosted glass is the mean of; 1: one, in the level of the "
-                 "picture that is as wide, however near what it shows lies to the glass",
-       .walk = {1, 4, 8, 16, 32, 128}},
+       .levels = {1, 8, 16, 128},
+       .description =
+           "places of the picture that a pixel behind frosted glass is the mean of; 1: one, in the level of the "
+           "picture that is as wide, however near what it shows lies to the glass",
+       .sweep = {1, 4, 8, 16, 32, 128}},
       {.name = "search",
        .member = &Knobs::search,
        .lowest = 0,
        .highest = 16,
-       .ladder = {1, 2, 4, 8},
-       .trades = "steps of the search for what a bent ray meets in the picture; 0: nothing is moved",
-       .walk = {0, 1, 2, 4, 8}},
+       .levels = {1, 2, 4, 8},
+       .description = "steps of the search for what a bent ray meets in the picture; 0: nothing is moved",
+       .sweep = {0, 1, 2, 4, 8}},
       {.name = "backs",
        .member = &Knobs::backs,
        .lowest = 0,
        .highest = 8,
-       .ladder = {0, 2, 3, 8},
-       .trades = "steps of the search for a body's other side among the nearest back faces; 0: a body is a slab of the "
-                 "file's thickness",
-       .walk = {0, 1, 2, 3, 8}},
+       .levels = {0, 2, 3, 8},
+       .description =
+           "steps of the search for a body's other side among the nearest back faces; 0: a body is a slab of the "
+           "file's thickness",
+       .sweep = {0, 1, 2, 3, 8}},
       {.name = "falloff",
        .member = &Knobs::falloff,
        .lowest = 0,
        .highest = 16,
-       .trades = "power of two by which the farthest surface's own light counts less than the nearest's; which value "
-                 "is the best depends on how much the surfaces hide",
+       .description =
+           "power of two by which the farthest surface's own light counts less than the nearest's; which value "
+           "is the best depends on how much the surfaces hide",
        .kind = Trades::look},
   };
   return table;

@@ -27,7 +27,7 @@ struct Phenomenological {
   struct Knobs {
     static constexpr std::string_view name = "phenomenological";
     int taps = 16, search = 4, backs = 3, falloff = 4;
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   using SharedKnobs = BlendedKnobs;
   using InputKnobs = DrawnItemKnobs;

@@ -14,89 +14,93 @@ constexpr GridSize fog_grids[] = {{"32x18x24", {32, 18, 24}},     {"64x36x32", {
 
 }  // namespace
 
-std::span<const Knob<FogKnobs>> FogKnobs::table() {
+std::span<const Knob> FogKnobs::table() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all;
     for (const GridSize& size : fog_grids) all.push_back(size.name);
     return all;
   }();
-  static const Knob<FogKnobs> table[] = {
+  static const Knob table[] = {
       {.name = "method",
        .member = &FogKnobs::method,
        .lowest = 0,
        .highest = 2,
-       .ladder = {froxels, froxels, froxels, pixels},
-       .trades = "froxels: light is kept in a grid of rays and depths; march: coarse texels follow rays in steps that "
-                 "take even shares of the light; pixels: each pixel follows a ray of its own",
+       .levels = {froxels, froxels, froxels, pixels},
+       .description =
+           "froxels: light is kept in a grid of rays and depths; march: coarse texels follow rays in steps that "
+           "take even shares of the light; pixels: each pixel follows a ray of its own",
        .choices = {"froxels", "march", "pixels"},
-       .walk = {froxels, march, pixels}},
+       .sweep = {froxels, march, pixels}},
       {.name = "grid",
        .member = &FogKnobs::grid,
        .lowest = 0,
        .highest = double(std::size(fog_grids) - 1),
-       .ladder = {0, 2, 3, 5},
-       .trades = "rays across and down, at most two a pixel, and depths at which the light of fog is kept",
+       .levels = {0, 2, 3, 5},
+       .description = "rays across and down, at most two a pixel, and depths at which the light of fog is kept",
        .choices = names,
-       .walk = {0, 1, 2, 3, 4, 5},
-       .beside = "fog.method=froxels"},
+       .sweep = {0, 1, 2, 3, 4, 5},
+       .required = "fog.method=froxels"},
       {.name = "last",
        .member = &FogKnobs::last,
        .lowest = 0,
        .highest = 2,
-       .ladder = {0, 1, 1, 2},
-       .trades = "the slice in which a surface stands: 0 interpolated, so that lamps behind it shine through; 1 summed "
-                 "by each pixel where lamps are near; 2 everywhere",
-       .walk = {0, 1, 2},
-       .beside = "fog.method=froxels"},
+       .levels = {0, 1, 1, 2},
+       .description =
+           "the slice in which a surface stands: 0 interpolated, so that lamps behind it shine through; 1 summed "
+           "by each pixel where lamps are near; 2 everywhere",
+       .sweep = {0, 1, 2},
+       .required = "fog.method=froxels"},
       {.name = "steps",
        .member = &FogKnobs::steps,
        .lowest = 4,
        .highest = 65536,
-       .ladder = {64, 128, 128, 512},
-       .trades = "fog.method=pixels: slices of a ray in which light is summed",
-       .walk = {32, 64, 128, 512},
-       .beside = "fog.method=pixels"},
+       .levels = {64, 128, 128, 512},
+       .description = "fog.method=pixels: slices of a ray in which light is summed",
+       .sweep = {32, 64, 128, 512},
+       .required = "fog.method=pixels"},
       {.name = "march_steps",
        .member = &FogKnobs::march_steps,
        .lowest = 4,
        .highest = 4096,
-       .ladder = {32, 64, 64, 512},
-       .trades = "fog.method=march: steps of a ray, at most; the last one takes what is left of it",
-       .walk = {16, 64, 512},
-       .beside = "fog.method=march"},
+       .levels = {32, 64, 64, 512},
+       .description = "fog.method=march: steps of a ray, at most; the last one takes what is left of it",
+       .sweep = {16, 64, 512},
+       .required = "fog.method=march"},
       {.name = "march_loss",
        .member = &FogKnobs::march_loss,
        .lowest = 1e-4,
        .highest = 0.5,
-       .ladder = {0.05, 0.025, 0.025, 0.002},
-       .trades = "fog.method=march: share of the light from the camera on that a step takes, 0.05 to 25 m",
-       .walk = {0.1, 0.025, 0.002},
-       .beside = "fog.method=march"},
+       .levels = {0.05, 0.025, 0.025, 0.002},
+       .description = "fog.method=march: share of the light from the camera on that a step takes, 0.05 to 25 m",
+       .sweep = {0.1, 0.025, 0.002},
+       .required = "fog.method=march"},
       {.name = "march_px",
        .member = &FogKnobs::march_px,
        .unit = "px",
        .lowest = 1,
        .highest = 8,
-       .ladder = {4, 2, 2, 1},
-       .trades = "fog.method=march: side of a texel that follows a ray: 1 full resolution, 2 half",
-       .walk = {4, 2, 1},
-       .beside = "fog.method=march"},
+       .levels = {4, 2, 2, 1},
+       .description = "fog.method=march: side of a texel that follows a ray: 1 full resolution, 2 half",
+       .sweep = {4, 2, 1},
+       .required = "fog.method=march"},
       {.name = "lamp_shadows",
        .member = &FogKnobs::lamp_shadows,
        .lowest = 0,
        .highest = 64,
-       .ladder = {0, 1, 1, 4},
-       .trades = "points of a slice, at least, at which the shadow maps of a lamp are asked; 0: lamps shine through "
-                 "everything in the air",
-       .walk = {0, 1, 2, 4}},
+       .levels = {0, 1, 1, 4},
+       .description =
+           "points of a slice, at least, at which the shadow maps of a lamp are asked; 0: lamps shine through "
+           "everything in the air",
+       .sweep = {0, 1, 2, 4}},
       {.name = "sky_directions",
        .member = &FogKnobs::sky_directions,
        .lowest = 1,
        .highest = 4096,
-       .ladder = {4, 16, 16, 256},
-       .trades = "directions in which the fog before the sky is looked through, for ambient light in fog that has an "
-                 "end; on surfaces in fog without bounds two elevations for each 16, and no azimuths",
-       .walk = {1, 4, 16, 64, 256}},
+       .levels = {4, 16, 16, 256},
+       .description =
+           "directions in which the fog before the sky is looked through, for ambient light in fog that has an "
+           "end; on surfaces in fog without bounds two elevations for each 16, and no azimuths",
+       .sweep = {1, 4, 16, 64, 256}},
   };
   return table;
 }

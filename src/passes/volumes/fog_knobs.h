@@ -21,7 +21,7 @@ struct FogKnobs {
   int march_px = 2;         // a texel's side
   int lamp_shadows = 1;     // points of a slice at which a lamp's maps are asked
   int sky_directions = 16;  // of the transmittance before the sky
-  static std::span<const Knob<FogKnobs>> table();
+  static std::span<const Knob> table();
   // FogMedium::nodes in a picture of this size.
   glm::uvec3 nodes(uint32_t width_px, uint32_t height_px) const;
 };

@@ -28,7 +28,7 @@ struct VolumetricLight {
     int filter = int(Filter::none);
     int depth = 1;     // coarse_nearest, coarse_checkerboard
     int upsample = 1;  // bilinear, depth
-    static std::span<const Knob<Knobs>> table();
+    static std::span<const Knob> table();
   };
   using SharedKnobs = std::tuple<LightRangeKnobs>;
   struct In {

@@ -45,7 +45,7 @@ StabilityScene colored(StabilityInput& in, double factor) {
   return scene_of(out);
 }
 
-// Devices decode sRGB within half a code value's width, not exactly (TECHNIQUES 21): 0.3 % of lavapipe's texels.
+// Devices decode sRGB within half a code value's width, not exactly: 0.3 % of lavapipe's texels.
 StabilityScene textured(StabilityInput& in, std::vector<std::byte> png, json slot_more, glm::dvec2 uv_scale) {
   GlbWriter out;
   lit_room(out, in.rng);

@@ -156,7 +156,7 @@ struct RayKind {
 
 std::vector<RayKind> make_rays(const Accel& accel, const FrameData&, const View& view, const Aabb& bounds, int width,
                                int height) {
-  std::vector<RayKind> kinds = {{"primary", false, {}}, {"shadow", true, {}}, {"diffuse", false, {}}};
+  std::vector<RayKind> kinds = {{"primary", false, {}}, {"shadow_sun", true, {}}, {"diffuse", false, {}}};
   const glm::dmat3 relative_from_view = glm::transpose(glm::dmat3(view.view_from_relative));
   const glm::vec3 light = bounds.centre() + glm::vec3(0, 0.6f, 0) * bounds.extent();
   Rng rng(1);

@@ -18,7 +18,7 @@ from lights import ROOT, Bench, Case, FIRST_TIME_S, ratio, say, summary
 LOOK = ROOT / "bench/suites/peers.look.json"
 SHADOWED = 8
 SETTINGS = {
-    "candela": f"{LOOK.name}: occlusion within 2 m, bloom 0.1; shadow maps of {SHADOWED} lamps by importance (shadows.lights)",
+    "candela": f"{LOOK.name}: occlusion within 2 m, bloom 0.1; shadow maps of {SHADOWED} lamps by importance (local.lights)",
     "filament": f"ambient occlusion within 2 m, bloom 0.1 interpolated without a threshold, shadow maps (PCF) of the {SHADOWED} nearest spots;"
                 " 1.9 has none of points; image-based light of 256 texels a face, 64 samples; its defaults otherwise",
     "both": "4 samples a pixel, linear tone mapping, sRGB, no fog, no dither; the sky as background and light where there is one",
@@ -36,7 +36,7 @@ class FullFrames(Bench):
         lights, outdoors = SCENES[name]
         case, options = Case(name, 4), self.options
         sky = ["--sky", options.sky] if outdoors else []
-        mine = ["--look", str(LOOK), "--set", f"shadows.lights={SHADOWED}", *sky]
+        mine = ["--look", str(LOOK), "--set", f"local.lights={SHADOWED}", *sky]
         peer = ["--shadowed-spots", str(SHADOWED), "--occlusion", "2", "--bloom", "0.1", *sky]
 
         def servers():

@@ -34,10 +34,10 @@ Colour colour_of(const FloatImage& image, const std::string& layer) {
 struct Share {
   const char *layer, *term, *part;
 };
-constexpr Share shares[] = {{"shadow", "direct.sun", "shadow.direct.sun"},
-                            {"shadow.lamps", "direct.point", "shadow.direct.point"},
-                            {"shadow.lamps", "direct.spot", "shadow.direct.spot"},
-                            {"occlusion", "ambient.diffuse", "occlusion"}};
+constexpr Share shares[] = {{"shadow_sun", "direct_sun", "shadow.direct_sun"},
+                            {"shadow_local", "direct_point", "shadow.direct_point"},
+                            {"shadow_local", "direct_spot", "shadow.direct_spot"},
+                            {"occlusion", "ambient_diffuse", "occlusion"}};
 
 // Of a term's error what comes from a share: the share's error times the term without it, which is known best where
 // more of it arrives.
@@ -49,7 +49,7 @@ double error_of_share(double true_share, double share, double truth, double valu
 class Edges {
  public:
   explicit Edges(const FloatImage& image) : width_(image.width), height_(image.height) {
-    for (const char* name : {"object_id", "material_id"})
+    for (const char* name : {"object_id.X", "material_id.X"})
       if (const Channel* ids = image.find(name)) ids_.push_back(&ids->u);
     for (const char* name : {"normal.X", "normal.Y", "normal.Z"})
       if (const Channel* part = image.find(name)) normal_.push_back(&part->f);
@@ -85,7 +85,7 @@ class Edges {
 std::vector<std::string> gpu_part_layers() {
   std::vector<std::string> names = edge_layers();
   for (const LayerName& term : Terms::layers) names.emplace_back(term.name);
-  for (const char* share : {"shadow", "shadow.lamps", "occlusion"}) names.emplace_back(share);
+  for (const char* share : {"shadow_sun", "shadow_local", "occlusion"}) names.emplace_back(share);
   return names;
 }
 

@@ -23,8 +23,8 @@ std::vector<std::string> reference_part_layers(bool with_air);  // with the ligh
 //                is seen in the pixel or beside it
 //   part.TERM    of that term, elsewhere; a term that the picture does not have counts as black
 //   part.shadow.TERM, part.occlusion
-//                of direct.sun, direct.point, direct.spot and of ambient.diffuse: what the share of light that arrives
-//                (layers shadow, shadow.lamps, occlusion) gets wrong, times the term as it is unshadowed; part.TERM is
+//                of direct_sun, direct_point, direct_spot and of ambient_diffuse: what the share of light that arrives
+//                (layers shadow, shadow_local, occlusion) gets wrong, times the term as it is unshadowed; part.TERM is
 //                then of the rest. Without those layers nothing is shadowed. Of point and spot lights the share is that
 //                of all lamps together
 //   part.all     of beauty, everywhere

@@ -130,7 +130,7 @@ class TruthScenes {
 }  // namespace
 
 std::string claimed_reference(const Job& job, const Scene& scene) {
-  const bool shadowed = job.effects == "auto" || job.effects.find("shadow") != std::string::npos ||
+  const bool shadowed = job.effects == "auto" || job.effects.find("shadows") != std::string::npos ||
                         job.effects.find("occlusion") != std::string::npos;
   return lets_light_through(scene) ? "path" : shadowed ? "direct" : open_reference_name;
 }

@@ -9,7 +9,6 @@
 #include "bench/picture.h"
 #include "bench/scene_store.h"
 #include "bench/shared_renderer.h"
-#include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 
 namespace candela {
@@ -188,7 +187,7 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"lights", "sift_over", {"0", "1073741824"}},
       {"sun", "skip_served", {"0", "1"}},
       {"sun", "draws", {"2097152", "4194304"}},
-      {"shadows", "draws", {"2097152", "4194304"}},
+      {"local", "draws", {"2097152", "4194304"}},
       {"fragments", "memory_mib", {"128", "256"}},
       {"fragments", "rounds", {"16", "32"}},
       {"rasterize", "small_px", {"1", "8", "64"}},

@@ -8,7 +8,7 @@
 #include "base/statistics.h"
 #include "image/half.h"
 #include "image/png_write.h"
-#include "plan/plan_frame.h"
+#include "job/frame_choices.h"
 
 namespace candela {
 namespace {
@@ -31,13 +31,13 @@ double distance(float a, float b) {
   return same ? 0 : std::numeric_limits<double>::infinity();
 }
 
-const OutputImage* output_of(const FrameResult& frame, const std::string& layer) {
-  for (const OutputImage& output : frame.outputs)
+const FrameOutput* output_of(const FrameResult& frame, const std::string& layer) {
+  for (const FrameOutput& output : frame.outputs)
     if (output.layer == layer && frame.readbacks.contains(output.resource)) return &output;
   return nullptr;
 }
 
-std::span<const std::byte> bytes_of(const FrameResult& frame, const OutputImage& output) {
+std::span<const std::byte> bytes_of(const FrameResult& frame, const FrameOutput& output) {
   const size_t size = size_t(frame.width_px) * size_t(frame.height_px) * format_bytes(output.format);
   const std::span<const std::byte> bytes = frame.readbacks.at(output.resource)->bytes();
   CHECK_MSG(bytes.size() >= size, output.layer);
@@ -64,7 +64,7 @@ std::vector<std::byte> encoded(const DisplayImage& image) {
 }  // namespace
 
 std::optional<Beauty> beauty_of(const FrameResult& frame) {
-  const OutputImage* output = output_of(frame, "beauty");
+  const FrameOutput* output = output_of(frame, "beauty");
   if (!output) return std::nullopt;
   CHECK(output->format == VK_FORMAT_R32G32B32A32_SFLOAT || output->format == VK_FORMAT_R16G16B16A16_SFLOAT);
   const auto bytes = bytes_of(frame, *output);
@@ -98,7 +98,7 @@ std::vector<std::string> light_list_layers() {
 }
 
 std::vector<float> layer_values(const FrameResult& frame, const std::string& layer) {
-  const OutputImage* output = output_of(frame, layer);
+  const FrameOutput* output = output_of(frame, layer);
   if (!output || output->format != VK_FORMAT_R32_SFLOAT) return {};
   const auto bytes = bytes_of(frame, *output);
   std::vector<float> values(bytes.size() / sizeof(float));

@@ -27,9 +27,9 @@ struct PictureDifference {
 PictureDifference difference(const Beauty& reference, const Beauty& test);
 
 // Layers of counts that a technique with light lists can show.
-inline constexpr const char* listed_layer = "heatmap.lights";
-inline constexpr const char* wasted_layer = "heatmap.waste";
-inline constexpr const char* missed_layer = "heatmap.missed";
+inline constexpr const char* listed_layer = "heatmap_lights";
+inline constexpr const char* wasted_layer = "heatmap_waste";
+inline constexpr const char* missed_layer = "heatmap_missed";
 // Those that this build knows.
 std::vector<std::string> light_list_layers();
 // From the frame's heatmap layers; absent when it has none.

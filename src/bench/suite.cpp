@@ -3,7 +3,10 @@
 #include <algorithm>
 
 #include "base/text.h"
-#include "plan/plan_frame.h"
+#include "job/frame_choices.h"
+#include "job/old_names.h"
+#include "scene/survey.h"
+#include "techniques/technique.h"
 
 namespace candela {
 namespace {
@@ -106,7 +109,10 @@ Expected<std::vector<Configuration>> configurations(const Suite& suite) {
            [](Configuration& c, const std::pair<int, int>& size) { std::tie(c.job.width_px, c.job.height_px) = size; });
   multiply(suite.samples, [](Configuration& c, int samples) { c.job.samples = samples; });
   multiply(suite.qualities, [](Configuration& c, const std::string& quality) { c.job.quality = quality; });
-  multiply(suite.effects, [](Configuration& c, const std::string& effects) { c.job.effects = effects; });
+  multiply(suite.effects, [](Configuration& c, const std::string& effects) {
+    c.job.effects = effects;
+    take_new_names(c.job);
+  });
   multiply(suite.transparency, [](Configuration& c, const std::string& method) { c.job.transparency = method; });
   multiply(suite.times_s, [](Configuration& c, double time_s) { c.time_s = time_s; });
   std::vector<std::pair<std::string, Settings>> ways;

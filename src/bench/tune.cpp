@@ -12,9 +12,10 @@
 #include "bench/error_truth.h"
 #include "bench/picture.h"
 #include "bench/sampling.h"
+#include "job/frame_choices.h"
 #include "metrics/compare.h"
-#include "plan/plan_frame.h"
 #include "render/outputs.h"
+#include "techniques/technique.h"
 
 namespace candela {
 namespace {

@@ -4,7 +4,6 @@
 #include "base/text.h"
 #include "cli/input_options.h"
 #include "cli/job_options.h"
-#include "plan/plan_frame.h"
 #include "session/device_technique.h"
 #include "stability/stability.h"
 

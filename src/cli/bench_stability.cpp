@@ -8,10 +8,11 @@
 #include "cli/report_files.h"
 #include "cli/result.h"
 #include "cli/signals.h"
-#include "plan/plan_frame.h"
+#include "job/frame_choices.h"
 #include "render/frame_names.h"
 #include "report/stability_report.h"
 #include "stability/stability.h"
+#include "techniques/technique.h"
 
 namespace candela::cli {
 namespace {

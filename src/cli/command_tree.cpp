@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 #include "job/choose_transparency.h"
-#include "plan/plan_frame.h"
+#include "job/frame_choices.h"
 #include "render/reference_frame.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"

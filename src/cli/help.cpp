@@ -47,7 +47,7 @@ const std::map<std::string, std::string>& examples() {
        "  candela render scene.glb -o frame.exr -o frame.png --frame 120\n"
        "  candela render model.glb -o model.png --fit --azimuth 210 --sky studio.hdr\n"
        "  candela render scene.glb -o 'out/{camera}.{frame:04}.png' --camera all --frames 0-48x24\n"
-       "  candela render scene.glb -o light.exr --layers depth,normal,direct,ambient.diffuse --timings -\n"},
+       "  candela render scene.glb -o light.exr --layers depth,normal,direct,ambient_diffuse --timings -\n"},
       {"sequence",
        "  candela sequence scene.glb --frames 0-249 -o 'out/%04d.exr' --resume\n"
        "  candela sequence scene.glb --frames 0-249 --video film.mp4 --size 1920x1080\n"

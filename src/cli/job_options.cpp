@@ -12,8 +12,9 @@
 #include "base/text.h"
 #include "cli/file_options.h"
 #include "cli/input_options.h"
+#include "job/frame_choices.h"
+#include "job/old_names.h"
 #include "look/look.h"
-#include "plan/plan_frame.h"
 #include "plan/posed_scene.h"
 #include "render/metering.h"
 #include "scene/up_axis.h"
@@ -360,19 +361,6 @@ Expected<void> read_texts(const JobOptions& o, Job& job) {
 
 namespace {
 
-// Screen-space reflections are asked for by either name.
-std::string effects_by_name(const std::string& text) {
-  std::vector<std::string> names = split(text, ',');
-  std::ranges::replace(names, "reflections", "ssr");
-  std::string joined_names;
-  for (const std::string& name : names) joined_names += (joined_names.empty() ? "" : ",") + name;
-  return joined_names;
-}
-
-}  // namespace
-
-namespace {
-
 // Absent for "auto", which is metered once the rest of the job is known.
 Expected<std::optional<float>> exposure_of(const std::string& text) {
   if (text.empty() || text == auto_exposure) return std::optional<float>();
@@ -408,7 +396,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.technique = o.technique;
   job.transparency = o.transparency;
   job.quality = o.quality;
-  job.effects = effects_by_name(o.effects);
+  job.effects = o.effects;
   job.sky = o.sky;
   job.look = o.look == "none" ? "" : o.look.empty() ? look_beside(o.scene).string() : o.look;
   job.shading = o.shading;
@@ -420,6 +408,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.tonemap = o.tonemap;
   job.view = o.view;
   if (!o.layers.empty()) job.layers = split(o.layers, ',');
+  take_new_names(job);
   if (std::ranges::find(job.layers, all_layers) != job.layers.end()) {
     job.layers = layer_names();
     job.layers.insert(job.layers.begin(), std::string(all_layers));

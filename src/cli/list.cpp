@@ -5,8 +5,8 @@
 #include "base/text.h"
 #include "cli/command.h"
 #include "gpu/device.h"
+#include "job/frame_choices.h"
 #include "look/look.h"
-#include "plan/plan_frame.h"
 #include "session/timings.h"
 #include "testscenes/make_scene.h"
 

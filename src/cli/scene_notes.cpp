@@ -140,7 +140,7 @@ namespace {
 
 // Alpha of every pixel is 0; nullopt where the frame has no alpha to tell by.
 std::optional<bool> is_transparent(const FrameResult& frame) {
-  for (const OutputImage& output : frame.outputs) {
+  for (const FrameOutput& output : frame.outputs) {
     if (output.layer == "beauty" && output.counts >= 0 && frame.request.shows_through)
       return frame.counts.at(size_t(output.counts)).covered == 0;
     if (output.packing != Packing::texels || (output.layer == "display" && !frame.request.display_alpha())) continue;

@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "job/old_names.h"
 
 namespace candela {
 namespace {
@@ -263,6 +264,7 @@ Expected<Job> job_from_json(const std::string& text) {
     if (const std::string wrong = reader->second(value, job); !wrong.empty())
       return fail(ErrorKind::input, "/" + key, "the value {}", wrong);
   }
+  take_new_names(job);
   return job;
 }
 
@@ -290,7 +292,9 @@ Expected<KnobSetting> parse_knob_setting(const std::string& text) {
       equals + 1 == text.size())
     return fail(ErrorKind::usage, "", "'{}' is not a setting; write PASS.KNOB=VALUE (`candela list knobs` prints them)",
                 text);
-  return KnobSetting{text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1)};
+  KnobSetting setting{text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1)};
+  take_new_names(setting);
+  return setting;
 }
 
 Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s) {

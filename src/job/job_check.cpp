@@ -109,7 +109,7 @@ Expected<void> check_job(const Job& job) {
   if (job.effects != "auto" && job.effects != "none")
     for (const std::string& effect : split(job.effects, ',')) {
       static const std::map<std::string, std::string> others = {
-          {"ao", "occlusion"}, {"ssao", "occlusion"}, {"gtao", "occlusion"}, {"reflections", "ssr"}};
+          {"ao", "occlusion"}, {"ssao", "occlusion"}, {"gtao", "occlusion"}};
       if (const auto other = others.find(effect); other != others.end())
         return fail(ErrorKind::usage, "--effects", "there is no effect '{}'; it is called {} here", effect,
                     other->second);

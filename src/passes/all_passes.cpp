@@ -5,10 +5,40 @@
 
 #include "base/check.h"
 #include "base/fields.h"
+#include "passes/shadows/lamp_knobs.h"
+#include "passes/shadows/sun_knobs.h"
 #include "passes/shared/knob_values.h"
 #include "passes/shared/pass_list.h"
 
 namespace candela {
+namespace knobs_detail {
+template <class Tuple, class K>
+struct Append;
+template <class... Ks, class K>
+struct Append<std::tuple<Ks...>, K> {
+  using type = std::conditional_t<(std::is_same_v<Ks, K> || ...), std::tuple<Ks...>, std::tuple<Ks..., K>>;
+};
+template <class Tuple, class More>
+struct AppendAll {
+  using type = Tuple;
+};
+template <class Tuple, class K, class... More>
+struct AppendAll<Tuple, std::tuple<K, More...>> : AppendAll<typename Append<Tuple, K>::type, std::tuple<More...>> {};
+
+// The tables of a pass: its own, and those that it shares.
+template <class P>
+auto tables_of() {
+  if constexpr (HasKnobs<P> && SharesKnobs<P>)
+    return typename AppendAll<std::tuple<typename P::Knobs>, typename P::SharedKnobs>::type{};
+  else if constexpr (HasKnobs<P>)
+    return std::tuple<typename P::Knobs>{};
+  else if constexpr (SharesKnobs<P>)
+    return typename P::SharedKnobs{};
+  else
+    return std::tuple<>{};
+}
+}  // namespace knobs_detail
+
 namespace {
 
 template <class... P, class F>
@@ -32,6 +62,7 @@ PassInfo info_of() {
     if (std::ranges::find(info.knob_tables, table) == info.knob_tables.end()) info.knob_tables.push_back(table);
   };
   each_table(std::type_identity<decltype(knobs_detail::tables_of<P>())>{}, add);
+  info.own_tables = info.knob_tables;
   if constexpr (FollowsKnobs<P>) each_table(std::type_identity<typename P::InputKnobs>{}, add);
   typename P::In in{};
   for_each_field(in, [&]<class T>(const T&) {
@@ -48,6 +79,7 @@ void add_table(std::vector<KnobTableInfo>& tables) {
   KnobTableInfo info{knob_table_id<K>(), K::name, K::table(), std::vector<std::byte>(sizeof(K)), 0};
   std::memcpy(info.defaults.data(), &knobs, sizeof(K));
   if (!tables.empty()) info.offset = tables.back().offset + tables.back().defaults.size();
+  if constexpr (requires(const SceneFacts& facts) { K::matter(facts); }) info.matters = &K::matter;
   tables.push_back(std::move(info));
 }
 
@@ -60,6 +92,12 @@ std::span<const PassInfo> pass_list() {
     return list;
   }();
   return passes;
+}
+
+const PassInfo& pass_info(std::string_view name) {
+  const auto found = std::ranges::find(pass_list(), name, &PassInfo::name);
+  CHECK_MSG(found != pass_list().end(), std::string(name));
+  return *found;
 }
 
 std::span<const KnobTableInfo> knob_tables() {
@@ -76,6 +114,16 @@ std::span<const KnobTableInfo> knob_tables() {
 KnobValues::KnobValues() {
   for (const KnobTableInfo& table : knob_tables())
     bytes_.insert(bytes_.end(), table.defaults.begin(), table.defaults.end());
+}
+
+void KnobValues::declare(GraphBuilder& builder, std::span<const KnobTableId> tables, const SceneFacts& facts,
+                         const std::function<bool(std::string_view)>& ignored) const {
+  for (const KnobTableId id : tables) {
+    const KnobTableInfo& table = *std::ranges::find(knob_tables(), id, &KnobTableInfo::id);
+    if (table.matters && !table.matters(facts)) continue;
+    for (const Knob& row : table.rows)
+      if (!ignored(row.name)) builder.knob(fmt::format("{}.{}", table.name, row.name), row.text(value(table, row)));
+  }
 }
 
 size_t KnobValues::offset_of_table(KnobTableId id) {

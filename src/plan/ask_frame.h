@@ -9,6 +9,7 @@
 #include "job/frame_knobs.h"
 #include "job/job.h"
 #include "job/job_look.h"
+#include "job/wanted_outputs.h"
 #include "plan/frame_dumps.h"
 #include "plan/frame_rays.h"
 #include "scene/geometry_layout.h"
@@ -16,16 +17,6 @@
 #include "techniques/technique.h"
 
 namespace candela {
-
-struct WantedOutputs {
-  bool linear = true;    // EXR
-  bool display = false;  // PNG, video
-  int display_bits = 8;  // 8 or 16
-  // For prepare_outputs() and nothing else: packed on the device as the job's files hold it. linear is then of EXR
-  // files alone: pixels that are not finite are counted on the device.
-  bool files = false;
-  std::vector<DumpRequest> dumps = {};
-};
 
 // What does not change with time, made once for a scene.
 struct PlanContext {

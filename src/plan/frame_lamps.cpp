@@ -25,7 +25,7 @@ std::string why_none(const SceneFacts& facts, const FrameRequest& request, const
     return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
   if (request.neutral_light) return "the neutral light casts no shadows";
-  if (knobs.lights == LampKnobs::none && !traced) return "shadows.lights is none";
+  if (knobs.lights == LampKnobs::none && !traced) return "local.lights is none";
   return {};
 }
 
@@ -148,7 +148,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   out.by_voxels = knobs.method == LampKnobs::by_voxels;
   const bool in_air = request.draws_fog() || request.draws_volumetric();
   if (out.traced && (!in_air || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
-    out.absence = fmt::format("shadows.method is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
+    out.absence = fmt::format("local.method is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
     return out;
   }
   const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
@@ -188,7 +188,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   if (lamps.empty()) {
     out.absence = without.empty() ? "no point or spot light reaches what the camera sees"
                                   : "the look marks no point or spot light that reaches what the camera sees "
-                                    "(shadows.lights = marked)";
+                                    "(local.lights = marked)";
     return out;
   }
   const std::vector<Candidate> chosen = lamps;
@@ -198,16 +198,16 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   if (!without.empty())
     out.notes.push_back(fmt::format(
         "{} of {} point and spot lights that may light the picture cast no shadows, those that add least "
-        "(shadows.lights "
-        "= {}, shadows.budget_mb = {}); they are of the nodes {}",
+        "(local.lights "
+        "= {}, local.budget_mb = {}); they are of the nodes {}",
         without.size(), without.size() + lamps.size(), lights_text, knobs.budget_mb, nodes_of(data, without)));
   if (const auto smaller = std::ranges::count_if(lamps, [](const auto& c) { return c.size_px < c.wished_px; }))
     out.notes.push_back(
         fmt::format("the shadow maps of {} point and spot lights are smaller than they should be "
-                    "(shadows.budget_mb = {})",
+                    "(local.budget_mb = {})",
                     smaller, knobs.budget_mb));
   if (lamps.empty()) {
-    out.absence = "no shadow map of a point or spot light fits into shadows.budget_mb";
+    out.absence = "no shadow map of a point or spot light fits into local.budget_mb";
     return out;
   }
 
@@ -236,7 +236,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   image.layers = room.layers;
   image.size_px = room.layer_px;
   if (auto placed = place_maps(out, std::move(image), data, packed.draws, packed.upload.items, options, knobs.draws,
-                               "shadows.draws");
+                               "local.draws");
       !placed)
     return std::unexpected(placed.error());
   return out;

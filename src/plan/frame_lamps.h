@@ -17,7 +17,7 @@ struct FrameLamps : ShadowMaps {
 
 // Chooses the lights that get maps (those that the look marks first) and the maps' sizes, and places these in one
 // layered image. rows: of the picture's samples, height times the side of supersampling, which maps follow in size.
-// Errors: more draw commands than the knob shadows.draws has room for.
+// Errors: more draw commands than the knob local.draws has room for.
 Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
                                 const LampKnobs& knobs, int rows, const MapOptions& options);
 

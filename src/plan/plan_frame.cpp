@@ -114,7 +114,7 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   if (const std::string note = probe_note(f); !note.empty()) f.notes.push_back(note);
   std::vector<std::string> missing = not_drawn(f.facts, f.pose);
   if (f.facts.sized_lights > 0 && f.facts.takes_light() && !f.traced.soft_lamps)
-    missing.push_back("sizes of point and spot lights (drawn as points: shadows.method, shadows.soft)");
+    missing.push_back("sizes of point and spot lights (drawn as points: local.method, local.soft)");
   if (!missing.empty()) f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
 }
 

@@ -16,8 +16,6 @@
 
 namespace candela {
 
-using OutputImage = FrameOutput;
-
 // Everything about one frame short of the GPU, as the stages returned it, and the last one's own: the graph. Pure, so
 // `candela plan` needs no device.
 struct PlannedFrame : SurveyedFrame, PackedFrame, LitFrame, TracedFrame {
@@ -31,7 +29,7 @@ struct PlannedFrame : SurveyedFrame, PackedFrame, LitFrame, TracedFrame {
   Hash128 hash;
   std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
   std::vector<FrameReport> reports;
-  std::vector<OutputImage> outputs;
+  std::vector<FrameOutput> outputs;
   int counts = -1;  // the buffer of shared::PackCounts in the plan
   std::vector<FrameDump> dumps;
   std::vector<std::string> notes;  // of all stages

@@ -47,7 +47,8 @@ Job probe_job(Job job, const ProbeKnobs& knobs) {
   job.background = "transparent";
   if (job.effects == "auto" || job.effects == "none") return job;
   std::vector<std::string> kept = split(job.effects, ',');
-  for (const char* left_out : {"ssr", "bloom", "fog", "volumetric", "exposure", "probes"}) std::erase(kept, left_out);
+  for (const char* left_out : {"reflections", "bloom", "fog", "volumetric", "exposure", "probes"})
+    std::erase(kept, left_out);
   job.effects = kept.empty() ? "none" : fmt::format("{}", fmt::join(kept, ","));
   return job;
 }

@@ -208,7 +208,7 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
   film.samples_ = head.samples;
   if (parts.traversal && std::ranges::any_of(film.sums_, [](const Sums& s) { return std::isnan(s.traversal); }))
     return fail(ErrorKind::input, path.string(),
-                "was made without the layer heatmap.traversal, which needs the cost of every sample");
+                "was made without the layer heatmap_traversal, which needs the cost of every sample");
   return film;
 }
 

@@ -4,7 +4,7 @@ namespace candela::reference {
 
 std::string_view name_of(Term term) {
   static constexpr std::string_view names[term_count] = {
-      "direct.sun", "direct.point", "direct.spot", "ambient.diffuse", "ambient.specular",
+      "direct_sun", "direct_point", "direct_spot", "ambient_diffuse", "ambient_specular",
       "emission",   "background",   "reflections", "indirect",        "volumetric"};
   return names[size_t(term)];
 }

@@ -30,7 +30,7 @@ enum class Term : uint8_t {
   volumetric
 };
 inline constexpr size_t term_count = 10;
-std::string_view name_of(Term term);  // as the layer is called: direct.sun
+std::string_view name_of(Term term);  // as the layer is called: direct_sun
 Term direct_term(LightType type);
 
 // One sample of one pixel, or the light of one surface.

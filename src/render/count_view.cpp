@@ -21,11 +21,11 @@ CountScale count_scale(std::span<const float> counts) {
 }
 
 std::string count_title(const std::string& layer) {
-  if (layer == "heatmap.lights") return "LIGHTS LISTED PER PIXEL";
-  if (layer == "heatmap.waste") return "LIGHTS LISTED IN VAIN PER PIXEL";
-  if (layer == "heatmap.missed") return "LIGHTS MISSED PER PIXEL";
-  if (layer == "debug.light_volumes") return "LIGHT VOLUMES PER PIXEL";
-  if (layer == "heatmap.traversal") return "TRAVERSAL COST PER RAY";
+  if (layer == "heatmap_lights") return "LIGHTS LISTED PER PIXEL";
+  if (layer == "heatmap_waste") return "LIGHTS LISTED IN VAIN PER PIXEL";
+  if (layer == "heatmap_missed") return "LIGHTS MISSED PER PIXEL";
+  if (layer == "debug_light_volumes") return "LIGHT VOLUMES PER PIXEL";
+  if (layer == "heatmap_traversal") return "TRAVERSAL COST PER RAY";
   if (layer == "heatmap.leaves") return "LEAF BOXES PER RAY";
   return "COUNT PER PIXEL";
 }

@@ -30,7 +30,7 @@ struct FloatReader {
   }
 };
 
-FloatReader reader_of(const OutputImage& output, const std::byte* bytes) {
+FloatReader reader_of(const FrameOutput& output, const std::byte* bytes) {
   switch (output.format) {
     case VK_FORMAT_R32G32B32A32_SFLOAT:
       return {bytes, 4, false};
@@ -55,7 +55,7 @@ void count_nonfinite(const FrameResult& frame, const std::string& layer, size_t 
 }
 
 // As the device packed it, in planes.
-void add_packed_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output) {
+void add_packed_layer(FloatImage& image, const FrameResult& frame, const FrameOutput& output) {
   const PackLayout layout = layout_of(frame, output);
   const std::byte* bytes = readback_bytes(frame, output).data();
   const bool half = output.packing == Packing::half_planes;
@@ -74,12 +74,12 @@ void add_packed_layer(FloatImage& image, const FrameResult& frame, const OutputI
 
 }  // namespace
 
-PackLayout layout_of(const FrameResult& frame, const OutputImage& output) {
+PackLayout layout_of(const FrameResult& frame, const FrameOutput& output) {
   return pack_layout(output.packing, output.format, output.components, uint32_t(frame.width_px),
                      uint32_t(frame.height_px));
 }
 
-std::span<const std::byte> readback_bytes(const FrameResult& frame, const OutputImage& output) {
+std::span<const std::byte> readback_bytes(const FrameResult& frame, const FrameOutput& output) {
   const auto found = frame.readbacks.find(output.resource);
   CHECK_MSG(found != frame.readbacks.end(), output.layer);
   const std::span<const std::byte> bytes = found->second->bytes();
@@ -87,26 +87,27 @@ std::span<const std::byte> readback_bytes(const FrameResult& frame, const Output
   return bytes;
 }
 
-std::vector<std::string> channel_names(const OutputImage& output) {
+std::vector<std::string> channel_names(const FrameOutput& output) {
   const std::string& layer = output.layer;
   if (layer == "beauty") return {"R", "G", "B", "A"};
   if (is_cryptomatte(layer)) return matte_channels(layer, output.part);
   if (layer == "depth") return {"depth.Z"};
   if (output.format == VK_FORMAT_R32_SFLOAT) return {layer + ".Y"};
+  if (output.format == VK_FORMAT_R32_UINT) return {layer + ".X"};
   if (layer == "motion") return {"motion.X", "motion.Y"};
   if (layer == "normal") return {"normal.X", "normal.Y", "normal.Z"};
   return {layer + ".R", layer + ".G", layer + ".B"};
 }
 
-void add_id_layer(FloatImage& image, const OutputImage& output, std::span<const std::byte> bytes) {
+void add_id_layer(FloatImage& image, const FrameOutput& output, std::span<const std::byte> bytes) {
   Channel& channel = image.channels.emplace_back();
-  channel.name = output.layer;
+  channel.name = channel_names(output).front();
   channel.type = ChannelType::uint32;
   channel.u.resize(size_t(image.width) * size_t(image.height));
   std::memcpy(channel.u.data(), bytes.data(), channel.u.size() * 4);
 }
 
-void add_depth_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, NonFinite& nonfinite) {
+void add_depth_layer(FloatImage& image, const FrameResult& frame, const FrameOutput& output, NonFinite& nonfinite) {
   const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
   Channel& channel = image.channels.emplace_back();
   channel.name = "depth.Z";
@@ -118,7 +119,7 @@ void add_depth_layer(FloatImage& image, const FrameResult& frame, const OutputIm
   }
 }
 
-void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, bool as_float,
+void add_color_layer(FloatImage& image, const FrameResult& frame, const FrameOutput& output, bool as_float,
                      NonFinite& nonfinite) {
   const FloatReader read = reader_of(output, readback_bytes(frame, output).data());
   const std::vector<std::string> names = channel_names(output);
@@ -147,7 +148,7 @@ void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputIm
   }
 }
 
-FloatImage layer_image(const FrameResult& frame, const OutputImage& output) {
+FloatImage layer_image(const FrameResult& frame, const FrameOutput& output) {
   FloatImage image;
   image.width = frame.width_px;
   image.height = frame.height_px;

@@ -15,17 +15,17 @@ namespace candela {
 inline constexpr float background_depth_m = 1e10f;
 
 // Of one output of a frame: how it lies in its read-back, those bytes, and the channels of a file that it fills.
-PackLayout layout_of(const FrameResult& frame, const OutputImage& output);
-std::span<const std::byte> readback_bytes(const FrameResult& frame, const OutputImage& output);
-std::vector<std::string> channel_names(const OutputImage& output);
+PackLayout layout_of(const FrameResult& frame, const FrameOutput& output);
+std::span<const std::byte> readback_bytes(const FrameResult& frame, const FrameOutput& output);
+std::vector<std::string> channel_names(const FrameOutput& output);
 
 // Adds the channels of an output that was read back as texels. Pre-exposure is removed.
-void add_id_layer(FloatImage& image, const OutputImage& output, std::span<const std::byte> bytes);
-void add_depth_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, NonFinite& nonfinite);
-void add_color_layer(FloatImage& image, const FrameResult& frame, const OutputImage& output, bool as_float,
+void add_id_layer(FloatImage& image, const FrameOutput& output, std::span<const std::byte> bytes);
+void add_depth_layer(FloatImage& image, const FrameResult& frame, const FrameOutput& output, NonFinite& nonfinite);
+void add_color_layer(FloatImage& image, const FrameResult& frame, const FrameOutput& output, bool as_float,
                      NonFinite& nonfinite);
 
 // A layer that is no light, alone, however it was read back.
-FloatImage layer_image(const FrameResult& frame, const OutputImage& output);
+FloatImage layer_image(const FrameResult& frame, const FrameOutput& output);
 
 }  // namespace candela

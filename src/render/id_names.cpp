@@ -29,8 +29,8 @@ std::set<uint32_t> ids_in(const PlaneView& plane, int width, int height) {
 
 void add_id_names(std::vector<MetadataEntry>& metadata, const Scene& scene, const PlaneView& plane, int width,
                   int height) {
-  const bool objects = plane.name == "object_id";
-  if (!objects && plane.name != "material_id") return;
+  const bool objects = plane.name == "object_id.X";
+  if (!objects && plane.name != "material_id.X") return;
   const std::vector<std::string> names = objects ? node_names(scene) : material_names(scene);
   nlohmann::ordered_json j = nlohmann::ordered_json::object();
   auto& entries = j.get_ref<nlohmann::ordered_json::object_t&>();  // each id is there once: appended

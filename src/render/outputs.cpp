@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // False where all samples, those of unused components too, are finite: seen by their exponents, many at a time.
-bool may_hold_nonfinite(const FrameResult& frame, const OutputImage& output) {
+bool may_hold_nonfinite(const FrameResult& frame, const FrameOutput& output) {
   if (output.format == VK_FORMAT_R32_UINT) return false;
   const std::span<const std::byte> all = readback_bytes(frame, output);
   const size_t size = size_t(frame.width_px) * size_t(frame.height_px) * format_bytes(output.format);
@@ -49,7 +49,7 @@ bool may_hold_nonfinite(const FrameResult& frame, const OutputImage& output) {
 
 // Whether the file of all layers has to be made to tell which pixels are not finite. Background depth is infinite.
 bool may_hold_nonfinite(const FrameResult& frame) {
-  return std::ranges::any_of(frame.outputs, [&](const OutputImage& output) {
+  return std::ranges::any_of(frame.outputs, [&](const FrameOutput& output) {
     return output.layer != "display" && may_hold_nonfinite(frame, output);
   });
 }
@@ -72,7 +72,7 @@ std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job,
 }
 
 // Display output is no layer, and a layer that only --view asks for is in no file.
-bool in_exr(const OutputImage& output, const Job& job) {
+bool in_exr(const FrameOutput& output, const Job& job) {
   if (output.layer == "display" || output.resource < 0) return false;
   return job.view == "beauty" || output.layer != job.view ||
          std::find(job.layers.begin(), job.layers.end(), job.view) != job.layers.end();
@@ -81,7 +81,7 @@ bool in_exr(const OutputImage& output, const Job& job) {
 // What names the ids of the file's Cryptomatte layers.
 void add_cryptomattes(std::vector<MetadataEntry>& metadata, const FrameResult& frame, const Job& job,
                       const Scene& scene) {
-  for (const OutputImage& output : frame.outputs)
+  for (const FrameOutput& output : frame.outputs)
     if (is_cryptomatte(output.layer) && output.part == 0 && in_exr(output, job))
       add_cryptomatte(metadata, scene, output.layer);
 }
@@ -93,7 +93,7 @@ void add_clamped(std::vector<MetadataEntry>& metadata, const NonFinite& nonfinit
 // What the device counted.
 NonFinite counted(const FrameResult& frame, const Job& job) {
   NonFinite found;
-  for (const OutputImage& output : frame.outputs) {
+  for (const FrameOutput& output : frame.outputs) {
     if (output.counts < 0) continue;
     const shared::PackCounts& counts = frame.counts.at(size_t(output.counts));
     if (in_exr(output, job)) found.clamped += counts.clamped;
@@ -122,11 +122,11 @@ const std::byte* without_exposure(LinearFile& file, const std::byte* plane, size
   return reinterpret_cast<const std::byte*>(values.data());
 }
 
-void add_planes(LinearFile& file, const FrameResult& frame, const OutputImage& output) {
+void add_planes(LinearFile& file, const FrameResult& frame, const FrameOutput& output) {
   const PackLayout layout = layout_of(frame, output);
   const std::byte* bytes = readback_bytes(frame, output).data();
   if (output.format == VK_FORMAT_R32_UINT) {
-    file.view.planes.push_back({output.layer, ChannelType::uint32, bytes, layout.row_bytes});
+    file.view.planes.push_back({channel_names(output).front(), ChannelType::uint32, bytes, layout.row_bytes});
     return;
   }
   const bool half = output.packing == Packing::half_planes;
@@ -147,7 +147,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   FloatImage image;
   image.width = frame.width_px;
   image.height = frame.height_px;
-  for (const OutputImage& output : frame.outputs) {
+  for (const FrameOutput& output : frame.outputs) {
     if (!in_exr(output, job)) continue;
     CHECK_MSG(output.packing == Packing::texels, output.layer);
     if (output.format == VK_FORMAT_R32_UINT)
@@ -188,7 +188,7 @@ DisplayImage of_bits(DisplayImage image, int bits) {
 bool has_view(const FrameResult& frame, const Job& job) {
   if (image_of_view(job.view)) return true;
   const std::string shown = frame.request.view_is_light ? "display" : job.view;
-  return std::ranges::any_of(frame.outputs, [&](const OutputImage& output) { return output.layer == shown; });
+  return std::ranges::any_of(frame.outputs, [&](const FrameOutput& output) { return output.layer == shown; });
 }
 
 }  // namespace
@@ -204,7 +204,7 @@ DisplayImage display_image(const FrameResult& frame, const Job& job) {
   image.width = frame.width_px;
   image.height = frame.height_px;
   image.channels = frame.request.display_alpha() ? 4 : 3;
-  for (const OutputImage& output : frame.outputs) {
+  for (const FrameOutput& output : frame.outputs) {
     if (output.layer != "display") continue;
     CHECK(output.format == VK_FORMAT_R8G8B8A8_UNORM || output.format == VK_FORMAT_R16G16B16A16_UNORM);
     image.bits = output.format == VK_FORMAT_R8G8B8A8_UNORM ? 8 : 16;
@@ -236,7 +236,7 @@ struct DisplayFile {
 DisplayFile display_file(const FrameResult& frame, const Job& job, bool owned) {
   DisplayFile file;
   const auto display =
-      std::ranges::find_if(frame.outputs, [](const OutputImage& output) { return output.layer == "display"; });
+      std::ranges::find_if(frame.outputs, [](const FrameOutput& output) { return output.layer == "display"; });
   const bool alpha = frame.request.display_alpha();
   if (!owned && frame.request.view_is_light && !image_of_view(job.view) && display != frame.outputs.end() &&
       (display->packing == Packing::rgb) != alpha) {
@@ -270,7 +270,7 @@ LinearPicture linear_picture(const FrameResult& frame, const Job& job, const Ses
   if (!wanted || (nonfinite.count > 0 && !job.allow_nonfinite)) return picture;
   PictureView& view = picture.file.view;
   view.width = frame.width_px, view.height = frame.height_px;
-  for (const OutputImage& output : frame.outputs)
+  for (const FrameOutput& output : frame.outputs)
     if (in_exr(output, job)) add_planes(picture.file, frame, output);
   view.metadata = metadata_of(frame, job, session, frame_number, rate);
   for (const PlaneView& plane : view.planes)

@@ -17,7 +17,7 @@ struct Pixels {
 };
 
 std::optional<Pixels> display_pixels(const FrameResult& frame) {
-  for (const OutputImage& output : frame.outputs) {
+  for (const FrameOutput& output : frame.outputs) {
     if (output.layer != "display" || !frame.readbacks.contains(output.resource)) continue;
     Pixels p;
     p.sample_bytes = output.format == VK_FORMAT_R8G8B8A8_UNORM ? 1 : 2;
@@ -39,7 +39,7 @@ uint32_t code(const Pixels& p, const std::byte* pixel, int channel) {
 }
 
 // Whether every value of red, green and blue is 0 or -0: of halves and floats all bits but the sign's.
-bool planes_are_black(const FrameResult& frame, const OutputImage& output) {
+bool planes_are_black(const FrameResult& frame, const FrameOutput& output) {
   const PackLayout layout = layout_of(frame, output);
   const std::byte* bytes = readback_bytes(frame, output).data();
   const size_t sample = output.packing == Packing::half_planes ? 2 : 4;
@@ -55,7 +55,7 @@ bool planes_are_black(const FrameResult& frame, const OutputImage& output) {
 }
 
 std::optional<PictureTones> linear_tones(const FrameResult& frame) {
-  for (const OutputImage& output : frame.outputs) {
+  for (const FrameOutput& output : frame.outputs) {
     const bool planes = output.packing == Packing::half_planes || output.packing == Packing::float_planes;
     if (output.layer != "beauty" || !planes || !frame.readbacks.contains(output.resource)) continue;
     if (planes_are_black(frame, output)) return PictureTones{.is_black = true};

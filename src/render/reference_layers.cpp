@@ -36,7 +36,7 @@ void add_depth(FloatImage& image, const Centres& centres) {
 
 template <class Id>
 void add_ids(FloatImage& image, const Centres& centres, const std::string& layer, Id&& id) {
-  Channel channel{layer, ChannelType::uint32, {}, {}};
+  Channel channel{layer + ".X", ChannelType::uint32, {}, {}};
   for (const auto& c : centres) channel.u.push_back(c ? id(*c) : no_id);
   image.channels.push_back(std::move(channel));
 }
@@ -103,8 +103,8 @@ const std::vector<std::string>& term_layer_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
     for (size_t t = 0; t < reference::term_count; ++t) all.emplace_back(name_of(reference::Term(t)));
-    all.emplace_back("shadow");
-    all.emplace_back("shadow.lamps");
+    all.emplace_back("shadow_sun");
+    all.emplace_back("shadow_local");
     all.emplace_back("occlusion");
     return all;
   }();
@@ -114,8 +114,8 @@ const std::vector<std::string>& term_layer_names() {
 reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<std::string>& layers) {
   return {.fog = !frame.world->media().empty(),
           .terms = std::ranges::any_of(term_layer_names(), is_in(layers)),
-          .lamp_shadow = is_in(layers)("shadow.lamps"),
-          .traversal = is_in(layers)("heatmap.traversal")};
+          .lamp_shadow = is_in(layers)("shadow_local"),
+          .traversal = is_in(layers)("heatmap_traversal")};
 }
 
 namespace {
@@ -223,8 +223,8 @@ void add_term_layers(FloatImage& image, const reference::Film& film, const std::
     for (int c = 0; c < 3; ++c)
       add(name + "." + "RGB"[c], [&](size_t i) { return film.term(reference::Term(t), i)[c]; });
   }
-  if (is_in(layers)("shadow")) add("shadow.Y", [&](size_t i) { return film.shadow(i); });
-  if (is_in(layers)("shadow.lamps")) add("shadow.lamps.Y", [&](size_t i) { return film.lamp_shadow(i); });
+  if (is_in(layers)("shadow_sun")) add("shadow_sun.Y", [&](size_t i) { return film.shadow(i); });
+  if (is_in(layers)("shadow_local")) add("shadow_local.Y", [&](size_t i) { return film.lamp_shadow(i); });
   if (is_in(layers)("occlusion")) add("occlusion.Y", [&](size_t i) { return film.occlusion(i); });
 }
 

@@ -79,7 +79,7 @@ BegunFilm begin_film(const Job& job, const ReferenceFrame& frame, const TraceReq
                      const std::vector<std::string>& layers) {
   const reference::FilmParts parts = film_parts(frame, layers);
   Hash128 identity = film_identity(job, frame, request.settings, request.accel, parts.terms);
-  if (parts.lamp_shadow) identity = hash128(identity.hex() + " shadow.lamps");
+  if (parts.lamp_shadow) identity = hash128(identity.hex() + " shadow_local");
   return {reference::Film(job.width_px, job.height_px, parts), identity, parts};
 }
 

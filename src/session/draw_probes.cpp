@@ -17,7 +17,7 @@ Expected<ProbeFace> draw_face(const Job& job, PlannedFrame& planned, gpu::FrameR
   if (const auto prepared = runner.prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
   const gpu::FrameRun run = runner.run(planned.graph, uploaded.imports, {}, std::move(uploaded.keep));
   ProbeFace face(size_t(job.width_px) * size_t(job.height_px) * 4);
-  for (const OutputImage& output : planned.outputs) {
+  for (const FrameOutput& output : planned.outputs) {
     if (output.layer != "beauty") continue;
     CHECK(output.format == VK_FORMAT_R32G32B32A32_SFLOAT);
     const std::span<const std::byte> bytes = run.readbacks.at(output.resource)->bytes();

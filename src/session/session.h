@@ -10,10 +10,15 @@
 #include "gpu/frame_runner.h"
 #include "graph/plan.h"
 #include "job/job.h"
-#include "plan/plan_frame.h"
+#include "job/wanted_outputs.h"
+#include "plan/frame_dumps.h"
 #include "scene/survey.h"
+#include "scene/view.h"
 
 namespace candela {
+
+struct FrameRays;
+struct PlannedFrame;
 
 // CPU milliseconds of one frame or of the start, by stage name: load, decode, upload, those of planning (animate,
 // light_grid, sun_shadows, fog, lamp_shadows, trees, plan), compile (beside decode, upload and allocate), allocate,
@@ -49,10 +54,10 @@ struct FrameResult {
   double time_s = 0;
   View view;
   FrameRequest request;
-  std::vector<OutputImage> outputs;                         // what each readback holds
-  std::map<int, std::shared_ptr<gpu::Readback>> readbacks;  // by OutputImage::resource
+  std::vector<FrameOutput> outputs;                         // what each readback holds
+  std::map<int, std::shared_ptr<gpu::Readback>> readbacks;  // by FrameOutput::resource
   std::vector<FrameDump> dumps;                             // likewise
-  std::vector<shared::PackCounts> counts;                   // by OutputImage::counts
+  std::vector<shared::PackCounts> counts;                   // by FrameOutput::counts
   double pre_exposure = 1;                                  // linear outputs are divided by it when encoded
   Hash128 plan_hash;
   FramePlan plan;

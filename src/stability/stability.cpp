@@ -121,7 +121,7 @@ Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display, const st
   auto beauty = beauty_of(*frame);
   if (!beauty) return fail(ErrorKind::device, "", "the frame has no linear picture");
   Shot made{std::move(*beauty), frame->pre_exposure, {}, renderer_->warnings(), {}};
-  for (const OutputImage& output : frame->outputs)
+  for (const FrameOutput& output : frame->outputs)
     if (std::ranges::find(job.layers, output.layer) != job.layers.end()) made.layers.add(layer_image(*frame, output));
   made.warnings.insert(made.warnings.end(), frame->warnings.begin(), frame->warnings.end());
   if (display) {
@@ -267,9 +267,9 @@ Expected<void> StabilityRun::check_every_effect(const StabilityScene& scene, Job
   if (!scene.sky_look.empty()) every.update(own_json(scene.sky_look));
   const std::string text = every.dump();
   if (auto written = write_file_atomically(job.look, std::as_bytes(std::span(text))); !written) return written;
-  for (const auto& [pass, knob] : {std::pair("sun", "mode"), {"shadows", "method"}, {"occlusion", "method"}})
+  for (const auto& [pass, knob] : {std::pair("sun", "mode"), {"local", "method"}, {"occlusion", "method"}})
     job.settings.push_back({pass, knob, "traced"});
-  for (const auto& [pass, knob] : {std::pair("sun", "samples"), {"shadows", "samples"}, {"occlusion", "rays"}})
+  for (const auto& [pass, knob] : {std::pair("sun", "samples"), {"local", "samples"}, {"occlusion", "rays"}})
     job.settings.push_back({pass, knob, "2"});
   job.settings.push_back({"fog", "grid", "32x18x24"});
   job.settings.push_back({"probes", "size_px", "16"});

@@ -2,8 +2,9 @@
 
 #include "base/files.h"
 #include "bench/suite_file.h"
-#include "plan/plan_frame.h"
+#include "job/frame_choices.h"
 #include "stability/stability.h"
+#include "techniques/technique.h"
 
 namespace candela {
 using namespace suite_file;

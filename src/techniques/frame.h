@@ -9,6 +9,7 @@
 #include "passes/post/pack.h"
 #include "passes/shared/knob_values.h"
 #include "passes/shared/pass.h"
+#include "passes/shared/pass_list.h"
 
 namespace candela {
 
@@ -63,7 +64,11 @@ struct Frame {
       builder.begin_pass(name, P::queue);
     else
       builder.begin_pass(name);
-    knobs.declare(builder, pass, facts);
+    static const PassInfo& info = pass_info(P::name);
+    knobs.declare(builder, info.own_tables, facts, [&](std::string_view knob) {
+      if constexpr (IgnoresKnobs<P>) return pass.ignores(knob);
+      return false;
+    });
     typename P::Out out = pass.declare(builder, in);
     if (!builder.end_pass([pass, in = std::move(in), out](CommandList& commands) { pass.record(commands, in, out); }))
       return absent<typename P::Out>(builder.last_absence());

@@ -7,7 +7,7 @@ namespace candela {
 
 std::span<const Technique> techniques() {
   static const KnobSetting rays[] = {{"sun", "mode", "traced"},
-                                     {"shadows", "method", "traced"},
+                                     {"local", "method", "traced"},
                                      {"occlusion", "method", "traced"},
                                      {"reflections", "method", "traced"}};
   static const Technique table[] = {

@@ -39,7 +39,7 @@ TEST(Blank, TheFilesOwnCameraThatLooksAwayIsWarnedOfAndStrictRefusesIt) {
   const std::string file = camera_scene(folder, away);
   // Under a background alpha is 1 everywhere.
   for (const std::vector<std::string>& background :
-       std::vector<std::vector<std::string>>{{}, {"--background", "0.1,0.2,0.3"}, {"--view", "heatmap.lights"}}) {
+       std::vector<std::vector<std::string>>{{}, {"--background", "0.1,0.2,0.3"}, {"--view", "heatmap_lights"}}) {
     const std::string out = folder / "a.png";
     const Ended plain = render(file, out, background);
     EXPECT_EQ(plain.code, 0) << plain.err;
@@ -159,11 +159,11 @@ TEST(Messages, AFilmOfOddSidesSaysThatItGrows) {
 TEST(Messages, HeatMapChannelsAreNamedAsInTheFile) {
   const TestFolder folder;
   ASSERT_EQ(render(scene("street"), folder / "a.exr",
-                   {"--layers", "heatmap.lights,heatmap.waste,heatmap.missed", "--exr-compression", "none"})
+                   {"--layers", "heatmap_lights,heatmap_waste,heatmap_missed", "--exr-compression", "none"})
                 .code,
             0);
   const std::string file = bytes_of(folder / "a.exr"), page = bytes_of(CANDELA_SOURCE_DIR "/docs/outputs.md");
-  for (const char* channel : {"heatmap.lights.Y", "heatmap.waste.Y", "heatmap.missed.Y"}) {
+  for (const char* channel : {"heatmap_lights.Y", "heatmap_waste.Y", "heatmap_missed.Y"}) {
     EXPECT_NE(file.find(channel), std::string::npos) << channel;
     EXPECT_NE(page.find("`" + std::string(channel) + "`"), std::string::npos) << channel;
   }

@@ -73,7 +73,7 @@ Mattes read_mattes(const std::string& file, const std::string& layer) {
 std::map<std::string, std::vector<float>> mattes_of_ids(const Mattes& mattes, const std::string& layer) {
   std::map<std::string, std::vector<float>> named;
   const Json names = Json::parse(mattes.attribute("candela:" + layer));
-  const std::vector<uint32_t>& ids = mattes.image.find(layer)->u;
+  const std::vector<uint32_t>& ids = mattes.image.find(layer + ".X")->u;
   for (size_t i = 0; i < ids.size(); ++i) {
     if (ids[i] == 0xffffffffu) continue;
     std::vector<float>& matte = named[names[std::to_string(ids[i])]];

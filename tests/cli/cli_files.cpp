@@ -48,8 +48,8 @@ TEST(Render, WritesWhatItSays) {
 
   const auto exr = read_image(folder / "deep/er/a.exr");
   ASSERT_TRUE(exr) << exr.error().text();
-  for (const char* name : {"R", "G", "B", "A", "depth.Z", "normal.X", "normal.Y", "normal.Z", "albedo.R", "object_id",
-                           "material_id", "emission.B", "direct.G"})
+  for (const char* name : {"R", "G", "B", "A", "depth.Z", "normal.X", "normal.Y", "normal.Z", "albedo.R", "object_id.X",
+                           "material_id.X", "emission.B", "direct.G"})
     EXPECT_NE(exr->find(name), nullptr) << name;
   std::map<std::string, MetadataEntry> metadata;
   for (const MetadataEntry& entry : exr->metadata) metadata[entry.name] = entry;

@@ -35,7 +35,7 @@ TEST(IdNames, StandBesideTheIds) {
     for (const std::string layer : {"object_id", "material_id"}) {
       const Json names = Json::parse(attribute(*image, "candela:" + layer));
       std::set<std::string> ids, different;
-      for (const uint32_t id : image->find(layer)->u)
+      for (const uint32_t id : image->find(layer + ".X")->u)
         if (id != 0xffffffffu) ids.insert(std::to_string(id));
       ASSERT_GT(ids.size(), 1u);
       EXPECT_EQ(names.size(), ids.size());

@@ -52,7 +52,7 @@ TEST(Layers, AllOfThemAreOneWord) {
     EXPECT_TRUE(image->find("depth.Z") && image->find("normal.X") && image->find("albedo.R"));
     EXPECT_EQ(ended.err.find("layers that divide beauty are left out") != std::string::npos,
               method == std::string("weighted"));
-    EXPECT_EQ(bool(image->find("ambient.diffuse.R")) || bool(image->find("emission.R")),
+    EXPECT_EQ(bool(image->find("ambient_diffuse.R")) || bool(image->find("emission.R")),
               method == std::string("sorted"));
   }
 }

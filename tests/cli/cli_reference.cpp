@@ -28,7 +28,7 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   const TestFolder folder;
   const Ended ended =
       candela({"reference", spheres, "--size", "24x16", "--spp", "4", "-o", folder / "a.exr", "-o", folder / "a.png",
-               "--layers", "variance,heatmap.traversal,heatmap.leaves", "--frame", "3", "--json"});
+               "--layers", "variance,heatmap_traversal,heatmap.leaves", "--frame", "3", "--json"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["spp"], 4);
@@ -36,7 +36,7 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   EXPECT_GT(json["bvh"]["triangles"], 0);
   const auto image = read_image(folder / "a.exr");
   ASSERT_TRUE(image);
-  for (const char* name : {"R", "A", "variance.G", "heatmap.traversal.Y", "heatmap.leaves.Y"})
+  for (const char* name : {"R", "A", "variance.G", "heatmap_traversal.Y", "heatmap.leaves.Y"})
     EXPECT_TRUE(image->find(name)) << name;
   std::set<std::string> entries;
   for (const MetadataEntry& entry : image->metadata) entries.insert(entry.name);
@@ -136,9 +136,9 @@ TEST(Reference, WritesTheLayersThatRenderWrites) {
 // kind is refused for the other.
 TEST(Reference, WritesTheTermsOfBeauty) {
   const TestFolder folder;
-  const std::vector<std::string> terms = {"direct.sun",       "direct.point", "direct.spot", "ambient.diffuse",
-                                          "ambient.specular", "emission",     "background",  "indirect"};
-  const std::string layers = fmt::format("{},shadow", fmt::join(terms, ","));
+  const std::vector<std::string> terms = {"direct_sun",       "direct_point", "direct_spot", "ambient_diffuse",
+                                          "ambient_specular", "emission",     "background",  "indirect"};
+  const std::string layers = fmt::format("{},shadow_sun", fmt::join(terms, ","));
   const auto run = [&](const std::string& name, const std::string& wanted, std::vector<std::string> more = {}) {
     std::vector<std::string> options = {"--spp", "4", "--exr-type", "float", "--layers", wanted};
     options.insert(options.end(), more.begin(), more.end());
@@ -149,7 +149,7 @@ TEST(Reference, WritesTheTermsOfBeauty) {
   ASSERT_EQ(run("alone.exr", "none").code, 0);
   const auto with = read_image(folder / "terms.exr"), without = read_image(folder / "alone.exr");
   ASSERT_TRUE(with && without);
-  ASSERT_TRUE(with->find("shadow.Y"));
+  ASSERT_TRUE(with->find("shadow_sun.Y"));
   for (const char* c : {"R", "G", "B"}) {
     const std::vector<float>& beauty = with->find(c)->f;
     EXPECT_EQ(beauty, without->find(c)->f);
@@ -262,7 +262,7 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   const std::string look = folder / "look.json";
   std::ofstream(look) << R"({"fog": {"extinction": [0.1, 0.2, 0.3], "albedo": 0.5}})";
   const Ended ended = candela(traced(folder / "fog.exr", {"--spp", "4", "--look", look, "--fog-steps", "4", "--layers",
-                                                          "fog,fog.transmittance", "--json"}));
+                                                          "fog,fog_transmittance", "--json"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["job"]["look"], look);
@@ -272,11 +272,11 @@ TEST(Reference, DrawsTheFogOfALookFile) {
   ASSERT_TRUE(image);
   double light = 0, clear[2] = {0, 0};
   for (const char* name :
-       {"fog.R", "fog.G", "fog.B", "fog.transmittance.R", "fog.transmittance.G", "fog.transmittance.B"})
+       {"fog.R", "fog.G", "fog.B", "fog_transmittance.R", "fog_transmittance.G", "fog_transmittance.B"})
     ASSERT_TRUE(image->find(name)) << name;
   for (size_t i = 0; i < image->find("fog.R")->f.size(); ++i) {
     light += image->find("fog.R")->f[i];
-    clear[0] += image->find("fog.transmittance.R")->f[i], clear[1] += image->find("fog.transmittance.B")->f[i];
+    clear[0] += image->find("fog_transmittance.R")->f[i], clear[1] += image->find("fog_transmittance.B")->f[i];
   }
   EXPECT_GT(light, 0);
   EXPECT_GT(clear[0], clear[1]);

@@ -169,7 +169,7 @@ TEST(TracedFilm, OptionsOfTheOtherMakerAreErrors) {
   }
   for (const auto& [more, word] :
        std::vector<std::pair<Arguments, std::string>>{{{"--layers", "varianc"}, "variance"},
-                                                      {{"--view", "heatmap.lights"}, "heatmap"},
+                                                      {{"--view", "heatmap_lights"}, "heatmap"},
                                                       {{"--bounces", "2"}, "--mode path"},
                                                       {{"--resume", "--video", folder / "a.mp4"}, "--resume"}}) {
     const Ended ended = candela(film(out, more));

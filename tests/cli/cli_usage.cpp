@@ -173,7 +173,7 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"render", box, "-o", "x.exr", "--set", "cull"}, "PASS.KNOB=VALUE"},
       {{"render", box, "-o", "x.exr", "--set", "nothing.x=1"}, "nothing"},
       {{"render", box, "-o", "x.exr", "--samples", "3"}, "--samples"},
-      {{"render", box, "-o", "x.png", "--view", "heatmap.light"}, "did you mean 'heatmap.lights'"},
+      {{"render", box, "-o", "x.png", "--view", "heatmap.light"}, "did you mean 'heatmap_lights'"},
       {{"render", box, "-o", "x.png", "--set", "lights.test=box"}, "capsule-joint"},
       {{"render", box, "-o", "x.png", "--set", "lights.slices_per_octave=3"}, "1, 2, 4, 8 or 16"},
       {{"render", box, "-o", "x.exr", "--samples", "4", "--set", "resolve.samples=1"}, "contradicts --samples 4"},

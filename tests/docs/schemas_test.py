@@ -104,7 +104,7 @@ class Schemas(unittest.TestCase):
 
     def test_plan_and_facts(self):
         for more in ([], ["--quality", "draft", "--technique", "forward-plus"], ["--quality", "exact"],
-                     ["--samples", "1", "--layers", "direct.point,depth"]):
+                     ["--samples", "1", "--layers", "direct_point,depth"]):
             self.fits(self.run_program("plan", "plaza.glb", *SIZE, *more, "--json"), "plan")
         self.fits(self.run_program("facts", "plaza.glb", "--json"), "facts")
 

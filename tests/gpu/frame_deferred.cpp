@@ -277,8 +277,8 @@ TEST_F(FrameDeferred, TheLayerCountsTheVolumesThatCoverAPixel) {
   const auto counted = [](const GltfBuilder& b, int samples = 1) {
     Job job = job_of(write(b), "clustered", samples);
     look(job, {0, 0, 10}, {0, 0, 0});
-    job.layers = {"debug.light_volumes"};
-    return images_of(job)["debug.light_volumes"];
+    job.layers = {"debug_light_volumes"};
+    return images_of(job)["debug_light_volumes"];
   };
   GltfBuilder b = empty_scene();
   add_node(b, {{"mesh", add_square_mesh(b, 0.01f, add_material(b, Json::object()))}, {"translation", {0, -3, 0}}});

@@ -82,9 +82,9 @@ TEST_F(FrameFiles, WhatHalvesDoNotHoldIsCountedAlike) {
 
 TEST_F(FrameFiles, ALayerForTheScreenAloneIsInNoExr) {
   Job job = job_for(scene("spheres"), 63, 35);
-  job.view = "heatmap.lights";
+  job.view = "heatmap_lights";
   expect_same(job, "a view");
-  job.layers = {"heatmap.lights", "depth"};
+  job.layers = {"heatmap_lights", "depth"};
   expect_same(job, "a view that is a layer too");
 }
 

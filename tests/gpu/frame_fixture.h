@@ -51,7 +51,7 @@ class FrameTest : public ::testing::Test {
   }
   static Job with_layers(Job job) {
     job.layers = layer_names();
-    for (const char* of_a_look : {"bloom", "fog", "fog.transmittance", "volumetric"}) std::erase(job.layers, of_a_look);
+    for (const char* of_a_look : {"bloom", "fog", "fog_transmittance", "volumetric"}) std::erase(job.layers, of_a_look);
     return job;
   }
   static void look(Job& job, glm::dvec3 eye, glm::dvec3 target, double yfov_deg = 45) {
@@ -103,7 +103,7 @@ class FrameTest : public ::testing::Test {
   };
   static Images images(const FrameResult& result) {
     Images list;
-    for (const OutputImage& output : result.outputs) {
+    for (const FrameOutput& output : result.outputs) {
       const auto found = result.readbacks.find(output.resource);
       if (found == result.readbacks.end()) {
         ADD_FAILURE() << output.layer << " was not read back";

@@ -53,10 +53,10 @@ TEST_F(FrameFog, TransmittanceIsTheClosedForm) {
   add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, unlit_material(1, 1, 1)))}});
   Job job = job_for(write(b), 17, 9);
   look(job, {0, 0, 4}, {0, 0, 0}, 5);
-  job.layers = {"fog", "fog.transmittance"};
+  job.layers = {"fog", "fog_transmittance"};
   job.look = fog_file(R"({"extinction": [0.1, 0.2, 0.4], "emission": [0, 0.3, 0]})");
   const Images images = images_of(job);
-  const glm::vec4 through = images["fog.transmittance"].at<glm::vec4>(8, 4), light = images["fog"].at<glm::vec4>(8, 4),
+  const glm::vec4 through = images["fog_transmittance"].at<glm::vec4>(8, 4), light = images["fog"].at<glm::vec4>(8, 4),
                   beauty = images["beauty"].at<glm::vec4>(8, 4);
   for (int c = 0; c < 3; ++c) {
     const double depth = 4 * (c == 0 ? 0.1 : c == 1 ? 0.2 : 0.4);
@@ -76,7 +76,7 @@ TEST_F(FrameFog, PartsSumToBeautyAndChangeNoBitOfIt) {
       job.transparency = samples == 1 ? "layers" : "sorted";
       const Images alone = images_of(job);
       for (const LayerName& term : Terms::layers) job.layers.emplace_back(term.name);
-      job.layers.emplace_back("fog"), job.layers.emplace_back("fog.transmittance");
+      job.layers.emplace_back("fog"), job.layers.emplace_back("fog_transmittance");
       const Images parts = images_of(job);
       EXPECT_TRUE(alone["beauty"] == parts["beauty"]);
       double foggy = 0;
@@ -153,7 +153,7 @@ TEST_F(FrameFog, AnythingGoes) {
         Job job = seen(scene, fog, away > 0 ? 1 : 4);
         look(job, {away, 0.5, 3 - away}, {away, 0, -3 - away}, 50);
         job.settings = {{"fog", "method", method}, {"fog", "grid", "32x18x24"}, {"fog", "steps", "16"}};
-        job.layers = {"fog", "fog.transmittance"};
+        job.layers = {"fog", "fog_transmittance"};
         expect_finite(images_of(job));
         if (away == 0) {
           job.width_px = job.height_px = 1;
@@ -170,11 +170,11 @@ TEST_F(FrameFog, BoxesAddUp) {
   const auto seen_with = [&](const std::string& fog) {
     Job job = seen(scene, fog, 1);
     job.settings = {{"fog", "method", "pixels"}, {"fog", "steps", "128"}};  // the grid's depths follow the media
-    job.layers = {"fog", "fog.transmittance"};
+    job.layers = {"fog", "fog_transmittance"};
     return images_of(job);
   };
   const auto expect_same = [&](const Images& a, const Images& b, const char* what) {
-    for (const char* layer : {"fog", "fog.transmittance", "beauty"}) {
+    for (const char* layer : {"fog", "fog_transmittance", "beauty"}) {
       double most = 0, mean = 0;
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
@@ -237,7 +237,7 @@ TEST_F(FrameFog, SupersampledAndEmptyScenes) {
   Job job = seen(lamps(), R"({"extinction": 0.1})", 1);
   const Images once = images_of(job);
   job.settings = {{"supersample", "n", "2"}};
-  job.layers = {"fog", "fog.transmittance"};
+  job.layers = {"fog", "fog_transmittance"};
   const Images often = images_of(job);
   double a = 0, b = 0;
   for (const glm::vec4& v : once["beauty"].values<glm::vec4>()) a += double(v.x);

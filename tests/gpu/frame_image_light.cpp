@@ -57,13 +57,13 @@ TEST_F(ImageLight, BentNormalsLeanWhereTheSkyIsOpen) {
     Job job = job_for(write(b), 64, 36);
     job.look = look_file(R"({"occlusion": {"radius_m": 100, "falloff": 0, "strength": 1}})");
     look(job, {3, 0, 3}, {0, 0, 0}, 20);
-    job.layers = {"ambient.diffuse", "ambient.specular"};
+    job.layers = {"ambient_diffuse", "ambient_specular"};
     job.settings = settings;
     double light[2];
     for (int i = 0; i < 2; ++i) {
       job.sky = i == 0 ? brighter : darker;
       const Images images = images_of(job);
-      light[i] = double(images["ambient.diffuse"].at<glm::vec4>(33, 18).x);
+      light[i] = double(images["ambient_diffuse"].at<glm::vec4>(33, 18).x);
       for (const Image& image : images)
         for (const float v : image.values<float>()) EXPECT_TRUE(std::isfinite(v) && v >= 0) << image.layer;
     }

@@ -65,7 +65,7 @@ TEST_F(PosedItems, GiveTheBytesOfTheHostsPoseInOrthographicViews) {
     Job job = job_of(scene, {}, "clustered", on_device);
     job.camera = {};
     job.settings.push_back({"lights", "few", "0"});
-    job.layers.push_back("heatmap.lights");
+    job.layers.push_back("heatmap_lights");
     both.push_back(images_of(job));
   }
   EXPECT_TRUE(both[0] == both[1]);

@@ -43,7 +43,7 @@ class FrameLamps : public FrameTest {
   static Job looking_down(const std::string& path) {
     Job job = job_for(path, width, height, 4);
     look(job, {0, 5, 6}, {0, 0, 0}, 60);
-    job.layers = {"shadow.lamps"};
+    job.layers = {"shadow_local"};
     return job;
   }
   static void set(Job& job, const std::string& table, const std::string& knob, const std::string& value) {
@@ -117,7 +117,7 @@ TEST_F(FrameLamps, AShadowLiesWhereTheLightCarriesIt) {
         if (std::max(std::abs(over.x), std::abs(over.z)) < 0.6) continue;  // hidden by the square
         if (std::max(std::abs(at.x), std::abs(at.z)) > 3) continue;
         const double off = std::max(std::abs(at.x), std::abs(at.z));
-        const float visibility = images["shadow.lamps"].at<float>(x, y);
+        const float visibility = images["shadow_local"].at<float>(x, y);
         if (off < 0.75 - penumbra) {
           EXPECT_EQ(visibility, 0) << c.type << " " << x << "," << y << " " << off;
           ++dark;
@@ -162,7 +162,7 @@ TEST_F(FrameLamps, ALightInsideAClosedBoxStaysThere) {
   look(inside, {0.3, 0.2, 0.3}, {-0.3, -0.4, -0.4}, 70);
   const Images within = images_of(inside);
   // In its corners the kernel of one wall reads the other.
-  const auto values = within["shadow.lamps"].values<float>();
+  const auto values = within["shadow_local"].values<float>();
   EXPECT_LT(std::ranges::count_if(values, [](float v) { return v != 1; }), width * height / 100);
 }
 
@@ -171,7 +171,7 @@ TEST_F(FrameLamps, LightsAtNoDistanceStayFinite) {
   for (const glm::dvec3 at : {glm::dvec3(0), {0.2, 1, 0.1}, {0, 5, 6}, {20, 0, 20}, {0, 1e-5, 0}}) {
     const Images images = images_of(looking_down(lit_by({at})));
     for (const float v : images["beauty"].values<float>()) ASSERT_TRUE(std::isfinite(v)) << at.x << " " << at.y;
-    for (const float v : images["shadow.lamps"].values<float>()) ASSERT_TRUE(v >= 0 && v <= 1) << at.x << " " << at.y;
+    for (const float v : images["shadow_local"].values<float>()) ASSERT_TRUE(v >= 0 && v <= 1) << at.x << " " << at.y;
   }
 }
 
@@ -189,7 +189,7 @@ TEST_F(FrameLamps, ExtremeRangesConesAndSizesStayFinite) {
         const Images images = images_of(job);
         for (const float v : images["beauty"].values<float>())
           ASSERT_TRUE(std::isfinite(v)) << range << " " << cone_rad;
-        for (const float v : images["shadow.lamps"].values<float>()) ASSERT_TRUE(v >= 0 && v <= 1) << range;
+        for (const float v : images["shadow_local"].values<float>()) ASSERT_TRUE(v >= 0 && v <= 1) << range;
       }
 }
 
@@ -236,7 +236,7 @@ TEST_F(FrameLamps, ListsAndCullingChangeNoBit) {
     other.technique = technique;
     EXPECT_EQ(images_of(other)["beauty"], all["beauty"]) << technique;
   }
-  for (const auto& [table, knob, value] : {std::tuple{"cull", "enabled", "0"}, {"shadows", "draws", "9000"}}) {
+  for (const auto& [table, knob, value] : {std::tuple{"cull", "enabled", "0"}, {"local", "draws", "9000"}}) {
     Job other = job;
     set(other, table, knob, value);
     EXPECT_EQ(images_of(other)["beauty"], all["beauty"]) << table << "." << knob;
@@ -244,7 +244,7 @@ TEST_F(FrameLamps, ListsAndCullingChangeNoBit) {
   Job bare = job, fine = job;
   bare.settings = {{"shadows", "lights", "0"}};
   EXPECT_NE(images_of(bare)["beauty"], all["beauty"]);
-  EXPECT_EQ(images_of(bare)["shadow.lamps"].values<float>()[0], 1);
+  EXPECT_EQ(images_of(bare)["shadow_local"].values<float>()[0], 1);
   fine.settings = {{"supersample", "n", "2"}};
   double differs = 0;
   const Images super = images_of(fine);
@@ -261,17 +261,17 @@ TEST_F(FrameLamps, NotesSayWhichLightsHaveNoShadowsAndWhichSmallerMaps) {
   EXPECT_NE(note_of(job, "cast no shadows").find("1 of 3 point and spot lights"), std::string::npos);
   Job small = looking_down(lit_by({{0, 3, 0}, {2, 3, 0}, {-2, 3, 0}}));
   set(small, "shadows", "budget_mb", "1");
-  EXPECT_NE(note_of(small, "smaller").find("shadows.budget_mb = 1"), std::string::npos);
+  EXPECT_NE(note_of(small, "smaller").find("local.budget_mb = 1"), std::string::npos);
   Job few = looking_down(lit_by({lamp}));
   set(few, "shadows", "draws", "1");
   const auto session = open(few);
   ASSERT_TRUE(session);
   const auto result = session->render(0);
   ASSERT_FALSE(result);
-  EXPECT_NE(result.error().message.find("shadows.draws"), std::string::npos) << result.error().text();
+  EXPECT_NE(result.error().message.find("local.draws"), std::string::npos) << result.error().text();
 }
 
-// Those that the look marks have maps before all others, and alone with shadows.lights=marked.
+// Those that the look marks have maps before all others, and alone with local.lights=marked.
 TEST_F(FrameLamps, TheLookMarksLights) {
   GltfBuilder b = floor_and_square();
   add_lamp(b, {0, 3, 0}, "point");
@@ -296,7 +296,7 @@ TEST_F(FrameLamps, TheLookMarksLights) {
   EXPECT_EQ(images_of(marked)["beauty"], images_of(none)["beauty"]);
   marked.look = file;
   EXPECT_NE(note_of(marked, "'nobody'"), "");
-  EXPECT_NE(images_of(marked)["shadow.lamps"], images_of(none)["shadow.lamps"]);
+  EXPECT_NE(images_of(marked)["shadow_local"], images_of(none)["shadow_local"]);
 }
 
 // A million metres away the same picture.
@@ -310,9 +310,9 @@ TEST_F(FrameLamps, FarFromTheOriginNothingChanges) {
     pictures.push_back(images_of(job));
   }
   size_t differing = 0;
-  for (size_t i = 0; i < pictures[0]["shadow.lamps"].pixels(); ++i)
-    differing += std::abs(pictures[0]["shadow.lamps"].values<float>()[i] -
-                          pictures[1]["shadow.lamps"].values<float>()[i]) > 0.2f;
+  for (size_t i = 0; i < pictures[0]["shadow_local"].pixels(); ++i)
+    differing += std::abs(pictures[0]["shadow_local"].values<float>()[i] -
+                          pictures[1]["shadow_local"].values<float>()[i]) > 0.2f;
   EXPECT_LT(differing, 10u);
 }
 
@@ -321,7 +321,7 @@ TEST_F(FrameLamps, FarFromTheOriginNothingChanges) {
 TEST_F(FrameLamps, RaysOfSunsAndLampsInOneShader) {
   Job job = job_for(std::string(CANDELA_SOURCE_DIR) + "/scenes/street/street.glb", 40, 22, 1);
   job.settings = {
-      {"shadows", "method", "traced"}, {"shadows", "samples", "1"}, {"sun", "mode", "traced"}, {"sun", "samples", "1"}};
+      {"local", "method", "traced"}, {"local", "samples", "1"}, {"sun", "mode", "traced"}, {"sun", "samples", "1"}};
   const auto mean = [](const Job& j) {
     const auto session = open(j);
     const Image beauty = images(render(*session))["beauty"];

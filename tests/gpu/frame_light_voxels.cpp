@@ -17,7 +17,7 @@ class FrameLightVoxels : public FrameTest {
     job.technique = technique;
     job.effects = "shadows";
     job.settings = std::move(settings);
-    job.settings.push_back({"shadows", "method", method});
+    job.settings.push_back({"local", "method", method});
     job.settings.push_back({"sun", "mode", method == "maps" ? "cascades" : method});
     return job;
   }
@@ -135,7 +135,7 @@ TEST_F(FrameLightVoxels, LampsWithASizeKeepTheirPenumbrae) {
   const std::string path = write(b);
   const std::string sized = look_file(R"({"lights": {"radius_m": 0.3}})");
   const auto soft = [&](const std::string& method) {
-    Job job = from_above(path, method, {{"shadows", "samples", "4"}});
+    Job job = from_above(path, method, {{"local", "samples", "4"}});
     job.look = sized;
     return picture(job);
   };
@@ -183,10 +183,10 @@ TEST_F(FrameLightVoxels, AreLeftOutWhereNothingCasts) {
   const std::string path = write(lit);
   Job bare = from_above(path, "voxels"), traced = from_above(path, "traced"), points = traced;
   bare.effects = "none";
-  points.settings = {{"shadows", "method", "voxels"}, {"voxels", "size_px", "1"}};
+  points.settings = {{"local", "method", "voxels"}, {"voxels", "size_px", "1"}};
   for (const auto& [job, reason] :
-       {std::pair(bare, "no light's shadows are by cells of the view (shadows.method, sun.mode)"),
-        std::pair(traced, "no light's shadows are by cells of the view (shadows.method, sun.mode)"),
+       {std::pair(bare, "no light's shadows are by cells of the view (local.method, sun.mode)"),
+        std::pair(traced, "no light's shadows are by cells of the view (local.method, sun.mode)"),
         std::pair(points, "cells of one pixel: each point sends its own rays (voxels.size_px)")}) {
     const auto session = open(job);
     ASSERT_TRUE(session);

@@ -123,8 +123,8 @@ TEST_F(LobesInFrames, EveryShaderDrawsThem) {
   const Job plain = job_for(scene("lobes"), 40, 42);
   const Images bare = drawn(plain), layered = drawn(with_layers(plain));
   EXPECT_EQ(bare["beauty"], layered["beauty"]);
-  const char* terms[] = {"direct.sun",       "direct.point", "direct.spot", "ambient.diffuse",
-                         "ambient.specular", "emission",     "background"};
+  const char* terms[] = {"direct_sun",       "direct_point", "direct_spot", "ambient_diffuse",
+                         "ambient_specular", "emission",     "background"};
   for (size_t i = 0; i < bare["beauty"].pixels(); ++i) {
     glm::dvec4 sum(0);
     for (const char* term : terms) sum += glm::dvec4(layered[term].values<glm::vec4>()[i]);
@@ -137,11 +137,11 @@ TEST_F(LobesInFrames, EveryShaderDrawsThem) {
       {"position": [0, 3, 1], "box": {"min": [-4, -1, -3], "max": [4, 7, 4]}, "fade_m": 0.5, "time_s": 0}]})");
   effects.settings = {{"probes", "size_px", "16"}};
   drawn(effects);
-  effects.layers = {"ambient.specular", "reflections"};
+  effects.layers = {"ambient_specular", "reflections"};
   drawn(effects);
   Job traced = plain;
   traced.width_px = traced.height_px = 24;
-  traced.settings = {{"shadows", "method", "traced"}, {"sun", "mode", "traced"}, {"occlusion", "method", "traced"}};
+  traced.settings = {{"local", "method", "traced"}, {"sun", "mode", "traced"}, {"occlusion", "method", "traced"}};
   traced.look = look_file(R"({"lights": {"radius_m": 0.1}})");
   drawn(traced);
   Job supersampled = plain;
@@ -173,7 +173,7 @@ TEST_F(LobesInFrames, LightPassesFromBehind) {
     job.settings = std::move(settings);
     return glm::dvec3(images_of(job)["beauty"].at<glm::vec4>(16, 16));
   };
-  const std::vector<KnobSetting> maps, rays = {{"shadows", "method", "traced"}, {"sun", "mode", "traced"}};
+  const std::vector<KnobSetting> maps, rays = {{"local", "method", "traced"}, {"sun", "mode", "traced"}};
   for (const bool lamp : {false, true})
     for (const auto& settings : {maps, rays}) {
       const glm::dvec3 seen = middle(true, false, lamp, settings), wanted = glm::dvec3(0.8, 0.4, 0.2) * 0.5 / M_PI;

@@ -21,7 +21,7 @@ class FrameMaterialTextures : public FrameTest {
   }
   static Job front_view(const GltfBuilder& b, int size_px = 16) {
     Job job = job_for(write(b), size_px, size_px);
-    job.layers = {"normal", "ambient.diffuse", "emission"};
+    job.layers = {"normal", "ambient_diffuse", "emission"};
     look(job, {0, 0, 3}, {0, 0, 0}, 20);
     return job;
   }
@@ -87,7 +87,7 @@ TEST_F(FrameMaterialTextures, OcclusionHasItsStrength) {
       if (occluded)
         material["occlusionTexture"] = {{"index", shared ? texture : add_texel(b, codes)}, {"strength", 0.25}};
       add_node(b, {{"mesh", add_textured_square(b, add_material(b, material))}});
-      pictures[occluded] = images_of(front_view(b))["ambient.diffuse"].values<glm::vec4>();
+      pictures[occluded] = images_of(front_view(b))["ambient_diffuse"].values<glm::vec4>();
     }
     for (size_t i = 0; i < pictures[0].size(); ++i)
       for (int c = 0; c < 3; ++c) {

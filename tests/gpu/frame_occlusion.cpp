@@ -46,20 +46,20 @@ class FrameOcclusion : public FrameTest {
 TEST_F(FrameOcclusion, OnlyAmbientLightIsHidden) {
   const std::string path = write(room());
   Job job = seen(path);
-  job.layers = {"occlusion", "ambient.diffuse", "ambient.specular", "direct.sun"};
+  job.layers = {"occlusion", "ambient_diffuse", "ambient_specular", "direct_sun"};
   const Images with = images_of(job);
   job.effects = "none";
-  job.layers = {"ambient.diffuse", "ambient.specular", "direct.sun"};
+  job.layers = {"ambient_diffuse", "ambient_specular", "direct_sun"};
   const Images bare = images_of(job);
-  EXPECT_EQ(with["direct.sun"], bare["direct.sun"]);
+  EXPECT_EQ(with["direct_sun"], bare["direct_sun"]);
   int darkened = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const float open = with["occlusion"].at<float>(x, y);
-      const float before = bare["ambient.diffuse"].at<glm::vec4>(x, y).x;
-      EXPECT_NEAR(with["ambient.diffuse"].at<glm::vec4>(x, y).x, open * before, 1e-4f * before) << x << "," << y;
-      EXPECT_LE(with["ambient.specular"].at<glm::vec4>(x, y).x,
-                bare["ambient.specular"].at<glm::vec4>(x, y).x * 1.0001f);
+      const float before = bare["ambient_diffuse"].at<glm::vec4>(x, y).x;
+      EXPECT_NEAR(with["ambient_diffuse"].at<glm::vec4>(x, y).x, open * before, 1e-4f * before) << x << "," << y;
+      EXPECT_LE(with["ambient_specular"].at<glm::vec4>(x, y).x,
+                bare["ambient_specular"].at<glm::vec4>(x, y).x * 1.0001f);
       darkened += open < 0.8f;
     }
   EXPECT_GT(darkened, width * height / 50);
@@ -123,11 +123,11 @@ TEST_F(FrameOcclusion, IsAShareWhateverTheFrame) {
 TEST_F(FrameOcclusion, FollowsTheLookAndTheSamples) {
   const std::string path = write(room());
   Job job = seen(path);
-  job.layers = {"occlusion", "ambient.diffuse"};
+  job.layers = {"occlusion", "ambient_diffuse"};
   const Images one = images_of(job);
   const auto light = [](const Images& images) {
     double sum = 0;
-    for (const glm::vec4& v : images["ambient.diffuse"].values<glm::vec4>()) sum += double(v.x);
+    for (const glm::vec4& v : images["ambient_diffuse"].values<glm::vec4>()) sum += double(v.x);
     return sum;
   };
   Job four = job, sixteen = job;

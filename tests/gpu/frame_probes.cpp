@@ -286,7 +286,7 @@ TEST_F(FrameProbes, FramesWithoutThemKeepTheirBytes) {
 // supersampled frame and a reflection layer beside it too.
 TEST_F(FrameProbes, AreOfNoFrame) {
   Job job = room_with_ball(0.2);
-  job.layers = {"ambient.specular"};
+  job.layers = {"ambient_specular"};
   const auto first = open(job);
   const Images a = images(render(*first, 0)), b = images(render(*first, 2));
   const auto second = open(job);
@@ -316,7 +316,7 @@ TEST_F(FrameProbes, TermsSumToBeauty) {
         glm::dvec3 sum(0);
         for (const std::string& name : job.layers) sum += glm::dvec3(all[name].at<glm::vec4>(x, y));
         most = std::max(most, glm::length(sum - glm::dvec3(all["beauty"].at<glm::vec4>(x, y))));
-        light += double(all["ambient.specular"].at<glm::vec4>(x, y).y);
+        light += double(all["ambient_specular"].at<glm::vec4>(x, y).y);
       }
     EXPECT_LT(most, 1e-5) << fog;
     EXPECT_GT(light, 100) << fog;
@@ -356,7 +356,7 @@ TEST_F(FrameProbes, AreNumbersWhateverTheLook) {
   for (size_t i = 0; i < looks.size(); ++i) {
     Job job = room_with_ball(i % 2 == 0 ? 0 : 1, {looks[i]});
     job.settings = {{"probes", "size_px", "16"}};
-    job.layers = {"ambient.specular"};
+    job.layers = {"ambient_specular"};
     for (const auto& [w, h] : {std::pair(1, 1), std::pair(31, 17)}) {
       job.width_px = w, job.height_px = h;
       const auto session = open(job);
@@ -385,7 +385,7 @@ TEST_F(FrameProbes, ComeNearTheTracedLight) {
   for (const double roughness : {0.1, 0.5}) {
     // From inside the ball, whose back faces do not show: it hides nothing from the probe.
     Job job = room_with_ball(roughness, {probe_text(ball_at + glm::dvec3(0.3, 0.2, 0.1), low, high)});
-    job.layers = {"ambient.specular"};
+    job.layers = {"ambient_specular"};
     const auto frame = open_reference(job, 0, {});
     ASSERT_TRUE(frame) << frame.error().text();
     reference::TraceSettings settings;
@@ -405,7 +405,7 @@ TEST_F(FrameProbes, ComeNearTheTracedLight) {
     std::vector<double> errors;
     for (const char* size : {"8", "32", "128"}) {
       job.settings = {{"probes", "size_px", size}};
-      errors.push_back(error(images_of(job)["ambient.specular"].values<glm::vec4>()));
+      errors.push_back(error(images_of(job)["ambient_specular"].values<glm::vec4>()));
     }
     const double without = error(std::vector<glm::vec4>(size_t(width) * height, glm::vec4(0)));
     fmt::print("roughness {}: relMSE without {:.4f}; by size {:.5f}\n", roughness, without, fmt::join(errors, " "));

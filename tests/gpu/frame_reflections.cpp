@@ -53,8 +53,8 @@ class FrameReflections : public FrameTest {
   static Job seen(const std::string& path, int samples = 1, double down = 0) {
     Job job = job_for(path, width, height, samples);
     look(job, {0, 1, 3}, {0, 1 - down, -2}, 60);
-    job.effects = "ssr";
-    job.layers = {"reflections", "ambient.specular"};
+    job.effects = "reflections";
+    job.layers = {"reflections", "ambient_specular"};
     job.settings = {{"reflections", "fade", "0"}};
     return job;
   }
@@ -122,7 +122,7 @@ TEST_F(FrameReflections, OutsideThePictureIsTheSky) {
         EXPECT_EQ(before, after) << x << "," << y;
         ++outside;
       } else if (inside(*met, down) > 0.1) {
-        EXPECT_NEAR(with["ambient.specular"].at<glm::vec4>(x, y).x, 0, 1e-4 * before.x) << x << "," << y;
+        EXPECT_NEAR(with["ambient_specular"].at<glm::vec4>(x, y).x, 0, 1e-4 * before.x) << x << "," << y;
         EXPECT_NEAR(after.z / after.x, wall_colour.z / wall_colour.x, 0.02) << x << "," << y;
         ++met_wall;
       }
@@ -167,7 +167,7 @@ TEST_F(FrameReflections, AnOrthographicCameraSeesTheSame) {
                {"translation", {0, 4.2, 3}},
                {"rotation", rotation_between({0, 0, -1}, glm::dvec3(0, -0.7, -1))}});
   Job job = job_for(write(b), width, height, 1);
-  job.effects = "ssr";
+  job.effects = "reflections";
   job.layers = {"reflections"};
   for (const char* method : {"screen", "traced"}) {
     job.settings = {{"reflections", "method", method}};

@@ -32,7 +32,7 @@ class FrameSun : public FrameTest {
   static Job looking_down(const std::string& path) {
     Job job = job_for(path, width, height, 4);
     look(job, {0, 5, 6}, {0, 0, 0}, 60);
-    job.layers = {"shadow", "debug.cascades"};
+    job.layers = {"shadow_sun", "debug_cascades"};
     return job;
   }
   static void set(Job& job, const std::string& table, const std::string& knob, const std::string& value) {
@@ -65,7 +65,7 @@ TEST_F(FrameSun, AShadowLiesWhereTheLightCarriesIt) {
       if (std::max(std::abs(over.x - centre.x), std::abs(over.z - centre.z)) < 0.6) continue;  // hidden by the square
       if (std::max(std::abs(at.x), std::abs(at.z)) > 19.9) continue;
       const double off = std::max(std::abs(at.x - moved.x), std::abs(at.z - moved.z));
-      const float visibility = images["shadow"].at<float>(x, y);
+      const float visibility = images["shadow_sun"].at<float>(x, y);
       if (off < 0.47) {
         EXPECT_EQ(visibility, 0) << x << "," << y;
         ++dark;
@@ -127,9 +127,9 @@ TEST_F(FrameSun, WhatIsLeftOutOfACascadeIsNotMissed) {
     set(other, table, knob, value);
     const Images images = images_of(other);
     EXPECT_EQ(images["beauty"], all["beauty"]) << table << "." << knob;
-    EXPECT_EQ(images["shadow"], all["shadow"]) << table << "." << knob;
+    EXPECT_EQ(images["shadow_sun"], all["shadow_sun"]) << table << "." << knob;
   }
-  const auto cascades = all["debug.cascades"].values<float>();
+  const auto cascades = all["debug_cascades"].values<float>();
   for (const float wanted : {1.0f, 2.0f, 3.0f})
     EXPECT_GT(std::count(cascades.begin(), cascades.end(), wanted), 50) << "the view takes several";
 }
@@ -151,11 +151,12 @@ TEST_F(FrameSun, MaskedSurfacesCastTheirMaskAndBlendedOnesNothing) {
   masked["alphaCutoff"] = 0.5;
   blended["alphaMode"] = "BLEND";
   for (const Json& material : {masked, blended}) {
-    const auto values = images_of(looking_down(floor_and_squares({{0, 1, 0}}, 1, material)))["shadow"].values<float>();
+    const auto values =
+        images_of(looking_down(floor_and_squares({{0, 1, 0}}, 1, material)))["shadow_sun"].values<float>();
     EXPECT_EQ(*std::min_element(values.begin(), values.end()), 1) << material.dump();
   }
   masked["alphaCutoff"] = 0.2;
-  const auto values = images_of(looking_down(floor_and_squares({{0, 1, 0}}, 1, masked)))["shadow"].values<float>();
+  const auto values = images_of(looking_down(floor_and_squares({{0, 1, 0}}, 1, masked)))["shadow_sun"].values<float>();
   EXPECT_GT(std::count(values.begin(), values.end(), 0.0f), 20);
 }
 
@@ -177,9 +178,9 @@ TEST_F(FrameSun, ASingleMapAgreesWithCascades) {
   set(single, "sun", "mode", "single");
   const Images a = images_of(job), b = images_of(single);
   size_t differing = 0;
-  for (size_t i = 0; i < a["shadow"].pixels(); ++i)
-    differing += std::abs(a["shadow"].values<float>()[i] - b["shadow"].values<float>()[i]) > 0.5f;
-  EXPECT_LT(differing, a["shadow"].pixels() / 100);
+  for (size_t i = 0; i < a["shadow_sun"].pixels(); ++i)
+    differing += std::abs(a["shadow_sun"].values<float>()[i] - b["shadow_sun"].values<float>()[i]) > 0.5f;
+  EXPECT_LT(differing, a["shadow_sun"].pixels() / 100);
 }
 
 // A million metres away the same picture: nothing is placed in float before it is relative to the camera.
@@ -198,8 +199,9 @@ TEST_F(FrameSun, FarFromTheOriginNothingChanges) {
     pictures.push_back(images_of(job));
   }
   size_t differing = 0;
-  for (size_t i = 0; i < pictures[0]["shadow"].pixels(); ++i)
-    differing += std::abs(pictures[0]["shadow"].values<float>()[i] - pictures[1]["shadow"].values<float>()[i]) > 0.2f;
+  for (size_t i = 0; i < pictures[0]["shadow_sun"].pixels(); ++i)
+    differing +=
+        std::abs(pictures[0]["shadow_sun"].values<float>()[i] - pictures[1]["shadow_sun"].values<float>()[i]) > 0.2f;
   EXPECT_LT(differing, 10u) << "the grid of texels lies elsewhere, the shadow does not";
 }
 

@@ -103,7 +103,7 @@ TEST_F(FrameTerms, SumToBeautyAndChangeNoBitOfIt) {
         EXPECT_TRUE(alone["beauty"] == divided["beauty"]);
         // Four lights, emission and ambient; up to four blended layers of three operations each; the samples.
         expect_sum(divided, 6 + 12 + samples + 4, width * height / 3);
-        for (const std::string name : {"direct.sun", "direct.point", "direct.spot", "emission"}) {
+        for (const std::string name : {"direct_sun", "direct_point", "direct_spot", "emission"}) {
           size_t lit = 0;
           for (const glm::vec4& v : divided[name].values<glm::vec4>()) lit += v.x > 0;
           EXPECT_GT(lit, 40u) << name;
@@ -170,9 +170,9 @@ TEST_F(FrameTerms, NeedNoOpaqueSurface) {
 TEST_F(FrameTerms, KindsOfLightAreKeptApart) {
   const glm::dvec3 albedo(0.8, 0.4, 0.2);
   const std::pair<Json, std::string> kinds[] = {
-      {{{"type", "directional"}, {"intensity", 3.0}}, "direct.sun"},
-      {{{"type", "point"}, {"intensity", 12.0}}, "direct.point"},
-      {{{"type", "spot"}, {"intensity", 12.0}, {"spot", {{"outerConeAngle", 0.5}}}}, "direct.spot"}};
+      {{{"type", "directional"}, {"intensity", 3.0}}, "direct_sun"},
+      {{{"type", "point"}, {"intensity", 12.0}}, "direct_point"},
+      {{{"type", "spot"}, {"intensity", 12.0}, {"spot", {{"outerConeAngle", 0.5}}}}, "direct_spot"}};
   for (const auto& [light, term] : kinds) {
     GltfBuilder b = empty_scene();
     add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, diffuse_material(albedo.x, albedo.y, albedo.z)))}});

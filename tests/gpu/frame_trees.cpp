@@ -39,7 +39,7 @@ class FrameTrees : public FrameTest {
 TEST_F(FrameTrees, BoxesOfTwoTriangles) {
   Job job = job_for(two_triangles(), width, height, 1);
   look(job, {0, 0, 4}, {0, 0, 0}, 60);
-  job.layers = {"debug.bvh"};
+  job.layers = {"debug_bvh"};
   job.settings = {{"bvh", "max_leaf", "1"}, {"bvh", "block", "0"}};
   for (const char* technique : {"clustered", "ray"}) {
     job.technique = technique;
@@ -48,7 +48,7 @@ TEST_F(FrameTrees, BoxesOfTwoTriangles) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         const glm::dvec2 at = glm::dvec2(x, y) + 0.5;
-        const glm::vec3 color(images["debug.bvh"].at<glm::vec4>(x, y));
+        const glm::vec3 color(images["debug_bvh"].at<glm::vec4>(x, y));
         const double off_leaf = std::min(off_outline(at, {-2, -1}, {-0.5, 1}), off_outline(at, {0.5, -0.5}, {2, 1}));
         const double off_root = off_outline(at, {-2, -1}, {2, 1});
         if (color == leaf_colour) {
@@ -71,10 +71,10 @@ TEST_F(FrameTrees, BoxesOfTwoTriangles) {
 // Instances have their trees where they stand: lines all over the picture of many, and none where nothing is.
 TEST_F(FrameTrees, BoxesOfInstances) {
   Job job = job_for(scene("instanced"), width, height, 1);
-  job.layers = {"debug.bvh"};
+  job.layers = {"debug_bvh"};
   const Images images = images_of(job);
   int leaves = 0, inner = 0;
-  for (const glm::vec4& v : images["debug.bvh"].values<glm::vec4>()) {
+  for (const glm::vec4& v : images["debug_bvh"].values<glm::vec4>()) {
     leaves += glm::vec3(v) == leaf_colour;
     inner += glm::vec3(v) == inner_colour;
     EXPECT_TRUE(glm::vec3(v) == leaf_colour || glm::vec3(v) == inner_colour || glm::vec3(v) == glm::vec3(0));
@@ -88,7 +88,7 @@ TEST_F(FrameTrees, BoxesOfInstances) {
 TEST_F(FrameTrees, CostsAreThoseOfTheReference) {
   for (const char* name : {"spheres", "alpha"}) {
     Job job = job_for(scene(name), width, height, 1);
-    job.layers = {"heatmap.traversal"};
+    job.layers = {"heatmap_traversal"};
     job.effects = "none";
     const auto frame = open_reference(job, 0, {});
     ASSERT_TRUE(frame);
@@ -96,8 +96,8 @@ TEST_F(FrameTrees, CostsAreThoseOfTheReference) {
     settings.sampler = {reference::SamplerKind::uniform, 1};  // the pixel's middle
     reference::Film film(width, height, {.traversal = true});
     film.add(reference::Integrator(*(*frame)->world, settings, width, height), 1, [](double) { return true; });
-    const std::vector<float> truth = reference_counts(film, **frame, "heatmap.traversal");
-    const auto cost = images_of(job)["heatmap.traversal"].values<float>();
+    const std::vector<float> truth = reference_counts(film, **frame, "heatmap_traversal");
+    const auto cost = images_of(job)["heatmap_traversal"].values<float>();
     ASSERT_EQ(cost.size(), truth.size());
     size_t differing = 0;
     for (size_t i = 0; i < cost.size(); ++i) {
@@ -113,12 +113,12 @@ TEST_F(FrameTrees, CostsAreThoseOfTheReference) {
 TEST_F(FrameTrees, BuildersChangeCostsAlone) {
   Job job = job_for(scene("spheres"), width, height, 1);
   job.technique = "ray";
-  job.layers = {"heatmap.traversal"};
+  job.layers = {"heatmap_traversal"};
   std::vector<std::pair<Image, Image>> seen;
   for (const char* builder : {"equal-counts", "sah", "sbvh"}) {
     job.settings = {{"bvh", "builder", builder}, {"bvh", "max_leaf", "1"}};
     const Images images = images_of(job);
-    seen.emplace_back(images["beauty"], images["heatmap.traversal"]);
+    seen.emplace_back(images["beauty"], images["heatmap_traversal"]);
   }
   EXPECT_EQ(seen[1].first, seen[0].first);
   EXPECT_EQ(seen[2].first, seen[0].first);

@@ -97,7 +97,7 @@ TEST_F(WhatIsSent, LeavesThePicturesAsTheyAreInAnyOrder) {
 // The trees of what rays meet lie in one buffer, of which squares that move a little change a part.
 TEST_F(WhatIsSent, IsAPartOfTheTreesForRays) {
   Job job = mostly_still();
-  job.settings = {{"shadows", "method", "traced"}};
+  job.settings = {{"local", "method", "traced"}};
   for (const size_t most : {1u, 2u, 3u}) {
     const std::vector<uint64_t> bytes = sent(job, {0.5, 0.54, 0.58, 0.62, 0.62, 0.62, 0.62, 0.5}, most);
     ASSERT_EQ(bytes.size(), 8u);

@@ -36,7 +36,7 @@ TEST_F(FrameViews, EveryLayerHasAPicture) {
     EXPECT_EQ(packed.channels, 3) << view;
     EXPECT_EQ(packed.pixels.size(), 96u * 54u * 3u) << view;
     const bool of_every_form = view == "depth" || view == "normal" || view == "albedo" || view == "object_id" ||
-                               view == "shadow.lamps" || view == "heatmap.lights" || view == "direct";
+                               view == "shadow_local" || view == "heatmap_lights" || view == "direct";
     if (!of_every_form) continue;
     EXPECT_GT(lit(packed), 400u) << view;
     EXPECT_EQ(packed.pixels, picture_of(job, false).pixels) << view;
@@ -112,12 +112,12 @@ TEST_F(FrameViews, LambertIsTheBaseColourAlone) {
   job.effects = "none";
   job.exr_float = true;
   job.shading = "lambert";
-  job.layers = {"direct", "ambient.specular"};
+  job.layers = {"direct", "ambient_specular"};
   const Images lambert = images_of(job);
   const glm::vec4 seen = lambert["direct"].at<glm::vec4>(8, 8);
   const glm::vec3 expected = glm::vec3(0.5f, 0.25f, 1) * 2.0f / glm::pi<float>();
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], expected[c], 1e-5f) << c;
-  for (const glm::vec4& v : lambert["ambient.specular"].values<glm::vec4>()) EXPECT_EQ(glm::vec3(v), glm::vec3(0));
+  for (const glm::vec4& v : lambert["ambient_specular"].values<glm::vec4>()) EXPECT_EQ(glm::vec3(v), glm::vec3(0));
   job.shading = "pbr";
   EXPECT_GT(std::abs(images_of(job)["direct"].at<glm::vec4>(8, 8).y - expected.y), 0.01f);
 }

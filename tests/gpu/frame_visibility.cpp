@@ -154,7 +154,7 @@ TEST_F(Visibility, HybridTracesShadows) {
   Job job = of_scene("spheres"), traced = job;
   job.effects = traced.effects = "shadows";
   traced.settings.push_back({"sun", "mode", "traced"});
-  traced.settings.push_back({"shadows", "method", "traced"});
+  traced.settings.push_back({"local", "method", "traced"});
   const Image a = picture(job, "hybrid"), b = picture(traced, "visibility");
   EXPECT_EQ(a, b);
   EXPECT_NE(b, picture(job, "visibility"));
@@ -163,9 +163,9 @@ TEST_F(Visibility, HybridTracesShadows) {
 }
 
 TEST_F(Visibility, RasterizesShadowMaps) {
-  for (const auto& [name, layer] : {std::pair("spheres", "shadow"), std::pair("spheres", "shadow.lamps"),
-                                    std::pair("alpha", "shadow"), std::pair("alpha", "shadow.lamps"),
-                                    std::pair("street", "shadow.lamps")}) {  // of as many views as share workgroups
+  for (const auto& [name, layer] : {std::pair("spheres", "shadow_sun"), std::pair("spheres", "shadow_local"),
+                                    std::pair("alpha", "shadow_sun"), std::pair("alpha", "shadow_local"),
+                                    std::pair("street", "shadow_local")}) {  // of as many views as share workgroups
     Job job = of_scene(name);
     job.effects = "shadows";
     const Image a = picture(job, "clustered", layer), b = picture(job, "visibility", layer);

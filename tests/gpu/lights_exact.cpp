@@ -252,12 +252,12 @@ TEST_P(LightsExact, SameBytesAsBruteForce) {
         job.settings.push_back({"lights", "list", list});
         job.settings.push_back({"lights", "order", samples == 1 ? "sorted" : "segments"});
         job.settings.push_back({"lights", "sift_over", samples == 1 ? "1073741824" : "0"});
-        job.layers = {"heatmap.lights", "heatmap.missed"};
+        job.layers = {"heatmap_lights", "heatmap_missed"};
         const Images got = images_of(job);
         EXPECT_EQ(differing(expected["beauty"], got["beauty"]), 0u) << technique << " " << list << " " << samples;
         double listed = 0;
-        for (const float n : got["heatmap.lights"].values<float>()) listed += double(n);
-        for (const float n : got["heatmap.missed"].values<float>()) ASSERT_EQ(n, 0.0f);
+        for (const float n : got["heatmap_lights"].values<float>()) listed += double(n);
+        for (const float n : got["heatmap_missed"].values<float>()) ASSERT_EQ(n, 0.0f);
         EXPECT_GT(listed, 0) << technique;
       }
   }
@@ -297,11 +297,11 @@ TEST_F(LightsExact, TighterTestsListFewerLights) {
     for (const char* test : {"aabb", "capsule", "capsule-joint"}) {
       Job job = job_of(cases[0], 96, 48, 1, technique);
       job.settings.push_back({"lights", "test", test});
-      job.layers = {"heatmap.lights", "heatmap.waste", "heatmap.missed"};
+      job.layers = {"heatmap_lights", "heatmap_waste", "heatmap_missed"};
       const Images got = images_of(job);
       double listed = 0;
-      for (const float n : got["heatmap.lights"].values<float>()) listed += double(n);
-      for (const float n : got["heatmap.missed"].values<float>()) ASSERT_EQ(n, 0.0f);
+      for (const float n : got["heatmap_lights"].values<float>()) listed += double(n);
+      for (const float n : got["heatmap_missed"].values<float>()) ASSERT_EQ(n, 0.0f);
       EXPECT_LE(listed, before) << technique << " " << test;
       before = listed;
     }

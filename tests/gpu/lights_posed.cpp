@@ -108,7 +108,7 @@ TEST_F(PosedLights, GiveTheBytesOfTheHostsPose) {
       for (const char* technique : {"brute-force", "clustered", "forward-plus"}) {
         Job job = job_of(scene, away, technique, true);
         const bool lists = technique != std::string_view("brute-force");
-        if (lists) job.layers = {"heatmap.lights", "heatmap.missed"};
+        if (lists) job.layers = {"heatmap_lights", "heatmap_missed"};
         const auto session = open(job);
         ASSERT_TRUE(session);
         const FrameResult frame = render(*session, time_s);
@@ -118,8 +118,8 @@ TEST_F(PosedLights, GiveTheBytesOfTheHostsPose) {
         EXPECT_TRUE(truth["beauty"] == got["beauty"]) << technique << " " << count << " at " << time_s;
         if (!lists) continue;
         double listed = 0;
-        for (const float n : got["heatmap.lights"].values<float>()) listed += double(n);
-        for (const float n : got["heatmap.missed"].values<float>()) ASSERT_EQ(n, 0.0f);
+        for (const float n : got["heatmap_lights"].values<float>()) listed += double(n);
+        for (const float n : got["heatmap_missed"].values<float>()) ASSERT_EQ(n, 0.0f);
         EXPECT_GT(listed, 0);
         EXPECT_LT(listed, 0.8 * double(got["beauty"].pixels()) * (2.0 * count + 2)) << "lists must leave lights out";
       }

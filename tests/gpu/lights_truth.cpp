@@ -132,7 +132,7 @@ TEST_F(LightTruth, JointCapsulesListLittleMoreThanTheStreetNeeds) {
   const auto frame = (*session)->render(0.5);
   ASSERT_TRUE(frame) << frame.error().text();
   std::vector<float> depth(size_t(width) * height);
-  for (const OutputImage& o : frame->outputs)
+  for (const FrameOutput& o : frame->outputs)
     if (o.layer == "depth")
       std::memcpy(depth.data(), frame->readbacks.at(o.resource)->bytes().data(), depth.size() * 4);
 

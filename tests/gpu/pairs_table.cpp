@@ -46,7 +46,7 @@ constexpr Allowed allowed[] = {
     {"shadows", {0.06, 0.06, 0}, "blended surfaces cast none into maps, and texels of maps at edges"},
     {"occlusion", {0.03, 0.029, 0.017}, "blended surfaces take none; what is seen is taken to have a thickness"},
     {"fog", {0.0041, 0.0004, 0}, "light between the nodes of a grid"},
-    {"ssr", {0.0055, 0.0045, 0.0028}, "what the picture does not hold is not mirrored"},
+    {"reflections", {0.0055, 0.0045, 0.0028}, "what the picture does not hold is not mirrored"},
     {"refraction", {0.001, 0.001, 0.001}, "texels between those behind"},
     {"ibl", {0.002, 0.002, 0.002}, "split sums of lobes"},
     {"probes", {0.007, 0.007, 0.007}, "the scene is taken to lie on a box"},
@@ -203,7 +203,7 @@ json look_of(const Row& row, bool of_reference) {
   look["occlusion"] = {{"radius_m", 1}, {"strength", of_reference && !row.has("occlusion") ? 0 : 1}};
   if (row.has("fog")) look["fog"] = {{"extinction", 0.06}, {"albedo", 0.8}, {"anisotropy", 0.3}};
   if (row.has("volumetric")) look["volumetric"] = {{"phi", 3}, {"tau", 0.05}};
-  if (row.has("ssr")) look["reflections"] = json::object();
+  if (row.has("reflections")) look["reflections"] = json::object();
   if (row.has("exposure")) look["exposure"] = {{"auto", json::object()}};
   if (row.has("probes"))
     look["probes"] = {{{"position", {0, 1.2, 1}}, {"box", {{"min", {-4.5, 0, -3}}, {"max", {4.5, 5, 4.5}}}}}};
@@ -453,7 +453,7 @@ TEST_F(PairsTable, RefusesWhatExcludesEachOther) {
 // What an effect changes is more than it may be wrong by: a picture without it is not taken for one with it. Of the
 // sky's light this scene shows too little for that; those effects have tests of their own.
 TEST_F(PairsTable, TellsEachEffect) {
-  const std::set<std::string> subtle = {"exposure", "occlusion", "ibl", "probes", "ssr"};
+  const std::set<std::string> subtle = {"exposure", "occlusion", "ibl", "probes", "reflections"};
   const Row none{"brute-force", "layers", "1 sample", "high", "none"};
   const Truth bare = traced(none);
   for (const std::string& effect : effect_names()) {

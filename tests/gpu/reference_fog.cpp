@@ -85,14 +85,14 @@ class ReferenceFog : public ReferenceParity {
     job.settings.push_back({"sun", "mode", "off"});
     if (!lamp_shadows) job.settings.push_back({"shadows", "lights", "0"});
     job.samples = 1;
-    job.layers = {"fog", "fog.transmittance"};
+    job.layers = {"fog", "fog_transmittance"};
     FogPair out;
     Job large = job;
     large.width_px *= side, large.height_px *= side;
     const Images images = images_of(large);
     if (images.size() != 3) return out;
     out.light = averaged(images["fog"], side);
-    out.through = averaged(images["fog.transmittance"], side);
+    out.through = averaged(images["fog_transmittance"], side);
     out.beauty = averaged(images["beauty"], side);
     auto frame = open_reference(job, 0, {});
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());

@@ -10,7 +10,7 @@ namespace candela::test {
 class ReferenceLamps : public ReferenceShadows {
  protected:
   static ShadowAgreement compared(const Job& job) {
-    return ReferenceShadows::compared(job, "shadow.lamps", &reference::World::tree_punctual);
+    return ReferenceShadows::compared(job, "shadow_local", &reference::World::tree_punctual);
   }
 };
 

@@ -103,7 +103,7 @@ TEST_F(ReferenceScattering, SlabsUnderAmbientLight) {
 // Light from behind comes in at the slab's other side, whatever of the body itself lies between; what stands behind the
 // body keeps it off: with maps and rays.
 TEST_F(ReferenceScattering, ABodyDoesNotShadowItself) {
-  const std::vector<KnobSetting> maps, rays = {{"shadows", "method", "traced"}, {"sun", "mode", "traced"}};
+  const std::vector<KnobSetting> maps, rays = {{"local", "method", "traced"}, {"sun", "mode", "traced"}};
   for (const bool lamp : {false, true})
     for (const auto& settings : {maps, rays}) {
       GltfBuilder b = empty_scene();

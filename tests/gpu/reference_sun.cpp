@@ -7,7 +7,7 @@ namespace candela::test {
 class ReferenceSun : public ReferenceShadows {
  protected:
   static ShadowAgreement compared(const Job& job) {
-    return ReferenceShadows::compared(job, "shadow", &reference::World::directional);
+    return ReferenceShadows::compared(job, "shadow_sun", &reference::World::directional);
   }
   // A copy of a scene whose only light is a sun that shines along `direction`.
   static std::string under_sun(const std::filesystem::path& scene_file, const std::vector<std::byte>& bytes,

@@ -41,10 +41,10 @@ class ReferenceTraced : public ReferenceShadows {
     return job;
   }
   static ShadowAgreement suns(const Job& job) {
-    return compared(traced(job), "shadow", &reference::World::directional);
+    return compared(traced(job), "shadow_sun", &reference::World::directional);
   }
   static ShadowAgreement lamps(const Job& job) {
-    return compared(traced(job), "shadow.lamps", &reference::World::tree_punctual);
+    return compared(traced(job), "shadow_local", &reference::World::tree_punctual);
   }
   // most_wrong: at outlines and in holes of masks, where the two see different surfaces (docs/shadows.md).
   static void expect_exact(const ShadowAgreement& a, size_t most_wrong = 0) {

@@ -184,7 +184,7 @@ TEST_F(TransparencyGlass, TakesThePlaceOfRefraction) {
   add_sheet(b, glass_material({}));
   Job job = seen(b);
   EXPECT_NE(plan_text(render(*open(job)).plan).find("--transparency phenomenological draws"), std::string::npos);
-  job.layers = {"direct.sun"};
+  job.layers = {"direct_sun"};
   EXPECT_FALSE(Session::open(job, {}, {}) && (*Session::open(job, {}, {}))->render(0));
   job.layers = {};
   job.effects = "none";  // opaque: nothing to draw

@@ -286,13 +286,13 @@ TEST_F(Transparency, MomentsTellSheetsApart) {
 TEST_F(Transparency, PartsOfBeautyFollowMethodsThatKeepAnOrder) {
   for (const std::string& method : transparency_names()) {
     Job job = sheets({{0, {1, 0, 0}, 0.5}}, method);
-    job.layers = {"direct.sun"};
+    job.layers = {"direct_sun"};
     const auto session = Session::open(job, {}, {});
     ASSERT_TRUE(session) << session.error().text();
     const auto result = (*session)->render(0);
     EXPECT_EQ(bool(result), method == "sorted" || method == "layers") << method;
     if (result) continue;
-    EXPECT_NE(result.error().message.find("direct.sun"), std::string::npos) << result.error().text();
+    EXPECT_NE(result.error().message.find("direct_sun"), std::string::npos) << result.error().text();
   }
 }
 

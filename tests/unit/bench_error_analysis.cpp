@@ -300,10 +300,10 @@ TEST(KnobStudies, OfTimeAlone) {
             std::string::npos)
       << defects[0];
   // Beside another setting it is the picture of that one.
-  rows[5].settings = "lights.floor_lux=0.1 shadows.method=maps";
+  rows[5].settings = "lights.floor_lux=0.1 local.method=maps";
   EXPECT_EQ(error_defects(pointers(rows)).size(), 1u) << "that setting alone was not measured";
   rows.push_back(rows[5]);
-  rows.back().settings = "shadows.method=maps", rows.back().knobs[0] = {"shadows.method", "maps", "error", {}};
+  rows.back().settings = "local.method=maps", rows.back().knobs[0] = {"local.method", "maps", "error", {}};
   EXPECT_TRUE(error_defects(pointers(rows)).empty());
   rows.back().errors[0].metrics["rmse"] = 1e-9;
   EXPECT_EQ(error_defects(pointers(rows)).size(), 1u);

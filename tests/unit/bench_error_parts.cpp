@@ -26,9 +26,9 @@ FloatImage two_objects() {
   FloatImage image;
   image.width = width, image.height = height;
   add_colour(image, "", 1.5f);
-  add_colour(image, "direct.sun", 1);
-  add_colour(image, "ambient.diffuse", 0.5f);
-  Channel objects{"object_id", ChannelType::uint32, {}, {}}, materials{"material_id", ChannelType::uint32, {}, {}};
+  add_colour(image, "direct_sun", 1);
+  add_colour(image, "ambient_diffuse", 0.5f);
+  Channel objects{"object_id.X", ChannelType::uint32, {}, {}}, materials{"material_id.X", ChannelType::uint32, {}, {}};
   for (int i = 0; i < pixels; ++i) objects.u.push_back(i % width < 4 ? 1 : 2), materials.u.push_back(0);
   image.channels.push_back(std::move(objects));
   image.channels.push_back(std::move(materials));
@@ -45,13 +45,13 @@ TEST(ErrorParts, LieAtEdgesOrInTheTermsElsewhere) {
   FloatImage picture = truth;
   // At the edge (columns 3 and 4) the sum counts, elsewhere the term.
   for (const int at : {3, 6})
-    plane(picture, "direct.sun.R")[size_t(at)] += 0.25f, plane(picture, "R")[size_t(at)] += 0.25f;
-  plane(picture, "ambient.diffuse.G")[1] -= 0.5f, plane(picture, "G")[1] -= 0.5f;
+    plane(picture, "direct_sun.R")[size_t(at)] += 0.25f, plane(picture, "R")[size_t(at)] += 0.25f;
+  plane(picture, "ambient_diffuse.G")[1] -= 0.5f, plane(picture, "G")[1] -= 0.5f;
   const double scale = (1.5 * 1.5 + 0.01) * 3 * pixels;
   const auto parts = error_parts(truth, picture);
   EXPECT_NEAR(parts.at("part.edges"), 0.0625 / scale, 1e-12);
-  EXPECT_NEAR(parts.at("part.direct.sun"), 0.0625 / scale, 1e-12);
-  EXPECT_NEAR(parts.at("part.ambient.diffuse"), 0.25 / scale, 1e-12);
+  EXPECT_NEAR(parts.at("part.direct_sun"), 0.0625 / scale, 1e-12);
+  EXPECT_NEAR(parts.at("part.ambient_diffuse"), 0.25 / scale, 1e-12);
   EXPECT_NEAR(parts.at("part.all"), (2 * 0.0625 + 0.25) / scale, 1e-12);
 }
 
@@ -59,18 +59,18 @@ TEST(ErrorParts, LieAtEdgesOrInTheTermsElsewhere) {
 TEST(ErrorParts, ErrorsThatCancelAreSeen) {
   const FloatImage truth = two_objects();
   FloatImage picture = truth;
-  plane(picture, "direct.sun.B")[0] += 0.5f, plane(picture, "ambient.diffuse.B")[0] -= 0.5f;
+  plane(picture, "direct_sun.B")[0] += 0.5f, plane(picture, "ambient_diffuse.B")[0] -= 0.5f;
   const auto parts = error_parts(truth, picture);
   EXPECT_EQ(parts.at("part.all"), 0);
-  EXPECT_GT(parts.at("part.direct.sun"), 0);
-  EXPECT_EQ(parts.at("part.direct.sun"), parts.at("part.ambient.diffuse"));
+  EXPECT_GT(parts.at("part.direct_sun"), 0);
+  EXPECT_EQ(parts.at("part.direct_sun"), parts.at("part.ambient_diffuse"));
 }
 
 // A sun whose shadow is missing, one that is too dark, and one that is too dim where nothing hides it; a sky whose
 // occlusion is missing.
 TEST(ErrorParts, ShadowsAreToldFromTheLightThatTheyTake) {
   FloatImage truth = two_objects();
-  for (const char* share : {"shadow.Y", "occlusion.Y"})
+  for (const char* share : {"shadow_sun.Y", "occlusion.Y"})
     truth.channels.push_back({share, ChannelType::float32, std::vector<float>(pixels, 1), {}});
   FloatImage picture = truth;
   const size_t missing = 0, dark = 6, dim = width + 1, open = width + 6;
@@ -78,17 +78,17 @@ TEST(ErrorParts, ShadowsAreToldFromTheLightThatTheyTake) {
     for (const char c : {'R', 'G', 'B'}) plane(image, std::string(term) + "." + c)[at] = light * arrives;
     plane(image, share)[at] = arrives;
   };
-  set(truth, "direct.sun", "shadow.Y", missing, 1, 0);
-  set(truth, "direct.sun", "shadow.Y", dark, 1, 0.5f), set(picture, "direct.sun", "shadow.Y", dark, 1, 0.25f);
-  set(picture, "direct.sun", "shadow.Y", dim, 0.9f, 1);
-  set(truth, "ambient.diffuse", "occlusion.Y", open, 0.5f, 0.6f);
+  set(truth, "direct_sun", "shadow_sun.Y", missing, 1, 0);
+  set(truth, "direct_sun", "shadow_sun.Y", dark, 1, 0.5f), set(picture, "direct_sun", "shadow_sun.Y", dark, 1, 0.25f);
+  set(picture, "direct_sun", "shadow_sun.Y", dim, 0.9f, 1);
+  set(truth, "ambient_diffuse", "occlusion.Y", open, 0.5f, 0.6f);
   const double scale = (1.5 * 1.5 + 0.01) * pixels;
   const auto parts = error_parts(truth, picture);
-  EXPECT_NEAR(parts.at("part.shadow.direct.sun"), (1 + 0.0625) / scale, 1e-8);
-  EXPECT_NEAR(parts.at("part.direct.sun"), 0.01 / scale, 1e-8);
+  EXPECT_NEAR(parts.at("part.shadow.direct_sun"), (1 + 0.0625) / scale, 1e-8);
+  EXPECT_NEAR(parts.at("part.direct_sun"), 0.01 / scale, 1e-8);
   EXPECT_NEAR(parts.at("part.occlusion"), 0.04 / scale, 1e-8);
-  EXPECT_NEAR(parts.at("part.ambient.diffuse"), 0, 1e-12);
-  EXPECT_FALSE(parts.contains("part.shadow.direct.point"));
+  EXPECT_NEAR(parts.at("part.ambient_diffuse"), 0, 1e-12);
+  EXPECT_FALSE(parts.contains("part.shadow.direct_point"));
 }
 
 // A crease is an edge; a term that the picture lacks is black there; and without layers nothing is divided.

@@ -27,7 +27,7 @@ Job rich_job() {
   job.background = "0.1,0.2,0.3";
   job.seed = UINT64_MAX;
   job.exr_float = true, job.exr_compression = ExrCompression::piz, job.png_bits = 16, job.dither = false;
-  job.timings_in_metadata = true, job.allow_nonfinite = true, job.view = "heatmap.waste";
+  job.timings_in_metadata = true, job.allow_nonfinite = true, job.view = "heatmap_waste";
   return job;
 }
 

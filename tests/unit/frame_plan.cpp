@@ -52,7 +52,7 @@ std::string reason(const PlannedFrame& frame, const std::string& pass) {
 }
 std::vector<std::string> outputs(const PlannedFrame& frame) {
   std::vector<std::string> names;
-  for (const OutputImage& o : frame.outputs) names.push_back(o.layer);
+  for (const FrameOutput& o : frame.outputs) names.push_back(o.layer);
   return names;
 }
 
@@ -270,12 +270,12 @@ TEST(Plan, TermsCostNothingUnlessAskedFor) {
   for (const std::string& pass : kept(without)) EXPECT_EQ(pass.find("term"), std::string::npos) << pass;
 
   Job job = small_job();
-  job.layers = {"direct.sun", "emission"};
+  job.layers = {"direct_sun", "emission"};
   const PlannedFrame with = plan(scene, job);
-  EXPECT_EQ(images(with), (Names{"terms.direct.sun", "terms.emission"}));
-  EXPECT_EQ(outputs(with), (Names{"beauty", "direct.sun", "emission"}));
+  EXPECT_EQ(images(with), (Names{"terms.direct_sun", "terms.emission"}));
+  EXPECT_EQ(outputs(with), (Names{"beauty", "direct_sun", "emission"}));
   Names expected = kept(without), of_beauty = kept(with);
-  for (const char* pass : {"terms", "resolve.direct.sun", "resolve.emission"})
+  for (const char* pass : {"terms", "resolve.direct_sun", "resolve.emission"})
     EXPECT_EQ(std::erase(of_beauty, pass), 1u) << pass;
   std::ranges::sort(expected);
   std::ranges::sort(of_beauty);

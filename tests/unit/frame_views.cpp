@@ -130,9 +130,9 @@ TEST(FrameViews, TooManyDrawsAreAnErrorThatNamesTheNeedAndTheKnob) {
   EXPECT_EQ(none.error().kind, ErrorKind::usage);
   EXPECT_NE(none.error().message.find("1800"), std::string::npos) << none.error().message;
   EXPECT_NE(none.error().message.find("sun.draws"), std::string::npos) << none.error().message;
-  const auto lamps = place_views(views, items, runs, false, 1799, "shadows.draws");
+  const auto lamps = place_views(views, items, runs, false, 1799, "local.draws");
   ASSERT_FALSE(lamps);
-  EXPECT_NE(lamps.error().message.find("shadows.draws"), std::string::npos) << lamps.error().message;
+  EXPECT_NE(lamps.error().message.find("local.draws"), std::string::npos) << lamps.error().message;
 }
 
 TEST(FrameViews, ManyCubeFacesTakeWhatIsDrawnAndNotAFullBufferEach) {

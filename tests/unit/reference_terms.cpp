@@ -218,7 +218,7 @@ TEST(Terms, ShadowIsTheShareOfTheSunThatArrives) {
       for (size_t i = 0; i < film.pixels(); ++i) {
         const double expected = int(i) % above.width >= above.width / 2 ? open : 1;
         EXPECT_NEAR(film.shadow(i), expected, 1e-9) << i;
-        expect_near(film.term(Term::direct_sun, i), glm::dvec3(0.5 * 3 / pi * expected), 1e-9, "direct.sun");
+        expect_near(film.term(Term::direct_sun, i), glm::dvec3(0.5 * 3 / pi * expected), 1e-9, "direct_sun");
       }
       TraceSettings without = centred();
       without.visibility = false;

@@ -258,7 +258,7 @@ TEST(Transport, CostsAreOfEverySampleOrRefused) {
   const Film longer = add_to_file({}, 8);
   const auto refused = Film::load(file, identity, c.width, c.height, costs);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text().find("heatmap.traversal"), std::string::npos) << refused.error().text();
+  EXPECT_NE(refused.error().text().find("heatmap_traversal"), std::string::npos) << refused.error().text();
   Film plain(c.width, c.height);
   refine(plain, integrator, {.spp = 8}, go_on);
   for (size_t i = 0; i < plain.pixels(); ++i) EXPECT_EQ(longer.mean(i), plain.mean(i)) << i;

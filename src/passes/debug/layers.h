@@ -3,7 +3,6 @@
 
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
-#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 

@@ -10,9 +10,9 @@ namespace candela {
 struct LightHeat {
   static constexpr std::string_view name = "light_heat";
   static constexpr LayerName layers[3] = {
-      {"heatmap.lights", "how many lights the list of the point holds", LayerForm::count},
-      {"heatmap.waste", "of them, those that give nothing there", LayerForm::count},
-      {"heatmap.missed", "lights that give something there and are not listed", LayerForm::count}};
+      {"heatmap_lights", "how many lights the list of the point holds", LayerForm::count},
+      {"heatmap_waste", "of them, those that give nothing there", LayerForm::count},
+      {"heatmap_missed", "lights that give something there and are not listed", LayerForm::count}};
   struct In {
     SceneInputs scene;
     Draws draws;

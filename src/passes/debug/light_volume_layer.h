@@ -5,13 +5,13 @@
 
 namespace candela {
 
-// `debug.light_volumes`: how many lights' volumes (passes/lights/light_volumes.h) cover a pixel's centre, whatever lies
+// `debug_light_volumes`: how many lights' volumes (passes/lights/light_volumes.h) cover a pixel's centre, whatever lies
 // before or behind: what deferred-volumes asks a pixel for. The bodies are drawn on top of each other and counted;
 // lights that reach everywhere cover every pixel. 0 where the scene has none.
 struct LightVolumeLayer {
   static constexpr std::string_view name = "light_volume_layer";
   static constexpr LayerName layers[1] = {
-      {"debug.light_volumes", "how many lights' volumes cover the pixel", LayerForm::count}};
+      {"debug_light_volumes", "how many lights' volumes cover the pixel", LayerForm::count}};
   struct In {
     SceneInputs scene;
     LightVolumes volumes;  // optional: in one list; empty: no light

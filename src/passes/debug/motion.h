@@ -1,7 +1,6 @@
 #pragma once
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
-#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 

@@ -1,5 +1,4 @@
 #pragma once
-#include "passes/shared/bvh_knobs.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/scene_inputs.h"
 
@@ -14,7 +13,7 @@ struct TraversalHeat {
   static constexpr std::string_view name = "traversal_heat";
   using SharedKnobs = std::tuple<BvhKnobs>;
   static constexpr LayerName layers[1] = {
-      {"heatmap.traversal", "what the camera's ray costs: 0.25 a node of the trees, 1 a triangle", LayerForm::count}};
+      {"heatmap_traversal", "what the camera's ray costs: 0.25 a node of the trees, 1 a triangle", LayerForm::count}};
   struct In {
     SceneInputs scene;
   };
@@ -34,7 +33,7 @@ struct TreeBoxes {
   static constexpr std::string_view name = "tree_boxes";
   using SharedKnobs = std::tuple<BvhKnobs>;
   static constexpr LayerName layers[1] = {
-      {"debug.bvh", "boxes of the trees for rays: leaves orange, inner nodes blue", LayerForm::color}};
+      {"debug_bvh", "boxes of the trees for rays: leaves orange, inner nodes blue", LayerForm::color}};
   struct In {
     SceneInputs scene;
   };

@@ -1,6 +1,4 @@
 #pragma once
-#include "passes/shadows/lamp_knobs.h"
-#include "passes/shadows/sun_knobs.h"
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
 

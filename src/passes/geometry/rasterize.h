@@ -1,9 +1,6 @@
 #pragma once
-#include "passes/shadows/lamp_knobs.h"
-#include "passes/shadows/sun_knobs.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/scene_inputs.h"
-#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 

@@ -1,5 +1,4 @@
 #pragma once
-#include "passes/shared/bvh_knobs.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/scene_inputs.h"
 

@@ -2,10 +2,6 @@
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/reflected.h"
-#include "passes/surfaces/ibl_knobs.h"
-#include "passes/surfaces/probe_knobs.h"
-#include "passes/surfaces/surface_knobs.h"
-#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 
@@ -46,7 +42,7 @@ struct ReflectionKnobs {
 // edges of reflections are not multisampled; blended surfaces neither reflect nor are reflected. One reflection alone.
 struct Reflections {
   static constexpr std::string_view name = "reflections";
-  static constexpr std::string_view effect = "ssr";
+  static constexpr std::string_view effect = "reflections";
   using Knobs = ReflectionKnobs;
   using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, LightRangeKnobs>;
   struct In {
@@ -91,7 +87,7 @@ struct Reflections {
 // the surface at its middle get the reflection of that middle, the others keep the sky.
 struct ReflectionsOver {
   static constexpr std::string_view name = "reflections_over";
-  static constexpr std::string_view effect = "ssr";
+  static constexpr std::string_view effect = "reflections";
   using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;

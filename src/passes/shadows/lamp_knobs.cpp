@@ -5,7 +5,7 @@ namespace candela {
 bool LampKnobs::matter(const SceneFacts& facts) { return facts.point_lights + facts.spot_lights > 0; }
 
 std::span<const Knob> LampKnobs::table() {
-  constexpr std::string_view from_maps = "shadows.method=maps";
+  constexpr std::string_view from_maps = "local.method=maps";
   static const Knob rows[] = {
       {.name = "method",
        .member = &LampKnobs::method,

@@ -7,10 +7,10 @@
 
 namespace candela {
 
-// Shadow maps of point and spot lights: the knobs `shadows.*`, shared by the choice of the lights and the passes that
+// Shadow maps of point and spot lights: the knobs `local.*`, shared by the choice of the lights and the passes that
 // draw and read the maps.
 struct LampKnobs {
-  static constexpr std::string_view name = "shadows";
+  static constexpr std::string_view name = "local";
   static constexpr int maps = 0, by_voxels = 1, by_rays = 2, hard = 0, pcss = 1;
   int method = maps;
   int soft = hard;

@@ -33,7 +33,7 @@ Shape shape_of(const SceneInputs& scene, const FillLightVoxels::Knobs& knobs) {
 }  // namespace
 
 std::span<const Knob> LightVoxelKnobs::table() {
-  constexpr std::string_view in_use = "shadows.method=voxels sun.mode=voxels";
+  constexpr std::string_view in_use = "local.method=voxels sun.mode=voxels";
   static const Knob rows[] = {
       {.name = "size_px",
        .member = &LightVoxelKnobs::size_px,
@@ -87,7 +87,7 @@ std::vector<std::string> FillLightVoxels::notes(const Report& report) const {
 }
 
 Need FillLightVoxels::needed(const SceneFacts& facts, const FrameRequest&) const {
-  if (!wanted) return {false, "no light's shadows are by cells of the view (shadows.method, sun.mode)"};
+  if (!wanted) return {false, "no light's shadows are by cells of the view (local.method, sun.mode)"};
   if (knobs.size_px == 1) return {false, "cells of one pixel: each point sends its own rays (voxels.size_px)"};
   return needed_for_solid_surfaces(facts);
 }

@@ -82,7 +82,7 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Light
   };
   count(lists.occlusion.traced, "occlusion.rays", rays.occlusion_rays);
   count(rays.soft_suns, "sun.samples", rays.sun_samples);
-  count(rays.soft_lamps, "shadows.samples", rays.lamp_samples);
+  count(rays.soft_lamps, "local.samples", rays.lamp_samples);
 }
 
 std::string with_shadow_colors(std::string shader, const ShadowColors& colors) {

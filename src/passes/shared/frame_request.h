@@ -51,7 +51,7 @@ struct FrameRequest {
   bool display_alpha() const { return shows_through && !behind_rgb && view == "beauty"; }
   bool shown_alone(std::string_view layer) const { return view_alone && layer == view; }
   bool names_effect(std::string_view effect) const;
-  bool draws_reflections() const { return wants_looked("ssr", look.reflections.has_value()); }
+  bool draws_reflections() const { return wants_looked("reflections", look.reflections.has_value()); }
   // Bloom is wanted, and something that shows it.
   bool draws_bloom() const {
     const bool in_look = look.bloom.has_value(), shown = want_display && view == "beauty";

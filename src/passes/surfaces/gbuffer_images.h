@@ -5,7 +5,6 @@
 #include "gpu/command_list.h"
 #include "graph/builder.h"
 #include "passes/shared/knob_tables.h"
-#include "passes/shared/light_knobs.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
 

@@ -22,7 +22,7 @@ bool shows_reflected(const Terms::In& in) {
   return in.reflected.light && (in.wanted[size_t(Term::ambient_specular)] || in.wanted[size_t(Term::reflections)]);
 }
 
-// "direct.sun" is DIRECT_SUN in the shader.
+// "direct_sun" is DIRECT_SUN in the shader.
 std::string define_of(std::string_view layer) {
   std::string define(layer);
   for (char& c : define) c = c == '.' ? '_' : char(std::toupper(static_cast<unsigned char>(c)));

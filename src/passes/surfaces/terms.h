@@ -35,11 +35,11 @@ static_assert(term_count <= 8, "lavapipe 25.0.7 ends the program at more than ei
 struct Terms {
   static constexpr std::string_view name = "terms";
   static constexpr LayerName layers[term_count] = {
-      {"direct.sun", "term of beauty: light of the directional lights"},
-      {"direct.point", "term of beauty: light of the point lights"},
-      {"direct.spot", "term of beauty: light of the spot lights"},
-      {"ambient.diffuse", "term of beauty: ambient light, reflected diffusely"},
-      {"ambient.specular", "term of beauty: ambient light, mirrored"},
+      {"direct_sun", "term of beauty: light of the directional lights"},
+      {"direct_point", "term of beauty: light of the point lights"},
+      {"direct_spot", "term of beauty: light of the spot lights"},
+      {"ambient_diffuse", "term of beauty: ambient light, reflected diffusely"},
+      {"ambient_specular", "term of beauty: ambient light, mirrored"},
       {"emission", "term of beauty: what surfaces give off"},
       {"background", "term of beauty: what is behind everything, and what is seen through surfaces"},
       {"reflections", "term of beauty: what surfaces mirror of each other"}};

@@ -42,7 +42,7 @@ std::span<const Knob> ColoredShadowKnobs::table() {
        .levels = {off, half, half, full},
        .description =
            "texels along a side of what see-through surfaces leave of a light, over those of its shadow map; off: they "
-           "let all of it through. Exact end: full, with sun.size_px and shadows.size_px as large as fit",
+           "let all of it through. Exact end: full, with sun.size_px and local.size_px as large as fit",
        .choices = {"off", "half", "full"},
        .sweep = {off, half, full}},
       {.name = "steps",

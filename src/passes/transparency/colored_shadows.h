@@ -1,10 +1,7 @@
 #pragma once
-#include "passes/shadows/lamp_knobs.h"
-#include "passes/shadows/sun_knobs.h"
 #include "passes/shared/blended.h"
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
-#include "passes/surfaces/texture_knobs.h"
 
 namespace candela {
 

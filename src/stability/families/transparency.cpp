@@ -1,6 +1,6 @@
 // Blended surfaces by every method of transparency: a thousand in a pixel, next to nothing and all, light beyond what a
 // half holds.
-#include "plan/plan_frame.h"
+#include "job/frame_choices.h"
 #include "stability/stage.h"
 
 namespace candela::stability {

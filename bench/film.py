@@ -2,7 +2,7 @@
 """How fast `candela sequence` makes files where encoding takes most of the time; see README.md beside this file.
 
 Programs and numbers of encoders are run in turn. CPU time stands beside wall time: on a machine with other work the
-wall time says little by itself, and the share of the cores that a run had (CPU time / wall time) says how little.
+wall time says little by itself, and the fraction of the cores that a run had (CPU time / wall time) says how little.
 
 --rates says instead how near a film comes to what the machine can do: frames a second that the device renders (the
 median of whole frames, with nothing written), that all cores encode (each as one of them does while others are at

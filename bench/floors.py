@@ -18,7 +18,7 @@ import sys
 # Made as large as the worst frame needs.
 BOUNDS = {"light.entries", "light.unsorted", "light.hits", "rasterize.tiles", "rasterize.large"}
 # Of which a frame reads no more than it looks at.
-READ_IN_PART = {"lamp.maps", "sun.maps"}
+READ_IN_PART = {"local.maps", "sun.maps"}
 SHOWN_MS = 0.05
 
 

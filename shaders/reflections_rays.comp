@@ -70,7 +70,7 @@ void main() {
       if (!lobe_sample(lobe, part, samples * pictures, order, sampled)) continue;
       sum.all += sampled.weight;
       sum.sky_all += sampled.sky;
-      if (dot(sampled.l, r.plane) <= 0.0) continue;  // into the surface: nobody knows
+      if (dot(sampled.l, r.plane) <= 0.0) continue;  // into the surface: unknown
       const vec3 l = from_camera_space(sampled.l);
       const TraceRay ray = TraceRay(leaving_origin(from, l), 0.0, l, TRACE_FAR);
       if (!meet_scene(ray, hit)) continue;

@@ -142,7 +142,7 @@ void main() {
     const vec3 l = sampled.l;
     sum.all += sampled.weight;
     sum.sky_all += sampled.sky;
-    if (dot(l, r.plane) <= 0.0) continue;  // into the surface: nobody knows
+    if (dot(l, r.plane) <= 0.0) continue;  // into the surface: unknown
     const float jitter = fract(float(order) * 0.6180339887 + float(part) * 0.7548776662);
     const Met met = march(p, r.plane, l, jitter);
     if (!met.hit) continue;

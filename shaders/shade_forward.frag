@@ -28,7 +28,7 @@ void main() {
   const vec3 to_viewer = direction_to_viewer();
   Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   // What a mask cuts away is not in the depth that this one equals. It is not asked again: the centroid of the samples
-  // that passed the depth test may lie in a hole, and the kept sample would be nobody's.
+  // that passed the depth test may lie in a hole, and the kept sample would belong to no triangle.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
   const bool in_plane = HAS_SHADOWS || HAS_OCCLUSION != 0;
   const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);

@@ -20,7 +20,7 @@ float blinn_phong(float exponent, float sine2) {
   return norm * exp(0.5 * exponent * log_cosine2);
 }
 
-// The share of a uniform sky that a white lobe reflects: exactly the inverse of `spread` at grazing angles, n.v^2 for a
+// The fraction of a uniform sky that a white lobe reflects: exactly the inverse of `spread` at grazing angles, n.v^2 for a
 // mirror, between them a fit within 0.002 of the integral (tests/gpu/reference_blinn_phong.cpp).
 float blinn_phong_albedo(float exponent, float n_v) {
   const float spread = exponent + exp2(-0.5 * exponent), r = roughness_of_exponent(exponent), r2 = r * r;

@@ -11,7 +11,7 @@ struct SurfacePoint {
   vec3 position;       // relative space
   vec3 on_triangle;    // the same place in its triangle's plane
   vec3 at_middle;      // that plane at the pixel's middle, which may lie beyond the triangle; or the position
-  vec3 plane_normal;   // unit, on the viewer's side; zero where nobody asks
+  vec3 plane_normal;   // unit, on the viewer's side; zero where not asked for
   bool is_unlit;
 };
 

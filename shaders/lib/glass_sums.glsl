@@ -55,7 +55,7 @@ GlassSums glass_sums(Material m, uint material, Surface s, BrdfTerms b, Varyings
   sums.covers = is_body && !gl_FrontFacing ? 0.0 : surface_coverage(m, s.alpha);
   sums.moved = vec4(0.0);
   float alpha2 = g.roughness < least_roughness ? 0.0 : g.alpha * g.alpha, way = 0.0;
-  // A width that nobody sees tells depth and dispersion where nothing is rough.
+  // A width that is not visible tells depth and dispersion where nothing is rough.
   const float least = 1e-12;
   if (is_body) {
     const vec3 inside = in_view(bent(-g.to_viewer, g.normal, 1.0 / ior));

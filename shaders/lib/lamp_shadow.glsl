@@ -10,7 +10,7 @@
 //   one is not taken for something in front of this one.
 // - A texel on which the plane lies some texels nearer to the light than the point sees nothing of what lies between,
 //   and counts less and less.
-// - Curved surfaces are not planes: the plane is moved towards the light by a share of a texel.
+// - Curved surfaces are not planes: the plane is moved towards the light by a fraction of a texel.
 
 #include "lib/axes.glsl"
 #include "lib/lamp_face.glsl"

@@ -3,7 +3,7 @@
 // far more than its own rounding), so that rounding never loses a light; NaN counts as yes. Space: view, x right, y up,
 // z forward. Needs `frame`, lib/light_cells.glsl.
 
-// Rounding of a sum of a few products, as a share of the largest term.
+// Rounding of a sum of a few products, as a fraction of the largest term.
 const float SLACK = 4e-6;
 
 // The part of a cell between two depths: tangents (or metres, orthographic) of its sides.

@@ -36,7 +36,7 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
 
 #ifdef LOBED
 // Of the fragment's triangle, on the viewer's side, where shadows are asked for: what lies on the one side of it gets
-// no light from the other but through the surface. Zero: nobody asks.
+// no light from the other but through the surface. Zero: not asked for.
 vec3 lit_plane = vec3(0.0);
 #endif
 

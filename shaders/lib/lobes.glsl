@@ -1,6 +1,6 @@
 // Lobes on the metallic-roughness base, as their Khronos extensions state them. Part of lib/brdf.glsl where LOBED.
 //
-// Sheen lies on the base, the clear coat on both; each leaves a share of the light to what is under it. The coat's is
+// Sheen lies on the base, the clear coat on both; each leaves a fraction of the light to what is under it. The coat's is
 // of its own normal and the viewer, the sheen's the lesser of those towards the viewer and towards the light.
 // Iridescence replaces the base's Fresnel terms, anisotropy stretches its facets, diffuse transmission parts its
 // diffuse light between the sides.
@@ -75,7 +75,7 @@ float sheen_lambda(float cosine, float alpha) {
   const float middle = a / (1.0 + b * pow(0.5, p)) + d * 0.5 + e;
   return exp(c < 0.5 ? exponent : 2.0 * middle - exponent);
 }
-// The share of a uniform sky that white fibres reflect; above 1 at grazing angles where they are straight.
+// The fraction of a uniform sky that white fibres reflect; above 1 at grazing angles where they are straight.
 float sheen_entry(int row, int column) {
   const int at = row * sheen_albedo_columns + column;
   return unpackUnorm2x16(sheen_albedo_words[at >> 1])[at & 1];
@@ -100,7 +100,7 @@ float sheen_albedo(float roughness, float cosine) {
 
 // What the lobes of a shaded point share, beside the base's.
 struct BrdfLobes {
-  float coat_takes;  // the share of light that the coat mirrors to the viewer
+  float coat_takes;  // the fraction of light that the coat mirrors to the viewer
   vec3 coat_normal;
   float coat_n_v, coat_smith_v, coat_alpha, coat_alpha2;  // as the base's
   vec3 sheen;         // color, over what its lobe has too much energy, times what the coat leaves

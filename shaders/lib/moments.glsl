@@ -10,7 +10,7 @@ const int moment_roots = MOMENTS / 2;
 
 const float overestimation = 0.25;
 
-// The share of a ray's absorbance that lies before a depth z: between the least and the most that moments allow, by
+// The fraction of a ray's absorbance that lies before a depth z: between the least and the most that moments allow, by
 // `overestimation`. m: moments from the first, of absorbance 1.
 #if MOMENTS == 4
 // As below, written out: CPU devices keep no array in registers.

@@ -35,7 +35,7 @@ ReflectedLobe reflected_lobe(Reflecting r, vec3 v, float roughness) {
 struct LobeSample {
   vec3 l;       // unit
   vec3 weight;  // of its light
-  float cone;   // tangent of half the angle of its share of the lobe
+  float cone;   // tangent of half the angle of its fraction of the lobe
   float sky;    // weight of the sky there
 };
 // Number `part` of so many of a pixel: strata of the first number by sample, of the second by the pattern of 4 by 4
@@ -75,7 +75,7 @@ struct LobeLight {
   vec3 light, all;
   float sky_all, sky_hit;
 };
-// The mean light over the lobe of the directions that meet the scene, and what share of the sky's they hide.
+// The mean light over the lobe of the directions that meet the scene, and what fraction of the sky's they hide.
 vec4 mean_of(LobeLight sum) {
   return vec4(sum.light / max(sum.all, vec3(1e-20)),
       sum.sky_all > 0.0 ? clamp(sum.sky_hit / sum.sky_all, 0.0, 1.0) : 0.0);

@@ -55,7 +55,7 @@ vec4 seen_through_body(GlassPoint g) {
 }
 
 // The lobe, by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each
-// as wide as its share of it (Krivanek and Colbert 2008). The same directions at every pixel: no noise.
+// as wide as its fraction of it (Krivanek and Colbert 2008). The same directions at every pixel: no noise.
 vec4 seen_through_lobe(GlassPoint g, int samples) {
   const mat3 axes = axes_about(g.normal);
   vec3 v = g.to_viewer * axes;

@@ -25,7 +25,7 @@ SlabShares between_walls(SlabShares slab, SlabShares wall) {
                     wall.through * wall.through * slab.through * back * out_of);
 }
 
-// What the base does to diffuse light of either side. straight: the share of it that the surface lets through as a
+// What the base does to diffuse light of either side. straight: the fraction of it that the surface lets through as a
 // window, which is shown as the picture behind it.
 void scatter_in_body(BodyLight body, float thickness_m, vec3 base_color, float straight, inout SurfaceLobes s) {
   const vec3 front = base_color * ((1.0 - s.passing) * (1.0 - straight));

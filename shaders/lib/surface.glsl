@@ -22,7 +22,7 @@ struct Varyings {
 struct SurfaceLobes {
   float coat, coat_roughness;
   vec3 coat_normal;  // unit, towards the viewer's side
-  float coat_takes;  // the share of light that the coat mirrors to the viewer, and that nothing below gets
+  float coat_takes;  // the fraction of light that the coat mirrors to the viewer, and that nothing below gets
   vec3 sheen;
   float sheen_roughness;
   float film, film_ior, film_nm;

@@ -5,7 +5,7 @@
 //
 // A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by
 // the bound of its roundings, as the reference's do (src/reference/accel.cpp), so that no surface darkens itself and no
-// shadow comes off what casts it. An interpolated position knows its surface only to a share of the triangle's size.
+// shadow comes off what casts it. An interpolated position knows its surface only to a fraction of the triangle's size.
 #include "lib/openness.glsl"
 #include "shared/trace.h"
 #ifndef TRACES
@@ -79,7 +79,7 @@ void send_rays() {
   rays_wait = false;
   find_origin(rays_from.position, rays_from.normal);
 }
-// The share of a light that arrives, as far as the cell knows; below 0: rays must tell.
+// The fraction of a light that arrives, as far as the cell knows; below 0: rays must tell.
 float known_visibility(LightRef light, uint number) {
   const vec2 z_type = light_word(light, 3u);
   const bool is_sun = floatBitsToUint(z_type.y) == light_directional;
@@ -283,7 +283,7 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 }
 #endif
 
-// The share of the sky's diffuse light that near surfaces leave, over the hemisphere about the triangle's normal.
+// The fraction of the sky's diffuse light that near surfaces leave, over the hemisphere about the triangle's normal.
 Openness traced_open() {
   send_rays();
   const RaySettings s = RaySettingsRef(pc.rays).s;

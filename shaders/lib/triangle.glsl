@@ -45,7 +45,7 @@ TrianglePoint meet_triangle(Corners c, ViewRay r) {
   const float area = dot(n, n), by_area = area > 0.0 ? 1.0 / area : 0.0;
   const vec3 u = cross(e2, n) * by_area, v = cross(n, e1) * by_area;
   // By the ray's moments about the edges (Moeller and Trumbore, 1997), not by the point, whose rounding along the ray
-  // is a share of its distance and reaches over small triangles that slope.
+  // is a fraction of its distance and reaches over small triangles that slope.
   const vec3 q = (r.origin - c.p[0]) * scale;
   // No attribute is taken from beside the triangle.
   float w1 = clamp(dot(q, cross(e2, r.direction)) * inverse, 0.0, 1.0);

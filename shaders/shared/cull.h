@@ -58,7 +58,7 @@ struct OcclusionCullPush {
   uint64_t kept, occluders;             // masks
   uint64_t visible, visible_survivors;  // what the occluders' depth does not hide
   uint64_t rest, rest_survivors;        // of these, what is not among the occluders
-  uint64_t report;                      // OcclusionReport; 0: nobody reads it
+  uint64_t report;                      // OcclusionReport; 0: it is not read
   vec2 subsample_ndc;
   uint pyramid;  // its place among the pass's images
   uint group_count;

@@ -21,7 +21,7 @@ struct LightGrid {
   uint global_count;  // lights of every cell: words of a mask, or ascending indices
   vec2 px_scale;      // pixel = size/2 + px_scale * (x, -y)/z, or without the division for an orthographic camera
   float margin_px;    // by which every tile is widened against rounding
-  float margin_z;     // the same for slices, a share of the depth
+  float margin_z;     // the same for slices, a fraction of the depth
   uint64_t globals;
 };
 

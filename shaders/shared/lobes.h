@@ -22,7 +22,7 @@ struct MaterialLobes {
   float film, film_ior, film_least_nm, film_most_nm;
   float anisotropy;
   vec2 anisotropy_turn;  // cosine and sine of the rotation, from the tangent towards the bitangent
-  float passing;         // the share of diffuse light that comes out on the other side
+  float passing;         // the fraction of diffuse light that comes out on the other side
   vec3 passing_color;
   TextureRef coat_texture, coat_roughness_texture, coat_normal_texture, sheen_texture, sheen_roughness_texture,
       film_texture, film_thickness_texture, anisotropy_texture, passing_texture, passing_color_texture;

@@ -2,8 +2,8 @@
 #define CANDELA_SHARED_SHEEN_ALBEDO_H
 #include "shared/types.h"
 
-// The share of a uniform sky that white sheen reflects (lib/lobes.glsl reads it): two values a word, the first in the
-// lower half; 65535 is `most`. Columns in equal steps of the fourth root of n.v from its least to 1, rows in equal
+// The fraction of a uniform sky that white sheen reflects (lib/lobes.glsl reads it): two values a word, the first in
+// the lower half; 65535 is `most`. Columns in equal steps of the fourth root of n.v from its least to 1, rows in equal
 // steps of the root of (roughness - least) / (1 - least). n.v below the least counts as that.
 //
 // tests/unit/reference_sheen_albedo.cpp makes the numbers again from the lobe's double integral, and prints them where

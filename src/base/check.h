@@ -3,7 +3,7 @@
 #include <string_view>
 
 namespace candela {
-// Prints the broken invariant with its place and aborts. Nobody can act on it at run time, so it stays on in every
+// Prints the broken invariant with its place and aborts. There is no remedy at run time, so it stays on in every
 // build.
 [[noreturn]] void check_failed(std::string_view expression, std::string_view detail, std::source_location where);
 }  // namespace candela

@@ -100,7 +100,7 @@ std::optional<Temporary> temporary_of(std::string_view name) {
   return temporary;
 }
 
-// Nobody is writing it any more. Of other machines only the clock of the file tells: nothing is written for a day.
+// It is no longer being written. Of other machines only the clock of the file tells: nothing is written for a day.
 bool is_stale(const Temporary& temporary, int folder, const std::string& name) {
   if (temporary.machine == machine_mark()) return kill(temporary.process, 0) != 0 && errno == ESRCH;
   struct stat info {};
@@ -110,7 +110,7 @@ bool is_stale(const Temporary& temporary, int folder, const std::string& name) {
 }
 
 // A name for what becomes the target once it is whole. Its length does not depend on the target's, whose ending is kept
-// last, and nobody can guess it.
+// last, and cannot be guessed.
 Expected<std::string> temporary_name(const fs::path& target) {
   uint64_t random = 0;
   if (getrandom(&random, sizeof random, 0) != ssize_t(sizeof random))

@@ -5,7 +5,7 @@
 namespace candela {
 
 // A folder of this process below the system's temporary one, removed with everything in it. Its name cannot be guessed,
-// and nobody else may open it. Where it cannot be made, what is written into it says so.
+// and no other user may open it. Where it cannot be made, what is written into it says so.
 class ScratchFolder {
  public:
   explicit ScratchFolder(std::string_view purpose);  // a part of its name

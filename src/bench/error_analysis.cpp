@@ -13,7 +13,7 @@ namespace {
 
 double median_ms(const BenchRow& row) { return summary(row.gpu.ms).median; }
 
-// How well a fit explains the logarithms: the share of their variance.
+// How well a fit explains the logarithms: the fraction of their variance.
 double r_squared(const PowerFit& fit, std::span<const double> x, std::span<const double> y) {
   double mean = 0, total = 0, left = 0;
   for (const double v : y) mean += std::log(v) / double(y.size());

@@ -23,10 +23,10 @@ std::vector<std::string> reference_part_layers(bool with_air);  // with the ligh
 //                is seen in the pixel or beside it
 //   part.TERM    of that term, elsewhere; a term that the picture does not have counts as black
 //   part.shadow.TERM, part.occlusion
-//                of direct_sun, direct_point, direct_spot and of ambient_diffuse: what the share of light that arrives
-//                (layers shadow, shadow_local, occlusion) gets wrong, times the term as it is unshadowed; part.TERM is
-//                then of the rest. Without those layers nothing is shadowed. Of point and spot lights the share is that
-//                of all lamps together
+//                of direct_sun, direct_point, direct_spot and of ambient_diffuse: what the fraction of light that
+//                arrives (layers shadow, shadow_local, occlusion) gets wrong, times the term as it is unshadowed;
+//                part.TERM is then of the rest. Without those layers nothing is shadowed. Of point and spot lights the
+//                share is that of all lamps together
 //   part.all     of beauty, everywhere
 // Means over red, green and blue of all pixels. The terms' parts need not add up to the rest of part.all: errors of two
 // terms may cancel each other. Empty where the reference has no such layers or the sizes differ.

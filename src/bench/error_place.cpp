@@ -266,7 +266,7 @@ class PlaceRun {
     }
   }
 
-  // Measures what is no other row's work, where its time, if it is known, fits that share of what is left.
+  // Measures what is no other row's work, where its time, if it is known, fits that fraction of what is left.
   void consider(SweepRow row, std::optional<double> needs_s = {}, double share = 1) {
     if (time_.over()) {
       ++left_;

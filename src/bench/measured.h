@@ -28,7 +28,7 @@ class Measured {
   // frames, and may end a visit: then the answer is false, and nothing of that frame is kept.
   Expected<bool> open_in(Session& session, const std::function<bool()>& over,
                          const std::function<void(size_t view, const FrameResult&, const Session&)>& seen);
-  // A sample of that round (BenchRow::rounds). visited: another was there since; then a frame that nobody times comes
+  // A sample of that round (BenchRow::rounds). visited: another was there since; then a frame that is not timed comes
   // first, for images are made anew.
   Expected<bool> sample_in(Session& session, int round, bool visited, const std::function<bool()>& over);
   void fail_with(const Error& error);

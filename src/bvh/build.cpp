@@ -125,7 +125,7 @@ class Builder {
   }
 
   void partition(const Subtree& at, const Buckets& buckets, const ObjectSplit& split, Subtree& left, Subtree& right) {
-    // Without branches, whose outcome nobody could guess: each reference changes places with the first one of the right
+    // Without branches, which could not be predicted: each reference changes places with the first one of the right
     // side, which begins behind it or does not, and grows both sides' boxes, one of them by numbers that are none.
     const F4 none = F4::all(std::bit_cast<float>(~0u)), some = F4::all(0);
     const F4 to_left[2] = {none, some}, to_right[2] = {some, none};

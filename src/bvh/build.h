@@ -23,8 +23,8 @@ struct alignas(16) BoxReference {
   uint32_t unused;  // 0
 };
 
-// The sheared corners of the triangle test are rounded by a share of the triangle's size, so it may meet rays that pass
-// beside the triangle by that. Boxes are wider by a little more, or traversal would miss what the test would find.
+// The sheared corners of the triangle test are rounded by a fraction of the triangle's size, so it may meet rays that
+// pass beside the triangle by that. Boxes are wider by a little more, or traversal would miss what the test would find.
 constexpr float rounding_share = 0x1p-21f;
 BoxReference reference_to(const TriangleCorners& triangle, uint32_t id);
 

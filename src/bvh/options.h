@@ -19,8 +19,8 @@ struct BvhOptions {
   BvhBuilder builder = BvhBuilder::sah;
   int buckets = 32;  // per axis, least_buckets to most_buckets
   float overlap_alpha =
-      1e-5f;  // sbvh: spatial splits are tried where children's overlap exceeds this share of the root's area
-  float split_budget = 1.0f;    // sbvh: references that spatial splits may add, as a share of the triangles
+      1e-5f;  // sbvh: spatial splits are tried where children's overlap exceeds this fraction of the root's area
+  float split_budget = 1.0f;    // sbvh: references that spatial splits may add, as a fraction of the triangles
   uint32_t max_leaf = 8;        // references in a leaf, 1 to most_in_leaf
   uint32_t depth = most_depth;  // below so many steps down nodes are halved by count, 0 to most_depth
   uint32_t block_shift = 2;     // a leaf's triangles are tested by blocks of 1 << block_shift at once

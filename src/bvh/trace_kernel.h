@@ -18,7 +18,7 @@ using Waiting = uint64_t;
 inline Waiting waiting(float near, uint32_t child) { return uint64_t(std::bit_cast<uint32_t>(near)) << 32 | child; }
 inline uint32_t child_of(Waiting w) { return uint32_t(w); }
 inline float near_of(Waiting w) { return std::bit_cast<float>(uint32_t(w >> 32)); }
-// The nearer into a. Without branches, whose outcome nobody could guess.
+// The nearer into a. Without branches, which could not be predicted.
 inline void sort2(Waiting& a, Waiting& b) {
   const Waiting low = a < b ? a : b, high = a < b ? b : a;
   a = low, b = high;

@@ -43,7 +43,7 @@ RunSettings run_settings(const GoldenOptions& o) { return {.device = o.device, .
 
 std::string verdict(const GoldenOutcome& outcome) {
   if (outcome.kind == Kind::skipped) return "skipped";
-  return outcome.missing ? "missing golden" : std::string(gate_rung_name(outcome.gate.rung));
+  return outcome.missing ? "missing golden" : std::string(gate_level_name(outcome.gate.level));
 }
 
 GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome) {

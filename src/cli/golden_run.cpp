@@ -88,7 +88,7 @@ void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   if (accepted != golden.accepted.end())
     if (std::ranges::find(accepted->second, outcome.digest) != accepted->second.end()) {
       outcome.kind = GoldenOutcome::Kind::passed;
-      outcome.gate.rung = GateRung::identical;
+      outcome.gate.level = GateLevel::identical;
       outcome.message = "an accepted picture of " + device_class;
       return;
     }
@@ -105,21 +105,21 @@ void judge(const GoldenManifest& golden, bool exact, GoldenOutcome& outcome) {
   outcome.limits = *limits;
   outcome.gate = judge_golden(*expected, *actual, *limits, golden.exr ? Encoding::linear : Encoding::display);
   outcome.message = outcome.gate.message;
-  const bool tolerated = outcome.gate.rung != GateRung::identical && outcome.gate.passed();
+  const bool tolerated = outcome.gate.level != GateLevel::identical && outcome.gate.passed();
   const auto and_message = [&] { return outcome.message.empty() ? "" : ": " + outcome.message; };
   if (tolerated && (exact || outcome.same_device)) {
     outcome.message = fmt::format("not the same pixels, {}; its limits would call it {}{}",
                                   outcome.same_device ? "on the device that the golden was made on"
                                                       : "and --exact asks "
                                                         "for them",
-                                  gate_rung_name(outcome.gate.rung), and_message());
-    outcome.gate.rung = GateRung::failed;
+                                  gate_level_name(outcome.gate.level), and_message());
+    outcome.gate.level = GateLevel::failed;
   } else if (tolerated) {
     outcome.message =
         fmt::format("by its limits, since it was made on {} ({}){}", made.device, made.driver, and_message());
   }
   if (outcome.gate.passed()) outcome.kind = GoldenOutcome::Kind::passed;
-  if (outcome.gate.rung >= GateRung::warned || outcome.gate.blank)
+  if (outcome.gate.level >= GateLevel::warned || outcome.gate.blank)
     write_pictures(golden, &*expected, *actual, outcome.actual.parent_path(), outcome);
 }
 

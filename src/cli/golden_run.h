@@ -19,7 +19,7 @@ struct GoldenOutcome {
   std::optional<ViewedPictures> pictures;                  // the same
   double seconds = 0;
   bool missing = false;  // there is no golden picture
-  bool warned() const { return kind == Kind::passed && gate.rung == GateRung::warned; }
+  bool warned() const { return kind == Kind::passed && gate.level == GateLevel::warned; }
 };
 
 // Renders into `picture` (made whole or not at all). A frame in which nothing is drawn is an error (input) unless it is

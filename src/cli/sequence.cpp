@@ -213,7 +213,7 @@ Expected<int> make_film(const CLI::App& command, SequenceOptions& o, std::option
   return film->traced ? trace(o, *film, recorder) : render(o, film->job, recorder);
 }
 
-// A worker of --devices without its parent would render what nobody waits for.
+// A worker of --devices without its parent would render for no one.
 void end_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM); }
 
 Expected<int> run(CLI::App& command, SequenceOptions& o) {

@@ -25,7 +25,7 @@ std::string boot_name() {
   return boot.empty() || failed ? "" : boot + "/" + space;
 }
 
-// Empty: there is no such process, or it has ended and nobody has asked how.
+// Empty: there is no such process, or it has ended and its exit status was not read.
 std::string start_of(int process) {
   std::ifstream file(fmt::format("/proc/{}/stat", process));
   std::string line;

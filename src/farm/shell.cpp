@@ -25,7 +25,7 @@ alive() {  # PROCESS START, on this machine
   [ "${2#* }" = "$1" ]
 }
 
-# Of a claim: beats, and whose it is: nobody, a dead worker's (both free), one that lives here (here) or one of another
+# Of a claim: beats, and whose it is: free, a dead worker's (both free), one that lives here (here) or one of another
 # machine (away).
 read_claim() {  # FILE
   beats=0 owner=away mark=
@@ -193,7 +193,7 @@ Expected<std::vector<FarmFile>> shell_file(const FarmJob& job) {
   text +=
       "# on as many machines as you like that see this folder and the frames, at any time, several times on one "
       "machine\n"
-      "# too. Each takes shards that nobody has; the last to end makes the film. Run it again to go on.\n";
+      "# too. Each takes free shards; the last to end makes the film. Run it again to go on.\n";
   text += "folder=" + shell_quoted(job.folder.string()) + "\n";
   text += "work=" + shell_quoted(job.work.string()) + "\n";
   text += "candela=" + shell_quoted(job.program) + "\n";

@@ -17,7 +17,7 @@ Expected<std::vector<FarmFile>> slurm_file(const FarmJob& job);
 Expected<std::vector<FarmFile>> opencue_files(const FarmJob& job);
 // job.mk: a target for each shard, and the check behind them. Error (usage): a line break in a name.
 Expected<std::vector<FarmFile>> make_file(const FarmJob& job);
-// job.sh: for sh; every machine that runs it takes shards that nobody has.
+// job.sh: for sh; every machine that runs it takes free shards.
 Expected<std::vector<FarmFile>> shell_file(const FarmJob& job);
 
 }  // namespace candela

@@ -58,7 +58,7 @@ constexpr Known known_extensions[] = {
     {"KHR_texture_video", ignored, "films are not read; a texture without a picture is left out"},
     {"KHR_texture_procedurals", ignored, "textures are not computed; one without an image is left out"},
     {"EXT_lights_image_based", ignored, "the file's own environment does not light the scene"},
-    {"EXT_lights_ies", ignored, "lamps of measured profiles do not light the scene"},
+    {"EXT_lights_ies", ignored, "local lights of measured profiles do not light the scene"},
     {"KHR_environment_map", ignored, "the file's own environment does not light the scene"},
     {"KHR_gaussian_splatting", ignored, "splats are drawn as plain points"},
     {"KHR_accessor_float64", ignored, "numbers of 64 bits are not read"},

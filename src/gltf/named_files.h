@@ -11,7 +11,7 @@ Expected<std::vector<std::byte>> read_named_file(Document& document, const std::
 // the name of one would change what the scene is.
 void note_named_files(const Document& document);
 
-// The bytes of a buffer, whose file is read when they are first asked for: what nobody uses may be absent. Throws
+// The bytes of a buffer, whose file is read when they are first asked for: what is not used may be absent. Throws
 // Failure.
 std::span<const std::byte> buffer_bytes(Document& document, size_t buffer);
 

@@ -20,7 +20,7 @@ class Bindless {
                                                         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}};  // of one set 1
 
   // textures: how many sampled images there will be at most. The set has room for the next power of two, so that few
-  // layouts exist and pipeline caches serve most scenes; memory of descriptors that nobody uses still costs time.
+  // layouts exist and pipeline caches serve most scenes; memory of unused descriptors still costs time.
   explicit Bindless(Device& device, uint32_t textures = most_textures);
   ~Bindless();
   uint32_t add_sampled(VkImageView view, VkImageLayout layout);

@@ -17,7 +17,7 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
   std::vector<VkImageMemoryBarrier2> images;
   for (const ImageBarrier& b : barriers.images) {
     VkImageMemoryBarrier2 image{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-    // The first use in a frame waits for nobody in it, but for the frame before.
+    // The first use in a frame waits for the frame before alone.
     image.srcStageMask = b.source_stages || !frame.after_another ? b.source_stages : b.destination_stages;
     image.srcAccessMask = b.source_access;
     image.dstStageMask = b.destination_stages;

@@ -133,7 +133,7 @@ class ReadbackPool : public std::enable_shared_from_this<ReadbackPool> {
     VkBufferUsageFlags usage_;
   };
   std::shared_ptr<Pooled> take(Device& device, uint64_t bytes, VkBufferUsageFlags usage, const std::string& name);
-  void trim();  // frees the buffers that nobody holds
+  void trim();  // frees the buffers that are not held
 
  private:
   struct Free {

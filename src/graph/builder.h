@@ -151,10 +151,10 @@ struct CompiledGraph {
   std::vector<RecordFunction> record;  // parallel to plan.passes
 };
 
-// validate, prune (reference counts from the sinks; dropped passes are listed as "nobody reads NAME"), order
+// validate, prune (reference counts from the sinks; dropped passes are listed as "nothing reads NAME"), order
 // (declaration order, which is topological), make physical (usage unions, lifetimes), alias (interval colouring,
 // size-sorted first fit), barriers. kept: what other frames left; passes that would make it again are left out. Throws
-// GraphError for a graph that cannot be right (read of a version nobody made, cycle).
+// GraphError for a graph that cannot be right (read of a version that no pass made, cycle).
 CompiledGraph compile_graph(const GraphBuilder& builder, const KeptKeys& kept = {});
 
 // The named steps, for tests. prune says which declared passes stay; the others fill in more of the plan.

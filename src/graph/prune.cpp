@@ -69,7 +69,7 @@ std::vector<bool> prune(const GraphBuilder& builder, std::vector<LeftOut>& left_
       if (use.writes && std::find(made.begin(), made.end(), resources[use.resource].name()) == made.end())
         made.push_back(resources[use.resource].name());
     left_out.push_back(
-        {passes[i].name, made.empty() ? "it writes nothing" : fmt::format("nobody reads {}", fmt::join(made, ", "))});
+        {passes[i].name, made.empty() ? "it writes nothing" : fmt::format("nothing reads {}", fmt::join(made, ", "))});
   }
   return kept;
 }

@@ -34,7 +34,7 @@ struct Job {
   int samples = 0;  // MSAA samples 1, 2, 4 or 8; 0: as the quality says
   std::string technique = "clustered";
   std::string transparency = "sorted";  // how blended surfaces come over each other (candela list transparency)
-  std::string quality = "high";         // draft, normal, high, exact: rungs of every knob's ladder
+  std::string quality = "high";         // draft, normal, high, exact: levels of every knob
   std::vector<KnobSetting> settings;    // --set PASS.KNOB=VALUE, over the quality
   std::string effects = "auto";         // auto (by quality and look), none, or names separated by commas
   // Equirectangular .hdr or .exr, six faces, or a word (is_sky_word). Empty: the look's; where there is no light

@@ -131,7 +131,7 @@ Row<Look> bloom_row() {
   preset.choices = {"city-lights"};
   const Rows<Bloom> rows = {
       {preset, [](const Json&, const std::string&, Bloom&) -> Expected<void> { return {}; }},
-      number_row<Bloom>("strength", from_zero(), &Bloom::strength, "the share of the light that is scattered"),
+      number_row<Bloom>("strength", from_zero(), &Bloom::strength, "the fraction of the light that is scattered"),
       number_row<Bloom>("threshold", from_zero(), &Bloom::threshold, "exposed radiance: less does not glow"),
       number_row<Bloom>("knee", from_zero(), &Bloom::knee, "half the width over which the threshold sets in"),
       flag_row<Bloom>("keeps", &Bloom::keeps, "what is scattered is taken from where it came; otherwise it is added"),
@@ -360,7 +360,7 @@ std::vector<std::string> switched_on(const Look& look) {
   add(look.fog.has_value(), "fog");
   add(look.volumetric.has_value(), "volumetric light");
   add(look.sun.has_value(), "the sun's disc");
-  add(look.lights.radius_m > 0, "lamps of a size");
+  add(look.lights.radius_m > 0, "local lights of a size");
   add(!sky.image.empty(), "sky image");
   add(sky.gradient.has_value(), "sky gradient");
   add(sky.atmosphere.has_value(), "sky atmosphere");

@@ -134,15 +134,15 @@ Row<Look> volumetric_row() {
   return object_row<Look, Keys>(
       "volumetric",
       {number_row<Keys>(
-           "phi", from_zero(), [](Keys& k) -> double& { return k.light.phi; }, "times the lamps' light in the air"),
+           "phi", from_zero(), [](Keys& k) -> double& { return k.light.phi; }, "times local lights' light in the air"),
        number_row<Keys>(
            "tau", from_zero(), [](Keys& k) -> double& { return k.light.tau_per_m; },
-           "per metre: what the air takes on the way from lamp to camera"),
+           "per metre: what the air takes on the way from local light to camera"),
        number_row<Keys>(
            "anisotropy", between(-largest_anisotropy, largest_anisotropy),
            [](Keys& k) -> double& { return k.light.anisotropy; }, "g of Henyey and Greenstein's phase function"),
        text_row<Keys>("formula", {"extinction", "attenuation"}, &Keys::formula,
-                      "a metre of air scatters tau of the light, or the lamp's own attenuation over its range")},
+                      "a metre of air scatters tau of the light, or the light's own attenuation over its range")},
       [](Look&) { return Keys{}; },
       [](const Json&, const std::string&, Keys& keys, Look& look) -> Expected<void> {
         look.volumetric = keys.light;

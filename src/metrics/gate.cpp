@@ -52,8 +52,8 @@ Expected<void> read_members(const nlohmann::ordered_json& object, GateLimits& li
   return {};
 }
 
-// Largest difference of any channel and the share of pixels that differ by more than small_abs, of the values that the
-// display shows: colour encoded and clamped, alpha as stored.
+// Largest difference of any channel and the fraction of pixels that differ by more than small_abs, of the values that
+// the display shows: colour encoded and clamped, alpha as stored.
 struct Spread {
   double largest = 0, share = 0;
 };
@@ -112,10 +112,10 @@ std::string gate_limits_json(const GateLimits& limits) {
   return json.dump(2);
 }
 
-std::string_view gate_rung_name(GateRung rung) {
+std::string_view gate_level_name(GateLevel level) {
   static constexpr std::array<std::string_view, 5> names = {"identical", "nearly identical", "similar", "warned",
                                                             "failed"};
-  return names[size_t(rung)];
+  return names[size_t(level)];
 }
 
 GateResult judge_golden(const FloatImage& golden, const FloatImage& actual, const GateLimits& limits,
@@ -129,7 +129,7 @@ GateResult judge_golden(const FloatImage& golden, const FloatImage& actual, cons
     return result;
   }
   if (quick.metrics.at("differing") == 0) {
-    result.rung = GateRung::identical;
+    result.level = GateLevel::identical;
     return result;
   }
   result.comparison = compare(golden, actual, {encoding, true});
@@ -147,10 +147,11 @@ GateResult judge_golden(const FloatImage& golden, const FloatImage& actual, cons
       quick.metrics.at("differing"), spread.largest * 255, spread.share * 100, limits.small_abs * 255, flip->second,
       result.flip_p99);
   if (spread.largest <= limits.max_abs && spread.share <= limits.small_share)
-    result.rung = GateRung::nearly_identical;
+    result.level = GateLevel::nearly_identical;
   else if (flip->second <= limits.flip_mean && result.flip_p99 <= limits.flip_p99)
-    result.rung = limits.warn && within(*limits.warn, spread.largest, flip->second, result.flip_p99) ? GateRung::similar
-                                                                                                     : GateRung::warned;
+    result.level = limits.warn && within(*limits.warn, spread.largest, flip->second, result.flip_p99)
+                       ? GateLevel::similar
+                       : GateLevel::warned;
   return result;
 }
 

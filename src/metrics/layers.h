@@ -9,7 +9,7 @@
 namespace candela {
 
 // What a layer's values are decides what an error in it means.
-//   ids      differing, and its share of the pixels; levels of Cryptomatte too, whose floats are bits
+//   ids      differing, and its fraction of the pixels; levels of Cryptomatte too, whose floats are bits
 //   depth    relative difference |b-a|/|a| where both show a surface: depth-rel-mean, depth-rel-p99, depth-rel-max; and
 //            one-sided, the pixels where only one image shows a surface
 //   normals  angle in degrees where both have a normal: angle-mean, angle-p99, angle-max; and one-sided

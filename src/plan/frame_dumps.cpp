@@ -97,7 +97,7 @@ Expected<void> check_part(const DumpRequest& request, const ImageDesc& image) {
   return {};
 }
 
-// Of the passes up to `last`, the one that wrote the part last: it must be kept. What nobody reads is not made, and a
+// Of the passes up to `last`, the one that wrote the part last: it must be kept. What nothing reads is not made, and a
 // dump does not make it either.
 Expected<void> check_made(const DumpRequest& request, const GraphBuilder& builder, const FramePlan& plan, size_t last,
                           int image) {
@@ -110,7 +110,7 @@ Expected<void> check_made(const DumpRequest& request, const GraphBuilder& builde
       if (!use.writes || use.resource != image || !use.range.overlaps(part)) continue;
       if (find_pass(plan, builder.passes()[pass].name)) return {};
       return fail(ErrorKind::usage, request.option,
-                  "'{}' is not made in this frame: nobody reads what {} writes to it; {}", request.text(),
+                  "'{}' is not made in this frame: nothing reads what {} writes to it; {}", request.text(),
                   builder.passes()[pass].name, where);
     }
   return fail(ErrorKind::usage, request.option, "'{}': nothing has written that part of {} there; {}", request.text(),

@@ -18,8 +18,8 @@ struct FrameDump {
 };
 
 // Where each request stands in a frame: of a builder that holds the whole frame, and its plan. Errors (usage): a pass
-// or an image that the plan does not have, with those nearest in name; one that nobody reads and that is thus not made;
-// a mip or layer outside.
+// or an image that the plan does not have, with those nearest in name; one that nothing reads and that is thus not
+// made; a mip or layer outside.
 Expected<std::vector<FrameDump>> place_dumps(const std::vector<DumpRequest>& requests, const GraphBuilder& builder,
                                              const FramePlan& plan);
 

@@ -37,7 +37,7 @@ struct Candidate {
   std::vector<int> faces;  // that matter to the picture
 };
 
-// What a light can add to the picture: its light on what it stands before, a metre off, in the share of the picture
+// What a light can add to the picture: its light on what it stands before, a metre off, in the fraction of the picture
 // that this takes; where the light is outside of the view, no nearer than the view is. 0: it lights nothing of it.
 double importance_of(const LightItem& light, const View& view, const FrustumPlanes& planes) {
   const glm::dvec3 position(light.position);
@@ -228,7 +228,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
     out.lights.push_back(uint32_t(c.light));
   }
   ViewImage image;
-  image.name = "lamp.maps";
+  image.name = "local.maps";
   for (size_t f = 0; f < faces.size(); ++f) {
     const auto [lamp, face] = faces[f];
     image.views.push_back(place_lamp_face(lamps[lamp].lamp, face, sizes[f], tiles[f], out.shadows[lamp]));

@@ -199,7 +199,7 @@ class Assembly {
   }
 
   void build_top() {
-    // A ray's origin and direction are rounded once in mesh space, which shifts it by a share of the distances it
+    // A ray's origin and direction are rounded once in mesh space, which shifts it by a fraction of the distances it
     // spans.
     DAabb all = trees_.world.nodes.empty() ? DAabb{} : DAabb{trees_.world.bounds.min, trees_.world.bounds.max};
     std::vector<DAabb> boxes;

@@ -8,8 +8,8 @@
 namespace candela::reference {
 
 double blinn_phong(double n_h, double exponent);  // f of white, 1/sr
-// The share of a uniform sky that white reflects towards n_v: summed over half vectors, exact to 1e-4 with 200 an axis;
-// and from a table, within 0.001 of the sum.
+// The fraction of a uniform sky that white reflects towards n_v: summed over half vectors, exact to 1e-4 with 200 an
+// axis; and from a table, within 0.001 of the sum.
 double integrate_blinn_phong(double exponent, double n_v, int per_axis);
 double blinn_phong_albedo(double exponent, double n_v);
 

@@ -38,7 +38,7 @@ double fresnel(double cosine, double eta);
 
 // Light goes straight through, as the surface says: a smooth sheet, or a body of the index of what is about it.
 bool is_straight(const Surface& s);
-// The share of it, seen from v.
+// The fraction of it, seen from v.
 glm::dvec3 straight_share(const Surface& s, glm::dvec3 v);
 
 // What becomes of a ray at a smooth surface that bounds a body: it goes on behind it, or where no light gets there, is

@@ -22,7 +22,7 @@ Span lit_part(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 directio
 // that a ray's time grows with its points and not with the lights. What a cluster gives is estimated by the
 // equi-angular integral of a ray, (theta_b - theta_a) / D, in the place of the paper's inverse square; what a single
 // lamp gives by three points of that integral, with its range, cone, phase function and the fog before and behind it.
-// Neither knows what stands in the light's way. No light that can reach the ray has a share of 0.
+// Neither knows what stands in the light's way. No light that can reach the ray has a fraction of 0.
 class LampsAlongRay {
  public:
   // What of a lamp's light a metre of the ray sends on to its origin, the phase function aside: at `at_m` on the ray,

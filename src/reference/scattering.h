@@ -8,7 +8,7 @@
 // light takes them for slabs of the file's thickness, as the techniques do.
 namespace candela::reference {
 
-// The share of its extinction that a medium scatters, of which a deep body reflects `multi` of diffuse light: the
+// The fraction of its extinction that a medium scatters, of which a deep body reflects `multi` of diffuse light: the
 // extension's fit (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017), in [0, 1].
 double single_scatter_albedo(double multi);
 

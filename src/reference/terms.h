@@ -42,7 +42,7 @@ struct TermSample {
   // The same of point and spot lights, only where it is wanted: it takes a ray for each of them.
   bool wants_lamp_shadow = false;
   double lamp_shadow = 1;
-  // Of the nearest opaque or masked surface: the share of the sky's light that near surfaces leave, weighed by the
+  // Of the nearest opaque or masked surface: the fraction of the sky's light that near surfaces leave, weighed by the
   // cosine about the triangle's normal (World::occlusion()); 1 where there is none, and on what takes no light.
   double occlusion = 1;
 

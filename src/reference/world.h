@@ -113,7 +113,7 @@ class World {
   // evenly over their area, from three numbers in [0, 1).
   bool bends_lamps() const { return !bending_.empty(); }
   glm::dvec3 bending_place(double which, glm::dvec2 u) const;
-  // A light of the lamp tree, as likely as its share of all their power: an index into tree_punctual().
+  // A light of the lamp tree, as likely as its fraction of all their power: an index into tree_punctual().
   uint32_t lamp_by_power(double u) const;
   double lamp_power_share(uint32_t lamp) const;
 

@@ -5,7 +5,7 @@
 
 namespace candela {
 
-// How the pixels of a frame's picture that show something lie between black and white; a share of them is looked at,
+// How the pixels of a frame's picture that show something lie between black and white; a fraction of them is looked at,
 // evenly spaced, but for is_black, which is of all.
 struct PictureTones {
   double clipped = 0;     // share with a channel at white

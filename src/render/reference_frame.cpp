@@ -77,10 +77,10 @@ std::span<const TreeKnob> tree_knobs() {
        [](BvhOptions& o, double x) { o.node_cost = float(x); }},
       {"depth", "steps down below which nodes are halved by count", 0, most_depth, true,
        [](const BvhOptions& o) { return double(o.depth); }, [](BvhOptions& o, double x) { o.depth = uint32_t(x); }},
-      {"budget", "references that spatial splits may add, as a share of the triangles", 0, 16, false,
+      {"budget", "references that spatial splits may add, as a fraction of the triangles", 0, 16, false,
        [](const BvhOptions& o) { return double(o.split_budget); },
        [](BvhOptions& o, double x) { o.split_budget = float(x); }},
-      {"alpha", "overlap of the children, as a share of the root's area, above which spatial splits are tried", 0, 1,
+      {"alpha", "overlap of the children, as a fraction of the root's area, above which spatial splits are tried", 0, 1,
        false, [](const BvhOptions& o) { return double(o.overlap_alpha); },
        [](BvhOptions& o, double x) { o.overlap_alpha = float(x); }},
   };
@@ -216,8 +216,9 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   frame->world = std::make_unique<reference::World>(input, frame->warnings);
   if (frame->world->bends_lamps())
     frame->notes.push_back(
-        "lamps without a size shine through bodies of smooth glass where light is bent or totally reflected; what such "
-        "a body reflects inside it, and such light in fog, is left out (a radius of the lamp brings it in)");
+        "local lights without a size shine through bodies of smooth glass where light is bent or totally reflected; "
+        "what such "
+        "a body reflects inside it, and such light in fog, is left out (a radius of the local light brings it in)");
   if (const size_t skipped = frame->world->accel().statistics().skipped_items; skipped > 0)
     frame->notes.push_back(
         fmt::format("{} item{} of points or lines: rays do not meet them, so they are not in the picture", skipped,

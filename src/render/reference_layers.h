@@ -15,7 +15,7 @@ const std::vector<std::string>& surface_layer_names();
 const std::vector<std::string>& matte_layer_names();
 
 // Layers that the film holds as means over its samples: the terms that beauty is the sum of, together with fog
-// (reference/terms.h), and shares of light, which are no light: shadow, shadow_local, occlusion.
+// (reference/terms.h), and fractions of light, which are no light: shadow, shadow_local, occlusion.
 const std::vector<std::string>& term_layer_names();
 // What the film of these layers must keep.
 reference::FilmParts film_parts(const ReferenceFrame& frame, const std::vector<std::string>& layers);

@@ -8,7 +8,7 @@
 
 namespace candela {
 
-// One list of frames that several processes render: each takes the next one that nobody has. It lies in memory that
+// One list of frames that several processes render: each takes the next free one. It lies in memory that
 // they share through an open file, so that a process that dies takes nothing with it but the frames in its hands, and
 // those are known.
 class SharedFrames {

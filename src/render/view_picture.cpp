@@ -178,7 +178,7 @@ DisplayImage layer_view(const FloatImage& layer, LayerForm form, const std::stri
       return distances(layer);
     case LayerForm::direction:
       return directions(layer);
-    case LayerForm::share:
+    case LayerForm::fraction:
       return by_channel(layer, [](double v) { return v; });
     case LayerForm::color:
       return by_channel(layer, srgb_encoded);

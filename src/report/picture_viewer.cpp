@@ -79,7 +79,7 @@ std::string viewer_html(const ViewedPictures& p) {
   if (heat) html += pane("FLIP", "heat", p.heat_png);
   if (p.worst) html += pane("difference", "scaled", p.worst->map_png);
   html += "</div>\n";
-  if (heat) html += bar("of-heat", "0", "1", "FLIP of each pixel: 0 nobody sees a difference, 1 the largest");
+  if (heat) html += bar("of-heat", "0", "1", "FLIP of each pixel: 0 no visible difference, 1 the largest");
   if (p.worst)
     html += bar("of-scaled", "0", fmt::format("{:.0f}", p.worst->largest * 255),
                 "difference of each pixel's displayed value, its farthest channel, of 255");

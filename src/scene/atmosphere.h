@@ -20,7 +20,7 @@ class Air {
   explicit Air(const Atmosphere& atmosphere);
   // cd/m2 per lux of the sun above the air, in a direction as the observer sees it.
   glm::dvec3 radiance(glm::dvec3 direction, glm::dvec3 to_sun) const;
-  // The share of the sun's light that is left at a height, sine of the sun's elevation there.
+  // The fraction of the sun's light that is left at a height, sine of the sun's elevation there.
   glm::dvec3 transmittance(double height_m, double sine) const;
   DecodedImage image(glm::dvec3 to_sun, int width, int height) const;  // equirectangular, rgba32f
 

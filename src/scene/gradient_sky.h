@@ -4,7 +4,7 @@
 
 namespace candela {
 
-// The share of zenith (0), horizon (1) and ground (2) that a gradient sky has at a sine of the elevation. They sum
+// The fraction of zenith (0), horizon (1) and ground (2) that a gradient sky has at a sine of the elevation. They sum
 // to 1.
 double gradient_share(int band, double exponent, double sine);
 

@@ -9,7 +9,7 @@ namespace candela {
 // Neighbours among the instances of a node: a box about all that they show, in the node's space, metres.
 struct InstanceCluster {
   DAabb box;
-  // No less than what is added up on the way to any of their vertices, by axis: what floats round is a share of it.
+  // No less than what is added up on the way to any of their vertices, by axis: what floats round is a fraction of it.
   glm::dvec3 magnitude{0};
   uint32_t first = 0, count = 0;  // of InstanceSet::order
 };

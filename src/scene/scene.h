@@ -73,7 +73,7 @@ struct Anisotropy {
   float strength = 0, rotation_rad = 0;
   TextureSlot texture;  // RG: direction in tangent space, from -1 to 1; B: strength
 };
-// The share of diffuse light that comes out on the other side.
+// The fraction of diffuse light that comes out on the other side.
 struct DiffuseTransmission {
   float factor = 0;
   glm::vec3 color{1};
@@ -116,8 +116,8 @@ struct Material {
   TextureSlot base_color_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture,
       specular_color_texture;
   bool orm_has_occlusion = false, orm_has_metallic_roughness = false;
-  // KHR_materials_transmission: the share of the light that the diffuse base would reflect which goes through instead.
-  // By its texture's R.
+  // KHR_materials_transmission: the fraction of the light that the diffuse base would reflect which goes through
+  // instead. By its texture's R.
   float transmission = 0;
   TextureSlot transmission_texture;
   // KHR_materials_volume. Thickness 0: a sheet that does not bend light; else the surface bounds a body. How thick it

@@ -29,7 +29,7 @@ class GpuSky {
             std::vector<std::shared_ptr<const void>>& keep);
 
  private:
-  // Indices are given back when nobody holds them any more.
+  // Indices are given back when they are no longer held.
   struct Indexed {
     explicit Indexed(gpu::Bindless& b) : bindless(b) {}
     Indexed(const Indexed&) = delete;

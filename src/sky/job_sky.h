@@ -83,7 +83,7 @@ class JobSky {
   std::shared_ptr<const SkyImage> image_, second_;
   std::optional<FrameSky::Sun> sun_;  // of the image, in its own axes
   double sun_share_ = 0;              // of the image's light
-  bool for_want_of_light_ = false;    // the studio, which nobody asked for
+  bool for_want_of_light_ = false;    // the studio, taken without being asked for
   int width_ = 0, height_ = 0;        // of all parts
   // Images by what they are made from, the newest last; a few, so that frames in any order find theirs.
   mutable std::vector<std::pair<std::string, std::shared_ptr<const SkyImage>>> made_;

@@ -94,7 +94,7 @@ void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surface
            scene.sun_absence, "sun");
   const LightMaps lamps = maps(
       scene.lamp_image, scene.lamp_key, {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command},
-      draws_shadow_colors(frame.facts, frame.request, frame.knobs), scene.lamp_absence, "lamps");
+      draws_shadow_colors(frame.facts, frame.request, frame.knobs), scene.lamp_absence, "local");
   lighting.sun_maps = suns.depth, lighting.lamp_maps = lamps.depth;
   // Rays tell themselves what is left of a light.
   if (!scene.rays.suns) lighting.shadow_colors.suns = suns.colors;

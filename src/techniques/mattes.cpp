@@ -9,7 +9,7 @@ void matte_ids(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
   for (uint32_t i = 0; i < matte_count; ++i) {
     MatteIds pass;
     pass.matte = Matte(i);
-    // A layer that nobody wants is said once, not for each picture.
+    // A layer that is not asked for is reported once, not for each picture.
     if (!pass.needed(frame.facts, frame.request) && !instance.empty()) continue;
     const std::string_view layer = matte_layers[i].name;
     const std::string name = instance.empty() ? std::string(layer) : fmt::format("{}.{}", instance, layer);

@@ -33,7 +33,7 @@ Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
   if (!surfaces.keys) return forward(frame, scene, surfaces, lighting, instance);
   ShadeVisible::In in{scene, surfaces.keys, surfaces.deformed, lighting};
   in.whole = !drawn_over(frame, scene);
-  in.draws_sky = frame.facts.environment && frame.request.draw_background && !frame.request.sky_hidden;
+  in.draws_sky = frame.facts.environment && !frame.request.sky_hidden;
   const ShadeVisible::Out shaded = frame.add(ShadeVisible{}, in, instance);
   const auto leave_out = [&](std::string_view pass, std::string_view reason) {
     if (is_first_picture(instance)) frame.builder.leave_out(std::string(pass), std::string(reason));

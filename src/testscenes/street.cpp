@@ -69,7 +69,7 @@ class City {
 
   void add(const CityCell& cell, int lights) {
     Rng rng = rng_at(seed_, cell.x, cell.z);
-    // Spots and points in turn, lamps and cars, windows and signs, so that a cell cut short has its share of each.
+    // Spots and points in turn, lamps and cars, windows and signs, so that a cell cut short has its fraction of each.
     int lamps = 0, head_lamps = 0, windows = 0, signs = 0;
     for (int i = 0; i < lights; ++i) {
       const int half = i / 2;

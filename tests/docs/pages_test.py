@@ -41,6 +41,13 @@ class Pages(unittest.TestCase):
             for option in re.findall(r"^  (?:-[a-zA-Z],)?(--[a-z-]+)", shown, re.MULTILINE):
                 self.assertRegex(text, rf"(?m)^\| `[^`]*{option}[ `,]", f"{page.name} lacks {option}")
 
+    def test_readme_names_every_extension_that_is_read(self):
+        text = (ROOT / "README.md").read_text()
+        table = (ROOT / "src/gltf/extensions.cpp").read_text()
+        read = re.findall(r'\{"(\w+)", (?:supported|approximated),', table)
+        self.assertGreater(len(read), 25)
+        self.assertEqual([name for name in read if not re.search(rf"\b{name}\b", text)], [])
+
     def test_links_lead_to_files_and_headings(self):
         count = 0
         for page in documents():

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "../unit/scene_pieces.h"
+#include "job/frame_choices.h"
 #include "session/session.h"
 
 namespace candela::test {

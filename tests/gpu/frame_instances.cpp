@@ -84,7 +84,7 @@ TEST_F(PosedItems, GiveTheBytesOfTheHostsPoseWithShadowMaps) {
       ASSERT_TRUE(session);
       const FrameResult frame = render(*session, 1.3);
       EXPECT_EQ(poses(frame), on_device);
-      for (const char* maps : {"cull.sun", "cull.lamps"})
+      for (const char* maps : {"cull.sun", "cull.local"})
         EXPECT_TRUE(std::ranges::any_of(frame.plan.passes, [&](const PlanPass& p) { return p.name == maps; })) << maps;
       both.push_back(images(frame));
     }

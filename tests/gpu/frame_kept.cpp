@@ -139,7 +139,7 @@ TEST_F(KeptMaps, FollowTheirLamps) {
     EXPECT_EQ(images(with), images(without)) << time;
     EXPECT_EQ(with.plan_hash, without.plan_hash);
     pictures.insert(images(without)["beauty"].bytes);
-    drawn += std::ranges::any_of(with.plan.passes, [](const PlanPass& p) { return p.name == "depth_views.lamps"; });
+    drawn += std::ranges::any_of(with.plan.passes, [](const PlanPass& p) { return p.name == "depth_views.local"; });
   }
   EXPECT_EQ(pictures.size(), 3u);
   EXPECT_EQ(drawn, 6) << "not the third time at each place";

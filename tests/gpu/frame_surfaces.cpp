@@ -85,7 +85,7 @@ TEST_F(FrameSurfaces, LayersOfATiltedPlane) {
   }
 }
 
-// Four samples give edges the share of the pixel that is covered, and everything else stays as with one.
+// Four samples give edges the fraction of the pixel that is covered, and everything else stays as with one.
 TEST_F(FrameSurfaces, EdgesOfFourSamplesLieBetween) {
   GltfBuilder b = empty_scene();
   use_materials(b);

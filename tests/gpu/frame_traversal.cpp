@@ -1,6 +1,7 @@
 // What rays meet by the device's own trees (bvh.traversal), against the trees in shaders.
 #include "frame_fixture.h"
 #include "gpu/device_select.h"
+#include "plan/frame_rays.h"
 
 namespace candela::test::frame_traversal {
 

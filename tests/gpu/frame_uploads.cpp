@@ -1,6 +1,7 @@
 #include <deque>
 
 #include "frame_fixture.h"
+#include "shared/scene.h"
 
 namespace candela::test {
 

@@ -43,7 +43,7 @@ class Visibility : public FrameTest {
     pixels.resize(pixels.size() * 99 / 100);
     return std::accumulate(pixels.begin(), pixels.end(), 0.0) / double(pixels.size());
   }
-  // Pixels that differ by more than a share of their value.
+  // Pixels that differ by more than a fraction of their value.
   static int differing(const Image& a, const Image& b, double share) {
     int count = 0;
     for (int y = 0; y < a.height; ++y)

@@ -11,8 +11,8 @@ namespace {
 struct FogPair {
   std::vector<glm::dvec3> light, through, beauty;  // of the GPU
   std::vector<glm::dvec3> true_light, true_through, true_beauty;
-  // Of the fog's light, over the pixels of which it is at least a tenth, but for a share of the worst: where a lamp is
-  // seen, neither side's few samples of a pixel find the mean of a glow that goes to infinity.
+  // Of the fog's light, over the pixels of which it is at least a tenth, but for a fraction of the worst: where a lamp
+  // is seen, neither side's few samples of a pixel find the mean of a glow that goes to infinity.
   double relmse(double trimmed = 0) const {
     std::vector<double> errors;
     for (size_t i = 0; i < light.size(); ++i) {

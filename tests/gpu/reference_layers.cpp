@@ -35,7 +35,7 @@ struct Bound {
                  // where above 1
   double share;  // of the change to the next pixels: rasterizers move corners to a grid of 1/256 pixel
 };
-// The error beyond the floor, as a share of how much the channel changes to the next pixels.
+// The error beyond the floor, as a fraction of how much the channel changes to the next pixels.
 double share_of_change(const LayerPair& p, const Bound& bound, size_t i) {
   const std::vector<float>&a = p.reference.find(bound.channel)->f, &b = p.gpu.find(bound.channel)->f;
   const double scale = bound.channel == "depth.Z" ? a[i] : std::max(*std::max_element(a.begin(), a.end()), 1.0f);

@@ -87,7 +87,7 @@ class Traced : public gpu::test::PassTest {
     const std::vector<TestHit> hits = trace(trees, list);
     EXPECT_EQ(hits.size(), list.size());
     if (hits.size() != list.size()) return 0;
-    // Of rays that begin on a surface t is what is left of sums that cancel: it is known to a share of the distances
+    // Of rays that begin on a surface t is what is left of sums that cancel: it is known to a fraction of the distances
     // from the origin, 2^-42 here, not of itself. An instance's rays are rounded in its space, once; that the two
     // round to different sides happens, and moves the ray by a unit in the last place of its origin.
     float reach = 0;

@@ -94,7 +94,7 @@ TEST_F(DumpPlan, RefusalsNameWhatIsNear) {
   expect_refused("resolve.resolved[0,1]", {"1 layer"});
 }
 
-// An image that nobody reads is not made, and a dump does not make it.
+// An image that nothing reads is not made, and a dump does not make it.
 TEST(DumpsOfGraphs, PrunedImagesSaySo) {
   GraphBuilder builder;
   const auto add = [&](const std::string& pass, ImageHandle image, bool sink) {
@@ -113,7 +113,7 @@ TEST(DumpsOfGraphs, PrunedImagesSaySo) {
   EXPECT_TRUE(place_dumps({*parse_dump("kept.picture")}, builder, plan));
   const auto lost = place_dumps({*parse_dump("lost.nothing")}, builder, plan);
   ASSERT_FALSE(lost);
-  EXPECT_NE(lost.error().text().find("nobody reads"), std::string::npos) << lost.error().text();
+  EXPECT_NE(lost.error().text().find("nothing reads"), std::string::npos) << lost.error().text();
 }
 
 }  // namespace

@@ -195,7 +195,7 @@ TEST(Plan, ASmallPictureTakesLittle) {
   const auto bytes = [&](int width, int height) {
     job.width_px = width, job.height_px = height;
     const PlannedFrame frame = plan(scene, job, {.linear = false, .display = true});
-    EXPECT_TRUE(has(frame, "fog") && has(frame, "depth_views.sun") && has(frame, "depth_views.lamps"));
+    EXPECT_TRUE(has(frame, "fog") && has(frame, "depth_views.sun") && has(frame, "depth_views.local"));
     uint64_t sum = 0;
     for (const uint64_t block : frame.graph.plan.block_bytes) sum += block;
     return sum;

@@ -37,8 +37,8 @@ TEST(GraphPrune, AChainNobodyReadsGoesWhole) {
   EXPECT_EQ(Buffers::names(plan), "out");
   ASSERT_EQ(plan.left_out.size(), 3u);
   EXPECT_EQ(plan.left_out[0].pass, "a");
-  EXPECT_EQ(plan.left_out[0].reason, "nobody reads a_out");
-  EXPECT_EQ(plan.left_out[2].reason, "nobody reads c_out");
+  EXPECT_EQ(plan.left_out[0].reason, "nothing reads a_out");
+  EXPECT_EQ(plan.left_out[2].reason, "nothing reads c_out");
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(plan.resources[i].first_pass, -1);
     EXPECT_EQ(plan.resources[i].buffer_usage, 0u);
@@ -55,7 +55,7 @@ TEST(GraphPrune, ADiamondStaysAndItsSideBranchGoes) {
   g.pass("after side", {{side, "side"}});
   const FramePlan plan = compile_graph(g.builder).plan;
   EXPECT_EQ(Buffers::names(plan), "top left right bottom");
-  EXPECT_EQ(Buffers::reason(plan, "side"), "nobody reads side_out");
+  EXPECT_EQ(Buffers::reason(plan, "side"), "nothing reads side_out");
 }
 
 TEST(GraphPrune, NoSinkNoPass) {
@@ -155,7 +155,7 @@ TEST(GraphPrune, AbsenceFlowsBackwardThroughALeftOutReader) {
   g.builder.sink(g.pass("unlit", {}));
   const FramePlan plan = compile_graph(g.builder).plan;
   EXPECT_EQ(Buffers::names(plan), "unlit");
-  EXPECT_EQ(Buffers::reason(plan, "light_list"), "nobody reads light_list_out");
+  EXPECT_EQ(Buffers::reason(plan, "light_list"), "nothing reads light_list_out");
 }
 
 TEST(GraphPrune, WritingOntoAnAbsentImageLeavesThePassOut) {

@@ -184,7 +184,7 @@ TEST(GraphRanges, OnlyTheWriterOfAWantedPartIsKept) {
   EXPECT_EQ(plan.passes[0].name, "mip1");
   EXPECT_TRUE(plan.passes[0].uses[0].first);
   ASSERT_EQ(plan.left_out.size(), 2u);
-  EXPECT_EQ(plan.left_out[0].reason, "nobody reads chain");
+  EXPECT_EQ(plan.left_out[0].reason, "nothing reads chain");
 }
 
 TEST(GraphRanges, EachStepHasItsOwnBarriers) {
@@ -281,7 +281,7 @@ TEST(GraphRanges, AFrameFillsAnImageForLaterOnesWhichTakeIt) {
   expect_refused([&] { builder.keep(sky, key, "why"); }, {"sky", "before all of it"});
   fill("rest", 2, 4);
   builder.keep(sky, key, "kept from before");
-  EXPECT_TRUE(compile_graph(builder, {.filled = {}, .seen = {key}}).plan.passes.empty()) << "nobody reads it";
+  EXPECT_TRUE(compile_graph(builder, {.filled = {}, .seen = {key}}).plan.passes.empty()) << "nothing reads it";
   builder.begin_pass("read");
   builder.read(sky, Access::sampled_compute, "sky", ImageRange::layer(5));
   builder.sink(builder.write(builder.create(BufferDesc{"out", 64}), Access::compute_write));
@@ -326,7 +326,7 @@ TEST(GraphRanges, AFrameFillsAnImageForLaterOnesWhichTakeIt) {
     return left == found.left_out.end() ? std::string() : left->reason;
   };
   EXPECT_EQ(reason("rest"), "kept from before");
-  EXPECT_EQ(reason("top"), "nobody reads sky") << "with or without what is kept";
+  EXPECT_EQ(reason("top"), "nothing reads sky") << "with or without what is kept";
 }
 
 TEST(GraphRanges, APassThatMakesMoreThanAKeptImageIsADefect) {

@@ -27,22 +27,22 @@ FloatImage changed(FloatImage image, int pixels, int codes) {
 TEST(Gate, Rungs) {
   const FloatImage golden = ramp();
   const GateLimits limits;
-  EXPECT_EQ(judge_golden(golden, golden, limits).rung, GateRung::identical);
+  EXPECT_EQ(judge_golden(golden, golden, limits).level, GateLevel::identical);
   // One code anywhere, two codes in 4 of 4096 pixels: under 0.1 %.
-  EXPECT_EQ(judge_golden(golden, changed(golden, 4096, 1), limits).rung, GateRung::nearly_identical);
-  EXPECT_EQ(judge_golden(golden, changed(golden, 4, 2), limits).rung, GateRung::nearly_identical);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 4096, 1), limits).level, GateLevel::nearly_identical);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 4, 2), limits).level, GateLevel::nearly_identical);
   // Two codes in 5 pixels are over 0.1 %, three codes over the largest difference: FLIP decides, and does not see them.
-  EXPECT_EQ(judge_golden(golden, changed(golden, 5, 2), limits).rung, GateRung::warned);
-  EXPECT_EQ(judge_golden(golden, changed(golden, 2, 3), limits).rung, GateRung::warned);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 5, 2), limits).level, GateLevel::warned);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 2, 3), limits).level, GateLevel::warned);
   EXPECT_TRUE(judge_golden(golden, changed(golden, 2, 3), limits).passed());
   // Half of the image 60 codes brighter.
   const GateResult failed = judge_golden(golden, changed(golden, 2048, 60), limits);
-  EXPECT_EQ(failed.rung, GateRung::failed);
+  EXPECT_EQ(failed.level, GateLevel::failed);
   EXPECT_GT(failed.comparison.metrics.at("flip"), 0.01);
   EXPECT_NE(failed.message, "");
 }
 
-// FLIP sees alpha by what it leaves of the colour, the first rung by itself.
+// FLIP sees alpha by what it leaves of the colour, the first level by itself.
 TEST(Gate, AlphaCounts) {
   FloatImage golden = ramp();
   Channel& alpha = golden.channels.emplace_back();
@@ -51,11 +51,11 @@ TEST(Gate, AlphaCounts) {
   FloatImage thinner = golden;
   for (float& a : thinner.channels.back().f) a = 0.5f;
   const GateResult result = judge_golden(golden, thinner, {});
-  EXPECT_EQ(result.rung, GateRung::failed);
+  EXPECT_EQ(result.level, GateLevel::failed);
   EXPECT_EQ(result.small_share, 1);
   thinner = golden;
   for (float& a : thinner.channels.back().f) a = 254.0f / 255;
-  EXPECT_EQ(judge_golden(golden, thinner, {}).rung, GateRung::nearly_identical);
+  EXPECT_EQ(judge_golden(golden, thinner, {}).level, GateLevel::nearly_identical);
 }
 
 // A small patch may be hidden by the mean: the 99th percentile sees it.
@@ -63,9 +63,9 @@ TEST(Gate, PercentileSeesASmallPatch) {
   const FloatImage golden = ramp();
   GateLimits limits;
   limits.flip_mean = 1;
-  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).rung, GateRung::failed);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).level, GateLevel::failed);
   limits.flip_p99 = 1;
-  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).rung, GateRung::warned);
+  EXPECT_EQ(judge_golden(golden, changed(golden, 200, 150), limits).level, GateLevel::warned);
 }
 
 // Limits of warnings lie below those that fail: within them a difference passes in silence, beyond them with a warning.
@@ -73,32 +73,32 @@ TEST(Gate, WarningsHaveLimitsOfTheirOwn) {
   const FloatImage golden = ramp();
   const FloatImage off = changed(golden, 5, 3);
   const GateResult plain = judge_golden(golden, off, {});
-  EXPECT_EQ(plain.rung, GateRung::warned);
+  EXPECT_EQ(plain.level, GateLevel::warned);
   EXPECT_NEAR(plain.largest, 3.0 / 255, 1e-4);
   const double flip = plain.comparison.metrics.at("flip");
   ASSERT_GT(flip, 0);
   GateLimits limits;
   limits.warn = GateLimits::Warn{.max_abs = 4.0 / 255};
-  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::similar);
+  EXPECT_EQ(judge_golden(golden, off, limits).level, GateLevel::similar);
   EXPECT_TRUE(judge_golden(golden, off, limits).passed());
   limits.warn->max_abs = 2.5 / 255;
-  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::warned);
+  EXPECT_EQ(judge_golden(golden, off, limits).level, GateLevel::warned);
   limits.warn = GateLimits::Warn{.flip_mean = flip / 2};
-  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::warned);
+  EXPECT_EQ(judge_golden(golden, off, limits).level, GateLevel::warned);
   limits.warn = GateLimits::Warn{.flip_mean = flip * 2};
-  EXPECT_EQ(judge_golden(golden, off, limits).rung, GateRung::similar);
+  EXPECT_EQ(judge_golden(golden, off, limits).level, GateLevel::similar);
   // A patch that the percentile alone sees.
   limits.flip_mean = limits.flip_p99 = 1;
   const FloatImage patch = changed(golden, 200, 150);
   const double p99 = judge_golden(golden, patch, limits).flip_p99;
   ASSERT_GT(p99, 0);
   limits.warn = GateLimits::Warn{.flip_p99 = p99 / 2};
-  EXPECT_EQ(judge_golden(golden, patch, limits).rung, GateRung::warned);
+  EXPECT_EQ(judge_golden(golden, patch, limits).level, GateLevel::warned);
   limits.warn = GateLimits::Warn{.flip_p99 = p99 * 2};
-  EXPECT_EQ(judge_golden(golden, patch, limits).rung, GateRung::similar);
+  EXPECT_EQ(judge_golden(golden, patch, limits).level, GateLevel::similar);
   limits.flip_p99 = p99 / 2;
   // What fails, fails with or without.
-  EXPECT_EQ(judge_golden(golden, patch, limits).rung, GateRung::failed);
+  EXPECT_EQ(judge_golden(golden, patch, limits).level, GateLevel::failed);
 }
 
 TEST(Gate, WarningLimitsFromJson) {
@@ -130,13 +130,13 @@ TEST(Gate, BrokenImagesFail) {
   const FloatImage golden = ramp();
   FloatImage broken = golden;
   broken.channels[0].f[5] = std::nanf("");
-  EXPECT_EQ(judge_golden(golden, broken, {}).rung, GateRung::failed);
-  EXPECT_EQ(judge_golden(golden, ramp(32), {}).rung, GateRung::failed);
+  EXPECT_EQ(judge_golden(golden, broken, {}).level, GateLevel::failed);
+  EXPECT_EQ(judge_golden(golden, ramp(32), {}).level, GateLevel::failed);
   FloatImage black = golden;
   for (Channel& channel : black.channels) std::fill(channel.f.begin(), channel.f.end(), 0.0f);
   const GateResult result = judge_golden(golden, black, {});
   EXPECT_TRUE(result.blank);
-  EXPECT_EQ(result.rung, GateRung::failed);
+  EXPECT_EQ(result.level, GateLevel::failed);
   EXPECT_FALSE(judge_golden(golden, golden, {}).blank);
   EXPECT_TRUE(judge_golden(black, black, {}).blank);
 }

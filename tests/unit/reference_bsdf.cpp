@@ -200,7 +200,7 @@ TEST(Bsdf, RoughRefractionIsReciprocal) {
   EXPECT_NEAR(evaluate_bsdf(sheet.s, l, v).x / -l.z, evaluate_bsdf(behind.s, v, l).x / v.z, 1e-12);
 }
 
-// The estimate from sampled directions is the integral; the density's integral is the share of samples that gave a
+// The estimate from sampled directions is the integral; the density's integral is the fraction of samples that gave a
 // direction.
 TEST(Bsdf, RoughSamplingAgreesWithTheIntegral) {
   for (const bool body : {true, false})

@@ -49,7 +49,7 @@ double sphere_share(double cos_theta, double sine) {
   return ((cos_theta * std::acos(y) - x * root) * s2 + std::atan(root / x)) / pi;
 }
 
-// The share of a sphere's light, as seen from a floor below it, on the open side of a vertical plane's edge that the
+// The fraction of a sphere's light, as seen from a floor below it, on the open side of a vertical plane's edge that the
 // point sees at `edge_angle` off straight up: by even steps over the cap.
 double open_share(double sine, glm::dvec2 centre, double edge_angle) {
   double all = 0, open = 0;

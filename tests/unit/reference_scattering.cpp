@@ -57,8 +57,8 @@ void add_level_slab(GltfBuilder& b, double thickness_m, int material) {
   add_node(b, {{"mesh", mesh}, {"rotation", {h, 0, 0, h}}, {"translation", {0, -thickness_m, 0}}});
 }
 
-// The share of even light that a half space of isotropic scatterers reflects, by Chandrasekhar's H function ("Radiative
-// Transfer", 1950): 1 - 2 sqrt(1 - albedo) times its first moment.
+// The fraction of even light that a half space of isotropic scatterers reflects, by Chandrasekhar's H function
+// ("Radiative Transfer", 1950): 1 - 2 sqrt(1 - albedo) times its first moment.
 double half_space_albedo(double albedo) {
   constexpr int n = 150;
   std::vector<double> mu(n), h(n, 1.0);

@@ -21,7 +21,7 @@ std::unique_ptr<TestWorld> world_with(const GltfBuilder& b, const TestCamera& ca
   return make_world(b, camera, std::move(sky), false, glm::dvec4(0), false, {}, radius_rad);
 }
 
-// The share of a disc of one radiance and radius r straight above that lights a horizontal surface past an edge: the
+// The fraction of a disc of one radiance and radius r straight above that lights a horizontal surface past an edge: the
 // area of directions' (x, y) with x / z below tan(angle), over that of all. On the unit sphere the edge is half an
 // ellipse.
 double open_share(double r, double angle) {

@@ -37,7 +37,7 @@ TEST(ViewPicture, DirectionsAreCodesAroundTheMiddle) {
 }
 
 TEST(ViewPicture, SharesAreGreyAndColoursAreEncoded) {
-  EXPECT_EQ(at(layer_view(row({{0.5f}}, 1), LayerForm::share, "shadow_sun"), 0), (Rgb{128, 128, 128}));
+  EXPECT_EQ(at(layer_view(row({{0.5f}}, 1), LayerForm::fraction, "shadow_sun"), 0), (Rgb{128, 128, 128}));
   EXPECT_EQ(at(layer_view(row({{0.5f}, {0.0f}, {2.0f}}, 1), LayerForm::color, "albedo"), 0), (Rgb{188, 0, 255}));
 }
 

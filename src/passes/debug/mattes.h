@@ -35,9 +35,9 @@ struct MatteIds {
   Matte matte = Matte::object;
 };
 
-// Ids by their share of a pixel's samples, which is exact in steps of one sample: rank 0 is the largest, of equal ones
-// the lower id. Two ranks an image. With as many ranks as samples nothing is lost; where fewer lose something it is a
-// warning.
+// Ids by their fraction of a pixel's samples, which is exact in steps of one sample: rank 0 is the largest, of equal
+// ones the lower id. Two ranks an image. With as many ranks as samples nothing is lost; where fewer lose something it
+// is a warning.
 struct MatteRanks {
   static constexpr std::string_view name = "matte_ranks";
   struct Knobs {

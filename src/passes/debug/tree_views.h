@@ -7,7 +7,7 @@ namespace candela {
 // What the ray of the camera through each pixel's middle costs in the trees (shaders/lib/trace.glsl) until it has met
 // an opaque or masked surface, or none: 0.25 for each node that it enters, 1 for each triangle that it is tested
 // against, as `candela reference` counts (and the notes of T. Le's thesis renderer do). A ray that has met a back that
-// nobody draws, or a blended surface, begins anew behind it, as those of TraceKeys do. For looking, not for frames that
+// is not drawn, or a blended surface, begins anew behind it, as those of TraceKeys do. For looking, not for frames that
 // are timed.
 struct TraversalHeat {
   static constexpr std::string_view name = "traversal_heat";

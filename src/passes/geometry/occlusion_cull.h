@@ -47,7 +47,7 @@ struct OcclusionCull {
   };
   struct Out {
     BufferHandle visible, visible_survivors, rest, rest_survivors;
-    BufferHandle report;  // empty where nobody reads it
+    BufferHandle report;  // empty where it is not read
     PipelineHandle pipeline;
   };
   Need needed(const SceneFacts& facts, const FrameRequest&) const { return needs_occlusion_culling(facts, knobs); }

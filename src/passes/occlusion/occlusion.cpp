@@ -7,8 +7,8 @@
 namespace candela {
 namespace {
 
-// A subsample has a share of the slices, but for these: fewer leave an error that reflections, which are not linear in
-// V, would show.
+// A subsample has a fraction of the slices, but for these: fewer leave an error that reflections, which are not linear
+// in V, would show.
 constexpr uint32_t least_slices = 4;
 
 uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in) {

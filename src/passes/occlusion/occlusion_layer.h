@@ -4,12 +4,12 @@
 
 namespace candela {
 
-// Of the nearest opaque or masked surface at the pixel's centre: `occlusion`, the share of the sky's diffuse light that
-// near surfaces leave, as shading reads it; 1 on unlit surfaces and where there is none.
+// Of the nearest opaque or masked surface at the pixel's centre: `occlusion`, the fraction of the sky's diffuse light
+// that near surfaces leave, as shading reads it; 1 on unlit surfaces and where there is none.
 struct OcclusionLayer {
   static constexpr std::string_view name = "occlusion_layer";
   static constexpr LayerName layers[] = {
-      {"occlusion", "the share of the sky's light that is open: ambient occlusion", LayerForm::share}};
+      {"occlusion", "the fraction of the sky's light that is open: ambient occlusion", LayerForm::fraction}};
   using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
   struct In {
     SceneInputs scene;

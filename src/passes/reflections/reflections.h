@@ -23,7 +23,7 @@ struct ReflectionKnobs {
 // lobe takes, those that meet a surface on the picture, with the light that it sends to the camera. Rays through the
 // depth of the pixels' middles (McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing", 2014) in directions that
 // are sampled by the normals that the viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018);
-// each takes the picture's mean over its share of the lobe from a pyramid (Krivanek and Colbert, "Real-time Shading
+// each takes the picture's mean over its fraction of the lobe from a pyramid (Krivanek and Colbert, "Real-time Shading
 // with Filtered Importance Sampling", 2008). The sum over the samples' own weights times the lobe's tabulated
 // reflectance is the light, so that even light gives what an even sky gives (Stachowiak, "Stochastic Screen-Space
 // Reflections", 2015).

@@ -4,13 +4,13 @@
 
 namespace candela {
 
-// Of the nearest opaque or masked surface at the pixel's centre: `shadow_local`, the share of the point and spot
+// Of the nearest opaque or masked surface at the pixel's centre: `shadow_local`, the fraction of the point and spot
 // lights' light that arrives, each weighed by its illuminance and cosine, 1 where none reaches it. Lights without maps
 // count as unblocked. Background: 1.
 struct LampLayers {
   static constexpr std::string_view name = "lamp_layers";
   static constexpr LayerName layers[1] = {
-      {"shadow_local", "the share of point and spot lights' light that arrives", LayerForm::share}};
+      {"shadow_local", "the fraction of point and spot lights' light that arrives", LayerForm::fraction}};
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -71,7 +71,7 @@ std::span<const Knob> BvhKnobs::table() {
        .lowest = 0,
        .highest = 16,
        .levels = {},
-       .description = "references that splits of space may add, as a share of the triangles",
+       .description = "references that splits of space may add, as a fraction of the triangles",
        .kind = Trades::time,
        .sweep = {0, 0.25, 1},
        .required = "bvh.builder=sbvh"},

@@ -64,8 +64,8 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Light
     builder.read(scene.suns, by.buffer, "the suns' cascades");
   }
   if (lists.lamp_maps) {
-    builder.read(lists.lamp_maps, by.image, "the lamps' maps");
-    builder.read(scene.lamps, by.buffer, "the lamps' tiles");
+    builder.read(lists.lamp_maps, by.image, "the local lights' maps");
+    builder.read(scene.lamps, by.buffer, "the local lights' tiles");
   }
   for (const ImageHandle colors : {lists.shadow_colors.suns, lists.shadow_colors.lamps})
     builder.read_optional(colors, by.image);

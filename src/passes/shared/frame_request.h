@@ -22,7 +22,6 @@ struct FrameRequest {
   bool shows_through = false;               // pictures are transparent where nothing is
   std::optional<uint32_t> behind_rgb = {};  // display output is laid over these sRGB codes there; else it has alpha
   bool sky_hidden = false;                  // the sky lights and is mirrored; behind everything is the background
-  bool draw_background = true;
   std::vector<std::string> layers;  // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
   std::string view = "beauty";      // what display output shows: beauty, a layer, or an image of the frame
   bool view_is_light = true;        // it goes through exposure and tone curve

@@ -78,12 +78,12 @@ concept ChoosesQueue = requires {
 enum class LayerForm : uint8_t {
   light,      // radiance: through exposure and tone curve, as beauty
   color,      // linear, 0 to 1 in each channel
-  share,      // 0 to 1
+  fraction,   // 0 to 1
   count,      // whole numbers
   distance,   // metres; background_depth_m where there is nothing
   direction,  // unit vectors; 0 where there is nothing
   id,         // 32-bit whole numbers, 2^32-1 where there is nothing
-  matte,      // pairs of an id, as bits of a float, and its share of the pixel
+  matte,      // pairs of an id, as bits of a float, and its fraction of the pixel
   motion,     // pixels, x to the right, y up
 };
 // Layers that it can give (--layers): it publishes their images in declare().

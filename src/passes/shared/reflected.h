@@ -8,7 +8,7 @@ namespace candela {
 struct Reflected {
   using MadeBy = std::tuple<ReflectionKnobs>;
   ImageHandle
-      light;  // by texel: the light that the lobe meets where it meets the scene; what share of the sky's it hides
+      light;  // by texel: the light that the lobe meets where it meets the scene; what fraction of the sky's it hides
   ImageHandle z, surface, reflectance, sky;  // shaders/lib/reflections.glsl
   uint32_t texel_px = 1;
 };

@@ -48,8 +48,8 @@ struct SceneInputs {
   std::shared_ptr<const std::vector<TreeRange>> tree_ranges;  // null: nothing is traced
   BufferHandle deform_jobs, joints, weights;                  // empty when nothing is deformed
   BufferHandle object_mattes, material_mattes;                // ids of names; empty unless their layers are wanted
-  // Where things were at the time before (shared/motion.h); empty: nothing moves, or nobody asks. The last two are
-  // empty where deformed vertices are the same.
+  // Where things were at the time before (shared/motion.h); empty: nothing moves, or it is not asked for. The last two
+  // are empty where deformed vertices are the same.
   BufferHandle motion, joints_before, weights_before;
   std::shared_ptr<const std::vector<DrawBatch>> draw_batches;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials

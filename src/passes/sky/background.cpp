@@ -5,8 +5,7 @@
 namespace candela {
 
 Need Background::needed(const SceneFacts& facts, const FrameRequest& request) const {
-  return needed_if(!(facts.environment && request.draw_background && !request.sky_hidden),
-                   "the sky is behind everything");
+  return needed_if(!(facts.environment && !request.sky_hidden), "the sky is behind everything");
 }
 
 Background::Out Background::declare(GraphBuilder& builder, const In& in) const {

@@ -6,8 +6,7 @@ namespace candela {
 
 Need Sky::needed(const SceneFacts& facts, const FrameRequest& request) const {
   if (!facts.environment) return {false, "no sky image is given (--sky)"};
-  if (request.sky_hidden) return {false, "the studio is not seen: the background is (--background)"};
-  return needed_if(request.draw_background, "the background is not wanted (--background)");
+  return needed_if(!request.sky_hidden, "the studio is not seen: the background is (--background)");
 }
 
 Sky::Out Sky::declare(GraphBuilder& builder, const In& in) const {

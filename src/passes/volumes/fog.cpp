@@ -45,8 +45,8 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
     builder.read(in.scene.suns, Access::compute_read, "the suns' cascades");
   }
   if (lamps) {
-    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the lamps' maps");
-    builder.read(in.scene.lamps, Access::compute_read, "the lamps' tiles");
+    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the local lights' maps");
+    builder.read(in.scene.lamps, Access::compute_read, "the local lights' tiles");
   }
   out.light = builder.write(out.light, Access::storage_image_write);
   builder.begin_step();

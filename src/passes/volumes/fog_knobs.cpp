@@ -45,9 +45,9 @@ std::span<const Knob> FogKnobs::table() {
        .lowest = 0,
        .highest = 2,
        .levels = {0, 1, 1, 2},
-       .description =
-           "the slice in which a surface stands: 0 interpolated, so that lamps behind it shine through; 1 summed "
-           "by each pixel where lamps are near; 2 everywhere",
+       .description = "the slice in which a surface stands: 0 interpolated, so that local lights behind it shine "
+                      "through; 1 summed "
+                      "by each pixel where local lights are near; 2 everywhere",
        .sweep = {0, 1, 2},
        .required = "fog.method=froxels"},
       {.name = "steps",
@@ -88,9 +88,9 @@ std::span<const Knob> FogKnobs::table() {
        .lowest = 0,
        .highest = 64,
        .levels = {0, 1, 1, 4},
-       .description =
-           "points of a slice, at least, at which the shadow maps of a lamp are asked; 0: lamps shine through "
-           "everything in the air",
+       .description = "points of a slice, at least, at which the shadow maps of a local light are asked; 0: local "
+                      "lights shine through "
+                      "everything in the air",
        .sweep = {0, 1, 2, 4}},
       {.name = "sky_directions",
        .member = &FogKnobs::sky_directions,

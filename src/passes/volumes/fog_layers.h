@@ -12,7 +12,7 @@ struct FogLayers {
   static constexpr std::string_view effect = "fog";
   static constexpr LayerName layers[2] = {
       {"fog", "light that fog sends towards the camera"},
-      {"fog_transmittance", "the share of light that fog lets through, a colour", LayerForm::color}};
+      {"fog_transmittance", "the fraction of light that fog lets through, a colour", LayerForm::color}};
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs>;
   struct In {
     SceneInputs scene;

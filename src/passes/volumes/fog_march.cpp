@@ -28,8 +28,8 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
     builder.read(s.suns, Access::compute_read, "the suns' cascades");
   }
   if (lamps) {
-    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the lamps' maps");
-    builder.read(s.lamps, Access::compute_read, "the lamps' tiles");
+    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the local lights' maps");
+    builder.read(s.lamps, Access::compute_read, "the local lights' tiles");
   }
   std::string shader = with_depth("fog_march.comp", in.depth);
   if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);

@@ -108,8 +108,8 @@ VolumetricLight::Out VolumetricLight::declare(GraphBuilder& builder, const In& i
   for (const BufferHandle b : {s.lights, s.light_globals, in.lists.cells, in.lists.entries, in.lists.tiles})
     builder.read_optional(b, Access::compute_read);
   if (in.lists.lamp_maps) {
-    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the lamps' maps");
-    builder.read(s.lamps, Access::compute_read, "the lamps' tiles");
+    builder.read(in.lists.lamp_maps, Access::sampled_compute, "the local lights' maps");
+    builder.read(s.lamps, Access::compute_read, "the local lights' tiles");
   }
   if (in.depth) read_depth(builder, in.depth);
   out.coarse[0] = builder.write(out.coarse[0], Access::storage_image_write);

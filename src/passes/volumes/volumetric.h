@@ -18,7 +18,7 @@ namespace candela {
 struct VolumetricLight {
   static constexpr std::string_view name = "volumetric";
   static constexpr std::string_view effect = "volumetric";
-  static constexpr LayerName layers[] = {{"volumetric", "light of lamps in the air over the picture"}};
+  static constexpr LayerName layers[] = {{"volumetric", "light of local lights in the air over the picture"}};
   enum class Filter : int { none, gauss, bilateral };
   struct Knobs {
     static constexpr std::string_view name = "volumetric";

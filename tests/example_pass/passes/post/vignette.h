@@ -7,7 +7,7 @@ namespace candela {
 // Linear radiance in and out. A look: lenses fall off with the fourth power of the cosine instead.
 struct Vignette {
   static constexpr std::string_view name = "vignette";
-  static constexpr LayerName layers[] = {{"vignette", "what is left of the light in each pixel", LayerForm::share}};
+  static constexpr LayerName layers[] = {{"vignette", "what is left of the light in each pixel", LayerForm::fraction}};
   struct Knobs {
     static constexpr std::string_view name = "vignette";
     float strength = 0.5f, power = 2;

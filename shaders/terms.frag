@@ -104,17 +104,17 @@ void main() {
 #ifdef FOG
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
     const vec3 sky = fog_sky_through_surface(v.relative_position, s.normal);
-    ambient_diffuse *= sky;
-    ambient_specular *= sky;
+    ambient.diffuse *= sky;
+    ambient.specular *= sky;
   }
 #endif
-  if (PROBE_COUNT != 0) ambient_specular += probes.specular;
+  if (PROBE_COUNT != 0) ambient.specular += probes.specular;
 #endif
 #ifdef AMBIENT_DIFFUSE
-  out_ambient_diffuse = covering(ambient_diffuse * s.occlusion, coverage);
+  out_ambient_diffuse = covering(ambient.diffuse * s.occlusion, coverage);
 #endif
 #ifdef AMBIENT_SPECULAR
-  out_ambient_specular = covering(ambient_specular * s.occlusion, coverage);
+  out_ambient_specular = covering(ambient.specular * s.occlusion, coverage);
 #endif
 #ifdef ANY_DIRECT
   // Each sum takes its lights in the order of the whole.

@@ -106,7 +106,7 @@ TEST_F(FrameLamps, AShadowLiesWhereTheLightCarriesIt) {
     // In the plane of the floor, for a map of 256 texels less its border: 1.5 texels of the tent, half a one of which
     // the edge covers a part, and the lift.
     const double texel = 3 * 2 * (c.cone_rad == 1.0 ? std::tan(1.0) : 1.0) / 251, penumbra = 2.2 * texel;
-    set(job, "shadows", "size_px", "256");
+    set(job, "local", "size_px", "256");
     int dark = 0, lit = 0;
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < columns; ++x) {
@@ -213,7 +213,7 @@ TEST_F(FrameLamps, ALightInsideAWallLightsNothing) {
 TEST_F(FrameLamps, WithoutShadowsTheFrameIsTheBareOne) {
   Job shadowed = looking_down(lit_by({lamp})), off = shadowed, none = shadowed;
   shadowed.layers = off.layers = none.layers = {};
-  set(off, "shadows", "lights", "none");
+  set(off, "local", "lights", "none");
   none.effects = "none";
   const Images with = images_of(shadowed), without = images_of(off), bare = images_of(none);
   EXPECT_EQ(without["beauty"], bare["beauty"]);
@@ -242,7 +242,7 @@ TEST_F(FrameLamps, ListsAndCullingChangeNoBit) {
     EXPECT_EQ(images_of(other)["beauty"], all["beauty"]) << table << "." << knob;
   }
   Job bare = job, fine = job;
-  bare.settings = {{"shadows", "lights", "0"}};
+  bare.settings = {{"local", "lights", "0"}};
   EXPECT_NE(images_of(bare)["beauty"], all["beauty"]);
   EXPECT_EQ(images_of(bare)["shadow_local"].values<float>()[0], 1);
   fine.settings = {{"supersample", "n", "2"}};
@@ -257,13 +257,13 @@ TEST_F(FrameLamps, ListsAndCullingChangeNoBit) {
 TEST_F(FrameLamps, NotesSayWhichLightsHaveNoShadowsAndWhichSmallerMaps) {
   Job job = looking_down(lit_by({{0, 3, 0}, {2, 3, 0}, {-2, 3, 0}}));
   EXPECT_EQ(note_of(job, "cast no shadows"), "");
-  set(job, "shadows", "lights", "2");
+  set(job, "local", "lights", "2");
   EXPECT_NE(note_of(job, "cast no shadows").find("1 of 3 point and spot lights"), std::string::npos);
   Job small = looking_down(lit_by({{0, 3, 0}, {2, 3, 0}, {-2, 3, 0}}));
-  set(small, "shadows", "budget_mb", "1");
+  set(small, "local", "budget_mb", "1");
   EXPECT_NE(note_of(small, "smaller").find("local.budget_mb = 1"), std::string::npos);
   Job few = looking_down(lit_by({lamp}));
-  set(few, "shadows", "draws", "1");
+  set(few, "local", "draws", "1");
   const auto session = open(few);
   ASSERT_TRUE(session);
   const auto result = session->render(0);
@@ -282,7 +282,7 @@ TEST_F(FrameLamps, TheLookMarksLights) {
   std::ofstream(file) << R"({"shadows": {"lights": ["marked", "nobody"]}})";
   const auto casts = [&](const std::string& lights, bool with_look) {
     Job one = job;
-    set(one, "shadows", "lights", lights);
+    set(one, "local", "lights", lights);
     if (with_look) one.look = file;
     return note_of(one, "cast no shadows");
   };
@@ -292,7 +292,7 @@ TEST_F(FrameLamps, TheLookMarksLights) {
   EXPECT_TRUE(all(casts("marked", true))) << casts("marked", true);
   EXPECT_EQ(casts("2", true), "");
   Job marked = job, none = job;
-  set(marked, "shadows", "lights", "marked"), set(none, "shadows", "lights", "none");
+  set(marked, "local", "lights", "marked"), set(none, "local", "lights", "none");
   EXPECT_EQ(images_of(marked)["beauty"], images_of(none)["beauty"]);
   marked.look = file;
   EXPECT_NE(note_of(marked, "'nobody'"), "");

@@ -120,7 +120,7 @@ TEST_F(FrameTerms, SumToASupersampledBeauty) {
                                                     {"clustered", "256", width * height * 9 / 10},
                                                     {"forward-plus", "256", width * height * 9 / 10}}) {
     job.technique = technique;
-    job.settings = {{"supersample", "n", "2"}, {"shadows", "lights", lamps}};
+    job.settings = {{"supersample", "n", "2"}, {"local", "lights", lamps}};
     job.layers.clear();
     const Images alone = images_of(job);
     job.layers = term_names();

@@ -214,7 +214,7 @@ class LightsExact : public FrameTest, public testing::WithParamInterface<Case> {
     Job job = job_for(write(scene_), width, height, samples);
     job.technique = technique;
     // Shadows would hide what wrong lists show.
-    job.settings = {{"lights", "few", "0"}, {"shadows", "lights", "0"}};
+    job.settings = {{"lights", "few", "0"}, {"local", "lights", "0"}};
     if (c.half_height_m == 0) look(job, c.eye, c.target, c.yfov_deg);
     return job;
   }

@@ -83,7 +83,7 @@ class ReferenceFog : public ReferenceParity {
   static FogPair pair_of(Job job, int fog_steps = 256, int side = 1, bool lamp_shadows = false) {
     job.settings.push_back({"lights", "floor_lux", "0"});
     job.settings.push_back({"sun", "mode", "off"});
-    if (!lamp_shadows) job.settings.push_back({"shadows", "lights", "0"});
+    if (!lamp_shadows) job.settings.push_back({"local", "lights", "0"});
     job.samples = 1;
     job.layers = {"fog", "fog_transmittance"};
     FogPair out;

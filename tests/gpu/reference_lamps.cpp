@@ -24,7 +24,7 @@ TEST_F(ReferenceLamps, SponzaUnderALampAgreesWithTracedShadows) {
   // The error is that of the texels: it falls with them.
   double before = 0.03;
   for (const char* size : {"512", "1024", "2048"}) {
-    job.settings = {{"shadows", "size_px", size}, {"shadows", "budget_mb", "1024"}};
+    job.settings = {{"local", "size_px", size}, {"local", "budget_mb", "1024"}};
     const ShadowAgreement agreement = compared(job);
     EXPECT_GT(agreement.in_shadow, agreement.facing / 20);
     EXPECT_LT(agreement.wrong(), before) << size;
@@ -94,7 +94,7 @@ TEST_F(ReferenceLamps, TheStreetByNightAgreesWithTracedShadows) {
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes->data()), std::streamsize(bytes->size()));
   Job job = job_for(file, 320, 180);
-  job.settings = {{"shadows", "lights", "64"}};
+  job.settings = {{"local", "lights", "64"}};
   const ShadowAgreement agreement = compared(job);
   EXPECT_GT(agreement.in_shadow, agreement.facing / 50);
   EXPECT_LT(agreement.wrong(), 0.02);

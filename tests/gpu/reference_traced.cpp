@@ -36,7 +36,7 @@ void add_box(GltfBuilder& b, int material, Json node) {
 class ReferenceTraced : public ReferenceShadows {
  protected:
   static Job traced(Job job) {
-    for (const auto& [pass, knob] : {std::pair("sun", "mode"), std::pair("shadows", "method")})
+    for (const auto& [pass, knob] : {std::pair("sun", "mode"), std::pair("local", "method")})
       job.settings.push_back({pass, knob, "traced"});
     return job;
   }

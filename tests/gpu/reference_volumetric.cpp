@@ -40,7 +40,7 @@ TEST_F(ReferenceVolumetric, TheCaveUpTheLadders) {
   ASSERT_TRUE(make_scene("cave", 1, 0, path));
   for (const char* formula : {"extinction", "attenuation"}) {
     Job job = job_for(path, 128, 72);
-    job.settings = {{"lights", "floor_lux", "0"}, {"shadows", "size_px", "2048"}};
+    job.settings = {{"lights", "floor_lux", "0"}, {"local", "size_px", "2048"}};
     job.look =
         look_file(fmt::format(R"({{"volumetric": {{"tau": 0.04, "anisotropy": 0.2, "formula": "{}"}}}})", formula));
     const std::vector<glm::dvec3> truth = truth_of(job);

@@ -133,7 +133,7 @@ TEST(Plan, KnobsOfKeptPassesArePartOfIt) {
 TEST(Plan, AKnobTakesNamedValuesBesideNumbers) {
   const auto lights = [](const std::string& value) -> Expected<int> {
     Job job;
-    job.settings = {{"shadows", "lights", value}};
+    job.settings = {{"local", "lights", value}};
     const auto knobs = frame_knobs(job);
     return knobs ? Expected<int>(knobs->get<LampKnobs>().lights) : std::unexpected(knobs.error());
   };

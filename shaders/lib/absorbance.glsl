@@ -1,6 +1,6 @@
 #pragma once
-// What a surface that hides a fraction of what is behind absorbs, -ln(1 - share): sums of it are those of all surfaces, in
-// any order. By series where the difference from 1 has few digits.
+// What a surface that hides a fraction of what is behind absorbs, -ln(1 - share): sums of it are those of all
+// surfaces, in any order. By series where the difference from 1 has few digits.
 const float full_absorbance = 16.6;  // of all light; the last float below full coverage has 16.63
 
 float absorbance_of(float covered) {

@@ -20,8 +20,8 @@ float blinn_phong(float exponent, float sine2) {
   return norm * exp(0.5 * exponent * log_cosine2);
 }
 
-// The fraction of a uniform sky that a white lobe reflects: exactly the inverse of `spread` at grazing angles, n.v^2 for a
-// mirror, between them a fit within 0.002 of the integral (tests/gpu/reference_blinn_phong.cpp).
+// The fraction of a uniform sky that a white lobe reflects: exactly the inverse of `spread` at grazing angles, n.v^2
+// for a mirror, between them a fit within 0.002 of the integral (tests/gpu/reference_blinn_phong.cpp).
 float blinn_phong_albedo(float exponent, float n_v) {
   const float spread = exponent + exp2(-0.5 * exponent), r = roughness_of_exponent(exponent), r2 = r * r;
   const vec4 powers = vec4(1.0, r, r2, r2 * r);

@@ -4,9 +4,10 @@
 #include "shared/split_sum.h"
 const float PI = 3.14159265358979323846;
 
-// What further bounces between facets return of a lobe without colour, over its first: 1/E - 1, where E is the fraction of
-// a uniform sky that GGX facets reflect once. A fit in alpha and visible = n.v / sqrt(n.v^2 (1 - alpha^2) + alpha^2),
-// with which E (1 + it) is within 0.006 of 1, within a degree of grazing 0.008 (tests/unit/reference_albedo.cpp).
+// What further bounces between facets return of a lobe without colour, over its first: 1/E - 1, where E is the
+// fraction of a uniform sky that GGX facets reflect once. A fit in alpha and visible = n.v / sqrt(n.v^2 (1 - alpha^2)
+// + alpha^2), with which E (1 + it) is within 0.006 of 1, within a degree of grazing 0.008
+// (tests/unit/reference_albedo.cpp).
 float further_bounces(float alpha, float visible) {
   const vec4 powers = vec4(1.0, alpha, alpha * alpha, alpha * alpha * alpha);
   const float c1 = dot(powers, vec4(0.25913, 0.000180769, 4.20931, -0.24951));

@@ -1,7 +1,7 @@
 // Lobes on the metallic-roughness base, as their Khronos extensions state them. Part of lib/brdf.glsl where LOBED.
 //
-// Sheen lies on the base, the clear coat on both; each leaves a fraction of the light to what is under it. The coat's is
-// of its own normal and the viewer, the sheen's the lesser of those towards the viewer and towards the light.
+// Sheen lies on the base, the clear coat on both; each leaves a fraction of the light to what is under it. The coat's
+// is of its own normal and the viewer, the sheen's the lesser of those towards the viewer and towards the light.
 // Iridescence replaces the base's Fresnel terms, anisotropy stretches its facets, diffuse transmission parts its
 // diffuse light between the sides.
 #include "shared/sheen_albedo.h"

@@ -30,8 +30,8 @@ vec3 probe_radiance(Probe p, vec3 at, vec3 d, float slice) {
   return mix(probe_slice(p, i, place), probe_slice(p, i + 1u, place), from_probe - float(i));
 }
 
-// What probes give the shaded point, without the material's occlusion, and the fraction of the sky's reflection that they
-// leave.
+// What probes give the shaded point, without the material's occlusion, and the fraction of the sky's reflection that
+// they leave.
 struct ProbesShaded {
   vec3 specular;
   float left;

@@ -3,8 +3,9 @@
 // lib/bindless.glsl, pc.at and pc.subsample_ndc.
 //   z            depth, 0 where there is none
 //   surface      half floats f0 (3) and f90; shading normal; the triangle's normal, both on the viewer's side
-//   reflectance  half floats: the fraction of an even light that the lobe sends to the camera (3), through fog; roughness
-//   sky          the ambient specular light that it would get, unoccluded; the share that near surfaces leave
+//   reflectance  half floats: the fraction of an even light that the lobe sends to the camera (3), through fog;
+//                roughness
+//   sky          the ambient specular light that it would get, unoccluded; the fraction that near surfaces leave
 #include "lib/occlusion_points.glsl"
 
 struct Reflecting {

@@ -48,6 +48,15 @@ class Pages(unittest.TestCase):
         self.assertGreater(len(read), 25)
         self.assertEqual([name for name in read if not re.search(rf"\b{name}\b", text)], [])
 
+    def test_tests_beyond_the_gate_are_tests(self):
+        sources = "".join(path.read_text() for path in (ROOT / "tests").rglob("*.cpp"))
+        lines = [line for line in (ROOT / "tests/beyond_the_gate.txt").read_text().splitlines() if line[:1] != "#"]
+        self.assertGreater(len(lines), 3)
+        for line in lines:
+            suite, name = line.split()[0].split(".")
+            self.assertRegex(sources, rf"TEST(_F|_P)?\({suite}, {name}\)", line)
+            self.assertGreaterEqual(len(line.split()), 3, f"{line}: says neither its seconds nor what else holds the same")
+
     def test_links_lead_to_files_and_headings(self):
         count = 0
         for page in documents():

@@ -61,8 +61,7 @@ PassInfo info_of() {
   const auto add = [&](KnobTableId table) {
     if (std::ranges::find(info.knob_tables, table) == info.knob_tables.end()) info.knob_tables.push_back(table);
   };
-  each_table(std::type_identity<decltype(knobs_detail::tables_of<P>())>{}, add);
-  info.own_tables = info.knob_tables;
+  for (const KnobTableId table : own_knob_tables<P>()) add(table);
   if constexpr (FollowsKnobs<P>) each_table(std::type_identity<typename P::InputKnobs>{}, add);
   typename P::In in{};
   for_each_field(in, [&]<class T>(const T&) {
@@ -94,12 +93,6 @@ std::span<const PassInfo> pass_list() {
   return passes;
 }
 
-const PassInfo& pass_info(std::string_view name) {
-  const auto found = std::ranges::find(pass_list(), name, &PassInfo::name);
-  CHECK_MSG(found != pass_list().end(), std::string(name));
-  return *found;
-}
-
 std::span<const KnobTableInfo> knob_tables() {
   static const std::vector<KnobTableInfo> tables = [] {
     std::vector<KnobTableInfo> list;
@@ -119,7 +112,9 @@ KnobValues::KnobValues() {
 void KnobValues::declare(GraphBuilder& builder, std::span<const KnobTableId> tables, const SceneFacts& facts,
                          const std::function<bool(std::string_view)>& ignored) const {
   for (const KnobTableId id : tables) {
-    const KnobTableInfo& table = *std::ranges::find(knob_tables(), id, &KnobTableInfo::id);
+    const auto found = std::ranges::find(knob_tables(), id, &KnobTableInfo::id);
+    CHECK_MSG(found != knob_tables().end(), "no pass of the list has or shares this table of knobs");
+    const KnobTableInfo& table = *found;
     if (table.matters && !table.matters(facts)) continue;
     for (const Knob& row : table.rows)
       if (!ignored(row.name)) builder.knob(fmt::format("{}.{}", table.name, row.name), row.text(value(table, row)));

@@ -9,7 +9,6 @@
 #include "passes/post/pack.h"
 #include "passes/shared/knob_values.h"
 #include "passes/shared/pass.h"
-#include "passes/shared/pass_list.h"
 
 namespace candela {
 
@@ -64,8 +63,7 @@ struct Frame {
       builder.begin_pass(name, P::queue);
     else
       builder.begin_pass(name);
-    static const PassInfo& info = pass_info(P::name);
-    knobs.declare(builder, info.own_tables, facts, [&](std::string_view knob) {
+    knobs.declare(builder, own_knob_tables<P>(), facts, [&](std::string_view knob) {
       if constexpr (IgnoresKnobs<P>) return pass.ignores(knob);
       return false;
     });

@@ -16,8 +16,8 @@ struct LayerPair {
   int h() const { return reference.height; }
   const std::vector<uint32_t>& ids(const FloatImage& image, const char* layer) const { return image.find(layer)->u; }
   bool same_surface(size_t a, size_t b) const {  // the GPU's at a, the reference's at b
-    return ids(gpu, "object_id")[a] == ids(reference, "object_id")[b] &&
-           ids(gpu, "material_id")[a] == ids(reference, "material_id")[b];
+    return ids(gpu, "object_id.X")[a] == ids(reference, "object_id.X")[b] &&
+           ids(gpu, "material_id.X")[a] == ids(reference, "material_id.X")[b];
   }
   // Calls see(pixel) for the pixels about one.
   template <class See>
@@ -102,7 +102,7 @@ TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
     size_t edges = 0, surfaces = 0;
     for (size_t i = 0; i < size_t(p.w()) * size_t(p.h()); ++i) {
       const std::string at = fmt::format("pixel {},{}", i % size_t(p.w()), i / size_t(p.w()));
-      surfaces += p.ids(p.reference, "object_id")[i] != 0xffffffffu;
+      surfaces += p.ids(p.reference, "object_id.X")[i] != 0xffffffffu;
       if (agrees(p, bounds, i)) continue;
       ++edges;
       if (is_seen_beside(p, bounds, i)) continue;

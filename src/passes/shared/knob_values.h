@@ -1,15 +1,37 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <span>
 #include <string_view>
+#include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "base/knob.h"
 #include "graph/builder.h"
+#include "passes/shared/pass.h"
 #include "scene/survey.h"
 
 namespace candela {
+
+// The tables of a pass: its own, and those that it shares.
+template <class P>
+std::span<const KnobTableId> own_knob_tables() {
+  static const std::vector<KnobTableId> tables = [] {
+    std::vector<KnobTableId> ids;
+    const auto add = [&](KnobTableId id) {
+      if (std::ranges::find(ids, id) == ids.end()) ids.push_back(id);
+    };
+    if constexpr (HasKnobs<P>) add(knob_table_id<typename P::Knobs>());
+    if constexpr (SharesKnobs<P>)
+      [&]<class... K>(std::type_identity<std::tuple<K...>>) {
+        (add(knob_table_id<K>()), ...);
+      }(std::type_identity<typename P::SharedKnobs>{});
+    return ids;
+  }();
+  return tables;
+}
 
 // A table of knobs without its type.
 struct KnobTableInfo {

@@ -202,5 +202,30 @@ TEST(Defaults, EffectsHaveOneNameAndOthersAreUnderstood) {
   EXPECT_NE(ao.err.find("it is called occlusion here"), std::string::npos) << ao.err;
 }
 
+// What scripts and kept jobs call by a name of before goes on, and a line says the new one; files have the new one.
+TEST(Defaults, OldNamesAnswerWithTheNewOnes) {
+  const TestFolder folder;
+  const std::string file = folder / "old.exr";
+  const Ended old = candela({"render", scene("spheres"), "--size", "16x9", "--layers", "shadow,direct.sun,object_id",
+                             "--set", "shadows.lights=2", "--effects", "shadows,ssr", "-o", file, "--verbose"});
+  ASSERT_EQ(old.code, 0) << old.err;
+  for (const char* line :
+       {"the layer shadow is now called shadow_sun", "the layer direct.sun is now called direct_sun",
+        "the table of knobs shadows is now called local", "the effect ssr is now called reflections"})
+    EXPECT_NE(old.err.find(line), std::string::npos) << line << "\n" << old.err;
+  const auto image = read_image(file);
+  ASSERT_TRUE(image);
+  for (const char* channel : {"shadow_sun.Y", "direct_sun.R", "object_id.X"})
+    EXPECT_NE(image->find(channel), nullptr) << channel;
+  for (const Channel& channel : image->channels)
+    EXPECT_LE(std::ranges::count(channel.name, '.'), 1) << channel.name << ": compositors split there";
+  const Ended now =
+      candela({"render", scene("spheres"), "--size", "16x9", "--layers", "shadow_sun,direct_sun,object_id", "--set",
+               "local.lights=2", "--effects", "shadows,reflections", "-o", folder / "now.exr"});
+  ASSERT_EQ(now.code, 0) << now.err;
+  EXPECT_EQ(now.err.find("now called"), std::string::npos) << now.err;
+  EXPECT_EQ(bytes_of(file), bytes_of(folder / "now.exr"));
+}
+
 }  // namespace
 }  // namespace candela::test::cli_defaults

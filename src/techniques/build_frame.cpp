@@ -13,9 +13,9 @@
 namespace candela {
 namespace {
 
-// The mean of a grid of pictures, each from its own point of every pixel. Lists of lights that follow a depth are made
-// for each picture; those of clusters serve all. So is ambient occlusion, of a part of the slices each. The terms of
-// each are summed as their pictures are.
+// The mean of a grid of pictures, each from its own point of every pixel. Lists of lights by tiles follow the depth and
+// are made for each picture, those by clusters serve all. Ambient occlusion too is made for each, with a part of its
+// samples. Terms are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
                          const Lighting& lighting, glm::uvec2 grid, TermImages& terms, FogImages& fog,
                          MatteImages& mattes) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "image/image.h"
+#include "job/frame_choices.h"
 #include "session/session.h"
 
 namespace candela {

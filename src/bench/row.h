@@ -19,7 +19,7 @@ struct Series {
 };
 Series& series(std::vector<Series>& all, const std::string& name);  // made when it is not there
 
-// How often lights stand in the lists that pixels walk (layers heatmap.*). "Lights per tile", weighted by pixels.
+// How often lights stand in the lists that pixels walk (layers heatmap_*). "Lights per tile", weighted by pixels.
 struct LightLists {
   double mean = 0, p95 = 0, max = 0;
   double waste_share = 0;  // of listed lights: those that contribute nothing

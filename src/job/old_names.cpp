@@ -25,6 +25,7 @@ constexpr OldName layers[] = {{"shadow", "shadow_sun"},
                               {"heatmap.waste", "heatmap_waste"},
                               {"heatmap.missed", "heatmap_missed"},
                               {"heatmap.traversal", "heatmap_traversal"},
+                              {"heatmap.leaves", "heatmap_leaves"},
                               {"debug.cascades", "debug_cascades"},
                               {"debug.light_volumes", "debug_light_volumes"},
                               {"debug.bvh", "debug_bvh"}};

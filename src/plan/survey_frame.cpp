@@ -1,6 +1,7 @@
 #include "plan/survey_frame.h"
 
 #include "base/log.h"
+#include "passes/lights/light_grid.h"
 #include "passes/shared/light_knobs.h"
 #include "passes/surfaces/refraction.h"
 #include "passes/surfaces/terms.h"

@@ -26,7 +26,7 @@ std::string count_title(const std::string& layer) {
   if (layer == "heatmap_missed") return "LIGHTS MISSED PER PIXEL";
   if (layer == "debug_light_volumes") return "LIGHT VOLUMES PER PIXEL";
   if (layer == "heatmap_traversal") return "TRAVERSAL COST PER RAY";
-  if (layer == "heatmap.leaves") return "LEAF BOXES PER RAY";
+  if (layer == "heatmap_leaves") return "LEAF BOXES PER RAY";
   return "COUNT PER PIXEL";
 }
 

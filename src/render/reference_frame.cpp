@@ -274,7 +274,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
 
 std::vector<std::string> reference_layer_names() {
   std::vector<std::string> names = {"variance", "fog", "fog_transmittance", "motion"};
-  const std::vector<std::string> counts = {"heatmap_traversal", "heatmap.leaves"};
+  const std::vector<std::string> counts = {"heatmap_traversal", "heatmap_leaves"};
   for (const std::vector<std::string>& more : {term_layer_names(), surface_layer_names(), matte_layer_names(), counts})
     names.insert(names.end(), more.begin(), more.end());
   return names;
@@ -282,7 +282,7 @@ std::vector<std::string> reference_layer_names() {
 
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame,
                                     const std::string& layer) {
-  if (layer == "heatmap.leaves") return reference::leaf_counts(*frame.world, film.width(), film.height());
+  if (layer == "heatmap_leaves") return reference::leaf_counts(*frame.world, film.width(), film.height());
   CHECK_MSG(layer == "heatmap_traversal", layer);
   std::vector<float> counts(film.pixels());
   for (size_t i = 0; i < counts.size(); ++i) counts[i] = float(film.traversal(i));
@@ -318,7 +318,7 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
     if (names(surface_layer_names(), layer) || names(term_layer_names(), layer) || names(matte_layer_names(), layer) ||
         layer == "motion")
       continue;
-    if (layer.starts_with("heatmap.")) {
+    if (layer.starts_with("heatmap_")) {
       add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);
       continue;
     }

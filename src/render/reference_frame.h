@@ -81,7 +81,7 @@ Expected<void> check_traced_layers(const std::vector<std::string>& layers);
 Expected<void> check_traced_view(const std::string& view);
 // Layers that the reference can write beside beauty.
 std::vector<std::string> reference_layer_names();  // variance, fog, fog_transmittance, terms, surface layers, counts
-// Of a layer of counts: heatmap_traversal, heatmap.leaves.
+// Of a layer of counts: heatmap_traversal, heatmap_leaves.
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame, const std::string& layer);
 
 // The film as an image of linear radiance with layers and metadata, of the same form as linear_image() of a GPU's

@@ -36,7 +36,7 @@ Expected<void> check_finite(const reference::Film& film, const Job& job) {
 
 DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
                             const std::string& view, const reference::SamplerSettings& sampler) {
-  if (view.starts_with("heatmap."))
+  if (view.starts_with("heatmap_"))
     return count_view(reference_counts(film, frame, view), film.width(), film.height(), count_title(view));
   FloatImage layer;
   if (view != "beauty") {

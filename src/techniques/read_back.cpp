@@ -16,7 +16,7 @@ namespace {
 bool is_exact(const std::string& layer) {
   const LayerForm form = layer_form(layer);
   return form == LayerForm::distance || form == LayerForm::motion || form == LayerForm::matte ||
-         layer.starts_with("heatmap.");
+         layer.starts_with("heatmap_");
 }
 
 uint32_t components_of(const std::string& layer, VkFormat format) {

@@ -28,7 +28,7 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   const TestFolder folder;
   const Ended ended =
       candela({"reference", spheres, "--size", "24x16", "--spp", "4", "-o", folder / "a.exr", "-o", folder / "a.png",
-               "--layers", "variance,heatmap_traversal,heatmap.leaves", "--frame", "3", "--json"});
+               "--layers", "variance,heatmap_traversal,heatmap_leaves", "--frame", "3", "--json"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   const auto json = nlohmann::json::parse(ended.out);
   EXPECT_EQ(json["spp"], 4);
@@ -36,7 +36,7 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   EXPECT_GT(json["bvh"]["triangles"], 0);
   const auto image = read_image(folder / "a.exr");
   ASSERT_TRUE(image);
-  for (const char* name : {"R", "A", "variance.G", "heatmap_traversal.Y", "heatmap.leaves.Y"})
+  for (const char* name : {"R", "A", "variance.G", "heatmap_traversal.Y", "heatmap_leaves.Y"})
     EXPECT_TRUE(image->find(name)) << name;
   std::set<std::string> entries;
   for (const MetadataEntry& entry : image->metadata) entries.insert(entry.name);

@@ -107,7 +107,7 @@ TEST_F(ReferenceTerms, AgreeOneByOne) {
   look(job, {0.4, -2.5, 4}, {0, 0, 0}, 40);
   for (const TermPair& p : terms_of(job, 4)) {
     // There is no ambient light under lights, and no reflection without a look that has it.
-    if (p.name.starts_with("ambient.") || p.name == "reflections") continue;
+    if (p.name.starts_with("ambient_") || p.name == "reflections") continue;
     EXPECT_GT(p.mean(), 0.005) << p.name;
     EXPECT_LT(p.relmse(), 1e-6) << p.name;
   }
@@ -128,7 +128,7 @@ TEST_F(ReferenceTerms, AgreeOnAmbientLight) {
   job.exr_float = true;
   look(job, {0.3, -0.5, 3.5}, {0, 0, 0}, 50);
   for (const TermPair& p : terms_of(job, 2)) {
-    if (!p.name.starts_with("ambient.")) continue;
+    if (!p.name.starts_with("ambient_")) continue;
     EXPECT_GT(p.mean(), 0.02) << p.name;
     EXPECT_LT(p.relmse(), 1e-6) << p.name;
   }

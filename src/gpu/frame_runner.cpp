@@ -369,9 +369,8 @@ void FrameRunner::Hidden::read_times(const FramePlan& plan, const RunOptions& op
                                                                        : slot.timing.between_ms(passes, passes + 1);
 }
 
-// Every pass is its own submission with two stamps of its own, waited for: what a CPU driver needs for honest times
-//, and what hashing needs to look at each pass's outputs. Without timestamps the host's clock is
-// read instead.
+// Every pass is its own submission with two stamps of its own, waited for: what a CPU driver needs for honest times,
+// and what hashing needs to look at each pass's outputs. Without timestamps the host's clock is read instead.
 void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options,
                                        double timeout_s, FrameSlot& slot) {
   const size_t passes = graph.plan.passes.size();

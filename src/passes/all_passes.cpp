@@ -11,34 +11,6 @@
 #include "passes/shared/pass_list.h"
 
 namespace candela {
-namespace knobs_detail {
-template <class Tuple, class K>
-struct Append;
-template <class... Ks, class K>
-struct Append<std::tuple<Ks...>, K> {
-  using type = std::conditional_t<(std::is_same_v<Ks, K> || ...), std::tuple<Ks...>, std::tuple<Ks..., K>>;
-};
-template <class Tuple, class More>
-struct AppendAll {
-  using type = Tuple;
-};
-template <class Tuple, class K, class... More>
-struct AppendAll<Tuple, std::tuple<K, More...>> : AppendAll<typename Append<Tuple, K>::type, std::tuple<More...>> {};
-
-// The tables of a pass: its own, and those that it shares.
-template <class P>
-auto tables_of() {
-  if constexpr (HasKnobs<P> && SharesKnobs<P>)
-    return typename AppendAll<std::tuple<typename P::Knobs>, typename P::SharedKnobs>::type{};
-  else if constexpr (HasKnobs<P>)
-    return std::tuple<typename P::Knobs>{};
-  else if constexpr (SharesKnobs<P>)
-    return typename P::SharedKnobs{};
-  else
-    return std::tuple<>{};
-}
-}  // namespace knobs_detail
-
 namespace {
 
 template <class... P, class F>
@@ -97,7 +69,11 @@ std::span<const KnobTableInfo> knob_tables() {
   static const std::vector<KnobTableInfo> tables = [] {
     std::vector<KnobTableInfo> list;
     each_pass(std::type_identity<AllPasses>{}, [&]<class P>(std::type_identity<P>) {
-      std::apply([&]<class... K>(const K&...) { (add_table<K>(list), ...); }, knobs_detail::tables_of<P>());
+      if constexpr (HasKnobs<P>) add_table<typename P::Knobs>(list);
+      if constexpr (SharesKnobs<P>)
+        [&]<class... K>(std::type_identity<std::tuple<K...>>) {
+          (add_table<K>(list), ...);
+        }(std::type_identity<typename P::SharedKnobs>{});
     });
     return list;
   }();

@@ -2,7 +2,7 @@
 # below share/ man pages, completion, schemas, documents and licences.
 # Components: program (shared libraries of the system), portable (the program with its libraries inside), share, zsh, zsh-debian.
 install(TARGETS candela RUNTIME DESTINATION bin COMPONENT program)
-foreach(module candela_glslang candela_oiio candela_draco)
+foreach(module candela_glslang candela_oiio candela_draco candela_demoscenes_module)
   if(TARGET ${module})
     install(TARGETS ${module} LIBRARY DESTINATION lib/candela COMPONENT program)
   endif()
@@ -45,6 +45,13 @@ if(CANDELA_STATIC_LIBRARIES)
                         LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/portable)
   install(PROGRAMS $<TARGET_FILE:candela_glslang_portable> DESTINATION lib/candela COMPONENT portable EXCLUDE_FROM_ALL)
   add_dependencies(candela_portable candela_glslang_portable)
+  add_library(candela_demoscenes_portable MODULE EXCLUDE_FROM_ALL src/demoscenes/modules/demoscenes_module.cpp)
+  target_link_libraries(candela_demoscenes_portable PRIVATE candela_demoscenes)
+  target_link_options(candela_demoscenes_portable PRIVATE -static-libstdc++ -static-libgcc -Wl,--exclude-libs,ALL -Wl,--as-needed)
+  set_target_properties(candela_demoscenes_portable PROPERTIES PREFIX "" OUTPUT_NAME candela_demoscenes CANDELA_STATIC ON
+                        LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/portable)
+  install(PROGRAMS $<TARGET_FILE:candela_demoscenes_portable> DESTINATION lib/candela COMPONENT portable EXCLUDE_FROM_ALL)
+  add_dependencies(candela_portable candela_demoscenes_portable)
   if(CANDELA_DRACO)
     add_library(candela_draco_portable MODULE EXCLUDE_FROM_ALL src/gltf/modules/draco_module.cpp)
     target_include_directories(candela_draco_portable PRIVATE src)

@@ -32,7 +32,7 @@ Expected<int> run_make_scene(const MakeSceneOptions& o) {
   if (auto ready = prepare_output(o.output); !ready) return std::unexpected(ready.error());
   if (auto made = make_scene(o.name, o.seed, o.lights, o.output); !made) return std::unexpected(made.error());
   log::info("wrote {}", o.output);
-  if (!make_scene_sky(o.name, o.seed).empty()) log::info("wrote {}, its sky", sky_beside(o.output).string());
+  if (scene_has_sky(o.name)) log::info("wrote {}, its sky", sky_beside(o.output).string());
   return 0;
 }
 

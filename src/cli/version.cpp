@@ -32,7 +32,8 @@ nlohmann::ordered_json version_json() {
           {"modules",
            {{"candela_glslang.so", module_json("candela_glslang.so")},
             {"candela_oiio.so", module_json("candela_oiio.so")},
-            {"candela_draco.so", module_json("candela_draco.so")}}},
+            {"candela_draco.so", module_json("candela_draco.so")},
+            {"candela_demoscenes.so", module_json("candela_demoscenes.so")}}},
           {"shaders", {{"sources", "built in"}, {"spirv_built_in", !glsl::built_in_spirv().empty()}}}};
 }
 

@@ -4,7 +4,7 @@
 
 #include "base/files.h"
 #include "math/transforms.h"
-#include "testscenes/dusk_sky.h"
+#include "testscenes/demo_scene.h"
 #include "testscenes/procedural_textures.h"
 #include "testscenes/table.h"
 
@@ -14,10 +14,9 @@ namespace {
 
 struct SceneEntry {
   std::string_view name, description;
-  void (*make)(GlbWriter&, SceneOptions&);
-  int most_lights = 0;  // 0: a fixed set
-  bool committed = true;
-  std::vector<std::byte> (*sky)(uint64_t seed) = nullptr;
+  void (*make)(GlbWriter&, SceneOptions&);  // null: candela_demoscenes.so makes it (src/demoscenes)
+  int most_lights = 0;                      // 0: a fixed set
+  bool committed = true, has_sky = false;
 };
 
 // A node for each light is 160 bytes of JSON; scenes that write CANDELA_light_instances go further.
@@ -72,8 +71,8 @@ constexpr SceneEntry table[] = {
     {"street-dense", "the street's 1,024 lights' worth of city, which more lights make denser", make_street_dense,
      most_light_instances},
     {"street-dusk",
-     "a street after sunset and rain with its sky, made for a picture: shops, lamps, cars, trees, people",
-     make_street_dusk, 0, false, make_dusk_sky},
+     "a street after sunset and rain with its sky, made for a picture: shops, lamps, cars, trees, people", nullptr, 0,
+     false, true},
     {"texture-transform", "KHR_texture_transform, wrap modes, filters and the second UV set", make_texture_transform},
     {"triangles", "five large rectangles aslant: any plane that cuts space cuts them", make_triangles, 0, false},
     {"unlit-box", "a textured unlit box (KHR_materials_unlit)", make_unlit_box},
@@ -104,9 +103,14 @@ bool scene_is_committed(std::string_view name) {
   return entry && entry->committed;
 }
 
-std::vector<std::byte> make_scene_sky(std::string_view name, uint64_t seed) {
+bool scene_has_sky(std::string_view name) {
   const SceneEntry* entry = find(name);
-  return entry && entry->sky ? entry->sky(seed) : std::vector<std::byte>{};
+  return entry && entry->has_sky;
+}
+
+Expected<std::vector<std::byte>> make_scene_sky(const std::string& name, uint64_t seed) {
+  if (!scene_has_sky(name)) return std::vector<std::byte>{};
+  return make_demo_scene(name, candela_demo_scene_sky, seed, 0);
 }
 
 std::filesystem::path sky_beside(std::filesystem::path scene) { return scene.replace_extension(".hdr"); }
@@ -122,6 +126,7 @@ Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint6
     return fail(ErrorKind::usage, "", "the scene '{}' has a fixed set of lights: leave out --lights", name);
   if (lights < 0 || lights > entry->most_lights)
     return fail(ErrorKind::usage, "", "the scene '{}' takes 0 to {} lights, not {}", name, entry->most_lights, lights);
+  if (!entry->make) return make_demo_scene(name, candela_demo_scene_glb, seed, lights);
   GlbWriter writer;
   SceneOptions options{Rng(seed), lights};
   entry->make(writer, options);
@@ -131,8 +136,10 @@ Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint6
 Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, const std::filesystem::path& out) {
   auto bytes = make_scene_bytes(name, seed, lights);
   if (!bytes) return std::unexpected(bytes.error());
-  if (const std::vector<std::byte> sky = make_scene_sky(name, seed); !sky.empty())
-    if (auto written = write_file_atomically(sky_beside(out), std::span<const std::byte>(sky)); !written)
+  const auto sky = make_scene_sky(name, seed);
+  if (!sky) return std::unexpected(sky.error());
+  if (!sky->empty())
+    if (auto written = write_file_atomically(sky_beside(out), std::span<const std::byte>(*sky)); !written)
       return std::unexpected(written.error());
   return write_file_atomically(out, std::span<const std::byte>(*bytes));
 }

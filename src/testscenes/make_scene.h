@@ -19,10 +19,11 @@ std::string_view scene_description(std::string_view name);  // one line; empty f
 bool scene_is_committed(std::string_view name);
 
 // lights: how many lights a scene scatters that can; 0 is the scene's own choice. Errors (usage): unknown name, a light
-// count for a scene with a fixed set of lights; (output): the file could not be written.
+// count for a scene with a fixed set of lights, no module that makes it; (output): the file could not be written.
 Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint64_t seed, int lights);
+bool scene_has_sky(std::string_view name);
 // The sky that belongs to a scene, as a Radiance HDR; empty where none does.
-std::vector<std::byte> make_scene_sky(std::string_view name, uint64_t seed);
+Expected<std::vector<std::byte>> make_scene_sky(const std::string& name, uint64_t seed);
 // The scene's file, and beside it its sky where it has one: sky_beside(out).
 Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, const std::filesystem::path& out);
 std::filesystem::path sky_beside(std::filesystem::path scene);

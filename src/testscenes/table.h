@@ -52,7 +52,6 @@ void make_animated(GlbWriter& out, SceneOptions& options);
 
 void make_street(GlbWriter& out, SceneOptions& options);
 void make_street_dense(GlbWriter& out, SceneOptions& options);
-void make_street_dusk(GlbWriter& out, SceneOptions& options);
 void make_lights_stacked(GlbWriter& out, SceneOptions& options);
 void make_light_field(GlbWriter& out, SceneOptions& options);
 

@@ -23,6 +23,7 @@ includes() {
       ours["scene"] = "base math image look"
       ours["gltf"] = "base math image look scene"
       ours["testscenes"] = "base math image look scene"
+      ours["demoscenes"] = "base math image scene testscenes"
       ours["graph"] = "base"
       ours["glsl"] = "base"
       ours["gpu"] = "base math image look scene graph glsl bvh shared"

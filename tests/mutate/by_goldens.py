@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws faults in shaders by seed and tells which of them a golden catches: `./run mutate-shaders`, or
+"""Draws faults in shaders by seed and tells which of them a golden catches:
 by_goldens.py --program build/release/candela --count 150 --json FILE.
 
 Nothing is rebuilt: frames take the changed shaders by --shader-dir. FILE keeps every verdict, so a run that is ended
@@ -7,13 +7,16 @@ goes on where it was. A fault in a shader that no golden's plan holds is "unused
 fault is "caught" by the first golden whose picture is not the one without it, pixel for pixel, or that fails."""
 import argparse
 import json
+import os
 import pathlib
 import random
 import re
 import shutil
 import subprocess
 import tempfile
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import draw
 
@@ -66,7 +69,7 @@ def drawn(count, seed):
 
 
 class Goldens:
-    def __init__(self, program):
+    def __init__(self, program, pool):
         self.program, self.jobs, self.shaders = program, {}, {}
         self.made = pathlib.Path(tempfile.mkdtemp(prefix="candela-mutate-"))
         for file in sorted((ROOT / "golden").glob("*/golden.json")):
@@ -74,12 +77,27 @@ class Goldens:
             if not golden["scene"].startswith("assets:") and not golden.get("sky", "").startswith("assets:"):
                 self.jobs[file.parent.name] = self.arguments(golden)
         self.seconds = {}
-        for name in self.jobs:
-            self.shaders[name] = self.shaders_of(name)
-            begun = time.monotonic()
-            if wrong := self.picture(name, ROOT / "shaders", self.made / f"{name}.png"):
-                raise SystemExit(f"by_goldens: without a fault {name} fails: {wrong}")
-            self.seconds[name] = time.monotonic() - begun
+        list(pool.map(self.draw, self.jobs))
+        self.order = sorted(self.jobs, key=self.seconds.get)
+        self.ordering = threading.Lock()
+
+    def draw(self, name):
+        """The picture without a fault, its time and its shaders."""
+        self.shaders[name] = self.shaders_of(name)
+        begun = time.monotonic()
+        if wrong := self.picture(name, ROOT / "shaders", self.made / f"{name}.png"):
+            raise SystemExit(f"by_goldens: without a fault {name} fails: {wrong}")
+        self.seconds[name] = time.monotonic() - begun
+
+    def using(self, file):
+        """Goldens whose plans hold a shader; first those that caught a fault last."""
+        with self.ordering:
+            return [name for name in self.order if file in self.shaders[name]]
+
+    def caught(self, name):
+        with self.ordering:
+            self.order.remove(name)
+            self.order.insert(0, name)
 
     def arguments(self, golden):
         scene = golden["scene"]
@@ -130,8 +148,8 @@ class Goldens:
         return subprocess.run(words, capture_output=True).returncode != 0
 
 
-def judge(fault, goldens, order):
-    using = [name for name in order if fault["file"] in goldens.shaders[name]]
+def judge(fault, goldens):
+    using = goldens.using(fault["file"])
     if not using:
         return "unused", ""
     with tempfile.TemporaryDirectory(prefix="candela-mutate-") as folder:
@@ -145,8 +163,7 @@ def judge(fault, goldens, order):
             if "error" in wrong and ("glslang" in wrong or fault["file"].rsplit("/")[-1] in wrong):
                 return "invalid", wrong
             if wrong or goldens.differs(name, out):
-                order.remove(name)
-                order.insert(0, name)  # what catches once catches again
+                goldens.caught(name)
                 return "caught", f"{name}{': ' + wrong if wrong else ''}"
     return "survived", f"{len(using)} goldens hold it"
 
@@ -158,24 +175,40 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--json", type=pathlib.Path, required=True)
     parser.add_argument("--seconds", type=float, default=1e9, help="ends behind the fault in which this time is over")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
     options.program = options.program.resolve()
     faults = drawn(options.count, options.seed)
     kept = json.loads(options.json.read_text())["faults"] if options.json.exists() else []
     known = {(f["file"], f["operator"], tuple(f["at"]), f["old"], f["new"]): f for f in kept}
-    goldens, begun = Goldens(options.program), time.monotonic()
-    order = sorted(goldens.jobs, key=goldens.seconds.get)
-    for fault in faults:
+    writing, begun = threading.Lock(), time.monotonic()
+    # Frames side by side, each on one thread, take less than one after another on all.
+    os.environ |= {"LP_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+    def write():
+        done = [f for f in faults if "verdict" in f]
+        tally = {verdict: sum(f["verdict"] == verdict for f in done) for verdict in ("caught", "survived", "unused", "invalid")}
+        options.json.write_text(json.dumps({"seed": options.seed, "count": options.count, **tally, "faults": done}, indent=1) + "\n")
+        return tally
+
+    def one(fault):
         before = known.get((fault["file"], fault["operator"], tuple(fault["at"]), fault["old"], fault["new"]))
         if before:
-            fault |= {"verdict": before["verdict"], "by": before["by"]}
+            verdict = before["verdict"], before["by"]
         elif time.monotonic() - begun < options.seconds:
-            fault["verdict"], fault["by"] = judge(fault, goldens, order)
-            print(f"{fault['verdict']:9} {fault['file']}:{fault['line']} {fault['operator']}: {fault['old']} -> {fault['new']}  {fault['by']}", flush=True)
-        if "verdict" in fault:
-            done = [f for f in faults if "verdict" in f]
-            tally = {verdict: sum(f["verdict"] == verdict for f in done) for verdict in ("caught", "survived", "unused", "invalid")}
-            options.json.write_text(json.dumps({"seed": options.seed, "count": options.count, **tally, "faults": done}, indent=1) + "\n")
+            verdict = judge(fault, goldens)
+            print(f"{verdict[0]:9} {fault['file']}:{fault['line']} {fault['operator']}: {fault['old']} -> {fault['new']}  {verdict[1]}", flush=True)
+        else:
+            return
+        with writing:
+            fault["verdict"], fault["by"] = verdict
+            write()
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        goldens = Goldens(options.program, pool)
+        print(f"mutate: {len(goldens.jobs)} goldens drawn in {time.monotonic() - begun:.0f} s", flush=True)
+        list(pool.map(one, faults))
+    tally = write()
     shutil.rmtree(goldens.made)
     print(f"mutate: {tally['caught']} caught, {tally['survived']} survived, {tally['unused']} in shaders that no golden holds, {tally['invalid']} that do not compile")
 

@@ -8,7 +8,7 @@ build=$1 source=$2
 runs() {  # PREFIX
   local program=$1/bin/candela said module
   said=$("$program" --version --json) || { broken "$1: --version --json"; return; }
-  for module in candela_glslang candela_oiio candela_draco; do
+  for module in candela_glslang candela_oiio candela_draco candela_demoscenes; do
     [[ -f $build/$module.so ]] || continue
     [[ -f $1/lib/candela/$module.so ]] || broken "$1: no $module.so"
     grep -A1 "\"$module.so\"" <<<"$said" | grep -q '"opens": true' || broken "$1: $module.so does not open: $said"
@@ -16,7 +16,7 @@ runs() {  # PREFIX
   "$program" make-scene unlit-box -o "$work/box.glb" --seed 1 2>/dev/null || broken "$1: make-scene"
   "$program" facts "$work/box.glb" >/dev/null || broken "$1: facts"
   # Nothing is loaded for formats that the scene does not have, at the start or later.
-  said=$(LD_DEBUG=files "$program" facts "$work/box.glb" 2>&1 >/dev/null | grep -oE 'file=[^ ]*(webp|zstd|OpenImageIO|draco|glslang)[^ ]*' | sort -u) || true
+  said=$(LD_DEBUG=files "$program" facts "$work/box.glb" 2>&1 >/dev/null | grep -oE 'file=[^ ]*(webp|zstd|OpenImageIO|draco|glslang|demoscenes)[^ ]*' | sort -u) || true
   [[ -z $said ]] || broken "$1: a plain scene loads $said"
 }
 

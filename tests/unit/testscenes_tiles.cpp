@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "demoscenes/dusk_atlas.h"
+#include "demoscenes/tile_maps.h"
 #include "image/io.h"
-#include "testscenes/dusk_atlas.h"
 #include "testscenes/mesh_kit.h"
-#include "testscenes/tile_maps.h"
 
 namespace candela {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "testscenes/dusk.h"
+#include "demoscenes/dusk.h"
 
 // What stands on the pavement. Each at the origin of its own space; the street is towards +X.
 namespace candela::dusk {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "testscenes/dusk_atlas.h"
+#include "demoscenes/dusk_atlas.h"
 #include "testscenes/light_arrays.h"
 #include "testscenes/mesh_kit.h"
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "testscenes/dusk.h"
+#include "demoscenes/dusk.h"
 
 // The road with its markings, kerbs, pavements and covers.
 namespace candela::dusk {

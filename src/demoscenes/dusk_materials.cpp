@@ -2,10 +2,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "testscenes/dusk.h"
+#include "demoscenes/dusk.h"
+#include "demoscenes/tile_maps.h"
 #include "testscenes/procedural_textures.h"
 #include "testscenes/table.h"
-#include "testscenes/tile_maps.h"
 
 namespace candela::dusk {
 namespace {

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "demoscenes/demo_scenes.h"
+#include "demoscenes/dusk.h"
 #include "math/transforms.h"
-#include "testscenes/dusk.h"
 #include "testscenes/table.h"
 
 // A street after sunset and rain: houses of brick and plaster over lit shops, lamps, cars, trees and people. It is made

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "testscenes/dusk.h"
+#include "demoscenes/dusk.h"
 
 // What shops and people leave on the pavement: tables, plants in tubs, boards, bicycles.
 namespace candela::dusk {

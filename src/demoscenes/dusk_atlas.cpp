@@ -1,4 +1,4 @@
-#include "testscenes/dusk_atlas.h"
+#include "demoscenes/dusk_atlas.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "base/rng.h"
+#include "demoscenes/tile_maps.h"
 #include "testscenes/procedural_textures.h"
-#include "testscenes/tile_maps.h"
 
 namespace candela::dusk {
 namespace {

@@ -1,4 +1,4 @@
-#include "testscenes/tile_maps.h"
+#include "demoscenes/tile_maps.h"
 
 #include <algorithm>
 #include <cmath>

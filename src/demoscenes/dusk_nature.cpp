@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "testscenes/dusk.h"
+#include "demoscenes/dusk.h"
 #include "testscenes/table.h"
 
 // Trees in autumn, whose leaves are single pairs of triangles, and people with umbrellas.

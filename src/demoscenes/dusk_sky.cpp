@@ -1,12 +1,12 @@
-#include "testscenes/dusk_sky.h"
+#include "demoscenes/dusk_sky.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
+#include "demoscenes/tile_maps.h"
 #include "testscenes/procedural_textures.h"
-#include "testscenes/tile_maps.h"
 
 namespace candela {
 namespace {

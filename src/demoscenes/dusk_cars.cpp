@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "testscenes/dusk.h"
+#include "demoscenes/dusk.h"
 
 // Cars as two lofted shells, the body and the glass on it, with wheels, lamps, plates and mirrors.
 namespace candela::dusk {

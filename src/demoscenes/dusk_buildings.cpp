@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "testscenes/dusk.h"
+#include "demoscenes/dusk.h"
 
 // Houses of a city of about 1900: shops at the ground, windows in rows with sills and heads, cornices, a parapet, and
 // on the roof tanks, chimneys and antennas. A facade is built facing +Z, x to the right, its middle at the origin.

@@ -1,0 +1,20 @@
+#include "demoscenes/demo_scenes.h"
+
+#include "demoscenes/dusk_sky.h"
+
+namespace candela {
+namespace {
+
+constexpr DemoScene table[] = {
+    {.name = "street-dusk", .make = make_street_dusk, .sky = make_dusk_sky},
+};
+
+}  // namespace
+
+const DemoScene* find_demo_scene(std::string_view name) {
+  for (const DemoScene& scene : table)
+    if (scene.name == name) return &scene;
+  return nullptr;
+}
+
+}  // namespace candela

@@ -4,7 +4,8 @@ by_goldens.py --program build/release/candela --count 150 --json FILE.
 
 Nothing is rebuilt: frames take the changed shaders by --shader-dir. FILE keeps every verdict, so a run that is ended
 goes on where it was. A fault in a shader that no golden's plan holds is "unused"; it says nothing of the goldens. A
-fault is "caught" by the first golden whose picture is not the one without it, pixel for pixel, or that fails."""
+fault is "caught" by the first golden whose picture is not the one without it, pixel for pixel, or that fails. What no
+golden catches, the tests of its area may: mutate.cmake builds these faults in (CANDELA_MUTATE_SHADERS)."""
 import argparse
 import json
 import os
@@ -119,9 +120,7 @@ class Goldens:
 
     def shaders_of(self, name):
         """Files below shaders/ that the plan of a golden holds, with all that they include."""
-        plan = subprocess.run([self.program, "plan", *self.jobs[name], "--json", "--device", "cpu"], capture_output=True, text=True)
-        if plan.returncode:
-            plan = subprocess.run([self.program, "plan", *self.jobs[name], "--json"], capture_output=True, text=True, check=True)
+        plan = subprocess.run([self.program, "plan", *self.jobs[name], "--json", "-o", "plan.png"], capture_output=True, text=True, check=True)
         left = set(re.findall(r"[\w/]+\.(?:comp|frag|vert)\b", plan.stdout))
         held = set()
         while left:
@@ -140,7 +139,8 @@ class Goldens:
             ended = subprocess.run(words, capture_output=True, text=True, timeout=120)
         except subprocess.TimeoutExpired:
             return "time limit"
-        return "" if ended.returncode == 0 else f"exit {ended.returncode}: {ended.stderr.strip().splitlines()[0][:200]}"
+        said = ended.stderr.strip().splitlines() or ["nothing said"]
+        return "" if ended.returncode == 0 else f"exit {ended.returncode}: {said[0][:200]}"
 
     def differs(self, name, out):
         """From the picture that shaders without a fault make."""

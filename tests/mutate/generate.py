@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""generate.py ROOT OUT: makes, from faults.toml and drawn.toml, what the build with faults needs.
+"""generate.py ROOT OUT [SHADER-FAULTS]: makes, from faults.toml and drawn.toml, what the build with faults needs.
+With a file of by_goldens.py the faults that no golden caught stand beside them, with the tests of shader_tests.toml.
 
 OUT/src/...              copies of the C++ sources that hold faults, each faulty place a choice at run time
 OUT/include/...          the same for headers, named as they are included
@@ -12,6 +13,7 @@ import json
 import re
 import sys
 import tomllib
+from fnmatch import fnmatch
 from pathlib import Path
 
 sys.dont_write_bytecode = True
@@ -155,7 +157,24 @@ def write(path, text):
         path.write_text(text)
 
 
-def main(root, out):
+def missed_by_goldens(file, text_of):
+    """The faults of by_goldens.py's file that no golden caught."""
+    rows = tomllib.loads((HERE / "shader_tests.toml").read_text())["shaders"]
+    faults = []
+    for fault in json.loads(file.read_text())["faults"]:
+        if fault["verdict"] not in ("survived", "unused"):
+            continue
+        name, (start, end) = fault["file"], fault["at"]
+        if text_of(name)[start:end] != fault["old"]:
+            raise Wrong(f"{file}: {name} has changed since these faults were drawn")
+        tests = next(row["tests"] for row in rows if any(fnmatch(name.removeprefix("shaders/"), pattern) for pattern in row["files"]))
+        faults.append({"name": f"shader:{fault['operator'].replace(' ', '-')}:{name.rsplit('/')[-1]}:{fault['line']}:{start}", "kind": "shader",
+                       "operator": fault["operator"], "tests": tests,
+                       "edit": [{"file": name, "old": fault["old"], "new": fault["new"], "at": [start, end], "line": fault["line"]}]})
+    return faults
+
+
+def main(root, out, shader_faults=None):
     table = tomllib.loads((HERE / "faults.toml").read_text())["fault"]
     drawn_settings = tomllib.loads((HERE / "drawn.toml").read_text())
     names = [fault["name"] for fault in table]
@@ -191,6 +210,8 @@ def main(root, out):
     if wrong:
         raise Wrong("\n".join(wrong))
     faults = table + draw.draw(root, drawn_settings, taken, text_of)
+    if shader_faults:
+        faults += missed_by_goldens(shader_faults, text_of)
     by_file = {}
     for number, fault in enumerate(faults, 1):
         fault["id"] = number
@@ -224,6 +245,6 @@ def main(root, out):
 
 if __name__ == "__main__":
     try:
-        main(Path(sys.argv[1]), Path(sys.argv[2]))
+        main(Path(sys.argv[1]), Path(sys.argv[2]), Path(sys.argv[3]) if len(sys.argv) > 3 else None)
     except Wrong as wrong:
         sys.exit(f"tests/mutate/faults.toml: {wrong}")

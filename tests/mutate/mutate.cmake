@@ -2,7 +2,8 @@
 # hold faults into the build folder, where each faulty place is a choice at run time; those copies take the originals' place.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 set(mutated ${CMAKE_BINARY_DIR}/mutated)
-execute_process(COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/generate.py ${CMAKE_SOURCE_DIR} ${mutated}
+set(CANDELA_MUTATE_SHADERS "" CACHE FILEPATH "A file of tests/mutate/by_goldens.py: the faults in it that no golden caught are built in too")
+execute_process(COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/generate.py ${CMAKE_SOURCE_DIR} ${mutated} ${CANDELA_MUTATE_SHADERS}
                 RESULT_VARIABLE mutate_result)
 if(NOT mutate_result EQUAL 0)
   message(FATAL_ERROR "tests/mutate: the table of faults does not fit the sources")

@@ -115,7 +115,7 @@ class Runner:
         result = {key: fault[key] for key in ("name", "kind")}
         result["places"] = [f"{edit['file']}:{edit['line']}" for edit in fault["edit"]]
         result["tests"] = fault["tests"]
-        if fault["kind"] == "drawn":
+        if fault["kind"] != "written":
             result |= {"old": fault["edit"][0]["old"], "new": fault["edit"][0]["new"]}
         for test in sorted(fault["tests"], key=lambda test: self.baseline_s[test]):
             limit_s = 60 + 10 * self.baseline_s[test]
@@ -169,7 +169,7 @@ def main():
         return sum(r["verdict"] == verdict and kind in (None, r["kind"]) for r in results)
 
     summary = {kind: {verdict: count(verdict, kind) for verdict in ("caught", "survived", "equivalent", "invalid")}
-               for kind in NEEDED}
+               for kind in [*NEEDED, "shader"] if any(r["kind"] == kind for r in results)}
     counted = count("caught") + count("survived")
     share = count("caught") / counted if counted else 0
     if options.json:
@@ -183,8 +183,9 @@ def main():
     print(f"mutate: {100 * share:.1f} % of {counted} faults caught in {time.monotonic() - start:.0f} s")
     if options.only:
         return 0 if share >= SHARE else 1
-    short = [kind for kind, least in NEEDED.items() if summary[kind]["caught"] + summary[kind]["survived"] < least]
-    if short or summary["written"]["invalid"]:
+    none = {"caught": 0, "survived": 0, "invalid": 0}
+    short = [kind for kind, least in NEEDED.items() if summary.get(kind, none)["caught"] + summary.get(kind, none)["survived"] < least]
+    if short or summary.get("written", none)["invalid"]:
         print(f"mutate: too few faults count: {', '.join(short) or 'a written one does not compile'}")
         return 1
     return 0 if share >= SHARE else 1

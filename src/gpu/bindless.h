@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "gpu/device.h"
+#include "gpu/pipeline_store.h"
 
 namespace candela::gpu {
 
@@ -27,16 +28,16 @@ class Bindless {
   uint32_t add_sampler(const VkSamplerCreateInfo& info);  // equal infos share an index; owned here
   void remove_sampled(uint32_t index);
   VkDescriptorSet set() const { return set_; }
-  VkPipelineLayout layout() const { return layout_; }
-  VkDescriptorSetLayout pass_set_layout() const { return pass_set_layout_; }
+  VkPipelineLayout layout() const { return layout_->handle; }
+  VkDescriptorSetLayout pass_set_layout() const { return layout_->pass_set; }
+  uint32_t room() const { return layout_->textures; }  // of the layout: pipelines of one room serve all sets of it
 
  private:
   struct Hidden;
   std::unique_ptr<Hidden> hidden_;
   Device& device_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
-  VkPipelineLayout layout_ = VK_NULL_HANDLE;
-  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE, pass_set_layout_ = VK_NULL_HANDLE;
+  const PipelineLayout* layout_ = nullptr;  // the device's
 };
 
 }  // namespace candela::gpu

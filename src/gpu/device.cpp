@@ -121,6 +121,8 @@ Device::~Device() {
   hidden_->open->instance->detach(&hidden_->log);
 }
 
+PipelineStore& Device::store() const { return *hidden_->open->store; }
+
 std::vector<std::string> Device::validation_messages() const { return hidden_->log.messages(); }
 
 void Device::set_name(VkObjectType type, uint64_t handle, std::string_view name) const {

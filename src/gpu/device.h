@@ -49,6 +49,8 @@ struct DeviceInfo {
   std::string unusable;  // empty, or what it lacks and what to install
 };
 
+class PipelineStore;
+
 struct DeviceOptions {
   std::string which;  // "": the best GPU, else the CPU device. "cpu", "gpu", an index, a UUID, part of a name: or fail
   bool validate = false;  // Khronos validation layer with synchronization checks; its absence is an error
@@ -89,6 +91,9 @@ class Device {
   // Messages of the validation layer so far (warnings and errors), each once. Any message fails a test or a --validate
   // job.
   std::vector<std::string> validation_messages() const;
+
+  // What all Devices of this process on the same VkDevice share.
+  PipelineStore& store() const;
 
   // Of an extension that is on.
   template <class Function>

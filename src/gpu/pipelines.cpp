@@ -92,6 +92,15 @@ VkPipelineColorBlendAttachmentState blend_state(const AttachmentState& attachmen
   return state;
 }
 
+// A pipeline of rays has a table, which is memory of this Device's own; the others are the store's.
+std::shared_ptr<const Pipeline> kept_in_store(Device& device, const std::string& key, Pipeline made) {
+  if (!made.table) return device.store().insert(key, std::move(made));
+  return {new Pipeline(std::move(made)), [handle = device.handle()](const Pipeline* pipeline) {
+            vkDestroyPipeline(handle, pipeline->handle, nullptr);
+            delete pipeline;
+          }};
+}
+
 }  // namespace
 
 Pipelines::Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler,
@@ -102,7 +111,7 @@ Pipelines::Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler co
 }
 
 Pipelines::~Pipelines() {
-  for (const auto& [key, pipeline] : pipelines_) vkDestroyPipeline(device_.handle(), pipeline.handle, nullptr);
+  pipelines_.clear();
   for (const auto& [file, shader] : shaders_) vkDestroyShaderModule(device_.handle(), shader.module, nullptr);
   vkDestroyPipelineCache(device_.handle(), cache_, nullptr);
 }
@@ -170,14 +179,7 @@ Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareT
   tbb::parallel_for(size_t(0), files.size(), [&](size_t i) { results[i] = compiler_.compile(files[i]); });
   for (size_t i = 0; i < files.size(); ++i) {
     if (!results[i]) return std::unexpected(results[i].error());
-    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    info.codeSize = results[i]->spirv.size() * 4;
-    info.pCode = results[i]->spirv.data();
-    Shader shader;
-    VK_CHECK(vkCreateShaderModule(device_.handle(), &info, nullptr, &shader.module));
-    device_.set_name(VK_OBJECT_TYPE_SHADER_MODULE, uint64_t(shader.module), files[i]);
-    shader.spirv = std::move(results[i]->spirv);
-    shaders_.emplace(files[i], std::move(shader));
+    shaders_.emplace(files[i], Shader{std::move(results[i]->spirv), results[i]->key});
     ++times.shaders;
     times.shaders_built_in += results[i]->built_in;
     times.shaders_from_cache += results[i]->from_cache;
@@ -186,23 +188,45 @@ Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareT
   return {};
 }
 
+void Pipelines::make_modules(std::span<const PipelineDesc> wanted) {
+  for (const PipelineDesc& desc : wanted)
+    for (const std::string& file : shaders_of(desc)) {
+      Shader& shader = shaders_.at(file);
+      if (shader.module) continue;
+      VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+      info.codeSize = shader.spirv.size() * 4;
+      info.pCode = shader.spirv.data();
+      VK_CHECK(vkCreateShaderModule(device_.handle(), &info, nullptr, &shader.module));
+      device_.set_name(VK_OBJECT_TYPE_SHADER_MODULE, uint64_t(shader.module), file);
+    }
+}
+
+std::string Pipelines::store_key(const PipelineDesc& desc) const {
+  std::string key = fmt::format("{} {}", bindless_.room(), key_of(desc));
+  for (const std::string& file : shaders_of(desc)) key += " " + shaders_.at(file).content.hex();
+  return key;
+}
+
 bool Pipelines::hold(std::span<const PipelineDesc> wanted) const {
   return std::ranges::all_of(wanted, [&](const PipelineDesc& desc) { return pipelines_.contains(key_of(desc)); });
 }
 
 Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDesc> wanted, PrepareTimes& times) {
+  std::vector<PipelineDesc> absent;
+  std::set<std::string> absent_keys;
+  for (const PipelineDesc& desc : wanted)
+    if (std::string key = key_of(desc); !pipelines_.contains(key) && absent_keys.insert(std::move(key)).second)
+      absent.push_back(desc);
+  if (const auto compiled = compile(absent, times); !compiled) return std::unexpected(compiled.error());
   std::vector<PipelineDesc> missing;
-  std::vector<std::string> missing_keys;
-  for (const PipelineDesc& desc : wanted) {
-    const std::string key = key_of(desc);
-    if (pipelines_.contains(key) || std::find(missing_keys.begin(), missing_keys.end(), key) != missing_keys.end())
-      continue;
-    missing.push_back(desc);
-    missing_keys.push_back(key);
-  }
-  if (const auto compiled = compile(missing, times); !compiled) return std::unexpected(compiled.error());
+  for (const PipelineDesc& desc : absent)
+    if (auto kept = device_.store().find(store_key(desc)))
+      pipelines_.emplace(key_of(desc), std::move(kept));
+    else
+      missing.push_back(desc);
   if (!missing.empty()) {
     const auto start = Clock::now();
+    make_modules(missing);
     std::vector<Pipeline> made(missing.size());
     std::vector<std::exception_ptr> failures(missing.size());
     tbb::parallel_for(size_t(0), missing.size(), [&](size_t i) {
@@ -214,8 +238,8 @@ Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDe
     });
     for (size_t i = 0; i < missing.size(); ++i) {
       if (!made[i].handle) continue;
-      device_.set_name(VK_OBJECT_TYPE_PIPELINE, uint64_t(made[i].handle), missing_keys[i]);
-      pipelines_.emplace(missing_keys[i], made[i]);
+      device_.set_name(VK_OBJECT_TYPE_PIPELINE, uint64_t(made[i].handle), key_of(missing[i]));
+      pipelines_.emplace(key_of(missing[i]), kept_in_store(device_, store_key(missing[i]), std::move(made[i])));
       ++times.pipelines;
     }
     for (const std::exception_ptr& failure : failures)
@@ -224,7 +248,7 @@ Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDe
     save_cache();
   }
   std::vector<const Pipeline*> result;
-  for (const PipelineDesc& desc : wanted) result.push_back(&pipelines_.at(key_of(desc)));
+  for (const PipelineDesc& desc : wanted) result.push_back(pipelines_.at(key_of(desc)).get());
   return result;
 }
 
@@ -338,37 +362,6 @@ Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   VK_CHECK(vkCreateGraphicsPipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle));
   return pipeline;
 }
-
-namespace {
-
-// One handle of each kind, each where a table may begin.
-std::shared_ptr<const ShaderTable> make_shader_table(Device& device, VkPipeline pipeline) {
-  VkPhysicalDeviceRayTracingPipelinePropertiesKHR limits{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};
-  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  const auto aligned = [](uint64_t value, uint64_t to) { return (value + to - 1) / to * to; };
-  const uint64_t size = limits.shaderGroupHandleSize, base = limits.shaderGroupBaseAlignment;
-  const uint64_t stride = aligned(aligned(size, limits.shaderGroupHandleAlignment), base);
-  constexpr uint32_t kinds = 3;
-  std::vector<std::byte> handles(kinds * size);
-  VK_CHECK(device.function<PFN_vkGetRayTracingShaderGroupHandlesKHR>("vkGetRayTracingShaderGroupHandlesKHR")(
-      device.handle(), pipeline, 0, kinds, handles.size(), handles.data()));
-  const auto table = std::make_shared<ShaderTable>();
-  table->handles = Buffer(device, kinds * stride + base,
-                          VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
-                          Buffer::Memory::upload, Device::Purpose::frame, "shader table");
-  const uint64_t begin = aligned(table->handles.address(), base);
-  VkStridedDeviceAddressRegionKHR* const regions[kinds] = {&table->raygen, &table->miss, &table->hit};
-  for (uint32_t i = 0; i < kinds; ++i) {
-    *regions[i] = {begin + i * stride, stride, stride};
-    std::memcpy(table->handles.mapped() + (begin - table->handles.address()) + i * stride, handles.data() + i * size,
-                size);
-  }
-  return table;
-}
-
-}  // namespace
 
 Pipeline Pipelines::make(const RayPipelineDesc& desc) const {
   if (!device_.info().rays.pipelines)

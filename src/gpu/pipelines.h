@@ -10,18 +10,12 @@
 #include "glsl/shader_compiler.h"
 #include "gpu/bindless.h"
 #include "gpu/device.h"
-#include "gpu/resources.h"
+#include "gpu/shader_table.h"
 #include "graph/plan.h"
 
 namespace candela::gpu {
 
 struct PrepareTimes;
-
-// Of a pipeline of rays: its groups' handles, and where each kind stands among them.
-struct ShaderTable {
-  Buffer handles;
-  VkStridedDeviceAddressRegionKHR raygen{}, miss{}, hit{};
-};
 
 struct Pipeline {
   VkPipeline handle = VK_NULL_HANDLE;
@@ -30,8 +24,9 @@ struct Pipeline {
   std::shared_ptr<const ShaderTable> table;  // rays only
 };
 
-// Pipelines by description, made once and kept; behind them a VkPipelineCache on disk, one file for each device and
-// driver.
+// Pipelines by description, made once and kept. Behind them are those of the device's store, which outlive this, and a
+// VkPipelineCache on disk, one file for each device and driver. Pipelines of rays are not in the store: their tables
+// are memory that this device accounts for.
 class Pipelines {
  public:
   Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler compiler, std::filesystem::path cache_folder);
@@ -46,6 +41,9 @@ class Pipelines {
 
  private:
   Expected<void> compile(std::span<const PipelineDesc> wanted, PrepareTimes& times);
+  void make_modules(std::span<const PipelineDesc> wanted);
+  // What a pipeline is made of: the key of the description with the shaders' contents, and the layout.
+  std::string store_key(const PipelineDesc& desc) const;
   Pipeline make(const ComputePipelineDesc& desc) const;
   Pipeline make(const GraphicsPipelineDesc& desc) const;
   Pipeline make(const RayPipelineDesc& desc) const;
@@ -63,10 +61,11 @@ class Pipelines {
   Hash128 on_disk_;  // of the data in the cache file
   struct Shader {
     std::vector<uint32_t> spirv;
-    VkShaderModule module = VK_NULL_HANDLE;
+    Hash128 content;                         // of the source and all that the compiler was given
+    VkShaderModule module = VK_NULL_HANDLE;  // where a pipeline was made of it
   };
-  std::map<std::string, Shader> shaders_;      // by file
-  std::map<std::string, Pipeline> pipelines_;  // by key; nodes stay where they are
+  std::map<std::string, Shader> shaders_;                             // by file
+  std::map<std::string, std::shared_ptr<const Pipeline>> pipelines_;  // by key
 };
 
 }  // namespace candela::gpu

@@ -172,6 +172,7 @@ OpenInstance::~OpenInstance() {
 OpenDevice::~OpenDevice() {
   if (!handle) return;
   vkDeviceWaitIdle(handle);
+  store.reset();
   vkDestroyDevice(handle, nullptr);
 }
 
@@ -197,6 +198,7 @@ Expected<std::shared_ptr<OpenDevice>> shared_device(bool validate, std::string_v
   const Expected<VkDevice> handle = create_device(device->chosen);
   if (!handle) return std::unexpected(handle.error());
   device->handle = *handle;
+  device->store = std::make_unique<PipelineStore>(*handle);
   return kept = std::move(device);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gpu/device_select.h"
+#include "gpu/pipeline_store.h"
 
 // What a process opens once and its Devices share: drivers give only so many instances and devices in a process's life,
 // and each costs a tenth of a second. Kept until the process ends.
@@ -52,6 +53,7 @@ struct OpenDevice {
   std::shared_ptr<OpenInstance> instance;
   Candidate chosen;
   VkDevice handle = VK_NULL_HANDLE;
+  std::unique_ptr<PipelineStore> store;
 
   OpenDevice() = default;
   ~OpenDevice();

@@ -80,18 +80,7 @@ class LobesOfSky : public SkyTest {
     Job job = job_of(lobe, sky.file);
     job.settings = std::move(settings);
     const Images images = images_of(job);
-    double sum = 0;
-    for (int y = 0; y < rows; ++y)
-      for (int x = 0; x < columns; ++x) {
-        const glm::dvec3 exact = truth(lobe, x, y, sky);
-        const glm::vec4 p = images["beauty"].at<glm::vec4>(x * cell + cell / 2, y * cell + cell / 2);
-        for (int k = 0; k < 3; ++k) {
-          EXPECT_GE(p[k], 0.0f);
-          EXPECT_TRUE(std::isfinite(p[k]));
-          sum += std::pow(double(p[k]) - exact[k], 2) / (exact[k] * exact[k] + 0.01);
-        }
-      }
-    return sum / (3.0 * rows * columns);
+    return relmse_of(images, [&](int x, int y) { return truth(lobe, x, y, sky); });
   }
 };
 

@@ -85,6 +85,22 @@ class SkyTest : public FrameTest {
     for (const auto& [d, light] : sky.light) sum += light * reference::evaluate_brdf(s, d, {0, 0, 1});
     return sum;
   }
+
+  // Of the middles of the squares: the mean of the squared error over that of the truth's square and 0.01.
+  static double relmse_of(const Images& images, const std::function<glm::dvec3(int column, int row)>& truth) {
+    double sum = 0;
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) {
+        const glm::dvec3 exact = truth(x, y);
+        const glm::vec4 p = images["beauty"].at<glm::vec4>(x * cell + cell / 2, y * cell + cell / 2);
+        for (int k = 0; k < 3; ++k) {
+          EXPECT_GE(p[k], 0.0f);
+          EXPECT_TRUE(std::isfinite(p[k]));
+          sum += std::pow(double(p[k]) - exact[k], 2) / (exact[k] * exact[k] + 0.01);
+        }
+      }
+    return sum / (3.0 * rows * columns);
+  }
 };
 
 }  // namespace candela::test

@@ -68,6 +68,25 @@ inline ImageHandle add_fill(GraphBuilder& builder, const std::string& name, uint
   return image;
 }
 
+// `threads` threads of `rounds` rounds of a hash each; a word of each.
+inline BufferHandle add_hash(GraphBuilder& builder, const std::string& name, uint32_t threads, uint32_t rounds,
+                             Queue queue = Queue::main) {
+  builder.begin_pass(name, queue);
+  BufferHandle words = builder.create(BufferDesc{.name = name + " words", .size_bytes = uint64_t(threads) * 4});
+  words = builder.write(words, Access::compute_write);
+  const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "heavy.comp"});
+  builder.end_pass([=](CommandList& commands) {
+    struct {
+      uint64_t target;
+      uint32_t rounds, unused;
+    } const push{commands.address(words), rounds, 0};
+    commands.bind(pipeline);
+    commands.push(push);
+    commands.dispatch(threads);
+  });
+  return words;
+}
+
 inline BufferHandle add_readback(GraphBuilder& builder, const std::string& name, ImageHandle image, uint64_t bytes) {
   builder.begin_pass(fmt::format("read back {} {}", name, builder.passes().size()));
   builder.read(image, Access::transfer_source, name);

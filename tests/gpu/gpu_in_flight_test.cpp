@@ -53,19 +53,7 @@ class InFlight : public GpuTest {
   // Work of about a second, so that it is surely not done while the next frames are submitted.
   CompiledGraph heavy_frame(uint32_t rounds) {
     GraphBuilder builder;
-    builder.begin_pass("heavy");
-    BufferHandle words = builder.create(BufferDesc{.name = "words", .size_bytes = (1 << 16) * 4});
-    words = builder.write(words, Access::compute_write);
-    const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "heavy.comp"});
-    builder.end_pass([=](CommandList& commands) {
-      struct {
-        uint64_t target;
-        uint32_t rounds, unused;
-      } const push{commands.address(words), rounds, 0};
-      commands.bind(pipeline);
-      commands.push(push);
-      commands.dispatch(1 << 16);
-    });
+    const BufferHandle words = add_hash(builder, "heavy", 1 << 16, rounds);
     builder.sink(words);
     return compile_graph(builder);
   }

@@ -26,23 +26,6 @@ ImageHandle add_copy(GraphBuilder& builder, const std::string& name, Queue queue
   return image;
 }
 
-BufferHandle add_hash(GraphBuilder& builder, const std::string& name, Queue queue, uint32_t rounds) {
-  builder.begin_pass(name, queue);
-  BufferHandle words = builder.create(BufferDesc{.name = name + " words", .size_bytes = threads * 4});
-  words = builder.write(words, Access::compute_write);
-  const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "heavy.comp"});
-  builder.end_pass([=](CommandList& commands) {
-    struct {
-      uint64_t target;
-      uint32_t rounds, unused;
-    } const push{commands.address(words), rounds, 0};
-    commands.bind(pipeline);
-    commands.push(push);
-    commands.dispatch(threads);
-  });
-  return words;
-}
-
 BufferHandle add_copy_back(GraphBuilder& builder, const std::string& name, Queue queue, BufferHandle source) {
   builder.begin_pass("copy " + name, queue);
   builder.read(source, Access::compute_read, name);
@@ -74,7 +57,7 @@ Mixed mixed_frame(Queue other, float value, uint32_t rounds = 50) {
   const ImageHandle seed = add_fill(builder, "seed", width, height, value);
   const ImageHandle left = add_copy(builder, "left", other, seed);
   ImageHandle right = add_copy(builder, "right", Queue::main, seed);
-  const BufferHandle words = add_hash(builder, "hash", other, rounds);
+  const BufferHandle words = add_hash(builder, "hash", threads, rounds, other);
   const ImageHandle crossed = add_copy(builder, "crossed", other, right);
   right = add_copy(builder, "right again", Queue::main, right);
   const ImageHandle back = add_copy(builder, "back", Queue::main, add_copy(builder, "left again", other, left));
@@ -82,7 +65,7 @@ Mixed mixed_frame(Queue other, float value, uint32_t rounds = 50) {
   for (const auto& [name, image] : {std::pair("crossed", crossed), std::pair("right", right), std::pair("back", back)})
     mixed.results.push_back(add_readback(builder, name, image, width * height * 16));
   mixed.results.push_back(add_copy_back(builder, "words", Queue::main, words));
-  const BufferHandle own = add_hash(builder, "main hash", Queue::main, rounds);
+  const BufferHandle own = add_hash(builder, "main hash", threads, rounds);
   mixed.results.push_back(add_copy_back(builder, "main words", other, own));
   mixed.graph = compile_graph(builder);
   return mixed;

@@ -30,23 +30,6 @@ void add_flat(GraphBuilder& builder, const std::string& name) {
   builder.sink(image);
 }
 
-void add_heavy(GraphBuilder& builder, uint32_t rounds) {
-  builder.begin_pass("heavy");
-  BufferHandle words = builder.create(BufferDesc{.name = "words", .size_bytes = heavy_threads * 4});
-  words = builder.write(words, Access::compute_write);
-  const PipelineHandle pipeline = builder.pipeline(ComputePipelineDesc{.shader = "heavy.comp"});
-  builder.end_pass([=](CommandList& commands) {
-    struct {
-      uint64_t target;
-      uint32_t rounds, unused;
-    } const push{commands.address(words), rounds, 0};
-    commands.bind(pipeline);
-    commands.push(push);
-    commands.dispatch(heavy_threads);
-  });
-  builder.sink(words);
-}
-
 }  // namespace
 
 // A driver may charge a dispatch to the pass behind it. The ratios hold on any device, since the
@@ -54,7 +37,7 @@ void add_heavy(GraphBuilder& builder, uint32_t rounds) {
 TEST_F(PassTiming, ChargesAHeavyDispatchToItsOwnPassAndSumsToTheWallTime) {
   GraphBuilder builder;
   add_flat(builder, "light before");
-  add_heavy(builder, device->info().is_cpu ? 20000 : 2000000);
+  builder.sink(add_hash(builder, "heavy", heavy_threads, device->info().is_cpu ? 20000 : 2000000));
   add_flat(builder, "light after");
   const CompiledGraph graph = compile_graph(builder);
   run(graph, {.timed = true});  // lavapipe compiles shaders at their first draw
@@ -71,7 +54,7 @@ TEST_F(PassTiming, ChargesAHeavyDispatchToItsOwnPassAndSumsToTheWallTime) {
 TEST_F(PassTiming, AFrameThatTakesTooLongNamesThePassesNotFinished) {
   GraphBuilder builder;
   add_flat(builder, "light");
-  add_heavy(builder, device->info().is_cpu ? 10000 : 2000000);
+  builder.sink(add_hash(builder, "heavy", heavy_threads, device->info().is_cpu ? 10000 : 2000000));
   const CompiledGraph graph = compile_graph(builder);
   runner->timeout_s = 0.001;
   try {

@@ -11,17 +11,11 @@ namespace candela::test {
 namespace {
 
 FrameUpload upload_of(const GltfBuilder& builder) {
-  const auto scene = builder.load(LoadFor::raster);
-  EXPECT_TRUE(scene) << scene.error().text();
-  const Pose pose = evaluate_pose(*scene, {}, 0);
-  CameraRequest request;
-  request.eye = glm::dvec3(0, 0, 4), request.target = glm::dvec3(0);
-  const auto view = make_view(*scene, pose, request, 64, 36, world_bounds(*scene, pose));
-  EXPECT_TRUE(view) << view.error().text();
-  const FrameData data = make_frame_data(*scene, pose, *view);
-  const auto layout = layout_geometry(*scene);
+  const SeenScene seen = seen_from_the_front(builder);
+  const auto layout = layout_geometry(seen.scene);
   EXPECT_TRUE(layout) << layout.error().text();
-  return make_frame_upload(*scene, pose, *view, data, make_draw_list(*scene, pose, data), *layout, {}, {});
+  return make_frame_upload(seen.scene, seen.pose, seen.view, seen.data,
+                           make_draw_list(seen.scene, seen.pose, seen.data), *layout, {}, {});
 }
 
 GltfBuilder square_with(Json material) {

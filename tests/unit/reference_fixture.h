@@ -1,6 +1,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <memory>
 #include <numbers>
 
@@ -12,6 +13,17 @@
 namespace candela::reference::test {
 
 using namespace candela::test;
+
+// Bright above, black below.
+inline Sky upper_half() {
+  DecodedImage image;
+  image.width = 1, image.height = 128, image.format = DecodedImage::Format::rgba32f;
+  std::vector<float> texels(4 * 128, 0.0f);
+  std::fill(texels.begin(), texels.begin() + 4 * 64, 1.0f);
+  image.pixels.resize(texels.size() * 4);
+  std::memcpy(image.pixels.data(), texels.data(), image.pixels.size());
+  return Sky(image);
+}
 
 // A posed scene of a test with everything that the world points into.
 struct TestWorld {

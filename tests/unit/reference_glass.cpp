@@ -14,17 +14,6 @@ std::unique_ptr<TestWorld> glass_world(GltfBuilder& b, const TestCamera& camera,
   return make_world(b, camera, std::move(sky), sky_visible, background, true);
 }
 
-// Bright above, black below.
-Sky upper_half() {
-  DecodedImage image;
-  image.width = 1, image.height = 128, image.format = DecodedImage::Format::rgba32f;
-  std::vector<float> texels(4 * 128, 0.0f);
-  std::fill(texels.begin(), texels.begin() + 4 * 64, 1.0f);
-  image.pixels.resize(texels.size() * 4);
-  std::memcpy(image.pixels.data(), texels.data(), image.pixels.size());
-  return Sky(image);
-}
-
 double reflectance(double cosine, double n) {
   const double behind = std::sqrt(1 - (1 - cosine * cosine) / (n * n));
   const double s = (cosine - n * behind) / (cosine + n * behind), p = (n * cosine - behind) / (n * cosine + behind);

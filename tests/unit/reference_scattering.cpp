@@ -39,16 +39,6 @@ std::unique_ptr<TestWorld> body_world(GltfBuilder& b, const TestCamera& camera, 
   return make_world(b, camera, std::move(sky), sky_visible, glm::dvec4(0), glass, fog);
 }
 
-// Bright above, black below.
-Sky above() {
-  DecodedImage image;
-  image.width = 1, image.height = 128, image.format = DecodedImage::Format::rgba32f;
-  std::vector<float> texels(4 * 128, 0.0f);
-  std::fill(texels.begin(), texels.begin() + 4 * 64, 1.0f);
-  image.pixels.resize(texels.size() * 4);
-  std::memcpy(image.pixels.data(), texels.data(), image.pixels.size());
-  return Sky(image);
-}
 // As add_slab, but turned to the sky.
 void add_level_slab(GltfBuilder& b, double thickness_m, int material) {
   const int mesh = add_square_mesh(b, 200, material);
@@ -228,7 +218,7 @@ TEST(Scattering, TwoStreamsAgainstTheWalk) {
       const SlabShares slab = slab_shares(body_medium(material), depth);
       for (const bool front : {true, false}) {
         const TestCamera camera{.eye = {0.3, front ? 3 : -depth - 3, 0}, .yfov_deg = 20, .width = 8, .height = 8};
-        const Film film = traced(*body_world(b, camera, above()), path_settings(), camera, 64);
+        const Film film = traced(*body_world(b, camera, upper_half()), path_settings(), camera, 64);
         for (int c = 0; c < 3; ++c) {
           const MeanError m = mean_of(film, c);
           const double error = std::abs((front ? slab.reflected : slab.through)[c] - m.mean);

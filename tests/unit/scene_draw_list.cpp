@@ -13,16 +13,9 @@ struct Listed {
   DrawList draws;
 };
 Listed listed(const GltfBuilder& builder) {
-  const auto scene = builder.load(LoadFor::raster);
-  EXPECT_TRUE(scene) << scene.error().text();
-  const Pose pose = evaluate_pose(*scene, {}, 0);
-  CameraRequest request;
-  request.eye = glm::dvec3(0, 0, 4), request.target = glm::dvec3(0);
-  const auto view = make_view(*scene, pose, request, 64, 36, world_bounds(*scene, pose));
-  EXPECT_TRUE(view) << view.error().text();
-  Listed out{make_frame_data(*scene, pose, *view), {}};
-  out.draws = make_draw_list(*scene, pose, out.data);
-  return out;
+  SeenScene seen = seen_from_the_front(builder);
+  DrawList draws = make_draw_list(seen.scene, seen.pose, seen.data);
+  return {std::move(seen.data), std::move(draws)};
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "gltf_builder.h"
+#include "scene/frame_data.h"
+#include "scene/pose.h"
+#include "scene/view.h"
 
 namespace candela::test {
 
@@ -56,6 +59,26 @@ inline void add_light(GltfBuilder& b, Json light, Json node) {
 }
 inline void use_materials(GltfBuilder& b) {
   b.json["extensionsUsed"] = {"KHR_lights_punctual", "KHR_materials_specular", "KHR_materials_unlit"};
+}
+
+// What a camera at (0, 0, 4) sees of a scene at its start, 64 pixels by 36.
+struct SeenScene {
+  Scene scene;
+  Pose pose;
+  View view;
+  FrameData data;
+};
+inline SeenScene seen_from_the_front(const GltfBuilder& builder) {
+  const auto scene = builder.load(LoadFor::raster);
+  EXPECT_TRUE(scene) << scene.error().text();
+  SeenScene out{*scene, evaluate_pose(*scene, {}, 0), {}, {}};
+  CameraRequest request;
+  request.eye = glm::dvec3(0, 0, 4), request.target = glm::dvec3(0);
+  const auto view = make_view(out.scene, out.pose, request, 64, 36, world_bounds(out.scene, out.pose));
+  EXPECT_TRUE(view) << view.error().text();
+  out.view = *view;
+  out.data = make_frame_data(out.scene, out.pose, out.view);
+  return out;
 }
 
 }  // namespace candela::test

@@ -21,14 +21,8 @@ uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in)
 std::span<const Knob> OcclusionKnobs::table() {
   constexpr std::string_view on_screen = "occlusion.method=screen";
   static const Knob table[] = {
-      {.name = "method",
-       .member = &OcclusionKnobs::method,
-       .lowest = 0,
-       .highest = 1,
-       .levels = {0, 0, 0, 1},
-       .description = "what hides the sky: what the depth buffer shows, or rays to all that there is",
-       .choices = {"screen", "traced"},
-       .sweep = {0, 1}},
+      screen_or_rays_row<OcclusionKnobs>(
+          "what hides the sky: what the depth buffer shows, or rays to all that there is"),
       {.name = "rays",
        .member = &OcclusionKnobs::rays,
        .lowest = 1,

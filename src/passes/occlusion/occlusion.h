@@ -2,12 +2,12 @@
 #include "passes/shared/pass.h"
 #include "passes/shared/sampled_depth.h"
 #include "passes/shared/scene_inputs.h"
+#include "passes/shared/screen_or_rays.h"
 
 namespace candela {
 
-struct OcclusionKnobs {
+struct OcclusionKnobs : ScreenOrRays {
   static constexpr std::string_view name = "occlusion";
-  static constexpr int screen = 0, by_rays = 1;
   int method = screen;
   int rays = 64;
   int texel_px = 2;

@@ -38,14 +38,8 @@ uint32_t samples_of(const Reflections::Knobs& knobs, const Reflections::In& in) 
 std::span<const Knob> ReflectionKnobs::table() {
   constexpr std::string_view on_screen = "reflections.method=screen";
   static const Knob table[] = {
-      {.name = "method",
-       .member = &ReflectionKnobs::method,
-       .lowest = 0,
-       .highest = 1,
-       .levels = {0, 0, 0, 1},
-       .description = "what surfaces reflect of each other: what the picture shows, or rays to all that there is",
-       .choices = {"screen", "traced"},
-       .sweep = {0, 1}},
+      screen_or_rays_row<ReflectionKnobs>(
+          "what surfaces reflect of each other: what the picture shows, or rays to all that there is"),
       {.name = "samples",
        .member = &ReflectionKnobs::samples,
        .lowest = 1,

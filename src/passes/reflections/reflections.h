@@ -2,12 +2,12 @@
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/reflected.h"
+#include "passes/shared/screen_or_rays.h"
 
 namespace candela {
 
-struct ReflectionKnobs {
+struct ReflectionKnobs : ScreenOrRays {
   static constexpr std::string_view name = "reflections";
-  static constexpr int screen = 0, by_rays = 1;
   int method = screen;
   int samples = 4;
   int steps = 64;

@@ -10,16 +10,9 @@ namespace candela {
 
 std::span<const Knob> RefractionKnobs::table() {
   static const Knob table[] = {
-      {.name = "method",
-       .member = &RefractionKnobs::method,
-       .lowest = 0,
-       .highest = 1,
-       .levels = {0, 0, 0, 1},
-       .description =
-           "what is seen through smooth surfaces: the picture behind a slab, or what a ray through the bodies "
-           "themselves meets",
-       .choices = {"screen", "traced"},
-       .sweep = {0, 1}},
+      screen_or_rays_row<RefractionKnobs>(
+          "what is seen through smooth surfaces: the picture behind a slab, or what a ray through the bodies "
+          "themselves meets"),
       {.name = "samples",
        .member = &RefractionKnobs::samples,
        .lowest = 0,

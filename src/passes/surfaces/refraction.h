@@ -1,6 +1,7 @@
 #pragma once
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
+#include "passes/shared/screen_or_rays.h"
 #include "passes/shared/seen_through.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
@@ -9,9 +10,8 @@
 
 namespace candela {
 
-struct RefractionKnobs {
+struct RefractionKnobs : ScreenOrRays {
   static constexpr std::string_view name = "refraction";
-  static constexpr int screen = 0, by_rays = 1;
   int method = screen;
   int samples = 0;
   int walls = 8;
